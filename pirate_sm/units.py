@@ -86,6 +86,7 @@ DAMPING: Final = MASS / TIME
 INERTIA: Final = MASS * LENGTH**2
 VOLTAGE: Final = TORQUE / TIME / CURRENT
 MOTOR_CONSTANT: Final = TORQUE / CURRENT
+VELOCITY_GAIN: Final = TORQUE / SPEED
 
 # Per dimension its name, the unit of displayed values, and an example for messages.
 _KNOWN: Final[dict[Dimension, tuple[str, str, str]]] = {
@@ -108,6 +109,7 @@ _KNOWN: Final[dict[Dimension, tuple[str, str, str]]] = {
     INERTIA: ("a moment of inertia", "kg*m^2", "2.88e-6 kg*m^2"),
     VOLTAGE: ("a voltage", "V", "6 V"),
     MOTOR_CONSTANT: ("a motor constant", "Nm/A", "8.44e-3 Nm/A"),
+    VELOCITY_GAIN: ("a gain of a velocity law", "Nm*s/m", "6 Nm*s/m"),
 }
 
 UNITS: Final = MappingProxyType(

@@ -11,5 +11,9 @@ settings.register_profile("repeatable", derandomize=True, database=None, deadlin
 settings.register_profile("explore", max_examples=2_000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
+# On a busy machine the threads of linear algebra wait for each other a hundred times longer than
+# the small matrices here take. It counts only if it is set before numpy is imported.
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
 # Runs leave no recordings behind, those of child processes neither.
 os.environ["PIRATE_SM_RUNS"] = ""

@@ -37,6 +37,7 @@ class Options(TypedDict, total=False):
         start_phase: The phase to begin with, in place of the mission's own.
         states: State names by region that the robot is in, in place of ``starts_in``.
         defects: Names of known defects of the simulated robot.
+        twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         detector: Name of a detector, in place of the backend's usual one.
@@ -51,6 +52,7 @@ class Options(TypedDict, total=False):
     start_phase: str | None
     states: Mapping[str, str] | None
     defects: Iterable[str]
+    twin: str | None
     start_jitter_m: float
     diameter_jitter_m: float
     friction_jitter: float

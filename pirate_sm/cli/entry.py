@@ -34,6 +34,8 @@ COMMANDS = {
     "replay": ("recordings:ReplayOptions", "replay:run_replay"),
     "compare": ("recordings:CompareOptions", "compare:run_compare"),
     "export": ("recordings:ExportOptions", "export:run_export"),
+    "fit": ("estimates:FitOptions", "fit:run_fit"),
+    "experiment": ("estimates:ExperimentOptions", "experiment:run_experiment"),
     "report": ("recordings:ReportOptions", "report:write_reports"),
     "repair": ("recordings:RepairOptions", "repair:run_repair"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),

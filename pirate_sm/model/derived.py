@@ -104,16 +104,16 @@ class SpeedOf(Frozen):
     speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
-class BodySpeedOf(Frozen):
+class RobotSpeedOf(Frozen):
     """Speed of the body: as measured from outside, else the median of the wheels that agree.
 
     Attributes:
-        body_speed_of: The wheels.
+        robot_speed_of: The wheels.
         measured: The outside signal that measures it.
         agreeing: How far a wheel's rim speed may differ from the median of all.
     """
 
-    body_speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
+    robot_speed_of: Annotated[tuple[Name, ...], Field(min_length=1)]
     measured: Name
     agreeing: Annotated[Speed, Field(gt=0)] = 0.010
 
@@ -189,14 +189,14 @@ class LeastOf(Frozen):
 
 
 Traction: TypeAlias = (
-    BodySpeedOf | SlipSpeedOf | SlipOf | NormalForceOf | FrictionUsedOf | FrictionOf | LeastOf
+    RobotSpeedOf | SlipSpeedOf | SlipOf | NormalForceOf | FrictionUsedOf | FrictionOf | LeastOf
 )
 """Signals of slip, normal force and friction, which are made of all boards."""
 
 
 DERIVED_KINDS = (
     "rate_of", "torque_of", "roll_of", "pitch_of", "norm_of", "diameter_of", "odometry_of",
-    "speed_of", "body_speed_of", "slip_speed_of", "slip_of", "normal_force_of", "friction_used_of",
+    "speed_of", "robot_speed_of", "slip_speed_of", "slip_of", "normal_force_of", "friction_used_of",
     "friction_of", "least_of",
 )  # fmt: skip
 
@@ -210,7 +210,7 @@ Derived: TypeAlias = Annotated[
     | Annotated[DiameterOf, Tag("diameter_of")]
     | Annotated[OdometryOf, Tag("odometry_of")]
     | Annotated[SpeedOf, Tag("speed_of")]
-    | Annotated[BodySpeedOf, Tag("body_speed_of")]
+    | Annotated[RobotSpeedOf, Tag("robot_speed_of")]
     | Annotated[SlipSpeedOf, Tag("slip_speed_of")]
     | Annotated[SlipOf, Tag("slip_of")]
     | Annotated[NormalForceOf, Tag("normal_force_of")]

@@ -204,6 +204,15 @@ Mass: TypeAlias = Annotated[float, BeforeValidator(_reader(units.MASS)), _Writte
 Stiffness: TypeAlias = Annotated[
     float, BeforeValidator(_reader(units.STIFFNESS)), _Written(units.STIFFNESS)
 ]
+SpringRate: TypeAlias = Annotated[
+    float, BeforeValidator(_reader(units.FORCE_PER_LENGTH)), _Written(units.FORCE_PER_LENGTH)
+]
+Damping: TypeAlias = Annotated[
+    float, BeforeValidator(_reader(units.DAMPING)), _Written(units.DAMPING)
+]
+VelocityGain: TypeAlias = Annotated[
+    float, BeforeValidator(_reader(units.VELOCITY_GAIN)), _Written(units.VELOCITY_GAIN)
+]
 Ratio: TypeAlias = Annotated[float, BeforeValidator(_read_ratio), _WrittenRatio()]
 Number: TypeAlias = Annotated[
     float, BeforeValidator(_read_number), WithJsonSchema({"type": "number"})

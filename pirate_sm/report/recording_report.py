@@ -108,8 +108,8 @@ def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
     chance = [f"{name} ± {options[key]:g}" for key, name in _CHANCE.items() if options.get(key)]
     if header.backend in SIMULATORS:
         yield Fact("seed", ", ".join([str(options.get("seed", 0)), *chance]))
-    for name in options.get("defects", ()):
-        yield Fact("defect", name)
+    yield from (Fact("defect", name) for name in options.get("defects", ()))
+    yield from (Fact("numbers of the robot", str(n)) for n in [options.get("twin")] if n)
     for name, value in header.parameters.items():
         yield Fact("parameter", f"{name} = {value}")
     if header.zeros:

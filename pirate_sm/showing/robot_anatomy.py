@@ -135,7 +135,7 @@ def _written(derived: kinds.Derived) -> tuple[int, str]:
         case kinds.RateOf() | kinds.TorqueOf():
             return -1, ""
         case (
-            kinds.BodySpeedOf()
+            kinds.RobotSpeedOf()
             | kinds.SlipSpeedOf()
             | kinds.SlipOf()
             | kinds.NormalForceOf()

@@ -27,6 +27,7 @@ class Order:
         start_jitter_m: How far a simulated robot may start from its position; likewise
             ``diameter_jitter_m`` for the pipe, and ``friction_jitter`` as a share.
         defects: Defects of the simulated robot.
+        twin: File with numbers of the simulated robot, in place of its profile's.
         firings: Triggers that a trace fires instead of the first trigger of each wait.
         course: All events of a trace, in order.
         detector: Name of the detector with its argument, ``odometry`` or ``socket:ADDRESS``;
@@ -54,6 +55,7 @@ class Order:
     friction_jitter: float = 0.0
     diameter_jitter_m: float = 0.0
     defects: tuple[str, ...] = ()
+    twin: str | None = None
     firings: tuple[Firing, ...] = ()
     course: tuple[Happening, ...] = ()
     detector: str | None = None

@@ -24,6 +24,10 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         raise UsageError("the backend serial needs a port", hint=hint)
     if order.defects:
         raise UsageError("a real robot has the defects that it has: only the backend sim takes any")
+    if order.twin is not None:
+        raise UsageError(
+            "a real robot has the numbers that it has: only the backend sim takes a twin"
+        )
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend

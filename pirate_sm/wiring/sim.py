@@ -10,6 +10,7 @@ from pirate_sm.detectors.ruler import Ruler
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.robot.twin_file import simulated_profile
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
@@ -34,6 +35,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the simulator with the robot at the mission's start.
 
     Raises:
+        LoadError: The file with the robot's numbers cannot be used.
         UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
             installed.
     """
@@ -84,7 +86,7 @@ def simulated(
 
     assert loaded.pipe is not None  # as check_order has seen
     backend = SimulatorBackend(
-        loaded.loaded_robot.profile,
+        simulated_profile(loaded.loaded_robot.profile, order.twin),
         loaded.pipe,
         seed=order.seed,
         start_values=start_values(loaded),

@@ -28,6 +28,8 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """
     if order.defects:
         raise UsageError("a defect needs a robot that moves", hint=USE_SIM)
+    if order.twin is not None:
+        raise UsageError("only a simulated robot takes the numbers of a twin", hint=USE_SIM)
     if order.detector is not None or order.start_at_m is not None:
         raise UsageError("a detector needs a robot that moves", hint=USE_SIM)
     if order.course:

@@ -11,7 +11,8 @@ from pirate_sm.checking.findings import Finding, at
 from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.model.profile import Motor, Profile, Slot
+from pirate_sm.model.motor import Motor
+from pirate_sm.model.profile import Profile, Slot
 
 
 class Written(NamedTuple):

@@ -117,6 +117,12 @@ Calibration = Annotated[
 Check = Annotated[
     bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
 ]
+Twin = Annotated[
+    str | None,
+    typer.Option(
+        "--twin", metavar="FILE", help="Numbers of the simulated robot, from pirate fit --robot."
+    ),
+]
 NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
 
 Recording = Annotated[str, typer.Argument(metavar="RUN.mcap", help="A recording.")]

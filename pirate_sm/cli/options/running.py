@@ -59,6 +59,7 @@ class RunOptions:
     start_at: common.StartAt = None
     calibration: common.Calibration = True
     check: common.Check = True
+    twin: common.Twin = None
     record: Annotated[
         str | None,
         typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
@@ -112,6 +113,7 @@ class ConsoleOptions:
     start_at: common.StartAt = None
     calibration: common.Calibration = True
     check: common.Check = True
+    twin: common.Twin = None
     no_record: common.NoRecord = False
     live: Annotated[
         bool, typer.Option("--live", help="Serve Foxglove and Lichtblick on this machine.")

@@ -6,7 +6,7 @@ from collections.abc import Iterable
 from math import inf, isfinite
 
 from pirate_sm.errors import UsageError
-from pirate_sm.units import LENGTH, TIME, Dimension, QuantityError, read_quantity
+from pirate_sm.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
 
 
 def read_settings(texts: Iterable[str] | None) -> dict[str, str]:
@@ -54,6 +54,18 @@ def read_duration(option: str, text: str | None) -> float | None:
     if duration_s is not None and duration_s <= 0.0:
         raise UsageError(f"{option} {text}: expected a duration above zero, such as '10 min'")
     return duration_s
+
+
+def read_slip_speed(option: str, text: str | None) -> float | None:
+    """Return the speed that an option gives, m/s.
+
+    Raises:
+        UsageError: It is none, or none above zero.
+    """
+    speed_m_s = _read(option, text, SPEED)
+    if speed_m_s is not None and speed_m_s <= 0.0:
+        raise UsageError(f"{option} {text}: expected a speed above zero, such as '1 mm/s'")
+    return speed_m_s
 
 
 def _read(option: str, text: str | None, dimension: Dimension) -> float | None:

@@ -202,7 +202,13 @@ def _controls(profile: Profile) -> Iterator[Block]:
             for region, states in control.actuation.items()
             for state, stages in states.items()
         ]
-        yield Table(("region", "state", "motors"), rows)
+        if control.gravity_compensation:
+            yield Paragraph("Wheels that are kept at a speed or a torque also bear the weight.")
+        if control.grip is not None:
+            most = f"{control.grip.at_most * 1000:g} mNm"
+            yield Paragraph(f"Clamps press as hard as tilt and friction ask for, up to {most}.")
+        if rows:
+            yield Table(("region", "state", "motors"), rows)
 
 
 def _picture(outline: ChartOutline, place: int) -> Graph:

@@ -89,8 +89,8 @@ def estimate(
         now_s: When it is.
     """
     measured_m_s = numbers[spec.measured] if spec.measured >= 0 else nan
-    if spec.body_speed >= 0:
-        numbers[spec.body_speed] = _body_speed(spec, numbers, measured_m_s)
+    if spec.robot_speed >= 0:
+        numbers[spec.robot_speed] = _robot_speed(spec, numbers, measured_m_s)
     slipping = tuple(
         _wheel(wheel, old, force_n, numbers, setpoints[wheel.slot], measured_m_s, now_s)
         for wheel, old, force_n in zip(spec.wheels, before.slipping, normal_n, strict=True)
@@ -101,7 +101,7 @@ def estimate(
     return Traction(slipping)
 
 
-def _body_speed(spec: TractionSpec, numbers: Sequence[float], measured_m_s: float) -> float:
+def _robot_speed(spec: TractionSpec, numbers: Sequence[float], measured_m_s: float) -> float:
     """Return the speed from outside, else the median of the wheels that agree; NaN without."""
     if not isnan(measured_m_s):
         return measured_m_s

@@ -66,7 +66,7 @@ class TractionSpec(NamedTuple):
         mounts: Per wheel the index of the link that its motor sits on.
         masses_kg: Per wheel its mass, with half of its links.
         measured: Number index of the body speed that somebody outside measures; -1 without one.
-        body_speed: Target, the body speed with its fall-back; -1 without one.
+        robot_speed: Target, the body speed with its fall-back; -1 without one.
         rolling: The wheels that it falls back to.
         agreeing_m_s: How far the speeds of wheels may differ from their median that agree.
         least: For each target, the numbers that it is the least known one of.
@@ -77,7 +77,7 @@ class TractionSpec(NamedTuple):
     mounts: tuple[int, ...]
     masses_kg: tuple[float, ...]
     measured: int = -1
-    body_speed: int = -1
+    robot_speed: int = -1
     rolling: tuple[WheelTraction, ...] = ()
     agreeing_m_s: float = 0.0
     least: tuple[tuple[int, tuple[int, ...]], ...] = ()
@@ -86,6 +86,6 @@ class TractionSpec(NamedTuple):
     def targets(self) -> tuple[int, ...]:
         """Return the number indexes of all these signals."""
         shared = [index for index, _ in self.least]
-        if self.body_speed >= 0:
-            shared.append(self.body_speed)
+        if self.robot_speed >= 0:
+            shared.append(self.robot_speed)
         return (*shared, *(index for wheel in self.wheels for index in wheel.targets))

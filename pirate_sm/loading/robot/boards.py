@@ -75,7 +75,7 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
             case kinds.RateOf() | kinds.TorqueOf() | kinds.OdometryOf() | kinds.SpeedOf():
                 pass  # without its source; made of all wheels
             case (
-                kinds.BodySpeedOf()
+                kinds.RobotSpeedOf()
                 | kinds.SlipSpeedOf()
                 | kinds.SlipOf()
                 | kinds.NormalForceOf()

@@ -56,7 +56,7 @@ def _valid_sources(
         case (
             kinds.OdometryOf()
             | kinds.SpeedOf()
-            | kinds.BodySpeedOf()
+            | kinds.RobotSpeedOf()
             | kinds.SlipSpeedOf()
             | kinds.SlipOf()
             | kinds.NormalForceOf()
@@ -103,7 +103,7 @@ def _dimension(  # noqa: C901 - one case for each kind
             return ANGLE
         case kinds.NormOf(norm_of=sources) | kinds.LeastOf(least_of=sources):
             return of(sources[0])
-        case kinds.SpeedOf() | kinds.BodySpeedOf() | kinds.SlipSpeedOf():
+        case kinds.SpeedOf() | kinds.RobotSpeedOf() | kinds.SlipSpeedOf():
             return SPEED
         case kinds.SlipOf() | kinds.FrictionOf() | kinds.FrictionUsedOf():
             return DIMENSIONLESS

@@ -15,6 +15,7 @@ from pirate_sm.engine.robot.command_spec import (
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import profile as model
+from pirate_sm.model.motor import Motor
 from pirate_sm.units import ANGLE, ANGULAR_SPEED, TORQUE
 
 
@@ -51,7 +52,7 @@ def _slot(
     motor = profile.motors.get(slot.motor)
     if motor is None:
         problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
-        motor = model.Motor(kind="none")
+        motor = Motor(kind="none")
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
     if slot.unit == "angle":
@@ -91,7 +92,7 @@ def _slot(
 
 
 def _velocity(
-    profile: model.Profile, signals: Signals, slot: model.Slot, motor: model.Motor, path: Path
+    profile: model.Profile, signals: Signals, slot: model.Slot, motor: Motor, path: Path
 ) -> VelocitySpec | None:
     """Return the velocity loop of the slot's wheel; None without one."""
     settings = motor.velocity_loop
@@ -106,7 +107,7 @@ def _velocity(
 
 
 def _wheel_torque(
-    profile: model.Profile, signals: Signals, slot: model.Slot, motor: model.Motor, path: Path
+    profile: model.Profile, signals: Signals, slot: model.Slot, motor: Motor, path: Path
 ) -> WheelTorqueSpec | None:
     """Return how the slot's wheel is kept at a torque; None where it cannot be."""
     wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
@@ -116,7 +117,7 @@ def _wheel_torque(
     return WheelTorqueSpec(motor.stall_torque, motor.no_load_speed, speed)
 
 
-def _held_torque(motor: model.Motor, torque: int) -> TorqueSpec | None:
+def _held_torque(motor: Motor, torque: int) -> TorqueSpec | None:
     """Return how a joint is kept at a torque; None without a loop, or without its sensor."""
     loop = motor.torque_loop
     if loop is None or motor.stall_torque is None or torque < 0:

@@ -60,10 +60,10 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
     )
     for name, derived in wanted.items():
         match derived:
-            case kinds.BodySpeedOf(body_speed_of=of, agreeing=agreeing):
+            case kinds.RobotSpeedOf(robot_speed_of=of, agreeing=agreeing):
                 rolling = tuple(each for each in wheels if body.wheels[each.place].name in of)
                 spec = spec._replace(
-                    body_speed=names.index(name), rolling=rolling, agreeing_m_s=agreeing
+                    robot_speed=names.index(name), rolling=rolling, agreeing_m_s=agreeing
                 )
             case kinds.LeastOf(least_of=sources):
                 known = tuple(_index(names, source) for source in sources)
@@ -101,11 +101,11 @@ def _measured(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> int:
     """Return the number index of the body speed from outside that slip is measured against."""
     found = set()
     for name, derived in wanted.items():
-        if isinstance(derived, kinds.BodySpeedOf):
+        if isinstance(derived, kinds.RobotSpeedOf):
             found.add((derived.measured, name, "measured"))
         elif isinstance(derived, kinds.SlipSpeedOf | kinds.SlipOf):
             source = signals.profile.derived.get(derived.speed)
-            speed = source.measured if isinstance(source, kinds.BodySpeedOf) else derived.speed
+            speed = source.measured if isinstance(source, kinds.RobotSpeedOf) else derived.speed
             found.add((speed, name, "speed"))
     for speed, name, key in sorted(found):
         if speed not in signals.profile.outside:
@@ -145,7 +145,7 @@ def _check(signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Trac
             case _:
                 pass
         kind = type(derived).__name__
-        what = (kind, next(iter(derived.model_dump().values())) if kind != "BodySpeedOf" else "")
+        what = (kind, next(iter(derived.model_dump().values())) if kind != "RobotSpeedOf" else "")
         if kind != "LeastOf" and known.setdefault(what, name) != name:
             message = f"'{known[what]}' tells the same"
         if message:

@@ -509,7 +509,7 @@ TRACTION_FAULTS = [
         "there is no outside signal 'rule'",
     ),
     (
-        *_outside("  body: {body_speed_of: [left_fore], measured: pace}\n"),
+        *_outside("  body: {robot_speed_of: [left_fore], measured: pace}\n"),
         "pace}",
         "there is no outside signal 'pace'",
     ),
@@ -535,8 +535,8 @@ TRACTION_FAULTS = [
     ),
     (
         *_outside(
-            "  body: {body_speed_of: [left_fore], measured: ruler}\n"
-            "  other: {body_speed_of: [right_fore], measured: ruler}\n"
+            "  body: {robot_speed_of: [left_fore], measured: ruler}\n"
+            "  other: {robot_speed_of: [right_fore], measured: ruler}\n"
         ),
         "other: {",
         "'body' tells the same",

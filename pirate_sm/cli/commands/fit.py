@@ -1,0 +1,176 @@
+"""`pirate fit`: slip and friction from recordings, or the numbers of a robot."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from pirate_sm.cli.options.estimates import FitOptions
+from pirate_sm.cli.options.values import read_length, read_slip_speed
+from pirate_sm.cli.output.csv_table import write_csv
+from pirate_sm.cli.output.estimate_text import estimate_text
+from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.progress import progress
+from pirate_sm.errors import UsageError
+from pirate_sm.visible import visible
+
+if TYPE_CHECKING:
+    from pirate_sm.fitting.columns import Measured
+    from pirate_sm.fitting.slip_columns import SlipSignals
+    from pirate_sm.fitting.slip_curve import Estimate, SlipCurve
+    from pirate_sm.simulation.arrays import Floats
+
+NOTHING = 1
+
+
+def run_fit(options: FitOptions) -> int:
+    """Print what recordings say of slip and friction, or of the robot; return the exit code.
+
+    Raises:
+        RecordingError: A recording cannot be read.
+        UsageError: A signal is missing, an option does not fit, or a file cannot be written.
+    """
+    # On a busy machine its threads wait for each other far longer than small matrices take.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    refuse_losses([each for each in (options.output, options.csv, options.write) if each])
+    if options.robot:
+        from pirate_sm.cli.commands.fit_robot import fit_robot
+
+        return fit_robot(options)
+    from pirate_sm.fitting.columns import read_measured
+
+    with progress("reading") as watch:
+        measured = []
+        for number, run in enumerate(options.runs):
+            watch(number / len(options.runs))
+            measured.append(read_measured(Path(run)))
+    curves = _curves(measured, options)
+    for wheel, curve in curves.items():
+        for line in _lines(wheel, curve):
+            print(visible(line))
+    if options.csv:
+        write_csv(options.csv, _HEADER, [row for item in curves.items() for row in _rows(*item)])
+        print(visible(str(options.csv)))
+    if options.output:
+        write_file(options.output, _page(curves, options))
+        print(visible(str(options.output)))
+    _say_friction(curves, options.write)
+    return (
+        0 if any(each.static.known or each.kinetic.known for each in curves.values()) else NOTHING
+    )
+
+
+def _signals(options: FitOptions, measured: Measured) -> SlipSignals:
+    from pirate_sm.fitting.slip_columns import SlipSignals
+
+    radius_m = read_length("--radius", options.radius)
+    if radius_m is None and measured.profile is not None:
+        radius_m = measured.profile.body.wheel_radius
+    return SlipSignals(
+        options.slip, options.friction, options.torque, options.normal, radius_m or 0.0
+    )
+
+
+def _curves(measured: Sequence[Measured], options: FitOptions) -> dict[str, SlipCurve]:
+    """Return the curve of each wheel."""
+    import numpy as np
+
+    from pirate_sm.fitting.slip_columns import wheels_in
+    from pirate_sm.fitting.slip_curve import fit_slip_curve
+
+    threshold = read_slip_speed("--threshold", options.threshold)
+    wheels = wheels_in(measured[0].columns, _signals(options, measured[0]))
+    curves = {}
+    with progress("fitting") as watch:
+        for number, wheel in enumerate(wheels):
+            watch(number / len(wheels))
+            pairs = [_points(each, wheel, options) for each in measured]
+            slip, friction = (np.concatenate(each) for each in zip(*pairs, strict=True))
+            curves[wheel] = fit_slip_curve(slip, friction, threshold)
+    return curves
+
+
+def _points(measured: Measured, wheel: str, options: FitOptions) -> tuple[Floats, Floats]:
+    """Return slip and friction of a wheel; of a recording where they are steady."""
+    from pirate_sm.fitting.slip_columns import slip_and_friction, steady
+
+    slip, friction = slip_and_friction(measured.columns, wheel, _signals(options, measured))
+    if measured.profile is None:
+        return slip, friction
+    return steady(measured.columns["time_s"], slip, friction)
+
+
+def _values(curve: SlipCurve) -> Iterable[tuple[str, Estimate]]:
+    yield "static, directly", curve.static
+    yield "kinetic, directly", curve.kinetic
+    yield "peak of the Magic formula", curve.magic_peak
+    yield "its plateau", curve.magic_plateau
+    yield "peak of the Gaussian process", curve.process_peak
+
+
+def _lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
+    """Yield what is printed of a wheel."""
+    name = f"wheel {wheel}" if wheel else "all"
+    yield f"{name}: {curve.points} points, slip up to {curve.most_slip_m_s * 1000:.1f} mm/s"
+    for what, estimate in _values(curve):
+        yield f"  {what:<29} {estimate_text(estimate)}"
+    if curve.magic is not None and (curve.magic_peak.known or curve.magic_plateau.known):
+        from pirate_sm.fitting.magic_formula import NAMES
+
+        numbers = zip(NAMES, curve.magic.parameters, curve.magic.interval, strict=True)
+        parameters = ", ".join(f"{each} {value:.4g} ± {half:.2g}" for each, value, half in numbers)
+        yield f"  Magic formula: {parameters}; misfit {curve.magic.misfit:.4f} (rms)"
+
+
+_HEADER = ("wheel", "what", "value", "low", "high", "reason")
+
+
+def _rows(wheel: str, curve: SlipCurve) -> Iterable[tuple[object, ...]]:
+    for what, each in _values(curve):
+        yield (wheel, what, each.value, each.low, each.high, each.reason)
+
+
+def _page(curves: dict[str, SlipCurve], options: FitOptions) -> str:
+    from pirate_sm.fitting.slip_plot import slip_plot
+    from pirate_sm.report.figure_page import FigureSection, figure_page
+
+    sections = [
+        FigureSection(
+            f"Wheel {wheel}" if wheel else "All",
+            lines=list(_lines(wheel, curve))[-1:],
+            header=("", "value and 95 % interval"),
+            rows=[(what, estimate_text(each)) for what, each in _values(curve)],
+            plots=[slip_plot(curve, "Friction over slip speed")],
+        )
+        for wheel, curve in curves.items()
+    ]
+    return figure_page(f"Slip and friction: {', '.join(options.runs)}", sections)
+
+
+def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
+    """Print the friction of a simulated pipe, or write it into a pipe file.
+
+    Raises:
+        UsageError: It is to be written and is not known, or the file is no pipe.
+    """
+    from statistics import median
+
+    from pirate_sm.fitting.pipe_friction import friction_line, pipe_with_friction
+
+    found = [
+        [each.value for each in estimates if each.known]
+        for estimates in zip(*((c.static, c.kinetic) for c in curves.values()), strict=True)
+    ]
+    if not all(found):
+        if place is not None:
+            missing = "static" if not found[0] else "kinetic"
+            raise UsageError(f"{missing} friction is unknown: nothing is written into '{place}'")
+        return
+    static, kinetic = map(median, found)
+    if place is None:
+        print(f"for a pipe file (medians of the wheels): {friction_line(static, kinetic)}")
+        return
+    write_file(place, pipe_with_friction(place, static, kinetic))
+    print(visible(f"{place}: {friction_line(static, kinetic)}"))

@@ -1,0 +1,1 @@
+"""Repeats the experiments of a robot's thesis, and judges our values by the thesis's."""

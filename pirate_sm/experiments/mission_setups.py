@@ -1,0 +1,113 @@
+"""What the files of experiments say that run missions in the simulator."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+from pydantic import Field
+
+from pirate_sm.experiments.thesis_rows import ThesisRow
+from pirate_sm.model.base import Format, Frozen, Name
+from pirate_sm.model.quantities import Angle, Count, Duration, Length, Number, Speed
+
+
+class PostProcessing(Frozen):
+    """How signals are made comparable (thesis section 5-5).
+
+    Attributes:
+        step: Of the time to which all is interpolated.
+        window: Of the moving average.
+        still_below: Below this speed of the robot the slip ratio is unknown.
+        driving_above: Above this speed of the robot it drives.
+        most_ratio: A slip ratio beyond this, either way, does not count in the first statistic.
+        every: One point of so many is used for fits.
+    """
+
+    step: Annotated[Duration, Field(gt=0)]
+    window: Annotated[Duration, Field(gt=0)]
+    still_below: Annotated[Speed, Field(gt=0)]
+    driving_above: Annotated[Speed, Field(gt=0)]
+    most_ratio: Annotated[Number, Field(gt=0)]
+    every: Annotated[Count, Field(ge=1)]
+
+
+class StraightPipeSetup(Frozen):
+    """An experiment that drives up and down a straight pipe.
+
+    Attributes:
+        format: Version of this file's format.
+        experiment: Its number in the thesis.
+        title: What it is about.
+        missions: By the parts of the experiment.
+        defects: That the robot had.
+        wheels: Those that were measured.
+        shown: The part whose figures are drawn.
+        processing: How signals are made comparable.
+        rows: The thesis's values and claims.
+    """
+
+    format: Format
+    experiment: Count
+    title: str
+    missions: dict[str, Name]
+    defects: tuple[Name, ...] = ()
+    wheels: tuple[Name, ...]
+    shown: str
+    processing: PostProcessing
+    rows: tuple[ThesisRow, ...] = ()
+
+
+class TiltedMission(Frozen):
+    """A mission that is run at each tilt.
+
+    Attributes:
+        mission: Its name.
+        holds: How long before its end it must have stood still; 0: it need not.
+    """
+
+    mission: Name
+    holds: Annotated[Duration, Field(ge=0)] = 0.0
+
+
+class TiltSearch(Frozen):
+    """Raise the tilt until a mission fails.
+
+    Attributes:
+        of: The part of the experiment that it belongs to.
+        missions: Missions by the name of the value that each gives.
+        begin: First tilt.
+        to: Last tilt.
+        step: Between two.
+        slides: A wheel that is carried farther while it should stand still does not hold.
+    """
+
+    of: str
+    missions: dict[Name, TiltedMission]
+    begin: Annotated[Angle, Field(alias="from", ge=0)]
+    to: Angle
+    step: Annotated[Angle, Field(gt=0)]
+    slides: Annotated[Length, Field(gt=0)]
+
+
+class BendSetup(Frozen):
+    """An experiment that moves through a bend.
+
+    Attributes:
+        format: Version of this file's format.
+        experiment: Its number in the thesis.
+        title: What it is about.
+        missions: By the parts of the experiment.
+        defects: That the robot had.
+        snapshots: States that must be seen in this order, each by its region.
+        tilts: The search for the largest tilt.
+        rows: The thesis's values and claims.
+    """
+
+    format: Format
+    experiment: Count
+    title: str
+    missions: dict[str, Name]
+    defects: tuple[Name, ...] = ()
+    snapshots: dict[str, tuple[str, ...]] = {}  # noqa: RUF012 - pydantic copies it
+    tilts: TiltSearch
+    rows: tuple[ThesisRow, ...] = ()

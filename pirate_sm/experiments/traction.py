@@ -1,0 +1,199 @@
+"""Repeats a traction experiment on the reduced physics: its values and figures 6-10 to 6-12."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from statistics import median
+
+import numpy as np
+
+from pirate_sm.drawing.svg.plot import Plot, PlotSeries
+from pirate_sm.errors import UsageError
+from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
+from pirate_sm.experiments.reduced.traction import TractionRun, run_traction
+from pirate_sm.experiments.traction_setup import NoiseLevel, TractionSetup
+from pirate_sm.fitting.slip_curve import SlipCurve, fit_slip_curve
+from pirate_sm.fitting.slip_plot import slip_plot
+from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import one_of
+
+_STICKING = "sticking"
+"""Level of values where friction sticks, with the noise of the last level that is run."""
+
+_DRAWN = 20
+"""One tick of so many is drawn."""
+
+
+def repeat_traction(
+    profile: Profile,
+    setup: TractionSetup,
+    parts: tuple[str, ...],
+    *,
+    noise: str | None = None,
+    seeds: int = 1,
+    watch: Watch = lambda share: None,
+) -> ExperimentResult:
+    """Return values and figures of the variants.
+
+    Args:
+        profile: Of the robot.
+        setup: The experiment.
+        parts: Names of the variants.
+        noise: Run this level of noise alone.
+        seeds: How many runs of each; values are medians.
+        watch: Receives the share that is done.
+
+    Raises:
+        UsageError: There is no such level of noise, or the setup does not fit the robot.
+    """
+    levels = [name for name in setup.noise if name != setup.curves.noise]
+    if noise is not None and noise not in levels:
+        raise UsageError(f"--noise {noise}: expected {one_of(levels)}")
+    levels = [noise] if noise else levels
+    work = _Work(profile, setup, seeds, watch, len(parts) * (len(levels) + 1))
+    for part in parts:
+        for level in levels:
+            work.run(part, level, setup.noise[level])
+        work.run(part, _STICKING, setup.noise[levels[-1]], sticks=True)
+    result = ExperimentResult(dict(_values(work)))
+    result.figures = [*_places(work, levels), *_errors(work, levels)]
+    if setup.curves.of in parts and noise is None:
+        _add_curves(profile, setup, result)
+    return result
+
+
+@dataclass
+class _Work:
+    """Runs that have been made, by variant and level of noise."""
+
+    profile: Profile
+    setup: TractionSetup
+    seeds: int
+    watch: Watch
+    total: int
+    runs: dict[tuple[str, str], list[TractionRun]] = field(default_factory=dict)
+
+    def run(self, part: str, level: str, noise: NoiseLevel, *, sticks: bool = False) -> None:
+        self.watch(len(self.runs) / self.total)
+        self.runs[part, level] = [
+            run_traction(
+                self.profile, self.setup, self.setup.variants[part], noise, seed=seed, sticks=sticks
+            )
+            for seed in range(self.seeds)
+        ]
+
+    def median(self, part: str, level: str, value: Callable[[TractionRun], float]) -> float:
+        return median(value(run) for run in self.runs[part, level])
+
+
+def _values(work: _Work) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for part, level in work.runs:
+        name = f"{part}.{level}"
+        found[f"{name}.error"] = work.median(part, level, _error_m)
+        found[f"{name}.way"] = work.median(part, level, lambda run: run.way_m)
+        found[f"{name}.place"] = work.median(part, level, lambda run: float(run.place_m[-1]))
+    for part, level in work.runs:
+        partner = _uncompensated(work.setup, part)
+        if partner is not None and (partner, level) in work.runs:
+            name, other = f"{part}.{level}", f"{partner}.{level}"
+            found[f"{name}.apart"] = abs(found[f"{name}.error"] - found[f"{other}.error"])
+            found[f"{name}.kept"] = found[f"{name}.place"] - found[f"{other}.place"]
+    return found
+
+
+def _error_m(run: TractionRun) -> float:
+    """Return the odometry error at the end, the mean of the wheels."""
+    return abs(float(run.odometry_error_m[-1].mean()))
+
+
+def _uncompensated(setup: TractionSetup, part: str) -> str | None:
+    """Return the variant that differs from this one by gravity compensation alone."""
+    its = setup.variants[part]
+    if not its.compensated:
+        return None
+    others = setup.variants.items()
+    return next((n for n, v in others if v.gripped == its.gripped and not v.compensated), None)
+
+
+def _places(work: _Work, levels: list[str]) -> list[Plot]:
+    return [
+        Plot(
+            f"Fig. 6-10, {level}: place in the pipe",
+            "time, s",
+            "x, m",
+            tuple(
+                PlotSeries(part, _thin(run.times_s), _thin(run.place_m), colour=number)
+                for number, part in enumerate(_parts(work))
+                for run in work.runs[part, level][:1]
+            ),
+        )
+        for level in levels
+    ]
+
+
+def _errors(work: _Work, levels: list[str]) -> list[Plot]:
+    """Return the odometry errors of all wheels, mean and standard deviation, at the last level."""
+    series = []
+    for number, part in enumerate(_parts(work)):
+        run = work.runs[part, levels[-1]][0]
+        errors = run.odometry_error_m[::_DRAWN]
+        mean, spread = errors.mean(axis=1), errors.std(axis=1)
+        times = _thin(run.times_s)
+        low, high = (mean - spread).tolist(), (mean + spread).tolist()
+        series += [
+            PlotSeries("", times, low, "band", high, colour=number),
+            PlotSeries(part, times, mean.tolist(), colour=number),
+        ]
+    title = f"Fig. 6-11, {levels[-1]}: odometry error, mean and std. of the wheels"
+    return [Plot(title, "time, s", "x - r sum(w dt), m", tuple(series))]
+
+
+def _parts(work: _Work) -> list[str]:
+    return list(dict.fromkeys(part for part, _ in work.runs))
+
+
+def _thin(values: np.ndarray) -> list[float]:
+    thinned: list[float] = values[::_DRAWN].tolist()
+    return thinned
+
+
+def _add_curves(profile: Profile, setup: TractionSetup, result: ExperimentResult) -> None:
+    """Fit the slip curves of the run apart, and draw fig. 6-12 of its first wheel."""
+    curves = setup.curves
+    run = run_traction(profile, setup, setup.variants[curves.of], setup.noise[curves.noise])
+    names = [wheel.name for wheel in profile.body.wheels]
+    driven = run.times_s > max(setup.timeline.clamp.values())
+    for number, wheel in enumerate(curves.wheels):
+        at = names.index(wheel)
+        slip, used = run.slip_m_s[driven, at], run.used_friction[driven, at]
+        curve = fit_slip_curve(slip, used, setup.physics.threshold)
+        result.values |= _curve_values(f"{curves.of}.{wheel}", curve)
+        if number == 0:
+            ratio = -slip / np.where(np.abs(run.speed_m_s[driven]) < 0.005, np.nan, 1.0)
+            ratio /= run.speed_m_s[driven]
+            result.figures += [
+                _cloud("Fig. 6-12a: friction over slip ratio", "slip ratio", ratio, used),
+                _cloud(
+                    "Fig. 6-12b: friction over slip speed", "|v - w r|, m/s", np.abs(slip), used
+                ),
+                slip_plot(curve, "Fig. 6-12c: both fits"),
+            ]
+
+
+def _curve_values(name: str, curve: SlipCurve) -> dict[str, float]:
+    return {
+        f"{name}.static": curve.static.value,
+        f"{name}.kinetic": curve.kinetic.value,
+        f"{name}.process_peak": curve.process_peak.value,
+        f"{name}.magic_plateau": curve.magic_plateau.value,
+        f"{name}.magic_peak": curve.magic_peak.value,
+    }
+
+
+def _cloud(title: str, x_label: str, x: np.ndarray, y: np.ndarray) -> Plot:
+    shown = (np.abs(x) <= 1) & np.isfinite(y)
+    step = max(int(np.count_nonzero(shown)) // 1500, 1)
+    dots = PlotSeries("", x[shown][::step].tolist(), y[shown][::step].tolist(), "dots")
+    return Plot(title, x_label, "friction in use |F| / N", (dots,))

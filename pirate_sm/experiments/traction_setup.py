@@ -1,0 +1,201 @@
+"""What the file of a traction experiment may say: physics, controller, timeline and noise."""
+
+from __future__ import annotations
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from pirate_sm.experiments.thesis_rows import ThesisRow
+from pirate_sm.model.base import Format, Frozen, Name
+from pirate_sm.model.quantities import (
+    Angle,
+    AngularSpeed,
+    Count,
+    Damping,
+    Duration,
+    Flag,
+    Inertia,
+    Length,
+    Number,
+    Speed,
+    SpringRate,
+    Torque,
+    VelocityGain,
+)
+from pirate_sm.model.simulation import Friction
+
+Moment = Annotated[Duration, Field(ge=0)]
+PositiveNumber = Annotated[Number, Field(gt=0)]
+
+
+class Bristle(Frozen):
+    """How a contact that sticks gives way before it slides.
+
+    Attributes:
+        stiffness: Along the pipe.
+        damping: Along the pipe.
+    """
+
+    stiffness: Annotated[SpringRate, Field(gt=0)]
+    damping: Annotated[Damping, Field(gt=0)]
+
+
+class ReducedPhysics(Frozen):
+    """The reduced physics; mass, radius and links are those of the robot's profile.
+
+    Attributes:
+        diameter: Inner diameter of the pipe.
+        friction: Between the wheels of a part and the wall, by part.
+        threshold: Slip speed of static friction in the law of fig. 4-3.
+        rotor: Inertia of a wheel's motor at the wheel.
+        disk: Inertia of a wheel.
+        bristle: Of the contacts, where friction sticks.
+        step: Of the physics.
+        tick: Of the controller; a whole number of steps.
+    """
+
+    diameter: Annotated[Length, Field(gt=0)]
+    friction: dict[Name, Friction]
+    threshold: Annotated[Speed, Field(gt=0)]
+    rotor: Annotated[Inertia, Field(ge=0)]
+    disk: Annotated[Inertia, Field(gt=0)]
+    bristle: Bristle
+    step: Annotated[Duration, Field(gt=0)]
+    tick: Annotated[Duration, Field(gt=0)]
+
+
+class Control(Frozen):
+    """The traction controller (thesis section 3-4-2).
+
+    Attributes:
+        gain: K_p of eq. 3-12.
+        speed: Wanted speed of the robot while it drives.
+        fixed: Torque of every clamp's apex that is not controlled.
+        friction: Kinetic friction that the clamp control reckons with, by part.
+        safety: How many times the friction that is needed the clamp control provides for.
+        share: The torque of eq. 3-24 as printed, or twice it, which the outer wheels need.
+    """
+
+    gain: Annotated[VelocityGain, Field(gt=0)]
+    speed: Annotated[Speed, Field(gt=0)]
+    fixed: Annotated[Torque, Field(gt=0)]
+    friction: dict[Name, PositiveNumber]
+    safety: PositiveNumber
+    share: Literal["as_printed", "corrected"] = "as_printed"
+
+
+class Drive(Frozen):
+    """A stretch of driving.
+
+    Attributes:
+        begin: When it begins.
+        to: When the wheels are braked.
+        way: Which way.
+    """
+
+    begin: Annotated[Moment, Field(alias="from")]
+    to: Moment
+    way: Literal["forward", "backward"]
+
+
+class Turn(Frozen):
+    """Gravity turns from across the pipe to along it.
+
+    Attributes:
+        begin: When it begins to.
+        to: When it has turned.
+        tilt: The pipe's tilt afterwards.
+    """
+
+    begin: Annotated[Moment, Field(alias="from")]
+    to: Moment
+    tilt: Angle
+
+
+class Timeline(Frozen):
+    """What happens when, the same for every variant.
+
+    Attributes:
+        clamp: When each part clamps.
+        compensate: From when on gravity is compensated, where a variant does.
+        drives: When the robot drives; its wheels are braked in between.
+        turn: Of gravity.
+        grip: From when on clamps are controlled, where a variant does.
+        end: When it is over.
+    """
+
+    clamp: dict[Name, Moment]
+    compensate: Moment
+    drives: tuple[Drive, ...]
+    turn: Turn
+    grip: Moment
+    end: Annotated[Duration, Field(gt=0)]
+
+
+class NoiseLevel(Frozen):
+    """Standard deviations of white noise at each tick of the controller.
+
+    Attributes:
+        speed: Of each wheel's measured angular speed.
+        tilt: Of the measured tilt.
+    """
+
+    speed: Annotated[AngularSpeed, Field(ge=0)] = 0.0
+    tilt: Annotated[Angle, Field(ge=0)] = 0.0
+
+
+class Variant(Frozen):
+    """Which parts of the controller work.
+
+    Attributes:
+        compensated: Gravity is fed forward (eq. 3-11).
+        gripped: The clamp is controlled (eq. 3-24).
+        about: One line for people.
+    """
+
+    compensated: Flag
+    gripped: Flag
+    about: str
+
+
+class SlipCurves(Frozen):
+    """The run that slip curves are fitted to, one apart: with little noise hardly a wheel slips.
+
+    Attributes:
+        of: Its variant.
+        noise: Its level of noise.
+        wheels: Those whose curves are fitted.
+    """
+
+    of: str
+    noise: Name
+    wheels: tuple[Name, ...]
+
+
+class TractionSetup(Frozen):
+    """A traction experiment.
+
+    Attributes:
+        format: Version of this file's format.
+        experiment: Its number in the thesis.
+        title: What it is about.
+        physics: The reduced physics.
+        control: The controller.
+        timeline: What happens when.
+        noise: Levels of noise by name.
+        variants: By their names in the thesis.
+        curves: Of slip and friction.
+        rows: The thesis's values and claims.
+    """
+
+    format: Format
+    experiment: Count
+    title: str
+    physics: ReducedPhysics
+    control: Control
+    timeline: Timeline
+    noise: dict[Name, NoiseLevel]
+    variants: dict[str, Variant]
+    curves: SlipCurves
+    rows: tuple[ThesisRow, ...] = ()

@@ -1,0 +1,51 @@
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from ..conftest import NEWT
+
+
+def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
+    pirate: Any, tmp_path: Path
+) -> None:
+    page, csv = tmp_path / "page.html", tmp_path / "rows.csv"
+
+    told = pirate("experiment", "3c", "--seeds", "1", "-o", page, "--csv", csv)
+
+    assert told.exit_code == 0
+    assert "thesis about 2 cm (6-4, fig. 6-11), ours 19.9" in told.stdout
+    assert "reproduced: creep of the friction law" in told.stdout
+    assert "3a" not in {line.split()[0] for line in told.stdout.splitlines() if line.strip()}
+    assert "Fig. 6-11" in page.read_text()
+    assert "3c,odometry error with noise,about 2 cm,19.9" in csv.read_text()
+
+
+def test_that_gravity_compensation_harms_is_not_reproducible_and_the_algebra_is_given(
+    pirate: Any,
+) -> None:
+    told = pirate("experiment", "3c", "3d", "--seeds", "1", "--noise", "thesis")
+
+    harms = told.stdout.partition("gravity compensation harms")[2]
+    assert "not reproducible: 3d = 3c in odometry: F = K_p (v_d + m g r sin a / (6 K_p)" in harms
+
+
+def test_an_unknown_experiment_is_refused(pirate: Any) -> None:
+    told = pirate("experiment", "3e")
+
+    assert told.exit_code == 2
+    assert "there is no experiment '3e'" in told.output
+
+
+def test_an_unknown_noise_is_refused(pirate: Any) -> None:
+    told = pirate("experiment", "3a", "--noise", "loud")
+
+    assert told.exit_code == 2
+    assert "--noise loud: expected one of clean, thesis" in told.output
+
+
+def test_a_robot_without_experiments_is_refused(pirate: Any) -> None:
+    told = pirate("experiment", "all", "--robot", NEWT)
+
+    assert told.exit_code == 2
+    assert "the robot has no experiments" in told.output

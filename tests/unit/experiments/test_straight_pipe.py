@@ -1,0 +1,39 @@
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.experiments.experiment_files import load_experiments
+from pirate_sm.experiments.experiment_result import ExperimentResult
+from pirate_sm.experiments.mission_setups import StraightPipeSetup
+from pirate_sm.experiments.straight_pipe import repeat_straight_pipe
+from pirate_sm.loading.robot.loader import load_robot
+
+ROBOT = Path(__file__).parents[3] / "hardware_profiles" / "pirate_ii"
+WHEELS = ("wheel_1", "wheel_2", "wheel_5", "wheel_6")
+
+
+@pytest.fixture(scope="module")
+def result() -> ExperimentResult:
+    (setup,) = (each for each in load_experiments(ROBOT) if isinstance(each, StraightPipeSetup))
+    return repeat_straight_pipe(load_robot(ROBOT).profile, setup, ("1a", "1d"))
+
+
+@pytest.mark.parametrize("part", ["1a", "1d"])
+@pytest.mark.parametrize("wheel", WHEELS)
+def test_while_it_drives_hardly_a_wheel_slips(
+    result: ExperimentResult, part: str, wheel: str
+) -> None:
+    assert abs(result.values[f"{part}.{wheel}.driving_median"]) < 0.05
+
+
+def test_a_block_shows_as_a_drop_of_the_slip_ratio_and_a_free_pipe_does_not(
+    result: ExperimentResult,
+) -> None:
+    assert result.values["1a.wheel_1.least"] < -0.4
+    assert result.values["1d.wheel_1.least"] > -0.4
+
+
+def test_the_figures_of_the_part_shown_are_drawn(result: ExperimentResult) -> None:
+    titles = [figure.title.partition(":")[0] for figure in result.figures]
+
+    assert list(dict.fromkeys(titles)) == [f"Fig. 6-{number}" for number in range(1, 9)]

@@ -1,0 +1,59 @@
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.errors import UsageError
+from pirate_sm.experiments.experiment_files import load_experiments
+from pirate_sm.experiments.experiment_result import ExperimentResult
+from pirate_sm.experiments.traction import repeat_traction
+from pirate_sm.experiments.traction_setup import TractionSetup
+from pirate_sm.loading.robot.loader import load_robot
+
+ROBOT = Path(__file__).parents[3] / "hardware_profiles" / "pirate_ii"
+PROFILE = load_robot(ROBOT).profile
+(SETUP,) = (each for each in load_experiments(ROBOT) if isinstance(each, TractionSetup))
+
+
+@pytest.fixture(scope="module")
+def result() -> ExperimentResult:
+    shares: list[float] = []
+    made = repeat_traction(PROFILE, SETUP, ("3c", "3d"), seeds=3, watch=shares.append)
+    assert shares == sorted(shares)
+    return made
+
+
+def test_values_are_there_for_every_level_of_noise_and_where_friction_sticks(
+    result: ExperimentResult,
+) -> None:
+    for level in ("clean", "thesis", "sticking"):
+        assert {f"3c.{level}.{name}" for name in ("error", "way", "place")} <= set(result.values)
+
+
+def test_a_compensated_variant_is_compared_with_its_partner(result: ExperimentResult) -> None:
+    assert result.values["3d.thesis.apart"] < 1e-3
+    assert result.values["3d.clean.kept"] > 0.1
+    assert "3c.thesis.apart" not in result.values
+
+
+def test_the_curves_of_the_run_apart_have_the_friction_that_was_put_in(
+    result: ExperimentResult,
+) -> None:
+    for wheel, static, kinetic in (("wheel_1", 0.3, 0.2), ("wheel_5", 0.7, 0.5)):
+        found = {name: result.values[f"3d.{wheel}.{name}"] for name in ("static", "kinetic")}
+        assert found == pytest.approx({"static": static, "kinetic": kinetic}, rel=0.01)
+        assert result.values[f"3d.{wheel}.process_peak"] == pytest.approx(static, rel=0.05)
+        assert result.values[f"3d.{wheel}.magic_plateau"] == pytest.approx(kinetic, rel=0.05)
+
+
+def test_the_figures_of_the_thesis_are_drawn(result: ExperimentResult) -> None:
+    titles = [figure.title.partition(":")[0] for figure in result.figures]
+
+    assert titles == [
+        *("Fig. 6-10, clean", "Fig. 6-10, thesis", "Fig. 6-11, thesis"),
+        *("Fig. 6-12a", "Fig. 6-12b", "Fig. 6-12c"),
+    ]
+
+
+def test_an_unknown_level_of_noise_is_refused() -> None:
+    with pytest.raises(UsageError, match="--noise loud"):
+        repeat_traction(PROFILE, SETUP, ("3a",), noise="loud")

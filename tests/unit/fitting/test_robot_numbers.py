@@ -1,0 +1,123 @@
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import pirate_sm
+from pirate_sm.fitting.columns import Measured, read_measured
+from pirate_sm.fitting.robot_numbers import RobotNumber, robot_numbers
+from pirate_sm.fitting.slip_curve import Estimate
+from pirate_sm.fitting.twin_text import twin_text
+from pirate_sm.loading.robot.twin_file import load_twin
+
+TRUE = {
+    ("wheel", "no_load_speed"): 3.4,
+    ("wheel", "stall_torque"): 0.26,
+    ("wheel", "hold_torque"): 0.09,
+    ("bend", "no_load_speed"): 0.8,
+    ("bend", "stall_torque"): 0.9,
+}
+TWIN = """
+format: 1
+robot: pirate_ii
+motors:
+  wheel: {no_load_speed: 3.4 rad/s, stall_torque: 260 mNm, hold_torque: 90 mNm}
+  bend: {no_load_speed: 0.8 rad/s, stall_torque: 0.9 Nm}
+"""
+
+
+@pytest.fixture(scope="module")
+def measured(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+    """A bend of a robot whose motors are others than its profile says."""
+    folder = tmp_path_factory.mktemp("twin")
+    twin, recording = folder / "true.yaml", folder / "run.mcap"
+    twin.write_text(TWIN)
+    pirate_sm.run("mitre_bend", twin=str(twin), record=recording)
+    return read_measured(recording)
+
+
+@pytest.fixture(scope="module")
+def numbers(measured: Measured) -> dict[tuple[str, str], RobotNumber]:
+    return {(each.motor, each.key): each for each in robot_numbers([measured])}
+
+
+@pytest.mark.parametrize("which", TRUE, ids=" ".join)
+def test_a_number_of_the_true_robot_is_found_within_ten_percent(
+    numbers: dict[tuple[str, str], RobotNumber], which: tuple[str, str]
+) -> None:
+    assert numbers[which].estimate.value == pytest.approx(TRUE[which], rel=0.1)
+
+
+def test_an_interval_is_around_its_value(
+    numbers: dict[tuple[str, str], RobotNumber],
+) -> None:
+    for which in TRUE:
+        estimate = numbers[which].estimate
+        assert estimate.low <= estimate.value <= estimate.high
+
+
+def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: Measured) -> None:
+    columns = {
+        name: values for name, values in measured.columns.items() if not name.startswith("mu_")
+    }
+
+    found = robot_numbers([measured._replace(columns=columns)])
+
+    reasons = [each.estimate.reason for each in found if each.key.startswith("kinetic")]
+    assert len(reasons) == 2
+    assert all("derives no friction" in reason for reason in reasons)
+
+
+def test_a_robot_that_never_moved_tells_why_nothing_is_known(measured: Measured) -> None:
+    rest = {name: values[:40] for name, values in measured.columns.items()}
+
+    found = robot_numbers([measured._replace(columns=rest)])
+
+    assert not any(each.estimate.known for each in found)
+    assert all(each.estimate.reason for each in found)
+
+
+def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
+    measured: Measured, numbers: dict[tuple[str, str], RobotNumber], tmp_path: Path
+) -> None:
+    file = tmp_path / "found.yaml"
+    assert measured.profile is not None
+    file.write_text(twin_text(measured.profile, numbers.values(), "run.mcap"))
+
+    twin = load_twin(file, measured.profile)
+
+    assert twin.motors["wheel"].hold_torque == pytest.approx(0.09, rel=0.1)
+    assert twin.motors["bend"].no_load_speed == pytest.approx(0.8, rel=0.1)
+    assert "unknown: kinetic friction, front" in file.read_text()
+
+
+def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured) -> None:
+    count = len(measured.columns["time_s"])
+    random = np.random.default_rng(1)
+    made: dict[str, np.ndarray] = {}
+    for number in range(1, 7):
+        # A third of the time it turns in the air, where torque and friction are next to nothing.
+        in_air = np.arange(count) % 3 == 0
+        true = 0.2 if number <= 3 else 0.5
+        made[f"mu_{number}"] = np.where(in_air, 0.01, true * random.normal(1, 0.03, count))
+        made[f"wheel_torque_{number}"] = np.where(in_air, 0.002, -0.1)
+
+    found = robot_numbers([measured._replace(columns={**measured.columns, **made})])
+
+    friction = {each.key: each.estimate for each in found if not each.motor}
+    assert friction["kinetic friction, front"].value == pytest.approx(0.2, rel=0.05)
+    assert friction["kinetic friction, rear"].value == pytest.approx(0.5, rel=0.05)
+
+
+def test_friction_that_was_found_is_written_with_static_friction_in_the_profiles_ratio(
+    measured: Measured, tmp_path: Path
+) -> None:
+    assert measured.profile is not None
+    parts = [RobotNumber("", f"kinetic friction, {n}", "", Estimate(n / 10)) for n in (2, 4)]
+    file = tmp_path / "found.yaml"
+    file.write_text(twin_text(measured.profile, parts, "run.mcap"))
+
+    friction = load_twin(file, measured.profile).friction
+
+    assert friction is not None
+    assert (friction.static, friction.kinetic) == (0.42, 0.3)
