@@ -130,10 +130,17 @@ def test_all_independent_faults_come_at_once() -> None:
     assert "column 22" in str(error)
 
 
-def test_a_sum_that_does_not_exist_is_not_compared_as_well() -> None:
-    (fault,) = refused("path + bend > 90 deg").faults
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("path + bend > 90 deg", "cannot add a length and an angle"),
+        ("path + 3 > 90 deg", "'3' needs a unit here: the other side is a length"),
+    ],
+)
+def test_a_sum_that_does_not_exist_is_not_compared_as_well(text: str, message: str) -> None:
+    (fault,) = refused(text).faults
 
-    assert fault.message == "cannot add a length and an angle"
+    assert fault.message == message
 
 
 @pytest.mark.parametrize("text", ["abs(eye) == close", "close != abs(eye)"])
