@@ -234,6 +234,21 @@ def test_a_question_leads_to_continue_fail_and_phases(load):
     assert targets[2].phase == "b"
 
 
+def test_each_trigger_of_a_wait_leads_to_its_own_target(load):
+    program = load(
+        mission(
+            "start: a\nphases:\n"
+            "  a: {wait: [{after: 1 s, go: e}, {operator: no, go: b}]}\n"
+            "  b: {go: e}\nends: {e: {succeed: ok}}\n"
+        )
+    ).program
+    first, second = one(program, Wait).triggers
+
+    assert isinstance(program.instructions[first.go], Finish)
+    assert program.instructions[second.go].phase == "b"
+    assert (first.text, second.text) == ("after 1 s", "operator: no")
+
+
 def test_parameters_are_written_into_messages_as_they_were_given(load):
     text = mission(
         "parameters: {t: {type: duration, default: 90 s}, n: {type: count, default: 3}}\n"
