@@ -85,6 +85,26 @@ def test_a_call_requires_the_whole_initial_configuration_or_what_is_named(load):
     assert one(some.program, Require).states == ((lighting, "On"),)
 
 
+@pytest.mark.parametrize(
+    ("step", "of_phase", "expected", "handled"),
+    [
+        ("{call: called}", "", False, False),
+        ("{call: called, on_failure: e}", "", True, False),
+        ("{call: called}", "on_failure: e, ", False, True),
+    ],
+)
+def test_a_call_tells_whether_its_refusal_is_expected_and_whether_its_phase_handles_it(
+    load, step, of_phase, expected, handled
+):
+    phases = f"phases: {{a: {{{of_phase}do: [{step}], go: e}}}}"
+    program = load(
+        mission(f"start: a\n{phases}\nends: {{e: {{succeed: ok}}}}\n"), {"called.yaml": CALLED}
+    ).program
+    required = one(program, Require)
+
+    assert (required.expected, required.handled) == (expected, handled)
+
+
 def test_arguments_go_down_and_nothing_else_does(load, faults):
     called = CALLED.replace("start: x", "parameters: {t: {type: duration}}\nstart: x").replace(
         "after: 1 s", "after: $t"
