@@ -105,6 +105,15 @@ def test_a_call_tells_whether_its_refusal_is_expected_and_whether_its_phase_hand
     assert (required.expected, required.handled) == (expected, handled)
 
 
+@pytest.mark.parametrize("of_repeat", ["", ", on_failure: e"])
+def test_a_repeat_that_names_where_a_failure_leads_handles_those_of_its_steps(load, of_repeat):
+    step = f"{{repeat: {{times: 1, do: [Brake]}}{of_repeat}}}"
+    phases = f"phases: {{a: {{do: [{step}], go: e}}}}"
+    program = load(mission(f"start: a\n{phases}\nends: {{e: {{succeed: ok}}}}\n")).program
+
+    assert one(program, Do).handled == bool(of_repeat)
+
+
 def test_arguments_go_down_and_nothing_else_does(load, faults):
     called = CALLED.replace("start: x", "parameters: {t: {type: duration}}\nstart: x").replace(
         "after: 1 s", "after: $t"
