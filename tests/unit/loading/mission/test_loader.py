@@ -105,6 +105,8 @@ def test_what_is_shipped_loads(path):
         (phase("wait: [{after: 1 s, go: e, name: within}]"),
          "6:40: 'within' names another trigger here"),
         (phase("wait: [{go: e}], within: {time: 1 s, go: e}"), "6:14: expected a trigger"),
+        (phase("wait: [{when: 'true', held: 1 ms, go: e}], within: {time: 1 s, go: e}"),
+         f"6:35: {CYCLE}, or 0 s, got 1 ms"),
         (phase("wait: [{when: 'true', held: 1, go: e}], within: {time: 1 s, go: e}"),
          "6:35: expected a duration such as '2 s', got '1' without a unit"),
         (phase("wait: [{when: 'true', go: e}], within: {time: 1 s, go: b}"),
