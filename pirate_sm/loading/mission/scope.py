@@ -114,12 +114,12 @@ class Scope:
         The phase that handles the mission's failures cannot handle its own.
         """
         mission = self.source.mission
-        phase = mission.phases.get(self.phase)
+        phase = mission.phases[self.phase]
         if own is not None:
             return self.target(own, (*path, "on_failure"))
         if self.inner is not None:
             return self.inner
-        if phase is not None and phase.on_failure is not None:
+        if phase.on_failure is not None:
             at = ("phases", self.phase, "on_failure")
             if phase.on_failure == self.phase:
                 self.problems.add("mission.loop", at, "a phase cannot handle its own failures")
@@ -131,8 +131,8 @@ class Scope:
     @property
     def handles_failures(self) -> bool:
         """Return whether the phase or an enclosing step handles the failures of these steps."""
-        phase = self.source.mission.phases.get(self.phase)
-        return self.inner is not None or (phase is not None and phase.on_failure is not None)
+        phase = self.source.mission.phases[self.phase]
+        return self.inner is not None or phase.on_failure is not None
 
     @property
     def handlers(self) -> Handlers:

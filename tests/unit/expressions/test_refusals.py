@@ -130,6 +130,19 @@ def test_all_independent_faults_come_at_once() -> None:
     assert "column 22" in str(error)
 
 
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("path + bend > 90 deg", "cannot add a length and an angle"),
+        ("path + 3 > 90 deg", "'3' needs a unit here: the other side is a length"),
+    ],
+)
+def test_a_sum_that_does_not_exist_is_not_compared_as_well(text: str, message: str) -> None:
+    (fault,) = refused(text).faults
+
+    assert fault.message == message
+
+
 @pytest.mark.parametrize("text", ["abs(eye) == close", "close != abs(eye)"])
 def test_a_word_is_not_told_beside_a_number_that_cannot_be_made_of_words(text: str) -> None:
     (fault,) = refused(text).faults

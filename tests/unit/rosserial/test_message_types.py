@@ -57,6 +57,12 @@ def test_what_is_not_named_is_zero() -> None:
     )
 
 
+def test_arrays_that_are_not_named_are_zero_or_empty() -> None:
+    it = kind("int16[] more\nint16[2] numbers\nstring[2] notes")
+
+    assert it.pack({}) == bytes(4) + bytes(2 * 2) + bytes(2 * 4)
+
+
 def test_a_message_is_read_from_the_beginning_of_a_longer_buffer_only_where_that_is_asked() -> None:
     it, buffer = kind("uint32 id\nint16[2] setpoints"), b"\x05\0\0\0\x01\0\xff\xffrest"
 

@@ -86,6 +86,10 @@ def test_what_is_no_introduction_is_ignored(payload: bytes) -> None:
     assert read_topic(PUBLISHER, payload) is None
 
 
+def test_a_topic_may_have_room_for_a_single_byte() -> None:
+    assert read_topic(PUBLISHER, introduced(buffer_bytes=1)) == STATE._replace(buffer_bytes=1)
+
+
 def test_a_name_has_no_leading_slash() -> None:
     assert read_topic(SUBSCRIBER, introduced(name="/state")) == STATE._replace(direction="takes")
 

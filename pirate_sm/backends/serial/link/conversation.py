@@ -216,7 +216,7 @@ class Conversation:
         for at, wanted in enumerate(self._wanted):
             if (wanted.name.lstrip("/"), wanted.direction) != (info.name, info.direction):
                 continue
-            if self._unproven[info] < 2 and not self._met_before(at, info):
+            if self._unproven[info] < 2:
                 continue
             if (wanted.type, wanted.md5) == (info.type, info.md5):
                 self._numbers = {n: a for n, a in self._numbers.items() if a != at}
@@ -233,6 +233,3 @@ class Conversation:
             known = TopicsKnown(self._known, self._silence_s)
             self._known, self._again, self._silence_s = True, False, 0.0
             yield known
-
-    def _met_before(self, at: int, info: TopicInfo) -> bool:
-        return self._numbers.get(info.number) == at and self._rooms.get(at) == info.buffer_bytes

@@ -202,8 +202,8 @@ class Exchange:
         data, busy_s = b"", 0.0
         if able and self._throttle.free_s(_GREETING_BYTES, now) <= now:
             data = self.conversation.write(now)
-            if self.conversation.asking:
-                busy_s = _INTRODUCTION_S if data else 0.0
+            if data and self.conversation.asking:
+                busy_s = _INTRODUCTION_S
             if self.conversation.asking or now >= self.conversation.heard_s + self._silent_s:
                 self._hold(now)
         if self.outage is not None:

@@ -627,6 +627,16 @@ def test_the_way_out_does_not_wait_for_ever(
     assert port.closed
 
 
+def test_what_has_been_closed_cannot_be_opened_again(
+    backend: SerialBackend, device: Device
+) -> None:
+    backend.open()
+    backend.close()
+
+    with pytest.raises(BackendError, match="the port has been closed"):
+        backend.open()
+
+
 def test_the_safe_frame_holds_the_clamps_and_stops_the_wheels(
     backend: SerialBackend, device: Device, port: VirtualPort
 ) -> None:

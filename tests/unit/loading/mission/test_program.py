@@ -85,6 +85,35 @@ def test_a_call_requires_the_whole_initial_configuration_or_what_is_named(load):
     assert one(some.program, Require).states == ((lighting, "On"),)
 
 
+@pytest.mark.parametrize(
+    ("step", "of_phase", "expected", "handled"),
+    [
+        ("{call: called}", "", False, False),
+        ("{call: called, on_failure: e}", "", True, False),
+        ("{call: called}", "on_failure: e, ", False, True),
+    ],
+)
+def test_a_call_tells_whether_its_refusal_is_expected_and_whether_its_phase_handles_it(
+    load, step, of_phase, expected, handled
+):
+    phases = f"phases: {{a: {{{of_phase}do: [{step}], go: e}}}}"
+    program = load(
+        mission(f"start: a\n{phases}\nends: {{e: {{succeed: ok}}}}\n"), {"called.yaml": CALLED}
+    ).program
+    required = one(program, Require)
+
+    assert (required.expected, required.handled) == (expected, handled)
+
+
+@pytest.mark.parametrize("of_repeat", ["", ", on_failure: e"])
+def test_a_repeat_that_names_where_a_failure_leads_handles_those_of_its_steps(load, of_repeat):
+    step = f"{{repeat: {{times: 1, do: [Brake]}}{of_repeat}}}"
+    phases = f"phases: {{a: {{do: [{step}], go: e}}}}"
+    program = load(mission(f"start: a\n{phases}\nends: {{e: {{succeed: ok}}}}\n")).program
+
+    assert one(program, Do).handled == bool(of_repeat)
+
+
 def test_arguments_go_down_and_nothing_else_does(load, faults):
     called = CALLED.replace("start: x", "parameters: {t: {type: duration}}\nstart: x").replace(
         "after: 1 s", "after: $t"
@@ -232,6 +261,21 @@ def test_a_question_leads_to_continue_fail_and_phases(load):
     assert isinstance(targets[0], Finish)
     assert isinstance(targets[1], Raise)
     assert targets[2].phase == "b"
+
+
+def test_each_trigger_of_a_wait_leads_to_its_own_target(load):
+    program = load(
+        mission(
+            "start: a\nphases:\n"
+            "  a: {wait: [{after: 1 s, go: e}, {operator: no, go: b}]}\n"
+            "  b: {go: e}\nends: {e: {succeed: ok}}\n"
+        )
+    ).program
+    first, second = one(program, Wait).triggers
+
+    assert isinstance(program.instructions[first.go], Finish)
+    assert program.instructions[second.go].phase == "b"
+    assert (first.text, second.text) == ("after 1 s", "operator: no")
 
 
 def test_parameters_are_written_into_messages_as_they_were_given(load):

@@ -67,6 +67,10 @@ def test_it_relays_both_ways() -> None:
     assert guard.hear(Note(Kind.LEAVE), 0.1) == [EndGuardian()]
 
 
+def test_no_stop_is_confirmed_before_the_guardian_has_taken_over() -> None:
+    assert not beating().confirmed
+
+
 def test_a_runner_that_beats_is_left_alone() -> None:
     guard = beating()
     for beat in range(100):

@@ -155,6 +155,18 @@ def test_nothing_older_is_written_after_something_newer(line: Line) -> None:
     assert line.fates == {1: "unknown", 2: "accepted"}
 
 
+def test_a_newer_array_is_due_after_the_gap_once_the_one_under_way_is_accepted(line: Line) -> None:
+    line.hear(0.5)
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(ROUND_TRIP_S + 2 * TICK_S)
+    assert line.fates == {1: "accepted"}
+    assert not line.link.idle, "its last copy is not confirmed"
+
+    line.link.submit(2, (0.2,), line.now_s)
+
+    assert line.link.due_s == pytest.approx(line.written[-1][0] + HURRY_S)
+
+
 # --- a stream: arrays are submitted faster than echoes come ---------------------------------
 
 

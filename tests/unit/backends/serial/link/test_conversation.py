@@ -7,7 +7,7 @@ import struct
 import pytest
 
 from pirate_sm.backends.serial.link.conversation import Conversation
-from pirate_sm.backends.serial.link.wanted_topics import Wanted
+from pirate_sm.backends.serial.link.wanted_topics import TopicRefused, Wanted
 from pirate_sm.rosserial.frames import Decoder, encode
 from pirate_sm.rosserial.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
 
@@ -68,6 +68,16 @@ def test_one_damaged_introduction_does_not_change_the_number_of_a_topic() -> Non
 
     [frame] = Decoder().feed(conversation.frame(0, b"x"))
     assert frame.topic == TAKEN
+
+
+def test_one_damaged_introduction_does_not_refuse_a_topic_that_is_known() -> None:
+    conversation = Conversation([TAKES], now=0.0)
+    list(conversation.receive(offer(TAKES, TAKEN, 64) * 2, 0.1))
+    damaged = offer(TAKES._replace(md5="0" + TAKES.md5[1:]), TAKEN, 64)
+
+    assert list(conversation.receive(damaged, 0.2)) == []
+    [refused] = conversation.receive(damaged, 0.3)
+    assert isinstance(refused, TopicRefused), "what comes twice is no damage"
 
 
 def short_frames() -> Conversation:

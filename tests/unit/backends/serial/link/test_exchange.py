@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.model.events import SubmitResult
+from pirate_sm.model.events import FaultReport, SubmitResult
 from pirate_sm.rosserial.frames import Decoder, encode
 
 from ..device import NUMBERS, Device
@@ -33,6 +33,7 @@ class Talk:
         self.exchange = Exchange(plan, self.now, 0.0, 57600)
         self.arrays: list[bytes] = []
         self.results: list[SubmitResult] = []
+        self.faults: list[str] = []
         self.able = self.speaking = self.echoing = True
 
     def start(self) -> None:
@@ -55,6 +56,7 @@ class Talk:
                 self.answer(data)
             events = self.exchange.take()
             self.results += [event for event in events if isinstance(event, SubmitResult)]
+            self.faults += [event.message for event in events if isinstance(event, FaultReport)]
 
     def answer(self, data: bytes) -> None:
         [(topic, payload)] = Decoder().feed(data)
@@ -153,3 +155,34 @@ def test_an_array_is_accepted_in_the_moment_in_which_its_echo_is_heard(talk: Tal
     talk.exchange.receive(encode(NUMBERS["echo"], talk.arrays[-1]), talk.now)
 
     assert talk.exchange.take() == [SubmitResult(1, "accepted")]
+
+
+def test_a_silence_ends_with_the_first_word_and_not_when_every_topic_is_known(talk: Talk) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.5)
+    talk.speaking = False
+    talk.run(SILENCE_S)
+    first, *others = talk.device.introduce()
+    talk.exchange.receive(first, talk.now)
+    talk.run(0.3)
+    for data in others:
+        talk.exchange.receive(data, talk.now)
+    talk.speaking = True
+    talk.run(0.5)
+
+    [fault] = talk.faults
+    assert f"said nothing for {SILENCE_S:.1f} s" in fault
+
+
+def test_a_controller_that_was_given_up_is_sent_copies_of_an_array_while_it_is_asked(
+    talk: Talk,
+) -> None:
+    talk.speaking = talk.echoing = False
+    talk.run(20.0)
+    assert any("however often it was asked" in fault for fault in talk.faults)
+    assert talk.exchange.conversation.asking
+
+    talk.submit(1, CLAMPING)
+    talk.run(1.0)
+
+    assert len(talk.arrays) > 3
