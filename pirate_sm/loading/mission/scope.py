@@ -114,12 +114,12 @@ class Scope:
         The phase that handles the mission's failures cannot handle its own.
         """
         mission = self.source.mission
-        phase = mission.phases[self.phase]
+        phase = mission.phases.get(self.phase)  # none at the head of a mission, for its control
         if own is not None:
             return self.target(own, (*path, "on_failure"))
         if self.inner is not None:
             return self.inner
-        if phase.on_failure is not None:
+        if phase is not None and phase.on_failure is not None:
             at = ("phases", self.phase, "on_failure")
             if phase.on_failure == self.phase:
                 self.problems.add("mission.loop", at, "a phase cannot handle its own failures")
