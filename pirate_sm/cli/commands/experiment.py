@@ -73,7 +73,7 @@ def _repeated(
     from pirate_sm.experiments.bend import repeat_bend
     from pirate_sm.experiments.mission_setups import BendSetup
     from pirate_sm.experiments.straight_pipe import repeat_straight_pipe
-    from pirate_sm.experiments.traction import repeat_traction
+    from pirate_sm.experiments.traction_experiment import repeat_traction
     from pirate_sm.experiments.traction_setup import TractionSetup
 
     with progress(f"experiment {setup.experiment}") as watch:

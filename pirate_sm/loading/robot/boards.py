@@ -83,7 +83,7 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
                 | kinds.FrictionOf()
                 | kinds.LeastOf()
             ):
-                pass  # see `resolve_traction`
+                pass  # see `traction_signals`
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
     return BoardSpec(
         board.id,

@@ -28,7 +28,7 @@ from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
 from pirate_sm.loading.robot.slots import resolve_slots
 from pirate_sm.loading.robot.state_confirmation import resolve_sight
-from pirate_sm.loading.robot.traction import resolve_traction
+from pirate_sm.loading.robot.traction_signals import resolve_traction
 from pirate_sm.loading.robot.vocabulary import resolve_signals
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate

@@ -5,7 +5,7 @@ import pytest
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.experiment_files import load_experiments
 from pirate_sm.experiments.experiment_result import ExperimentResult
-from pirate_sm.experiments.traction import repeat_traction
+from pirate_sm.experiments.traction_experiment import repeat_traction
 from pirate_sm.experiments.traction_setup import TractionSetup
 from pirate_sm.loading.robot.loader import load_robot
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.experiments.reduced.traction import TractionRun, run_traction
+from pirate_sm.experiments.reduced.reduced_traction import TractionRun, run_traction
 from pirate_sm.experiments.traction_setup import TractionSetup
 from pirate_sm.loading.robot.loader import load_robot
 from pirate_sm.loading.yaml.document import read_document

@@ -11,7 +11,7 @@ import numpy as np
 from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
-from pirate_sm.experiments.reduced.traction import TractionRun, run_traction
+from pirate_sm.experiments.reduced.reduced_traction import TractionRun, run_traction
 from pirate_sm.experiments.traction_setup import NoiseLevel, TractionSetup
 from pirate_sm.fitting.slip_curve import SlipCurve, fit_slip_curve
 from pirate_sm.fitting.slip_plot import slip_plot
