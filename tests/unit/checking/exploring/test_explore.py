@@ -205,6 +205,7 @@ def test_a_story_says_what_happens_in_order(tmp_path: Path) -> None:
     assert told[0] == "the mission begins; p begins"
     assert told[1].startswith("SwitchLamp")
     assert "way > 50 mm" in told[-1]
+    assert "(with " not in told[-1], "the trigger itself says what was so"
     assert told[-1].endswith("the mission has ended: Good") or "so good" in told[-1]
 
 
