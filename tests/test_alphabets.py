@@ -66,6 +66,7 @@ ALPHABETS = {
             "checking/pipe/usual_course.py",
             "console/waits_before.py",
             "engine/mission/interpreter.py",
+            "engine/mission/signals_read.py",
         ),
     ),
     "step": Alphabet(

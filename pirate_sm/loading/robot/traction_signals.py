@@ -53,6 +53,7 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
         mounts.append(modules.index(module) if module in modules else 0)
     spec = TractionSpec(
         tuple(wheels),
+        wheels[-1].board,
         tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
         tuple(mounts),
         tuple(masses),
