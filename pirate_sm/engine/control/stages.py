@@ -127,7 +127,7 @@ def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensi
     if posture is None:
         return f"not done within {motion.timeout_s:g} s"
     away = _away(robot, state, motion, sensing)
-    what = f"{', '.join(away)} not at the angle" if away else "its sign was not seen"
+    what = f"{', '.join(away)} not at the angle" if away else "its criterion was not met"
     return f"not in the posture '{posture.name}' within {motion.timeout_s:g} s: {what}"
 
 

@@ -40,7 +40,7 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
             raise
         raise RecordingError(f"{folder} cannot be written: {error.strerror}") from None
     if not tables.files:
-        raise RecordingError(f"{shown(recording.path)} holds nothing that a table could hold")
+        raise RecordingError(f"{shown(recording.path)} has no data for tables")
     return tables.files
 
 

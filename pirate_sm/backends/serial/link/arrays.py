@@ -296,7 +296,11 @@ class SetpointLink:
             self.quality.lose(1.0)
             if older is not None and not older.reported and number == older.numbers[-1]:
                 older.reported = True
-                self._report(older.order.setpoint_id, "unknown", "a newer array came, and no echo")
+                self._report(
+                    older.order.setpoint_id,
+                    "unknown",
+                    "a newer array was sent before its echo came",
+                )
 
     # --- what is answered -------------------------------------------------------------------
 
