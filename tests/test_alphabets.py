@@ -128,7 +128,6 @@ ALPHABETS = {
             "engine/control/loops.py",
             "engine/control/sending.py",
             "engine/control/stages.py",
-            "engine/robot/commands.py",
         ),
     ),
     "origin of a fault": Alphabet(
