@@ -156,6 +156,7 @@ async def operator(
     # It shows what there is when the operator looks. Frames in the time of the wall would keep
     # the process busy, and the pilot waits after every key until the process is idle.
     app = console(session, frames_per_s=0)
+    app.NOTIFICATION_TIMEOUT = WALL_S  # they go by the time of the wall, too
     try:
         async with app.run_test(size=size, notifications=True) as pilot:
             someone = Operator(app, pilot, clock, session)
