@@ -33,8 +33,10 @@ help:
 demo: $(VENV)/.ready-sim
 	$(BIN)/pirate-run sequences/mitre_bend.yaml --backend sim --speed 4
 
+# Where an environment forbids to store compiled modules, each of the tests' 200 processes would
+# compile the package again.
 test: check
-	$(BIN)/python -m pytest -n auto --maxprocesses 4
+	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser

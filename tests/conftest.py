@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 
+import pytest
 from hypothesis import settings
 
 # The same examples on every machine and no wall clock; HYPOTHESIS_PROFILE=explore draws new ones.
@@ -17,3 +18,9 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 # Runs leave no recordings behind, those of child processes neither.
 os.environ["PIRATE_SM_RUNS"] = ""
+
+
+@pytest.hookimpl(optionalhook=True)  # without xdist nobody asks
+def pytest_xdist_auto_num_workers() -> int:
+    """Return one worker more than there are cores: some tests wait for processes and ports."""
+    return (os.cpu_count() or 1) + 1

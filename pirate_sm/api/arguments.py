@@ -130,7 +130,7 @@ def prepared(
         mission: The mission.
         backend: Name of the backend.
         seed: Of everything random.
-        check: Whether a mission with something certainly wrong is refused.
+        check: Whether a mission in which the check finds errors is refused.
         yes: Whether the caller agrees that a real robot moves.
         options: All others.
 

@@ -185,7 +185,8 @@ class Run:
 
     @property
     def _engine(self) -> Engine:
-        return Engine(self.loaded.robot, self.loaded.program, nominal=self.header.nominal)
+        loaded, nominal = self.loaded, self.header.nominal
+        return Engine(loaded.robot, loaded.program, nominal=nominal, every_signal=True)
 
     @cached_property
     def _last(self) -> tuple[Ended | None, float]:
@@ -201,11 +202,11 @@ class Run:
     @cached_property
     def _tables(self) -> dict[str, Columns]:
         """Every table, made by giving the engine again what it was given."""
-        engine = self._engine
-        named = headers(engine.robot).items()
+        robot = self.loaded.robot
+        named = headers(robot).items()
         tables: dict[str, Columns] = {table: {name: [] for name in names} for table, names in named}
-        again = rerun_steps(engine, self.steps(), origin_s=self.origin_s)
-        for row in rows_of(engine, again, self.origin_s):
+        again = rerun_steps(self._engine, self.steps(), origin_s=self.origin_s)
+        for row in rows_of(robot, again, self.origin_s):
             for column, value in zip(tables[row.table].values(), row.values, strict=True):
                 column.append(value)
         return tables

@@ -35,7 +35,7 @@ def run(
         backend: Name of a backend: ``sim``, ``trace``, ``serial``, or another package's.
         seed: Of everything random; equal seeds give equal runs.
         record: A file for a recording, which must not exist yet.
-        check: Whether a mission with something certainly wrong is refused.
+        check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
         options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 

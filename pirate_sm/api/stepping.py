@@ -196,7 +196,10 @@ class Session:
     def _holds(self, condition: Expression | None) -> bool:
         state = self._engine_state
         if condition is not None:
-            return condition.evaluate(state.sensing.numbers, state.words) is True
+            engine = self._ready.engine
+            estimated = not condition.names.isdisjoint(engine.robot.estimated)
+            numbers = engine.numbers(state) if estimated else state.sensing.shown
+            return condition.evaluate(numbers, state.words) is True
         busy = state.robot.motion is not None and not state.mission.suspended
         return not busy and state.robot.awaited is None and state.look is None
 
@@ -259,7 +262,7 @@ def session(
         backend: Name of a backend: ``sim``, ``trace``, ``serial``, or another package's.
         seed: Of everything random.
         record: A file for a recording, which must not exist yet.
-        check: Whether a mission with something certainly wrong is refused.
+        check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
         options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 

@@ -48,7 +48,7 @@ def sweep(
         backend: Name of a backend that can run many times at once.
         workers: How many processes share the work; 1: this one does all. One for each processor
             by default.
-        check: Whether a mission with something certainly wrong is refused.
+        check: Whether a mission in which the check finds errors is refused.
         options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:

@@ -97,7 +97,7 @@ class TraceBackend:
         if results:
             return self._now_s, results
         if until_s == inf:
-            raise BackendError("the mission waits for ever: nothing is left that could happen")
+            raise BackendError("the mission waits forever: no further event can happen")
         self._now_s = max(self._now_s, until_s)
         return self._now_s, ()
 

@@ -121,7 +121,7 @@ def recorded(
             if recorder.failure and (quiet or warner.warning != until_when(recorder)):
                 say(f"warning: {shown(place) if place else 'live'}: {until_when(recorder)}")
             if side.failure:
-                say(f"warning: viewers see less than there is: {side.failure}")
+                say(f"warning: viewers get incomplete data: {side.failure}")
 
 
 def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tuple[str, ...]]:

@@ -66,6 +66,7 @@ class Console(OperatorActions, App[None]):
 
     Args:
         session: Runs the missions. It is started when the console is shown.
+        frames_per_s: How often it shows the newest snapshot by itself; 0 is never.
 
     Attributes:
         failure: The exception that ended the console; None without one.
@@ -93,9 +94,12 @@ class Console(OperatorActions, App[None]):
         *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
     ]
 
-    def __init__(self, session: OperatorSession, **options: object) -> None:
+    def __init__(
+        self, session: OperatorSession, *, frames_per_s: float = FRAMES_PER_S, **options: object
+    ) -> None:
         super().__init__(**options)  # type: ignore[arg-type]
         self.session = session
+        self._frames_per_s = frames_per_s
         self.failure: Exception | None = None
         self._frame = 0
         self._page = 0
@@ -149,7 +153,8 @@ class Console(OperatorActions, App[None]):
             self.bind(arrow, f"command('{name}')", show=False)
         self.theme_changed_signal.subscribe(self, lambda theme: self._restyle())
         self.session.start()
-        self.set_interval(1 / FRAMES_PER_S, self.show)
+        if self._frames_per_s:
+            self.set_interval(1 / self._frames_per_s, self.show)
 
     def _restyle(self) -> None:
         self.query_one(Picture).restyle()

@@ -78,7 +78,7 @@ class HandBackActions(ConfirmedActions):
         snapshot = self.session.latest
         robot = snapshot.scene.robot
         if self._plan(snapshot, phase) is not plan:
-            self._refuse(phase, "the robot is not any more as it was looked at")
+            self._refuse(phase, "the robot's states have changed since the list was made")
             return
         then = hand_back_plan.hand_back(robot, phase, plan)
         self._agree(partial(self.session.give, hand_back_plan.names(robot, plan), then))

@@ -117,7 +117,7 @@ def _about_rates(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
     if share < COMPLETE_SHARE:
         yield DoctorFinding(
             "suspicious",
-            f"only {share:.0%} of the messages come that the bus has time for: messages are lost, "
+            f"only {share:.0%} of the expected messages arrive: messages are lost, "
             "or its cycle is longer than the profile says",
         )
     for board in facts.boards:
@@ -161,7 +161,7 @@ def _about_link(facts: Facts) -> Iterator[DoctorFinding]:
             "disturbed line, or another program that uses the port",
         )
     if link.unreadable:
-        message = f"{link.unreadable} messages were not what their type says"
+        message = f"{link.unreadable} messages do not match their declared type"
         yield DoctorFinding("suspicious", message)
     if link.asked_ms and median(link.asked_ms) > SLOW_MS:
         message = f"the device takes {median(link.asked_ms):.0f} ms to answer"
@@ -193,7 +193,7 @@ def _about_moving(facts: Facts, advice: Advice) -> Iterator[DoctorFinding]:
 
 def _about_wheels(move: MoveFact, advice: Advice) -> Iterator[DoctorFinding]:
     if all(wheel.turned_rad is None for wheel in move.wheels):
-        message = "setpoints are echoed, but no wheel's sensor tells whether it turned"
+        message = "setpoints are echoed, but no wheel's sensor shows whether it turned"
         yield DoctorFinding("suspicious", message)
         return
     idle = [wheel for wheel in move.wheels if not wheel.turned]
@@ -203,7 +203,7 @@ def _about_wheels(move: MoveFact, advice: Advice) -> Iterator[DoctorFinding]:
         return
     for wheel in idle:
         unseen = wheel.turned_rad is None
-        why = "its sensor says nothing" if unseen else "its sensor does not see it turn"
+        why = "its sensor reports nothing" if unseen else "its sensor does not see it turn"
         message = f"{wheel.slot} was driven and {why}: it is dead, blocked, or not seen"
         yield DoctorFinding(
             "suspicious", message + _with(advice.motor_error).replace(": ", "; ", 1)

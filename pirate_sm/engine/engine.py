@@ -12,6 +12,7 @@ from pirate_sm.engine import inputs
 from pirate_sm.engine.consequences import settle
 from pirate_sm.engine.mission import operator, scripted_signals
 from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.mission.signals_read import signals_read
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import confirmation, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -20,7 +21,8 @@ from pirate_sm.engine.safety import rules
 from pirate_sm.engine.safety.faults import no_faults
 from pirate_sm.engine.sensing import environment, surroundings
 from pirate_sm.engine.sensing.conversion import observe
-from pirate_sm.engine.sensing.known_signals import nothing_known
+from pirate_sm.engine.sensing.known_signals import Numbers, nothing_known
+from pirate_sm.engine.sensing.traction import with_traction
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model import events
 from pirate_sm.model.effects import Effect
@@ -36,12 +38,20 @@ class Engine:
         program: The mission to run.
         nominal: Whether commands count as done after their nominal duration, for a backend
             without motion and sensors.
+        every_signal: Whether the state has every signal in every round of the boards, also those
+            of slip and friction that nothing reads; they take some time.
     """
 
-    def __init__(self, robot: RobotSpec, program: Program, *, nominal: bool) -> None:
+    def __init__(
+        self, robot: RobotSpec, program: Program, *, nominal: bool, every_signal: bool = False
+    ) -> None:
         self.robot = robot
         self.program = program
         self.nominal = nominal
+        spec = robot.traction
+        self._follows_traction = (not nominal and spec is not None) and (
+            every_signal or not signals_read(robot, program).isdisjoint(spec.targets)
+        )
 
     def start(
         self,
@@ -104,7 +114,7 @@ class Engine:
         """
         if state.mission.ended:
             return state, ()
-        moment = Moment(self.robot, self.program, self.nominal, now_s)
+        moment = Moment(self.robot, self.program, self.nominal, now_s, self._follows_traction)
         if type(event) is events.SensorFrame:  # the most frequent event
             after = inputs.frame(moment, state, event)
         else:
@@ -115,7 +125,19 @@ class Engine:
 
     def signals(self, state: EngineState) -> dict[str, float]:
         """Return all signals by name, in SI units; NaN is unknown."""
-        return dict(zip(self.robot.vocabulary.numbers, state.sensing.shown, strict=True))
+        return dict(zip(self.robot.vocabulary.numbers, self.numbers(state), strict=True))
+
+    def numbers(self, state: EngineState) -> Numbers:
+        """Return all signals as conditions see them, with those that the state has not estimated.
+
+        Returns:
+            Signals in the order of the vocabulary, SI; NaN is unknown.
+        """
+        spec, sensing, body = self.robot.traction, state.sensing, state.robot
+        if spec is None or self.nominal or self._follows_traction or sensing.sees_slip:
+            return sensing.shown
+        at, around, at_s = body.configuration, state.surveyed.reported, max(sensing.heard_s)
+        return with_traction(self.robot, spec, sensing, body.values, at, around, at_s).shown
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
         """Return the safe array, for use when the engine can make no further step."""

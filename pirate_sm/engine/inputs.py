@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import nan
+
 from pirate_sm.engine.control import sending
 from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.torque_loop import TorqueLoop
@@ -10,7 +12,7 @@ from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
-from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.conversion import forget_outdated, observe
 from pirate_sm.engine.sensing.traction import with_traction
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
@@ -33,9 +35,12 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     sensing, reports = observe(
         robot, state.sensing, event, body.values, body.latest, now_s, sent=body.sent
     )
-    if robot.traction is not None or sensing.outside_until_s:
-        held, around = robot.held[body.configuration], state.surveyed.reported
-        sensing = with_traction(robot, sensing, board, body.values, held, around, now_s)
+    if sensing.outside_until_s:
+        sensing = forget_outdated(sensing, now_s)
+    spec = robot.traction
+    if spec and spec.board == board.position and (moment.follows_traction or sensing.sees_slip):
+        at, around = body.configuration, state.surveyed.reported
+        sensing = with_traction(robot, spec, sensing, body.values, at, around, now_s)
     exhausted: list[FoundFault] = []
     if body.loops:
         seen = Circumstances(sensing.numbers, state.surveyed.reported.pitch_rad, now_s)
@@ -92,6 +97,10 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
     index, valid_for_s = moment.robot.outside[event.signal]
     numbers = list(state.sensing.numbers)
     numbers[index] = event.value
+    traction = moment.robot.traction
+    if traction and not (moment.follows_traction or state.sensing.sees_slip):
+        for target in traction.targets:
+            numbers[target] = nan  # what was estimated when slip was seen last is of no use now
     others = tuple(each for each in state.sensing.outside_until_s if each[0] != index)
     until_s = (*others, (index, moment.now_s + valid_for_s))
     sensing = state.sensing._replace(numbers=tuple(numbers), outside_until_s=until_s)

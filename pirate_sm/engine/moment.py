@@ -18,25 +18,34 @@ class Moment:
         program: The mission.
         nominal: Whether commands count as done after their nominal duration.
         now_s: Seconds since the run began.
+        follows_traction: Whether the signals of slip and friction are estimated in every round.
 
     Attributes:
         effects: The effects so far, in order.
         emit: Appends one effect.
     """
 
-    __slots__ = ("effects", "emit", "nominal", "now_s", "program", "robot")
+    __slots__ = ("effects", "emit", "follows_traction", "nominal", "now_s", "program", "robot")
 
-    def __init__(self, robot: RobotSpec, program: Program, nominal: bool, now_s: float) -> None:
+    def __init__(
+        self,
+        robot: RobotSpec,
+        program: Program,
+        nominal: bool,
+        now_s: float,
+        follows_traction: bool = False,
+    ) -> None:
         self.robot = robot
         self.program = program
         self.now_s = now_s
         self.nominal = nominal
+        self.follows_traction = follows_traction
         self.effects: list[Effect] = []
         self.emit = self.effects.append
 
     def trial(self) -> Moment:
         """Return a copy without effects, to try a step whose effects are discarded."""
-        return Moment(self.robot, self.program, self.nominal, self.now_s)
+        return Moment(self.robot, self.program, self.nominal, self.now_s, self.follows_traction)
 
     def warn(self, message: str) -> None:
         """Append a warning for the operator to the effects."""

@@ -13,7 +13,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.replay.replay import engine_of, rerun
+from pirate_sm.recording.replay.replay import rerun
 from pirate_sm.recording.tables.table_rows import SIGNALS, TIME, rows_of
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.spelling import nearest, one_of
@@ -79,8 +79,8 @@ def _recorded(path: Path) -> Measured:
     sent: list[tuple[float, ...]] = []
     with recorded_mission(recording.header) as loaded:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
-        again = rerun(recording, loaded)
-        for row in rows_of(engine_of(recording, loaded), again, recording.origin_s):
+        again = rerun(recording, loaded, every_signal=True)
+        for row in rows_of(loaded.robot, again, recording.origin_s):
             if row.table == SIGNALS:
                 rows.append(row.values)
             elif row.table == _SETPOINTS:

@@ -113,6 +113,7 @@ def _factor() -> str:
     return rf"{_one_of(UNITS)}(?:\^-?[0-9])?"
 
 
+@cache
 def _pairs(dimension: Dimension) -> list[str]:
     """Return a pattern for each two dimensions whose product or quotient is this one."""
     names = _names_by_dimension()

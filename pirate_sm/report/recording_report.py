@@ -37,7 +37,12 @@ def report_of(recording: Recording) -> Report:
     """
     with recorded_mission(recording.header) as loaded:
         about = about_run(recording.header, loaded, recording.notices)
-        report = gather(loaded, about, rerun(recording, loaded), known_poses(recording, loaded))
+        report = gather(
+            loaded,
+            about,
+            rerun(recording, loaded, every_signal=True),
+            known_poses(recording, loaded),
+        )
     return replace(report, recording=recording.sha256)
 
 

@@ -120,7 +120,7 @@ class TriggerTimes:
             elif index in self._began and trigger.held_s:
                 held_s = mission.clock(moment.now_s) - self._began.pop(index)
                 about = f"the trigger '{trigger.text}' of {it.phase}"
-                text = f"{about} held for {held_s:.2f} s and fell away"
+                text = f"{about} held for {held_s:.2f} s and became false again"
                 calls.append(NearMiss(about, text, held_s / trigger.held_s, moment.now_s))
         return calls
 

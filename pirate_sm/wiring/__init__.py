@@ -91,7 +91,7 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
     if made.usual_detector is None:
         if order.detector is not None or order.start_at_m is not None:
             raise UsageError(
-                f"the backend {order.backend} takes no detector and no place to start at",
+                f"the backend {order.backend} takes no detector and no start position",
                 hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
         return Detecting("none")

@@ -56,10 +56,11 @@ def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSna
 
     if state is None:
         return None
+    numbers = prepared.engine.numbers(state)
     if prepared.wheels is not None:
-        return ViewerSnapshot(state, prepared.wheels(), True)
+        return ViewerSnapshot(state, numbers, prepared.wheels(), True)
     taken = prepared.reckoned() if prepared.reckoned else None
-    return ViewerSnapshot(state, taken.wheels if taken else None, False)
+    return ViewerSnapshot(state, numbers, taken.wheels if taken else None, False)
 
 
 class RunRecorder:

@@ -23,11 +23,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         hint = Hint(f": --port /dev/ttyACM0, {or_url}", f": port='/dev/ttyACM0', {or_url}")
         raise UsageError("the backend serial needs a port", hint=hint)
     if order.defects:
-        raise UsageError("a real robot has the defects that it has: only the backend sim takes any")
+        raise UsageError("a defect can only be simulated: use it with the backend sim")
     if order.twin is not None:
-        raise UsageError(
-            "a real robot has the numbers that it has: only the backend sim takes a twin"
-        )
+        raise UsageError("a twin sets numbers of a simulated robot: use it with the backend sim")
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend

@@ -147,13 +147,16 @@ async def operator(
     *,
     size: tuple[int, int] = (160, 48),
     order: Order | None = None,
-    console: Callable[[OperatorSession], Console] = Console,
+    console: Callable[..., Console] = Console,
     keep: Keep = unkept,
 ) -> AsyncIterator[Operator]:
     """The console is open, the robot stands; afterwards it is in its safe state."""
     clock = HandClock()
     session = OperatorSession(prepared or by_hand(order), clock=clock, keep=keep)
-    app = console(session)
+    # It shows what there is when the operator looks. Frames in the time of the wall would keep
+    # the process busy, and the pilot waits after every key until the process is idle.
+    app = console(session, frames_per_s=0)
+    app.NOTIFICATION_TIMEOUT = WALL_S  # they go by the time of the wall, too
     try:
         async with app.run_test(size=size, notifications=True) as pilot:
             someone = Operator(app, pilot, clock, session)

@@ -167,16 +167,16 @@ class SerialBackend:
         if trips > self._trips:
             self._trips = trips
             return (
-                "the robot's dead man's switch had stopped what moved, for no setpoints arrived; "
-                f"they are sent again ({trips} time{'s' if trips > 1 else ''} so far)"
+                "the robot's dead man's switch had stopped its motors because no setpoints "
+                f"arrived; they are sent again ({trips} time{'s' if trips > 1 else ''} so far)"
             )
         was_away, self._was_away = self._was_away, self.exchange.outage is not None
         if was_away or not self._was_away:
             return ""
         within_s = self.plan.away_s
         return (
-            "nothing comes from the robot, which may go on as it was; the mission waits for it, "
-            f"up to {within_s:g} s"
+            "no data comes from the robot, which may continue its motion; the mission waits "
+            f"for it, up to {within_s:g} s"
         )
 
     # --- inside -----------------------------------------------------------------------------

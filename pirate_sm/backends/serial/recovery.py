@@ -156,7 +156,7 @@ class Recovery:
         if outage.gone:
             message = f"the link to the robot is lost: {outage.gone}, and was not back"
             return BuiltInFault.LINK_LOST.report(f"{message} {away_s:.1f} s later")
-        message = f"the robot's controller has said nothing for {away_s:.1f} s"
+        message = f"the robot's controller has been silent for {away_s:.1f} s"
         return BuiltInFault.LINK_SILENT.report(f"{message}, however often it was asked")
 
     def _dumb(self, outage: Outage) -> FaultReport:
@@ -171,7 +171,7 @@ class Recovery:
 
     def _recovered(self, outage: Outage, stopped: bool) -> FaultReport:
         state = (
-            "it holds what it held and its wheels are stopped, as it has confirmed"
+            "it has confirmed that its clamps hold as before and its wheels are stopped"
             if stopped
             else "nothing had been sent to it before"
         )

@@ -17,7 +17,7 @@ def fault_handlers(view: MissionView) -> Iterator[Finding]:
             if handled.setdefault(code, number) != number:
                 message = f"'{code}' is handled by an earlier line"
             elif code in handler.fault[:place]:
-                message = f"'{code}' stands twice in one list"
+                message = f"'{code}' appears twice in one list"
             else:
                 continue
             where = document.place_of(("on_fault", number, "fault", place))

@@ -125,7 +125,7 @@ def _round_and_round(
         phase = first.split("/", 1)[0]
         path = ("phases", phase) if phase in loaded.mission.phases else ("phases",)
         way = " → ".join([*circle[circle.index(first) :], *circle[: circle.index(first)], first])
-        place, message = places.of(path, key=True), f"{way}: this goes round without ever waiting"
+        place, message = places.of(path, key=True), f"{way}: this loop never waits"
         severity = None if step.sure else Severity.POSSIBLE
         yield places.finding(place, "loop.instant", message, severity=severity)
         return

@@ -41,7 +41,7 @@ def refused_steps(view: MissionView) -> Iterator[Finding]:
                 continue
             code, severity, message, step_number, mend = found
             if assumed:
-                message += " (once the step before that cannot run has been mended)"
+                message += " (after the step before it that cannot run is corrected)"
             yield places.finding(
                 places.read(place),
                 code,
@@ -92,7 +92,7 @@ def _judge(
     """Return code, severity, message, step and mend of a finding; None without a fault."""
     complete = book.found.complete
     if isinstance(step, Do) and not visits.given and not visits.refused and complete:
-        message = f"{name} is never needed: it is so already whenever its turn comes"
+        message = f"{name} is never needed: its states hold already whenever the step is reached"
         return "step.never_needed", Severity.WARNING, message, -1, "leave the step out"
     if not visits.refused:
         return None

@@ -88,7 +88,7 @@ def rehearsed(
     settled = settle(check.findings, texts)
     wrong = any(each.severity is Severity.ERROR and not each.allowed for each in settled)
     if check.loaded is None or wrong:
-        return Rehearsal(shown(path), skipped="something is certainly wrong with it"), ()
+        return Rehearsal(shown(path), skipped="the check has found errors in it"), ()
     done = rehearse(check.loaded, path)
     places = Places(check.loaded)
     found = [

@@ -31,7 +31,7 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
             if message:
                 yield places.finding(place, "step.timeout", message, severity=severity)
         elif isinf(each.timeout_s) and isinf(loaded.program.time_limit_s):
-            message = "neither the question nor the mission has a longest time"
+            message = "neither the question nor the mission has a time limit"
             yield places.finding(place, "ask.unbounded", message)
     yield from _limit(books, loaded, places)
 
@@ -43,11 +43,14 @@ def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
     if it.timeout_s is None:
         return Severity.WARNING, ""
     if it.timeout_s <= for_s:
-        message = f"{spec.name} is done once its signs have held for {for_s:g} s, and may take "
-        return Severity.ERROR, f"{message}{it.timeout_s:g} s: it always fails"
+        message = (
+            f"{spec.name} is done when its criterion has held for {for_s:g} s, but its timeout "
+        )
+        return Severity.ERROR, f"{message}here is {it.timeout_s:g} s: it always fails"
     if it.timeout_s < spec.nominal_s:
         message = (
-            f"{spec.name} takes {spec.nominal_s:g} s as a rule, and may take {it.timeout_s:g} s"
+            f"{spec.name} usually takes {spec.nominal_s:g} s, but its timeout here is "
+            f"{it.timeout_s:g} s"
         )
         return Severity.WARNING, message
     return Severity.WARNING, ""
@@ -61,8 +64,8 @@ def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> 
     least_s = _shortest_s(books[-1].found)
     if limit_s < least_s < inf:
         message = (
-            f"the shortest way to an end that succeeds takes {least_s:.3g} s as a rule, "
-            f"and the mission may take {limit_s:g} s"
+            f"the shortest way to an end that succeeds usually takes {least_s:.3g} s, "
+            f"but the mission's time limit is {limit_s:g} s"
         )
         yield places.finding(places.of(("time_limit",)), "limit.too_short", message)
 

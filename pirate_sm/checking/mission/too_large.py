@@ -16,9 +16,9 @@ def too_large(view: MissionView) -> Iterator[Finding]:
     if found is None:
         return
     most = len(found.nodes)
-    message = f"more than {most} situations can come about: what is beyond was not looked at"
+    message = f"more than {most} situations are possible: the others were not explored"
     if found.program is not loaded.program and len(books) > 1:
-        message += " (once the steps that cannot run have been mended)"
+        message += " (after the steps that cannot run are corrected)"
     at = Counter(found.program.phase_of[node.state.mission.pc] for node in found.nodes)
     phase, number = at.most_common(1)[0]
     mend = (

@@ -66,7 +66,7 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
     missing = [robot.vocabulary.numbers[index] for index in needed if index not in heard]
     if not missing or (not every and len(missing) < len(needed)):
         return ""
-    return f"no fitted board tells {missing[0]}"
+    return f"no fitted board measures {missing[0]}"
 
 
 def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
@@ -111,8 +111,8 @@ def nominal_times(view: RobotView) -> Iterator[Finding]:
     for name, command in view.profile.commands.items():
         if command.nominal > command.timeout and not isinstance(command.done, AcceptedSpec):
             message = (
-                f"on paper {name} takes {command.nominal:g} s, and on the robot it has failed after"
-                f" {command.timeout:g} s"
+                f"the nominal duration of {name} is {command.nominal:g} s, longer than its timeout"
+                f" of {command.timeout:g} s"
             )
             yield view.at(("commands", name, "nominal"), "robot.nominal", message)
 
@@ -191,8 +191,8 @@ def hidden_words(view: RobotView) -> Iterator[Finding]:
                 ahead = sign * (wheels.index(rival.wheel) - wheels.index(point.wheel)) <= 0
                 if ahead and rival.passed <= point.passed:
                     message = (
-                        f"'{name}' is never said on the way {way}: wherever it holds,"
-                        f" '{other}' holds too"
+                        f"the detector never reports '{name}' on the way {way}: wherever it"
+                        f" is true, '{other}' is true, too"
                     )
                     yield view.at(("detector", "words", name, way), "robot.word_hidden", message)
                     break

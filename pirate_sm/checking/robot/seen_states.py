@@ -23,18 +23,18 @@ def unseen_states(view: RobotView) -> Iterator[Finding]:
     profile, table = view.profile, view.loaded.table
     seen = profile.seen
     if "seen" not in profile.model_fields_set:
-        message = "the profile does not say how states show themselves: add `seen`"
+        message = "the profile does not say how sensors show the robot's states: add `seen`"
         yield view.at(("robot",), "robot.unseen", message, key=True)
         return
     for region, states in zip(table.regions, table.states, strict=True):
         missing = [state for state in states if state not in seen.states.get(region, {})]
         if missing:
             path: Path = ("seen", "states", region) if region in seen.states else ("seen",)
-            message = f"`seen` says nothing of {region}: {', '.join(missing)}"
+            message = f"`seen` has no criterion for {region}: {', '.join(missing)}"
             yield view.at(path, "robot.unseen", message, key=True)
     parts = [name for name in profile.body.parts if name not in seen.parts]
     if parts:
-        message = f"`seen` does not say how a held part shows itself: {', '.join(parts)}"
+        message = f"`seen` has no criterion for held parts: {', '.join(parts)}"
         path = ("seen", "parts") if seen.parts else ("seen",)
         yield view.at(path, "robot.unseen", message, key=True)
 
@@ -89,13 +89,13 @@ def _too_long(view: RobotView, for_s: float) -> str:
     within_s = view.loaded.normal.sight.within_s
     if for_s < within_s:
         return ""
-    return f"it must last {for_s:g} s, and sensors are looked at for {within_s:g} s"
+    return f"it must hold for {for_s:g} s, but the start check takes only {within_s:g} s"
 
 
 def _unheard(view: RobotView, needed: Sequence[int]) -> str:
     missing = [index for index in needed if index >= 0 and index not in view.heard]
     names = view.loaded.normal.vocabulary.numbers
-    return f"no fitted board tells {names[missing[0]]}" if missing else ""
+    return f"no fitted board measures {names[missing[0]]}" if missing else ""
 
 
 def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:

@@ -161,6 +161,7 @@ def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
             continue
         if unseen:
             message = (
-                f"{command.name} makes '{min(unseen)}' hold, and is done without any sign of it"
+                f"{command.name} makes '{min(unseen)}' hold, and counts as done although no sensor "
+                "shows it"
             )
             yield view.at(("commands", command.name, "done", key), "robot.clamp_blind", message)

@@ -60,7 +60,7 @@ def _legs(result: Comparison) -> Iterator[str]:
             f"{leg.lasted_first_s:.2f} s, {leg.lasted_second_s:.2f} s"
         )
     if result.parted is not None:
-        yield f"here they part: A comes to '{result.parted[0]}', B to '{result.parted[1]}'"
+        yield f"here the runs diverge: A reaches '{result.parted[0]}', B '{result.parted[1]}'"
 
 
 def _deviations(result: Comparison, vocabulary: Vocabulary) -> Iterator[str]:
@@ -69,7 +69,7 @@ def _deviations(result: Comparison, vocabulary: Vocabulary) -> Iterator[str]:
     if result.deviations and not apart:
         yield "every signal is the same in A and B"
     if apart:
-        yield "farthest apart, for what signals of their kind span:"
+        yield "largest differences, relative to the range of signals of their kind:"
     for each in apart[:_MOST_SIGNALS]:
         kind = vocabulary.types[each.name]
         dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS

@@ -115,7 +115,9 @@ def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
     body = at_rest_in(mission.robot, body.configuration)
     plan = restoring(mission, [phase], body, beginnings(mission)).get(phase)
     if plan is None:
-        way = Way(None, f"nothing brings it to where {name} can go on with {phase} and succeed")
+        way = Way(
+            None, f"no commands lead to states from which {name} can go on with {phase} and succeed"
+        )
     else:
         way = Way(None, hindered(loaded.normal, plan)) if plan.hindered else Way(plan)
     return Found(mission.robot, body, way, phase=text)
@@ -131,7 +133,7 @@ def _lines(found: Found) -> Iterator[str]:
     if plan is None:
         yield from _wrapped(f"None: {found.way.reason}.", width, 6)
     elif not plan.steps:
-        yield "Nothing to do: it is so already."
+        yield "Nothing to do: the robot is in these states already."
     else:
         yield from _table(found, plan, width)
 

@@ -53,7 +53,7 @@ def run_replay(options: ReplayOptions) -> int:
     with opened_recording(path) as recording, _mission(recording, options) as loaded:
         if stretch.from_s > recording.until_s:
             raise RecordingError(
-                f"{path} holds nothing after {recording.until_s:.3f} s: nothing was executed again"
+                f"{path} holds nothing after {recording.until_s:.3f} s: nothing was replayed"
             )
         result = _replayed(recording, loaded, options, stretch)
     print_visible(title(recording))
@@ -62,7 +62,7 @@ def run_replay(options: ReplayOptions) -> int:
         return DIFFERENT
     if not result.executed:
         raise RecordingError(
-            f"{path} holds nothing to execute again: "
+            f"{path} holds nothing to replay: "
             f"{'the stretch' if recording.until_s else 'it'} ends before the engine was started"
         )
     print_visible(_same(result))
@@ -141,7 +141,7 @@ def _jobs(recording: Recording, stretch: Stretch) -> int:
 def _same(result: Replayed) -> str:
     since = f"from {result.from_s:.3f} s " if result.from_s else ""
     return (
-        f"the same came out again: {result.effects} effects of {result.steps} inputs, "
+        f"replayed identically: {result.effects} effects of {result.steps} inputs, "
         f"{since}up to {result.until_s:.3f} s"
     )
 
@@ -171,12 +171,12 @@ def _described(difference: Difference, steps: int) -> tuple[list[str], list[str]
     """Return lines about the recorded effects, and lines about the replayed ones."""
     step = difference.step
     event = field_words(step.event)
-    same = f"the first {steps} inputs gave the same; then, at {step.at_s:.3f} s, this does not:"
+    same = f"the first {steps} inputs gave the same; at {step.at_s:.3f} s this one does not:"
     where = f"in the phase {difference.phase}" if difference.phase else "at the start"
     place = f" ({difference.place})" if difference.place else ""
     if difference.remembers:
         parts = ", ".join(difference.remembers)
-        left = f"its effects are the same; what the engine remembers then is not: {parts}"
+        left = f"its effects are the same, but the engine's state differs in {parts}"
         return [same, f"  {event}"], [f"  {where}{place}", f"  {left}"]
     recorded = ["  recorded:", *_listed(difference.recorded)]
     now = [f"  now, {where}{place}:", *_listed(difference.replayed)]

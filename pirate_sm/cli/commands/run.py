@@ -169,7 +169,7 @@ def _say_unused(prepared: Prepared) -> None:
     """Print which of the requested triggers have never fired, and why."""
     for companion in prepared.companions:
         if isinstance(companion, TriggerScript):
-            _say_never_fired(companion.unused, "no wait came that had it")
+            _say_never_fired(companion.unused, "the mission reached no wait that has it")
             _say_never_fired(companion.forestalled, "something else ended its wait first")
 
 

@@ -49,13 +49,13 @@ class BayOptions:
         str | None, typer.Option(metavar="SHARE", help="Bytes changed on their way.")
     ] = None
     delay: Annotated[float, typer.Option(help="Further seconds for every frame.")] = 0.0
-    jitter: Annotated[float, typer.Option(help="Up to so many seconds more.")] = 0.0
+    jitter: Annotated[float, typer.Option(help="Up to this many seconds more.")] = 0.0
     reset_at: Annotated[
-        list[float] | None, typer.Option(help="Restart after so many seconds. Repeatable.")
+        list[float] | None, typer.Option(help="Restart after this many seconds. Repeatable.")
     ] = None
     reset_every: Annotated[float, typer.Option(help="Mean seconds between restarts.")] = 0.0
     hang_at: Annotated[float | None, typer.Option(help="Stand still after these seconds.")] = None
-    hang_for: Annotated[float | None, typer.Option(help="... for so many seconds.")] = None
+    hang_for: Annotated[float | None, typer.Option(help="... for this many seconds.")] = None
     boot: Annotated[float | None, typer.Option(help="Seconds of boot loader and set-up.")] = None
     overrun: Annotated[
         bool, typer.Option("--overrun/--no-overrun", help="Whether a full ring loses bytes.")
@@ -69,7 +69,7 @@ class BayOptions:
     ] = None
     unconfigured_at: Annotated[
         list[float] | None,
-        typer.Option(help="Obey without echo after so many seconds. Repeatable."),
+        typer.Option(help="Obey without echo after this many seconds. Repeatable."),
     ] = None
     spontaneous_at: Annotated[
         list[float] | None, typer.Option(help="A motor moves on its own. Repeatable.")

@@ -1,8 +1,7 @@
 """Control loops that compute duty cycles from signals, as a closed union.
 
-Every loop has a ``slot``, the ``signal`` that it controls, and the property ``ends_with_command``.
-``heard`` returns the loop after a new frame of the signal's board; ``duty`` returns the duty cycle
-for the slot.
+Every loop has a ``slot``. ``heard`` returns the loop after a new frame of the board that measures
+its signal; ``duty`` returns the duty cycle for the slot.
 """
 
 from __future__ import annotations
@@ -64,6 +63,22 @@ def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | Non
     return None
 
 
+def signal_of(loop: Loop) -> int:
+    """Return the number index of the signal by which the loop controls its slot."""
+    match loop:
+        case PositionLoop():
+            return loop.angle
+        case TorqueLoop():
+            return loop.spec.torque
+        case VelocityLoop() | WheelTorqueLoop():
+            return loop.spec.speed
+
+
+def ends_with_command(loop: Loop) -> bool:
+    """Return whether the loop ends with its command; others run until a state writes the slot."""
+    return isinstance(loop, PositionLoop)
+
+
 def after_frame(board: BoardSpec, loops: Loops, seen: Circumstances) -> Loops:
     """Return the loops after a frame of the board; it tells those of other boards nothing.
 
@@ -72,7 +87,9 @@ def after_frame(board: BoardSpec, loops: Loops, seen: Circumstances) -> Loops:
         loops: The running loops.
         seen: The signals with the frame in them, and what else loops go by.
     """
-    after = tuple([each.heard(seen) if each.signal in board.number_set else each for each in loops])
+    after = tuple(
+        [each.heard(seen) if signal_of(each) in board.number_set else each for each in loops]
+    )
     return loops if after == loops else after
 
 

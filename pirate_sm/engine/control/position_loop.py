@@ -27,16 +27,6 @@ class PositionLoop(NamedTuple):
     spec: PositionSpec
     target_rad: float
 
-    @property
-    def ends_with_command(self) -> bool:
-        """Return True: the loop ends with its command."""
-        return True
-
-    @property
-    def signal(self) -> int:
-        """Return the number index of the controlled signal."""
-        return self.angle
-
     def heard(self, seen: Circumstances) -> PositionLoop:
         """Return the loop after a fresh frame: it remembers nothing."""
         return self

@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import inf, nan
 
 from pirate_sm.engine.control.circumstances import Circumstances
-from pirate_sm.engine.control.loops import Loops, after_frame
+from pirate_sm.engine.control.loops import Loops, after_frame, ends_with_command
 from pirate_sm.engine.control.stages import looped_values
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.moment import Moment
@@ -42,7 +42,7 @@ def send(
     moment.emit(Setpoints(state.next_id, values))
     slots = moment.robot.slots
     seeking = [
-        each.slot for each in loops if each.ends_with_command or slots[each.slot].self_locking
+        each.slot for each in loops if ends_with_command(each) or slots[each.slot].self_locking
     ]
     older, overtaken, since_s = state.flight, state.overtaken, moment.now_s
     if older is not None and older.purpose == "stream":

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from math import isnan
 
-from pirate_sm.engine.control.loops import Loop, Loops, begun, quantised
+from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
@@ -43,7 +43,7 @@ def stage_array(
     """
     target = robot.table.configurations[motion.target]
     values = list(known_values(state.latest, sensing.numbers, robot))
-    loops = {each.slot: each for each in state.loops if not each.ends_with_command}
+    loops = {each.slot: each for each in state.loops if not ends_with_command(each)}
     posture = posture_of(robot, motion) if stage == POSTURE else None
     if posture is not None:
         if not motion.blind:
@@ -127,7 +127,7 @@ def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensi
     if posture is None:
         return f"not done within {motion.timeout_s:g} s"
     away = _away(robot, state, motion, sensing)
-    what = f"{', '.join(away)} not at the angle" if away else "its sign was not seen"
+    what = f"{', '.join(away)} not at the angle" if away else "its criterion was not met"
     return f"not in the posture '{posture.name}' within {motion.timeout_s:g} s: {what}"
 
 
@@ -143,7 +143,7 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
 def without_loops(state: RobotState) -> Numbers:
     """Return the newest values with zero for every slot that a position loop has driven."""
     driven = state.seeking.difference(
-        each.slot for each in state.loops if not each.ends_with_command
+        each.slot for each in state.loops if not ends_with_command(each)
     )
     if not driven:
         return state.latest

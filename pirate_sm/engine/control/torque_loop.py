@@ -53,16 +53,6 @@ class TorqueLoop(NamedTuple):
         """Return whether friction may not bear the robot although the part presses all it may."""
         return self.gripping is not None and self.gripping.exhausted
 
-    @property
-    def ends_with_command(self) -> bool:
-        """Return that it runs until another state writes the slot."""
-        return False
-
-    @property
-    def signal(self) -> int:
-        """Return the number index of the signal that it controls."""
-        return self.spec.torque
-
     def heard(self, seen: Circumstances) -> TorqueLoop:
         """Return the loop after a fresh frame of the joint's board.
 

@@ -33,16 +33,6 @@ class VelocityLoop(NamedTuple):
     integral: float = 0.0
     weight: float = 0.0
 
-    @property
-    def ends_with_command(self) -> bool:
-        """Return False: the loop runs until another state writes the slot."""
-        return False
-
-    @property
-    def signal(self) -> int:
-        """Return the number index of the controlled signal."""
-        return self.spec.speed
-
     def heard(self, seen: Circumstances) -> VelocityLoop:
         """Return the loop after a fresh frame of the wheel's board.
 

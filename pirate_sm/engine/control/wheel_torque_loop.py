@@ -33,16 +33,6 @@ class WheelTorqueLoop(NamedTuple):
     speed_rad_s: float = 0.0
     weight_nm: float = 0.0
 
-    @property
-    def ends_with_command(self) -> bool:
-        """Return that it runs until another state writes the slot."""
-        return False
-
-    @property
-    def signal(self) -> int:
-        """Return the number index of the signal that it needs."""
-        return self.spec.speed
-
     def heard(self, seen: Circumstances) -> WheelTorqueLoop:
         """Return the loop after a fresh frame; it keeps the last speed while that is unknown."""
         after = self

@@ -29,7 +29,7 @@ from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model.effects import CommandStatus, Log, PhaseChange
 
-ROUND_AND_ROUND = "the phases go round without ever waiting"
+ROUND_AND_ROUND = "the phases repeat without ever waiting"
 
 
 def advance(moment: Moment, state: EngineState) -> EngineState:

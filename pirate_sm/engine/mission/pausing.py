@@ -74,7 +74,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     here = robot_state.state_change(moment.robot, state.robot)
     obstacle = why_not_to(moment.program, state, event.phase)
     if not obstacle and here != (event.states, event.unconfirmed):
-        obstacle = "the robot is not any more in the states that were looked at"
+        obstacle = "the robot's states have changed since they were checked"
     if obstacle:
         moment.warn(f"{event.phase} does not begin: {obstacle}")
         return state

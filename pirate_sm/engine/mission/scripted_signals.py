@@ -19,7 +19,7 @@ _OUTSIDE = ("detector", "segment")
 def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
     """Set the signals that conditions see to those of the script; refuse that on real sensors."""
     if not moment.nominal:
-        moment.warn("a script cannot say what sensors show that speak")
+        moment.warn("a script cannot replace the signals of real sensors")
         return state
     names = moment.robot.vocabulary.with_changes.numbers
     sensing = state.sensing
@@ -36,7 +36,7 @@ def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
         if name in _OUTSIDE:
             words[_OUTSIDE.index(name) - len(_OUTSIDE)] = word
         else:
-            moment.warn(f"the script says '{name}', which is no word of it")
+            moment.warn(f"the script says '{name}', which no script can set")
     sensing = sensing._replace(told=tuple(numbers))
     return state._replace(sensing=sensing, words=tuple(words))
 

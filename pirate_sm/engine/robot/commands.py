@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from math import isnan, nan
 from types import MappingProxyType
 
-from pirate_sm.engine.control.loops import Loops
+from pirate_sm.engine.control.loops import Loops, ends_with_command
 from pirate_sm.engine.control.sending import overtaken_result, send, send_if_new
 from pirate_sm.engine.control.stages import (
     is_done,
@@ -293,7 +293,7 @@ def _complete(
         values, loops = stage_array(
             moment.robot, resting, motion, sensing, regions, motion.stage + 1
         )
-        if motion.stage == POSTURE or any(each.ends_with_command for each in loops):
+        if motion.stage == POSTURE or any(ends_with_command(each) for each in loops):
             later = motion._replace(stage=motion.stage + 1, since_s=nan)
             return send_if_new(moment, state, later, values, loops), None
         state = send_if_new(moment, state, None, values, loops)
@@ -314,5 +314,5 @@ def _end_motion(moment: Moment, state: RobotState) -> RobotState:
     its loops may hold a clamp and stay as they are.
     """
     values = without_loops(state)
-    loops = tuple(each for each in state.loops if not each.ends_with_command)
+    loops = tuple(each for each in state.loops if not ends_with_command(each))
     return send_if_new(moment, state, None, values, loops)

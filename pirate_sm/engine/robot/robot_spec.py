@@ -111,6 +111,12 @@ class RobotSpec:
         return (ControlSpec("", self.actuation), *self.overlays)
 
     @cached_property
+    def estimated(self) -> frozenset[str]:
+        """Return the names of the signals of slip, normal force and friction."""
+        targets = () if self.traction is None else self.traction.targets
+        return frozenset(self.vocabulary.numbers[index] for index in targets)
+
+    @cached_property
     def wheel_boards(self) -> tuple[int, ...]:
         """Return the position of the board that reports each wheel; -1 where none does."""
         positions = {

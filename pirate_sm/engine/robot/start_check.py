@@ -27,7 +27,7 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
     if seen.contradictions:
         return _refuse(moment, state, seen)
     for part in confirmation.parts_left_open(robot, body):
-        moment.warn(f"the sensors leave it open whether the {part} part holds")
+        moment.warn(f"the sensors do not show whether the {part} part holds")
     return state
 
 

@@ -119,6 +119,18 @@ def _vector(vector: Vector, numbers: list[float]) -> float:
     return atan2(-y, z) if vector.how == "roll" else atan2(x, hypot(y, z))
 
 
+def forget_outdated(sensing: Sensing, now_s: float) -> Sensing:
+    """Return the signals, with numbers from outside whose time has passed unknown."""
+    outdated = [index for index, until_s in sensing.outside_until_s if until_s < now_s]
+    if not outdated:
+        return sensing
+    numbers = list(sensing.numbers)
+    for index in outdated:
+        numbers[index] = nan
+    kept = tuple(each for each in sensing.outside_until_s if each[0] not in outdated)
+    return sensing._replace(numbers=tuple(numbers), outside_until_s=kept)
+
+
 def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
     """Return the signals, with those of boards that have not reported for too long unknown."""
     limit = now - robot.link.stale_after_s

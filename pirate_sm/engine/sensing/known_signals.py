@@ -69,6 +69,13 @@ class Sensing(NamedTuple):
         return self.told[: len(self.numbers)] or self.numbers
 
     @property
+    def sees_slip(self) -> bool:
+        """Return whether slip may be known, by a speed from outside or by what is remembered."""
+        if self.outside_until_s:
+            return True
+        return any(each.since_s < inf for each in self.traction.slipping)
+
+    @property
     def doubted(self) -> frozenset[int]:
         """Return the number indexes that depend on a sensor whose last reading is implausible.
 

@@ -7,6 +7,10 @@ slip and friction are unknown then.
 A wheel's friction is the least-squares fit F = mu N over the frames in which it slips steadily, in
 the way that it is driven, and its motor is not at its limit. Old frames are forgotten by degrees.
 At other times it is unknown; the friction that is used is then a lower bound of it.
+
+The estimates cost as much as a frame of a board. They are made in every round where a condition, a
+criterion or a grip reads one of them, or while there is something to remember; else when somebody
+asks for them (:meth:`pirate_sm.engine.engine.Engine.numbers`).
 """
 
 from __future__ import annotations
@@ -16,7 +20,6 @@ from math import copysign, cos, inf, isnan, nan, sin
 from statistics import median
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.engine.sensing.traction_memory import Slipping, Traction
 from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
@@ -35,39 +38,30 @@ AT_LIMIT = 0.95
 
 def with_traction(
     robot: RobotSpec,
+    spec: TractionSpec,
     sensing: Sensing,
-    board: BoardSpec,
     setpoints: Numbers,
-    held: frozenset[int],
+    configuration: int,
     around: Environment,
     now_s: float,
 ) -> Sensing:
-    """Return the signals after a frame of the board, with those of traction.
+    """Return the signals with those of traction, and what is remembered of it.
 
     Normal forces need every board, so all of it is made once in a round: with the last wheel.
 
     Args:
         robot: The robot.
-        sensing: What is known with the frame in it.
-        board: Whose frame it was.
+        spec: Its signals of traction.
+        sensing: What is known.
         setpoints: In force, per slot.
-        held: Indexes of the parts that are clamped, along which the pipe lies.
+        configuration: Index of the configuration; the pipe lies along the parts that it holds.
         around: The pipe around the robot.
         now_s: When it is.
     """
-    spec = robot.traction
-    outdated = [index for index, until_s in sensing.outside_until_s if until_s < now_s]
-    if not outdated and (spec is None or spec.wheels[-1].board != board.position):
-        return sensing
-    numbers, traction = list(sensing.numbers), sensing.traction
-    for index in outdated:
-        numbers[index] = nan
-    if spec is not None and spec.wheels[-1].board == board.position:
-        part = min(held, default=-1)
-        normal_n = _normal_forces(robot, spec, numbers, setpoints, part, around)
-        traction = estimate(spec, traction, numbers, setpoints, normal_n, now_s)
-    kept = tuple(each for each in sensing.outside_until_s if each[0] not in outdated)
-    return sensing._replace(numbers=tuple(numbers), traction=traction, outside_until_s=kept)
+    numbers, held = list(sensing.numbers), min(robot.held[configuration], default=-1)
+    normal_n = _normal_forces(robot, spec, numbers, setpoints, held, around)
+    traction = estimate(spec, sensing.traction, numbers, setpoints, normal_n, now_s)
+    return sensing._replace(numbers=tuple(numbers), traction=traction)
 
 
 def estimate(

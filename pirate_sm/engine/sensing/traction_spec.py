@@ -62,6 +62,7 @@ class TractionSpec(NamedTuple):
 
     Attributes:
         wheels: Front to rear.
+        board: Position of the board of the last wheel, whose frame ends a round of the boards.
         joint_torques: Per wheel the number index of its joint's torque; -1 without a joint.
         mounts: Per wheel the index of the link that its motor sits on.
         masses_kg: Per wheel its mass, with half of its links.
@@ -73,6 +74,7 @@ class TractionSpec(NamedTuple):
     """
 
     wheels: tuple[WheelTraction, ...]
+    board: int
     joint_torques: tuple[int, ...]
     mounts: tuple[int, ...]
     masses_kg: tuple[float, ...]

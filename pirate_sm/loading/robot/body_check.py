@@ -101,7 +101,7 @@ def _check_boards(profile: model.Profile, problems: Problems) -> None:
     ids = [board.id for board in profile.boards]
     for number, each in enumerate(ids):
         if each in ids[:number]:
-            problems.add("robot.board", ("boards", number, "id"), f"board {each} stands here twice")
+            problems.add("robot.board", ("boards", number, "id"), f"board {each} is listed twice")
 
 
 def _check_slots(profile: model.Profile, problems: Problems) -> None:
@@ -109,7 +109,7 @@ def _check_slots(profile: model.Profile, problems: Problems) -> None:
     names: set[str] = set()
     for slot, path in _slots(profile):
         if slot.name in names:
-            problems.add("robot.slot", (*path, "name"), f"'{slot.name}' stands here twice")
+            problems.add("robot.slot", (*path, "name"), f"'{slot.name}' is listed twice")
         names.add(slot.name)
         drives = [(kind, getattr(slot, kind)) for kind in ("joint", "wheel", "roll")]
         targets = [(kind, name) for kind, name in drives if name is not None]
@@ -140,7 +140,7 @@ def _check_channels(profile: model.Profile, problems: Problems) -> None:
                 _must_be(channel.slot, slots, "slot", (*path, "slot"), problems)
             slot = slots.get(channel.slot or "")
             if channel.senses in get_args(model.SlotSense) and channel.slot is None:
-                message = f"whose {channel.senses} is it? `slot` must say"
+                message = f"`slot` must say whose {channel.senses} this is"
                 problems.add("robot.channel", (*path, "senses"), message)
             elif channel.senses in get_args(model.SlotSense) and slot and not _drives(slot):
                 message = f"'{slot.name}' drives nothing that could be measured"
@@ -210,4 +210,4 @@ def _must_be(
 def _refuse_twice(names: list[str], path: Path, problems: Problems) -> None:
     for number, name in enumerate(names):
         if name in names[:number]:
-            problems.add("robot.name", (*path, number, "name"), f"'{name}' stands here twice")
+            problems.add("robot.name", (*path, number, "name"), f"'{name}' is listed twice")

@@ -30,7 +30,7 @@ def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> No
     for name, derived in profile.derived.items():
         path: Path = ("derived", name)
         if name in types:
-            signals.problems.add("robot.signal", path, f"'{name}' is told twice", key=True)
+            signals.problems.add("robot.signal", path, f"'{name}' is declared twice", key=True)
         for source in _sources(derived):
             valid = _valid_sources(profile, derived, types)
             if source not in valid and not hidden:

@@ -53,6 +53,7 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
         mounts.append(modules.index(module) if module in modules else 0)
     spec = TractionSpec(
         tuple(wheels),
+        wheels[-1].board,
         tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
         tuple(mounts),
         tuple(masses),
@@ -141,13 +142,13 @@ def _check(signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Trac
                 if others:
                     message = f"'{others[0]}' is {types[others[0]]}, '{sources[0]}' is not"
             case kinds.NormalForceOf() | kinds.FrictionOf() | kinds.FrictionUsedOf() if blind:
-                message = f"forces need every torque, that of {blind[0]} is not told"
+                message = f"forces need every torque, that of {blind[0]} is not measured"
             case _:
                 pass
         kind = type(derived).__name__
         what = (kind, next(iter(derived.model_dump().values())) if kind != "RobotSpeedOf" else "")
         if kind != "LeastOf" and known.setdefault(what, name) != name:
-            message = f"'{known[what]}' tells the same"
+            message = f"'{known[what]}' is the same signal"
         if message:
             signals.problems.add("robot.signal", ("derived", name), message, key=True)
 

@@ -57,7 +57,7 @@ def _outside(signals: Signals, types: dict[str, NumberType | EnumType]) -> None:
     problems = signals.problems
     for name, outside in signals.profile.outside.items():
         if name in types:
-            problems.add("robot.signal", ("outside", name), f"'{name}' is told twice", key=True)
+            problems.add("robot.signal", ("outside", name), f"'{name}' is declared twice", key=True)
         try:
             types[name] = NumberType(parse_quantity(f"1 {outside.unit}").dimension)
         except QuantityError:
@@ -81,7 +81,7 @@ def _measured(signals: Signals, types: dict[str, NumberType | EnumType]) -> None
                 continue
             if channel.signal in types:
                 signals.problems.add(
-                    "robot.signal", (*path, "signal"), f"'{channel.signal}' is told twice"
+                    "robot.signal", (*path, "signal"), f"'{channel.signal}' is declared twice"
                 )
             dimension = signals.scales[convert][1] if convert else DIMENSIONLESS
             types[channel.signal] = NumberType(dimension)

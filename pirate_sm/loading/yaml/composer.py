@@ -178,7 +178,7 @@ class _Composer:
             return
         if name in parent.children:
             _, line, column = parent.children[name]
-            message = f"the key '{name}' stands twice; first in line {line}, column {column}"
+            message = f"the key '{name}' appears twice; first in line {line}, column {column}"
             self.faults.append(YamlFault("duplicate-key", key.line, key.column, message))
             return
         parent.children[name] = (node, key.line, key.column)

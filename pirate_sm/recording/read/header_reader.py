@@ -35,7 +35,7 @@ def read_header(path: Path, content: Content) -> RunHeader:
             raise damaged(path, "a text that the run was made from is missing") from None
         raise RecordingError(f"{shown(path)} was cut off before anything was recorded") from None
     except ValueError:
-        raise damaged(path, f"{RUN} does not say what it should") from None
+        raise damaged(path, f"{RUN} has unexpected content") from None
     for file in header.files:
         if sha256(file.text.encode()).hexdigest() != file.sha256:
             raise damaged(path, f"{file.name} is not the text that was run")
@@ -52,7 +52,7 @@ def _check_versions(path: Path, data: bytes) -> None:
         found = plain["format"], plain["alphabet"]
         version = str(plain["version"])
     except (ValueError, KeyError, TypeError):
-        raise damaged(path, f"{RUN} does not say what it should") from None
+        raise damaged(path, f"{RUN} has unexpected content") from None
     if found[0] != FORMAT or found[1] not in READABLE_ALPHABETS:
         raise RecordingError(
             f"{shown(path)} was recorded by version {version} "

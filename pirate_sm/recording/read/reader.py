@@ -39,7 +39,7 @@ NS_PER_S = 1_000_000_000
 
 _NO_INDEX = (
     "all that was recorded is there, but the index at the end of the file, which other programs "
-    "look for, is missing or damaged: pirate repair makes it anew"
+    "look for, is missing or damaged: pirate repair restores it"
 )
 
 

@@ -19,7 +19,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.replay.replay import engine_of, rerun
+from pirate_sm.recording.replay.replay import rerun
 from pirate_sm.recording.thinning import add_evenly
 
 SAMPLES = 50
@@ -113,12 +113,11 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
     Raises:
         RecordingError: The recording is damaged.
     """
-    engine = engine_of(recording, loaded)
     vocabulary = loaded.robot.vocabulary
     kinds = tuple(str(vocabulary.types[name]) for name in vocabulary.numbers)
     apart_s = 0.0
     found = ComparedRun(names=vocabulary.numbers, kinds=kinds)
-    for again in rerun(recording, loaded):
+    for again in rerun(recording, loaded, every_signal=True):
         at_s = again.at_s
         found.until_s = max(found.until_s, at_s)
         for effect in again.step.effects:
@@ -128,7 +127,7 @@ def compared_run(recording: Recording, loaded: LoadedMission) -> ComparedRun:
             if isinstance(effect, fx.Ended):
                 found.ended = effect
         if again.state is not None and isinstance(again.step.event, SensorFrame):
-            new = at_s, array("d", engine.signals(again.state).values())
+            new = at_s, array("d", again.state.sensing.shown)
             apart_s = add_evenly(found.times, found.values, new, apart_s, _MOST_KEPT)
     return found
 

@@ -74,13 +74,18 @@ class Replayed:
     from_s: float = 0.0
 
 
-def engine_of(recording: Recording, loaded: LoadedMission) -> Engine:
+def engine_of(recording: Recording, loaded: LoadedMission, *, every_signal: bool = False) -> Engine:
     """Return the engine with the options of the run."""
-    return Engine(loaded.robot, loaded.program, nominal=recording.header.nominal)
+    nominal = recording.header.nominal
+    return Engine(loaded.robot, loaded.program, nominal=nominal, every_signal=every_signal)
 
 
 def rerun(
-    recording: Recording, loaded: LoadedMission, after: Checkpoint | None = None
+    recording: Recording,
+    loaded: LoadedMission,
+    after: Checkpoint | None = None,
+    *,
+    every_signal: bool = False,
 ) -> Iterator[Rerun]:
     """Yield every step of the recording, replayed, in order.
 
@@ -88,13 +93,15 @@ def rerun(
         recording: The recording.
         loaded: The mission.
         after: The checkpoint of this mission to begin with; None: the start.
+        every_signal: Whether states have every signal, also those that nothing read in the run.
 
     Raises:
         RecordingError: The recording is damaged.
     """
     state = after.state if after is not None else None
     steps = recording.steps(after)
-    return rerun_steps(engine_of(recording, loaded), steps, state, recording.origin_s)
+    engine = engine_of(recording, loaded, every_signal=every_signal)
+    return rerun_steps(engine, steps, state, recording.origin_s)
 
 
 def rerun_steps(

@@ -13,7 +13,7 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.read.steps import Shown
-from pirate_sm.recording.replay.replay import engine_of, rerun
+from pirate_sm.recording.replay.replay import rerun
 from pirate_sm.recording.tables.table_rows import TIME, TableRow, rows_of
 from pirate_sm.recording.viewers.viewer_messages import PLACES
 
@@ -40,13 +40,13 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
             raise
         raise RecordingError(f"{folder} cannot be written: {error.strerror}") from None
     if not tables.files:
-        raise RecordingError(f"{shown(recording.path)} holds nothing that a table could hold")
+        raise RecordingError(f"{shown(recording.path)} has no data for tables")
     return tables.files
 
 
 def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
-    engine = engine_of(recording, loaded)
-    for row in rows_of(engine, rerun(recording, loaded), recording.origin_s):
+    again = rerun(recording, loaded, every_signal=True)
+    for row in rows_of(loaded.robot, again, recording.origin_s):
         tables.add(row)
     for place in recording.shown(PLACES):
         tables.places(place)

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from typing import Any, NamedTuple
 
-from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effect_words import choice_words
@@ -61,19 +60,18 @@ def headers(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
     return {table: (TIME, *after_time[table]) for table in TABLES}
 
 
-def rows_of(engine: Engine, again: Iterable[Rerun], origin_s: float = 0.0) -> Iterator[TableRow]:
+def rows_of(robot: RobotSpec, again: Iterable[Rerun], origin_s: float = 0.0) -> Iterator[TableRow]:
     """Yield all rows of a run from its replayed steps.
 
     Args:
-        engine: The engine as in the run.
-        again: The replayed steps.
+        robot: The robot.
+        again: The steps, replayed with every signal.
         origin_s: When the run began, by the engine's clock; times of rows count from there.
     """
-    columns = headers(engine.robot)
+    columns = headers(robot)
     for each in again:
         if each.state is not None and isinstance(each.step.event, SensorFrame):
-            values = engine.signals(each.state).values()
-            yield TableRow(SIGNALS, columns[SIGNALS], (each.at_s, *values))
+            yield TableRow(SIGNALS, columns[SIGNALS], (each.at_s, *each.state.sensing.shown))
         for effect in with_own_times(each.step.effects, origin_s):
             table, rows = _rows(effect)
             for row in rows:

@@ -48,11 +48,13 @@ class ViewerSnapshot(NamedTuple):
 
     Attributes:
         state: The engine's state.
+        numbers: All signals in the order of the vocabulary, SI.
         wheels: Positions of the wheels in the plane of the pipe, m, if known or reckoned.
         known: Whether they are the true positions.
     """
 
     state: EngineState
+    numbers: tuple[float, ...]
     wheels: tuple[Place, ...] | None
     known: bool
 
@@ -105,7 +107,7 @@ class ViewerMessages:
     def sample(self, at_s: float, time_ns: int, it: ViewerSnapshot) -> Iterator[Message]:
         """Yield the messages with all positions at this time."""
         now = stamp(time_ns)
-        shown = it.state.sensing.shown
+        shown = it.numbers
         numbers = dict(zip(self._numbers, shown, strict=True))
         points = it.wheels or self._placing.look(it.state, at_s)
         if points is not None:

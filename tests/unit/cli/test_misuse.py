@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 
+import pirate_sm.simulation
 from pirate_sm import __version__
 
 from .conftest import NEWT, ROOT
@@ -142,6 +143,9 @@ def test_a_script_that_does_not_fit(
 def test_a_missing_extra_is_named_with_how_to_install_it(
     pirate_run: Any, monkeypatch: pytest.MonkeyPatch, backend: str, module: str, extra: str
 ) -> None:
+    # The package is imported again here. Afterwards its parent must have the old module back, not
+    # only the table of modules: else later tests patch one of two.
+    monkeypatch.setattr(pirate_sm, "simulation", pirate_sm.simulation)
     for name in [name for name in sys.modules if name.startswith("pirate_sm.simulation")]:
         monkeypatch.delitem(sys.modules, name)
     genuine = builtins.__import__

@@ -121,7 +121,7 @@ def test_a_trigger_that_falls_away_has_held_for_a_part_of_its_time(run: Run) -> 
 
     call = run.call("the trigger 'detector == close for 1 s' of a")
     assert call.share == pytest.approx(0.75)
-    assert call.text.endswith("held for 0.75 s and fell away")
+    assert call.text.endswith("held for 0.75 s and became false again")
 
 
 def test_a_word_that_goes_soon_after_its_use_was_nearly_missed(run: Run) -> None:

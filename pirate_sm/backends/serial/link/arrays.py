@@ -15,11 +15,10 @@ dead man's switch knows that the line is alive. Nothing waits for the echo of a 
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
 from math import inf
-from typing import NamedTuple
 
 from pirate_sm.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
+from pirate_sm.backends.serial.link.pending_arrays import ArrayUnderWay, Unanswered, WantedArray
 from pirate_sm.backends.serial.link.wire_slots import Integers, WireSlot, to_counts, why_refused
 from pirate_sm.model.events import FaultReport, SubmitResult, SubmitStatus
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -35,46 +34,6 @@ _HURRY = 0.6
 """The share of the least time between two arrays after which a copy may follow."""
 
 _REMEMBERED = 64
-
-
-@dataclass
-class _WantedArray:
-    """An array that should come into force."""
-
-    setpoint_id: int
-    counts: Integers
-    since_s: float
-
-
-@dataclass
-class _ArrayUnderWay:
-    """An array that is being written.
-
-    Attributes:
-        reported: Its result has been reported; only its last copy still has to be confirmed.
-        needed: It must be confirmed again, because the device may have forgotten it.
-        again: It must be written again.
-    """
-
-    order: _WantedArray
-    began_s: float
-    reported: bool = False
-    needed: bool = False
-    sent_s: float = -inf
-    numbers: list[int] = field(default_factory=list)
-    again: bool = True
-
-
-class _Unanswered(NamedTuple):
-    """A writing whose echo nothing waits for, but which still measures the line.
-
-    Attributes:
-        at_s: When it was written.
-        overtaken: The array that a newer one has replaced; None for a refresh.
-    """
-
-    at_s: float
-    overtaken: _ArrayUnderWay | None = None
 
 
 class SetpointLink:
@@ -114,14 +73,14 @@ class SetpointLink:
         self._spacing_s = spacing_s
         self._ids = ids
         self._number = 0
-        self._waiting: _WantedArray | None = None
-        self._flight: _ArrayUnderWay | None = None
-        self._latest: _WantedArray | None = None
+        self._waiting: WantedArray | None = None
+        self._flight: ArrayUnderWay | None = None
+        self._latest: WantedArray | None = None
         self._sent_s = -inf
         self.quality = LineQuality(echo_within_s)
         self._recent: dict[int, tuple[Array, float]] = {}
         self._refreshing = refreshing
-        self._unanswered: dict[int, _Unanswered] = {}
+        self._unanswered: dict[int, Unanswered] = {}
         self._tripped = False
         self._results: list[SubmitResult | FaultReport] = []
         self.applied: Integers | None = None
@@ -149,15 +108,15 @@ class SetpointLink:
             self._report(
                 older.setpoint_id, "superseded", f"array {setpoint_id} came before it was sent"
             )
-        self._waiting = _WantedArray(setpoint_id, to_counts(self._slots, values), now)
+        self._waiting = WantedArray(setpoint_id, to_counts(self._slots, values), now)
 
     def reassert(self, now: float) -> None:
         """Write the last array again, because the device may have forgotten it."""
         if self._flight is not None:
             self._flight.again, self._flight.began_s = True, now
         elif self._latest is not None and self._waiting is None:
-            order = _WantedArray(self._latest.setpoint_id, self._latest.counts, now)
-            self._flight = _ArrayUnderWay(order, now, reported=True, needed=True)
+            order = WantedArray(self._latest.setpoint_id, self._latest.counts, now)
+            self._flight = ArrayUnderWay(order, now, reported=True, needed=True)
 
     # --- what is written --------------------------------------------------------------------
 
@@ -256,7 +215,7 @@ class SetpointLink:
             self._overtake(flight, self._waiting)
             flight = None
         if flight is None and self._waiting is not None and now >= self._sent_s + self._gap_s:
-            flight = self._flight = _ArrayUnderWay(self._waiting, now)
+            flight = self._flight = ArrayUnderWay(self._waiting, now)
             self._waiting = None
         if flight is None:
             return self._refresh(now) if self._waiting is None else b""
@@ -275,10 +234,10 @@ class SetpointLink:
             return b""
         self.refreshes += 1
         payload = self._write(self._latest, now)
-        self._unanswered[self._number] = _Unanswered(now)
+        self._unanswered[self._number] = Unanswered(now)
         return payload
 
-    def _write(self, order: _WantedArray, now: float) -> bytes:
+    def _write(self, order: WantedArray, now: float) -> bytes:
         """Return the payload of this array under a new number, and remember it."""
         self._number = self._number % (self._ids - 1) + 1
         self._recent[self._number] = Array(self._number, order.counts, self.hold), now
@@ -296,7 +255,11 @@ class SetpointLink:
             self.quality.lose(1.0)
             if older is not None and not older.reported and number == older.numbers[-1]:
                 older.reported = True
-                self._report(older.order.setpoint_id, "unknown", "a newer array came, and no echo")
+                self._report(
+                    older.order.setpoint_id,
+                    "unknown",
+                    "a newer array was sent before its echo came",
+                )
 
     # --- what is answered -------------------------------------------------------------------
 
@@ -341,7 +304,7 @@ class SetpointLink:
         else:
             del flight.numbers[: place + 1]  # only later copies still matter
 
-    def _confirm_overtaken(self, older: _ArrayUnderWay, counts: Integers) -> None:
+    def _confirm_overtaken(self, older: ArrayUnderWay, counts: Integers) -> None:
         """Report an array that was in force until the newer one came."""
         self.applied = counts
         if not older.reported:
@@ -365,7 +328,7 @@ class SetpointLink:
         else:
             self.reassert(now)
 
-    def _overtake(self, flight: _ArrayUnderWay, newer: _WantedArray) -> None:
+    def _overtake(self, flight: ArrayUnderWay, newer: WantedArray) -> None:
         """Wait no longer with a newer array; the result follows when the echo comes or is overdue.
 
         In a stream on a bad line a newer array always waits: without the late echoes nothing of it
@@ -373,12 +336,12 @@ class SetpointLink:
         """
         for number in flight.numbers:
             if number in self._recent:
-                self._unanswered[number] = _Unanswered(self._recent[number][1], flight)
+                self._unanswered[number] = Unanswered(self._recent[number][1], flight)
         self._flight = None
         if not (flight.numbers and flight.numbers[-1] in self._unanswered):
             self._end(flight, f"array {newer.setpoint_id} came before its echo")
 
-    def _end(self, flight: _ArrayUnderWay, reason: str) -> None:
+    def _end(self, flight: ArrayUnderWay, reason: str) -> None:
         self._flight = None
         if not flight.reported:
             self._report(flight.order.setpoint_id, "unknown", reason)

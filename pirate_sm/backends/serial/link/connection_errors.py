@@ -39,7 +39,7 @@ def unanswered(
     printable = sum(32 <= byte < 127 or byte in b"\r\n\t" for byte in sample)
     if printable >= _TEXT_SHARE * len(sample):
         shown = " ".join(sample.decode("ascii", "replace").split())[:_SHOWN]
-        return f"{port} speaks something else than rosserial, it says '{shown}': another device?"
+        return f"{port} does not speak rosserial, it sends '{shown}': another device?"
     return (
         f"{port} sends bytes that make no sense at {baud} baud: the firmware uses another speed "
         "(option baud), or it is another device"
@@ -56,7 +56,7 @@ def _incomplete(port: str, conversation: Conversation) -> str:
     )
     there = ", ".join(offered) if offered else "no topic at all"
     return (
-        f"the device on {port} speaks rosserial but does not introduce {missing}. It offers "
+        f"the device on {port} speaks rosserial but does not announce {missing}. It offers "
         f"{there}: put its names and types into section 'serial' of the robot's profile"
     )
 

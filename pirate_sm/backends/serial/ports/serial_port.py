@@ -82,7 +82,7 @@ class SerialPort:
             self._port.write(data)
         except (serial.SerialException, OSError) as error:
             self.let_go()  # a replugged device gets its old name only then
-            raise PortLostError(f"{self.name} takes nothing any more: {error}") from None
+            raise PortLostError(f"{self.name} cannot be written to: {error}") from None
 
     def read(self, until_s: float) -> bytes:
         """Return received bytes as soon as there are any; empty if none came by ``until_s``."""

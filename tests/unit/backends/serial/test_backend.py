@@ -328,7 +328,7 @@ def test_a_reset_is_told_once_the_safe_array_is_confirmed_and_then_the_last_one_
     assert fault.code == "firmware.reset"
     assert fault.message.startswith("the robot's controller said nothing for 1.")
     assert fault.message.endswith(
-        "it holds what it held and its wheels are stopped, as it has confirmed"
+        "it has confirmed that its clamps hold as before and its wheels are stopped"
     )
     assert [counts[4:8] for _, _, counts in device.applied[before:]] == [
         (-700, 0, 700, 0),
@@ -436,7 +436,7 @@ def test_a_controller_that_does_not_come_back_is_a_silent_link(
 
     assert [fault.code for fault in faults(told)] == ["link.silent"]
     assert faults(told)[0].message == (
-        "the robot's controller has said nothing for 8.0 s, however often it was asked"
+        "the robot's controller has been silent for 8.0 s, however often it was asked"
     )
     assert plan.away_s == 8.0
 

@@ -32,7 +32,7 @@ from pirate_sm.runtime.outcome import Result
 
 from .conftest import without_refresh
 
-SAFE = "it holds what it held and its wheels are stopped, as it has confirmed"
+SAFE = "it has confirmed that its clamps hold as before and its wheels are stopped"
 
 LOSSY = {"loss_in": 0.2, "loss_out": 0.2, "corruption": 0.01}
 
@@ -261,7 +261,7 @@ def test_firmware_that_hangs_for_ever_is_a_silent_link_and_the_stop_unconfirmed(
     course = go(hang_at_s=8.0, handled="firmware.reset")
 
     assert course.message == (
-        "link.silent: the robot's controller has said nothing for 8.0 s, however often it was "
+        "link.silent: the robot's controller has been silent for 8.0 s, however often it was "
         "asked (the safe setpoints were not confirmed)"
     )
     assert course.result.exit_code == 3

@@ -57,7 +57,7 @@ def test_a_step_after_one_that_cannot_run_is_told_as_if_that_were_mended(tmp_pat
     body = "start: p\nphases: {p: {do: [GoAhead, HoldNose, HoldNose], go: good}}\n"
 
     found = only(checked(tmp_path, body), "step.unneeded")
-    assert found.message.endswith("(once the step before that cannot run has been mended)")
+    assert found.message.endswith("(after the step before it that cannot run is corrected)")
     assert not found.course  # the mission as it stands never gets there
 
 

@@ -73,7 +73,7 @@ def test_a_mission_with_an_error_is_not_run(file: Path) -> None:
     file.write_text(MISSION.replace("[ClampFront]", "[DriveForward]"), encoding="utf-8")
     (rehearsal,) = checked(GOOD).rehearsals
 
-    assert (rehearsal.runs, rehearsal.skipped) == ((), "something is certainly wrong with it")
+    assert (rehearsal.runs, rehearsal.skipped) == ((), "the check has found errors in it")
 
 
 def test_a_mission_whose_error_is_allowed_is_run(file: Path) -> None:

@@ -50,7 +50,7 @@ def test_regions_that_the_start_does_not_name_are_as_on_the_way_there(pirate: An
     )
 
     assert "FrontWheelsState Fixed, RearWheelsState Fixed" in result.stdout
-    assert "Nothing to do: it is so already." in result.stdout
+    assert "Nothing to do: the robot is in these states already." in result.stdout
     assert result.exit_code == 0
 
 

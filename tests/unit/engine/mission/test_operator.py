@@ -328,7 +328,7 @@ def test_phases_that_go_round_without_waiting_are_found_out(drive):
         "start: a\nphases: {a: {go: b}, b: {go: a}}\nends: {e: {succeed: ok}}\n",
     )
     assert driver.ended.outcome == "failed"
-    assert driver.ended.message == "the phases go round without ever waiting"
+    assert driver.ended.message == "the phases repeat without ever waiting"
 
 
 def test_failures_that_go_round_are_found_out(drive):
@@ -341,7 +341,7 @@ phases:
 ends: {e: {succeed: ok}}
 """
     )
-    assert driver.ended.message == "the phases go round without ever waiting"
+    assert driver.ended.message == "the phases repeat without ever waiting"
 
 
 @pytest.mark.parametrize("accepted", [False, True])

@@ -78,7 +78,7 @@ def test_position_loops_do_not_go_by_what_a_script_says(drive: Drive) -> None:
     ("report", "said"),
     [
         (SignalReport((("wy", 1.0),)), "'wy', an unknown signal"),
-        (SignalReport((), (("Grip", "Loose"),)), "'Grip', which is no word of it"),
+        (SignalReport((), (("Grip", "Loose"),)), "'Grip', which no script can set"),
     ],
 )
 def test_what_a_script_cannot_say_is_told(waiting: Driver, report: SignalReport, said: str) -> None:

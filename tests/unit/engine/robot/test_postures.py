@@ -96,8 +96,8 @@ def test_it_turns_once_the_posture_is_seen_with_the_loops_at_zero(drive):
         ({"gamma_3": -APEX / 2 - math.radians(7)}, "gamma_3 not at the angle"),
         ({"gamma_1": math.radians(7)}, "gamma_1 not at the angle"),
         ({"gamma_2": math.nan}, "gamma_2 not at the angle"),
-        ({"bend_torque_4": 0.4}, "its sign was not seen"),
-        ({"bend_torque_4": math.nan}, "its sign was not seen"),
+        ({"bend_torque_4": 0.4}, "its criterion was not met"),
+        ({"bend_torque_4": math.nan}, "its criterion was not met"),
     ],
 )
 def test_it_does_not_turn_while_the_posture_is_not_seen(drive, missing, reason):

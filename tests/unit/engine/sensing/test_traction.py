@@ -8,6 +8,7 @@ from math import asin, cos, isnan, nan
 import pytest
 from driving import DRIVING_FORWARD, IDLE, PIRATE, Driver
 
+from pirate_sm.engine.engine import Engine
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -249,3 +250,74 @@ def test_a_board_that_is_silent_takes_the_signals_of_its_wheel_with_it(rolling):
 
     assert isnan(robot["slip_speed_1"])
     assert not isnan(robot["slip_speed_2"])
+
+
+# --- when they are estimated -----------------------------------------------------------------
+
+FORCE = CARELESS.replace(
+    "{operator: stop, go: stopped}", "{when: normal_force_1 > 1 N, go: stopped}"
+)
+"""Waits for a force."""
+
+
+def kept(robot: Rolling, name: str) -> float:
+    """What the state itself has for the signal."""
+    number: float = robot.driver.state.sensing.numbers[
+        robot.driver.robot.vocabulary.numbers.index(name)
+    ]
+    return number
+
+
+def test_what_nothing_reads_is_estimated_only_when_somebody_asks(rolling):
+    robot = rolling().go(1.5, None, 0.02)
+
+    assert isnan(kept(robot, "normal_force_1"))
+    assert isnan(kept(robot, "body_speed"))
+    assert robot["normal_force_1"] > 10
+    assert robot["body_speed"] == pytest.approx(0.02)
+    assert robot["mu_used_1"] >= 0
+
+
+def test_both_ways_give_the_same(rolling):
+    lazy = rolling().go(1.5, None, 0.02)
+    driver = lazy.driver
+    other = Engine(driver.robot, driver.engine.program, nominal=False, every_signal=True)
+    eager, _ = other.step(driver.state, driver.frame(27), driver.now)
+    lazy.driver.give(driver.frame(27))
+
+    assert repr(other.numbers(eager)) == repr(driver.engine.numbers(driver.state))
+    assert eager.sensing.numbers == pytest.approx(other.numbers(eager), nan_ok=True)
+    assert isnan(kept(lazy, "normal_force_1"))
+
+
+def test_a_condition_that_reads_one_sees_it(rolling):
+    robot = rolling(body=FORCE)
+    assert not robot.driver.fired
+
+    robot.go(1.5, None, 0.02)
+
+    assert robot.driver.fired
+    assert kept(robot, "normal_force_1") > 1
+
+
+def test_slip_is_kept_while_a_speed_from_outside_is_known_or_a_wheel_slips(rolling):
+    robot = slipping(rolling().go(1.5, 0.02, 0.02), 1.0)
+    assert kept(robot, "mu_1") == robot["mu_1"] > 0
+
+    robot.go(3.0, None, 0.02)
+    before = kept(robot, "normal_force_1")
+    robot.driver.signals |= {"bend_torque_1": -0.3}
+    robot.go(0.5, None, 0.02)
+
+    assert kept(robot, "normal_force_1") == before != robot["normal_force_1"]
+
+
+def test_what_was_estimated_long_ago_is_not_shown_for_the_present(rolling):
+    robot = rolling().go(1.5, 0.02, 0.02).go(3.0, None, 0.02)
+    assert not isnan(kept(robot, "slip_speed_1"))
+
+    robot.driver.give(ev.OutsideNumber("ruler", 0.02))
+
+    assert isnan(robot["slip_speed_1"])
+    robot.go(0.1, 0.02, 0.02)
+    assert robot["slip_speed_1"] == pytest.approx(0.0, abs=1e-3)

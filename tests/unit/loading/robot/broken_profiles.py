@@ -216,7 +216,7 @@ FAULTS = [
         "name: right_fore, part",
         "name: left_fore, part",
         "left_fore",
-        "'left_fore' stands here twice",
+        "'left_fore' is listed twice",
     ),
     (
         "direction: 1",
@@ -270,7 +270,7 @@ FAULTS = [
     ("    hold_torque: 160 mNm\n", "", "track:", "a motor of the kind geared needs `hold_torque`"),
     ("    dead_drag: 30 mNm\n", "", "track:", "a motor of the kind geared needs `dead_drag`"),
     ("motor: bulb", "motor: bulp", "bulp", "there is no motor 'bulp'"),
-    ("{name: drive_b", "{name: drive_a", "drive_a", "'drive_a' stands here twice"),
+    ("{name: drive_b", "{name: drive_a", "drive_a", "'drive_a' is listed twice"),
     (
         "wheel: right_fore, mirrors",
         "wheel: left_fore, mirrors",
@@ -291,7 +291,7 @@ FAULTS = [
     ),
     ("motor: bulb}", "motor: bulb, limit: 90 deg}", "90 deg", "only an angle has a limit"),
     ("joint: neck, mirrors", "joint: nek, mirrors", "nek", "the body has no joint 'nek'"),
-    ("id: 3\n", "id: 40\n", "40", "board 40 stands here twice"),
+    ("id: 3\n", "id: 40\n", "40", "board 40 is listed twice"),
     ("id: 40", "id: forty", "forty", "expected a whole number, got the text 'forty'"),
     (
         "    module: head\n    slots",
@@ -336,9 +336,9 @@ FAULTS = [
         "wheel_cont",
         "there is no conversion 'wheel_cont'",
     ),
-    ("signal: roll_b", "signal: roll_a", "roll_a", "'roll_a' is told twice"),
+    ("signal: roll_b", "signal: roll_a", "roll_a", "'roll_a' is declared twice"),
     ("signal: amps_a", "signal: mm", "mm", "'mm' cannot be the name of a signal: it is a unit"),
-    ("signal: amps_a", "signal: detector", "detector", "'detector' is told twice"),
+    ("signal: amps_a", "signal: detector", "detector", "'detector' is declared twice"),
     ("{scale: 1 rev / 2000}", "{scale: 1 mm / 2000}", "roll_a", "'roll_a' is a length"),
     ("{scale: 1 rev / 2000}", "{scale: 1 / 2000}", "roll_a", "'roll_a' is a bare number"),
     (
@@ -531,7 +531,7 @@ TRACTION_FAULTS = [
             "  again: {slip_speed_of: left_fore, speed: ruler}\n"
         ),
         "again: {",
-        "'slid' tells the same",
+        "'slid' is the same signal",
     ),
     (
         *_outside(
@@ -539,7 +539,7 @@ TRACTION_FAULTS = [
             "  other: {robot_speed_of: [right_fore], measured: ruler}\n"
         ),
         "other: {",
-        "'body' tells the same",
+        "'body' is the same signal",
     ),
     (
         *_outside(
@@ -570,7 +570,7 @@ TRACTION_FAULTS = [
         "0 mm/s",
         "expected more than 0 m/s, got '0 mm/s'",
     ),
-    (*_outside("", "neck: {unit: m/s, valid_for: 300 ms}"), "neck: {", "'neck' is told twice"),
+    (*_outside("", "neck: {unit: m/s, valid_for: 300 ms}"), "neck: {", "'neck' is declared twice"),
     (
         *_outside("", "and: {unit: m/s, valid_for: 300 ms}"),
         "and: {",

@@ -203,7 +203,7 @@ def test_reading_ends_after_many_faults() -> None:
 def test_both_places_of_a_duplicate_key_are_named() -> None:
     (problem,) = problems_of("a:\n  b: 1\n  b: 2")
 
-    assert problem.message == "the key 'b' stands twice; first in line 2, column 3"
+    assert problem.message == "the key 'b' appears twice; first in line 2, column 3"
 
 
 def test_many_small_aliases_are_refused() -> None:

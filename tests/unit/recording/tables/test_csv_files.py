@@ -118,3 +118,10 @@ def test_a_folder_that_cannot_be_made_is_told(tmp_path):
         pytest.raises(RecordingError, match="cannot be written"),
     ):
         write_tables(recording, loaded, tmp_path / "file" / "in")
+
+
+def test_what_nothing_read_in_the_run_is_in_the_table_all_the_same(tables):
+    heading, *rows = tables["signals"]
+    forces = [float(row[heading.index("normal_force_1_N")] or "nan") for row in rows]
+
+    assert sum(force > 5 for force in forces) > len(rows) / 4

@@ -82,6 +82,14 @@ def test_every_message_is_of_the_type_that_was_published(recording: Path) -> Non
     assert {topic: shown[topic] for topic in FOXGLOVE} == FOXGLOVE
 
 
+def test_signals_that_nothing_reads_are_estimated_for_viewers(tmp_path: Path) -> None:
+    record_with_viewers(tmp_path / "run.mcap", RUNS["odometry"])
+
+    forces = [each.get("normal_force_1_N") for each in messages(tmp_path / "run.mcap")["/signals"]]
+
+    assert sum(force is not None and force > 5 for force in forces) > len(forces) / 4
+
+
 def check_for_lichtblick(schema: dict[str, Any]) -> None:
     """Raise where Lichtblick 1.x would drop the topic.
 
@@ -194,7 +202,9 @@ def test_signals_that_are_unknown_or_infinite_are_left_out() -> None:
 
     found = {
         channel.topic: json.loads(data)
-        for channel, data in viewer.sample(2.0, 10**18 + 5, ViewerSnapshot(state, None, False))
+        for channel, data in viewer.sample(
+            2.0, 10**18 + 5, ViewerSnapshot(state, state.sensing.shown, None, False)
+        )
     }
 
     assert list(found["/signals"].values())[:1] == [1.0]
