@@ -11,7 +11,7 @@ from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import observe
-from pirate_sm.engine.sensing.traction import with_traction
+from pirate_sm.engine.sensing.traction import measured_outside, with_traction
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
 from pirate_sm.model.events import (
@@ -94,7 +94,12 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
     numbers[index] = event.value
     others = tuple(each for each in state.sensing.outside_until_s if each[0] != index)
     until_s = (*others, (index, moment.now_s + valid_for_s))
-    sensing = state.sensing._replace(numbers=tuple(numbers), outside_until_s=until_s)
+    traction = measured_outside(
+        moment.robot.traction, state.sensing.traction, index, event.value, moment.now_s
+    )
+    sensing = state.sensing._replace(
+        numbers=tuple(numbers), traction=traction, outside_until_s=until_s
+    )
     return state._replace(sensing=sensing)
 
 
