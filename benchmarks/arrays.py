@@ -23,6 +23,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.events import SubmitResult
 from pirate_sm.rosserial.frames import encode
+from pirate_sm.wiring.sim import start_values
 
 LOSS, CORRUPTION = 0.20, 0.01
 MISSION = "mitre_bend"
@@ -201,4 +202,5 @@ def bay_at(loaded: LoadedMission, seed: int, switches: Switches) -> tuple[Virtua
     assert loaded.pipe is not None
     plan = read_plan(Path(folder), robot.profile, loaded.robot)
     texts = message_texts(folder, robot.profile)
-    return VirtualBay(robot.profile, loaded.pipe, texts, switches, seed), plan
+    start = start_values(loaded)
+    return VirtualBay(robot.profile, loaded.pipe, texts, switches, seed, start), plan

@@ -70,6 +70,9 @@ class SimulatorBackend:
         physics: Makes the physics that moves the robot.
         name: Name of the backend with this physics.
 
+    Attributes:
+        robot: The robot as it truly is, for whoever measures.
+
     Raises:
         UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
             profile has no such defect.
@@ -95,7 +98,7 @@ class SimulatorBackend:
         self._cycle_s = link.cycle
         self._echo_s = link.echo_delay
         self._unknown_s = link.resend_after
-        self._robot = SimulatedRobot(
+        self.robot = SimulatedRobot(
             profile,
             pipe,
             physics,
@@ -105,8 +108,8 @@ class SimulatorBackend:
             defects=defects,
         )
         # A robot that starts clamped is held there by its motors.
-        self._robot.hold()
-        self._turns = self._robot.turns(link.state_message == "value")
+        self.robot.hold()
+        self._turns = self.robot.turns(link.state_message == "value")
         self._wire = _Wire()
         self._now = 0.0
         self._cycles = 0
@@ -115,17 +118,17 @@ class SimulatorBackend:
     @property
     def truth(self) -> FullTruth:
         """The robot's true position and state."""
-        return self._robot.truth
+        return self.robot.truth
 
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
-        return self._robot.wheels
+        return self.robot.wheels
 
     @property
     def arcs_m(self) -> list[float]:
         """Position of each wheel along the pipe, m; cheaper than ``truth``, for detectors."""
-        return self._robot.arcs_m
+        return self.robot.arcs_m
 
     @property
     def moved_until_s(self) -> float:
@@ -135,12 +138,12 @@ class SimulatorBackend:
     @property
     def crossings_m(self) -> tuple[float, ...]:
         """Where the axes of the pipe cross, m along the pipe."""
-        return self._robot.crossings_m
+        return self.robot.crossings_m
 
     def open(self) -> Sequence[Event]:
         """Return the first report of every board."""
         events: list[Event] = []
-        for board in self._robot.electronics.boards:
+        for board in self.robot.electronics.boards:
             events += self._frame(board)
         return events
 
@@ -152,7 +155,7 @@ class SimulatorBackend:
         """
         if self._closed:
             raise BackendError("the simulator is closed")
-        refusal = self._robot.electronics.refusal(values)
+        refusal = self.robot.electronics.refusal(values)
         if refusal:
             self._report(self._now, SubmitResult(setpoint_id, "rejected", refusal))
             return
@@ -160,7 +163,7 @@ class SimulatorBackend:
         if older is not None:
             reason = f"array {setpoint_id} came before it was sent"
             self._supersede(older.setpoint_id, reason)
-        arrives, echoes = self._robot.delivery(self._now)
+        arrives, echoes = self.robot.delivery(self._now)
         self._wire.waiting = _Sent(setpoint_id, values, arrives)
         if arrives and echoes:
             self._report(self._now + self._echo_s, SubmitResult(setpoint_id, "accepted"))
@@ -194,7 +197,7 @@ class SimulatorBackend:
 
     def _cycle(self) -> list[Event]:
         """Simulate one cycle of the bus."""
-        robot = self._robot
+        robot = self.robot
         waiting = self._wire.waiting
         if waiting is not None:
             self._wire.waiting = None
@@ -227,13 +230,13 @@ class SimulatorBackend:
         The motors go on meanwhile. Mission time stands still, as during a silence of the link.
         """
         for _ in range(round((until_s - self._now) / self._cycle_s)):
-            self._robot.step(self._now, self._turns[0])
-            self._robot.meet_obstacles()
-        self._robot.electronics.rest()
+            self.robot.step(self._now, self._turns[0])
+            self.robot.meet_obstacles()
+        self.robot.electronics.rest()
         return BuiltInFault.FIRMWARE_RESET.report("the controller has started again")
 
     def _frame(self, board: BoardChannels) -> Sequence[Event]:
-        counts = self._robot.frame(self._now, board)
+        counts = self.robot.frame(self._now, board)
         return (SensorFrame(board.board, tuple(counts)),) if counts is not None else ()
 
     def close(self) -> None:
@@ -242,4 +245,4 @@ class SimulatorBackend:
         self._wire.waiting = None
         self._closed = True
         if waiting is not None and waiting.arrives:
-            self._robot.electronics.set_values(waiting.values)
+            self.robot.electronics.set_values(waiting.values)

@@ -40,6 +40,7 @@ class VirtualBay:
         physics: Makes the physics that moves the robot.
 
     Attributes:
+        robot: The robot as it truly is, for whoever measures; it moves by whole cycles.
         records: Past events, oldest first; a reader may clear the list.
         last_array: The last whole array received; None before the first.
         last_applied: The array in force, after a trip of the dead man's switch with its zeros.
@@ -62,7 +63,7 @@ class VirtualBay:
         serial = serial_of(profile)
         chances = np.random.default_rng((seed, 1)).spawn(5)
         self._wire = Wire(profile, texts, switches.wrong_md5)
-        self._robot = SimulatedRobot(
+        self.robot = SimulatedRobot(
             profile,
             pipe,
             physics,
@@ -71,7 +72,7 @@ class VirtualBay:
             defects=switches.defects,
             more_defects=switches.more_defects(seed, chances[2:]),
         )
-        self._turns = self._robot.turns(self._wire.one_value)
+        self._turns = self.robot.turns(self._wire.one_value)
         self._line = Line(serial.baud, switches, chances[0])
         self._boot = (serial.boot * _SHORTEST_BOOT, serial.boot, chances[1])
         self._cycle_s = profile.link.cycle
@@ -91,12 +92,12 @@ class VirtualBay:
     @property
     def truth(self) -> FullTruth:
         """The robot's true position and state."""
-        return self._robot.truth
+        return self.robot.truth
 
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties in force: of the joints at each wheel, then of the wheels."""
-        return self._robot.duties
+        return self.robot.duties
 
     @property
     def configured(self) -> bool:
@@ -147,7 +148,7 @@ class VirtualBay:
 
     def _find_next_defect(self) -> None:
         """Find out when the next defect acts."""
-        self._defect_s = min(self._lapses_s[-1], self._robot.due_s)
+        self._defect_s = min(self._lapses_s[-1], self.robot.due_s)
 
     def _run(self, now_s: float) -> None:
         while True:
@@ -170,8 +171,8 @@ class VirtualBay:
         self._cycles += 1
         self._world_s = (self._cycles + 1) * self._cycle_s
         turn = self._turns[self._firmware.turn if self._firmware is not None else 0]
-        incidents = self._robot.step(now_s, turn)
-        self._robot.meet_obstacles()
+        incidents = self.robot.step(now_s, turn)
+        self.robot.meet_obstacles()
         if incidents:
             self._react_to(now_s, incidents)
 
@@ -182,7 +183,7 @@ class VirtualBay:
             if self._firmware is not None:
                 self._firmware.forget()
             self._log(Record(now_s, "unconfigured", detail="forgotten"))
-        self._react_to(now_s, self._robot.strike(now_s))
+        self._react_to(now_s, self.robot.strike(now_s))
 
     def _react_to(self, now_s: float, incidents: Sequence[Incident]) -> None:
         """Let the controller react to incidents of the robot."""
@@ -212,13 +213,13 @@ class VirtualBay:
         """Finish the set-up: write initial setpoints and begin the loop."""
         self._booted_s = math.inf
         self._line.ignore(now_s)
-        self._robot.electronics.rest()
+        self.robot.electronics.rest()
         self._firmware = self._set_up(now_s)
         self._log(Record(now_s, "booted"))
 
     def _set_up(self, now_s: float) -> Firmware:
         return Firmware(
-            *(self._wire, self._line, self._robot, self._switches),
+            *(self._wire, self._line, self.robot, self._switches),
             cycle_s=self._cycle_s,
             echo_delay_s=self._echo_delay_s,
             stop_after_s=self._stop_after_s,

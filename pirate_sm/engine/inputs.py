@@ -13,7 +13,8 @@ from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import forget_outdated, observe
-from pirate_sm.engine.sensing.traction import with_traction
+from pirate_sm.engine.sensing.traction import measured_outside, rolled, with_traction
+from pirate_sm.engine.sensing.traction_memory import nothing_estimated
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
 from pirate_sm.model.events import (
@@ -38,9 +39,11 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     if sensing.outside_until_s:
         sensing = forget_outdated(sensing, now_s)
     spec = robot.traction
-    if spec and spec.board == board.position and (moment.follows_traction or sensing.sees_slip):
-        at, around = body.configuration, state.surveyed.reported
-        sensing = with_traction(robot, spec, sensing, body.values, at, around, now_s)
+    if spec and board.wheels and (moment.follows_traction or sensing.sees_slip):
+        sensing = rolled(spec, sensing, board, now_s)
+        if board.position == spec.board:
+            at, around = body.configuration, state.surveyed.reported
+            sensing = with_traction(robot, spec, sensing, body.values, at, around, now_s)
     exhausted: list[FoundFault] = []
     if body.loops:
         seen = Circumstances(sensing.numbers, state.surveyed.reported.pitch_rad, now_s)
@@ -95,15 +98,18 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
         moment.warn(f"'{event.signal}' was measured outside, an unknown signal")
         return state
     index, valid_for_s = moment.robot.outside[event.signal]
-    numbers = list(state.sensing.numbers)
+    sensing, spec = state.sensing, moment.robot.traction
+    numbers = list(sensing.numbers)
     numbers[index] = event.value
-    traction = moment.robot.traction
-    if traction and not (moment.follows_traction or state.sensing.sees_slip):
-        for target in traction.targets:
-            numbers[target] = nan  # what was estimated when slip was seen last is of no use now
-    others = tuple(each for each in state.sensing.outside_until_s if each[0] != index)
+    traction = sensing.traction
+    if spec and not (moment.follows_traction or sensing.sees_slip):
+        traction = nothing_estimated(spec)  # what slip was seen last is of no use now
+        for target in spec.targets:
+            numbers[target] = nan
+    traction = measured_outside(spec, traction, index, event.value, moment.now_s)
+    others = tuple(each for each in sensing.outside_until_s if each[0] != index)
     until_s = (*others, (index, moment.now_s + valid_for_s))
-    sensing = state.sensing._replace(numbers=tuple(numbers), outside_until_s=until_s)
+    sensing = sensing._replace(numbers=tuple(numbers), traction=traction, outside_until_s=until_s)
     return state._replace(sensing=sensing)
 
 

@@ -233,10 +233,12 @@ class OutsideSignal(Frozen):
     Attributes:
         unit: Its unit, such as ``m/s``; it is reported in SI.
         valid_for: How long a value counts unless a newer one comes; then it is unknown.
+        averages: A value is the mean over so long a time before it comes; 0 s is that of a moment.
     """
 
     unit: str
     valid_for: PositiveDuration
+    averages: Annotated[Duration, Field(ge=0)] = 0.0
 
 
 class Profile(Frozen):

@@ -143,6 +143,11 @@ class SimulatedRobot:
         return [incident for incident in incidents if incident is not None]
 
     @property
+    def moved_until_s(self) -> float:
+        """Until when it has moved: the end of the last cycle."""
+        return self._cycles * self._cycle_s
+
+    @property
     def due_s(self) -> float:
         """When the next defect strikes; infinite if none will."""
         return min((effect.due_s for effect in self._effects), default=math.inf)

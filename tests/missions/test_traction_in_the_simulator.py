@@ -53,7 +53,7 @@ class Course:
         )
         self._look = lambda: (
             dict(prepared.engine.signals(run.state)) if run.state else {},
-            list(prepared.backend._robot.values("press")),
+            list(prepared.backend.robot.values("press")),
         )
         assert run.execute().ended.outcome == "succeeded"
         return self

@@ -37,10 +37,18 @@ def gripping(spec: GripSpec) -> Gripping:
     return Gripping(spec.at_most_nm, spec.friction)
 
 
-def after_frame(spec: GripSpec, before: Gripping, seen: Circumstances) -> Gripping:
+def after_frame(
+    spec: GripSpec, before: Gripping, seen: Circumstances, *, presses: bool = False
+) -> Gripping:
     """Return the grip after a fresh frame.
 
     It is raised at once, also when a wheel slips, and lowered slowly.
+
+    Args:
+        spec: How hard the part presses.
+        before: The grip before the frame.
+        seen: The signals with the frame in them.
+        presses: Whether the apex bears all that it may.
     """
     numbers = seen.numbers
     known = [numbers[index] for index in spec.estimates if not isnan(numbers[index])]
@@ -53,7 +61,21 @@ def after_frame(spec: GripSpec, before: Gripping, seen: Circumstances) -> Grippi
     lowered_nm = before.torque_nm - spec.lower_nm_s * elapsed_s
     size_nm = max(wanted_nm, spec.at_least_nm, lowered_nm)
     exhausted = needed_nm * LEAST_MARGIN / spec.safety > spec.at_most_nm
-    return Gripping(size_nm, friction, seen.now_s, exhausted)
+    return Gripping(size_nm, friction, seen.now_s, exhausted or (presses and _carried(spec, seen)))
+
+
+def _carried(spec: GripSpec, seen: Circumstances) -> bool:
+    """Return whether all wheels of the part are carried downhill, beyond what they roll.
+
+    However little is known of the friction, it does not bear the robot then. While the tilt is
+    unknown it is enough that the robot moves beyond what they roll.
+    """
+    numbers, downhill = seen.numbers, sin(seen.pitch_rad)
+    slips = [numbers[index] for index in spec.slip_speeds]
+    return bool(slips) and all(
+        abs(slip) > spec.alarm_m_s and slip * numbers[spec.speed] < 0 and not downhill * slip <= 0
+        for slip in slips
+    )
 
 
 def torque_nm(spec: GripSpec, friction: float, angle_rad: float, pitch_rad: float) -> float:

@@ -62,7 +62,10 @@ class TorqueLoop(NamedTuple):
         is small or the torque is unknown: the worm holds.
         """
         if self.grip is not None:
-            now = after_frame(self.grip, self.gripping or gripping(self.grip), seen)
+            least_nm = self.grip.at_most_nm - self.spec.within_nm
+            presses = abs(seen.numbers[self.spec.torque]) >= least_nm
+            before = self.gripping or gripping(self.grip)
+            now = after_frame(self.grip, before, seen, presses=presses)
             return self._replace(gripping=now)._driven(seen.numbers)
         return self._driven(seen.numbers)
 

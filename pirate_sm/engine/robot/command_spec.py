@@ -114,6 +114,7 @@ class GripSpec(NamedTuple):
         friction: Of the part's wheels; NaN where it is estimated.
         estimates: Number indexes of the estimates of the part's wheels.
         slip_speeds: Number indexes of the slip speeds of the part's wheels.
+        speed: Number index of the body speed that they are counted from; -1 without any.
         angle: Number index of the angle of the apex.
         leg_m: Length of a leg of the part's V.
         weight_n: Of the whole robot; ``wheels`` is how many share it.
@@ -125,6 +126,7 @@ class GripSpec(NamedTuple):
     friction: float
     estimates: tuple[int, ...]
     slip_speeds: tuple[int, ...]
+    speed: int
     angle: int
     leg_m: float
     weight_n: float

@@ -20,7 +20,9 @@ from math import copysign, cos, inf, isnan, nan, sin
 from statistics import median
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import Sensing
+from pirate_sm.engine.sensing.slip import Slip, lengthened, slip_between
 from pirate_sm.engine.sensing.traction_memory import Slipping, Traction
 from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
 from pirate_sm.geometry.chain_statics import ChainLoads, couples_nm, normal_forces_n
@@ -64,6 +66,42 @@ def with_traction(
     return sensing._replace(numbers=tuple(numbers), traction=traction)
 
 
+def measured_outside(
+    spec: TractionSpec | None, traction: Traction, index: int, value: float, now_s: float
+) -> Traction:
+    """Return what is to be remembered of a number that was measured outside."""
+    if spec is None or index != spec.measured:
+        return traction
+    since_s = now_s - spec.averages_s
+    return traction._replace(readings=lengthened(traction.readings, value, now_s, since_s))
+
+
+def rolled(spec: TractionSpec, sensing: Sensing, board: BoardSpec, now_s: float) -> Sensing:
+    """Return the signals with the slip of a board's wheels after its frame."""
+    numbers, rims = list(sensing.numbers), list(sensing.traction.rims)
+    own = [at for at, wheel in enumerate(spec.wheels) if wheel.board == board.position]
+    for at in own:
+        rim_m_s = numbers[spec.wheels[at].speed] * spec.wheels[at].metres_per_rad
+        rims[at] = lengthened(rims[at], rim_m_s, now_s)
+    traction = sensing.traction._replace(rims=tuple(rims))
+    for at in own:
+        _put_slip(spec.wheels[at], _slip(spec, traction, numbers, at), numbers)
+    return sensing._replace(numbers=tuple(numbers), traction=traction)
+
+
+def _slip(spec: TractionSpec, traction: Traction, numbers: Sequence[float], at: int) -> Slip:
+    """Return the slip of a wheel; unknown while its own speed or that of the body is."""
+    if spec.measured < 0 or isnan(numbers[spec.measured] + numbers[spec.wheels[at].speed]):
+        return Slip()
+    return slip_between(traction.rims[at], traction.readings, spec.delay_s)
+
+
+def _put_slip(wheel: WheelTraction, slip: Slip, numbers: list[float]) -> None:
+    known = abs(slip.body_m_s) >= wheel.unknown_below_m_s and slip.body_m_s != 0
+    _put(numbers, wheel.slip_speed, slip.slip_m_s)
+    _put(numbers, wheel.slip, -slip.slip_m_s / slip.body_m_s if known else nan)
+
+
 def estimate(
     spec: TractionSpec,
     before: Traction,
@@ -85,14 +123,17 @@ def estimate(
     measured_m_s = numbers[spec.measured] if spec.measured >= 0 else nan
     if spec.robot_speed >= 0:
         numbers[spec.robot_speed] = _robot_speed(spec, numbers, measured_m_s)
+    slips = [_slip(spec, before, numbers, at) for at in range(len(spec.wheels))]
     slipping = tuple(
-        _wheel(wheel, old, force_n, numbers, setpoints[wheel.slot], measured_m_s, now_s)
-        for wheel, old, force_n in zip(spec.wheels, before.slipping, normal_n, strict=True)
+        _wheel(wheel, old, force_n, numbers, setpoints[wheel.slot], slip, now_s)
+        for wheel, old, force_n, slip in zip(
+            spec.wheels, before.slipping, normal_n, slips, strict=True
+        )
     )
     for target, sources in spec.least:
         known = [numbers[source] for source in sources if not isnan(numbers[source])]
         numbers[target] = min(known, default=nan)
-    return Traction(slipping)
+    return before._replace(slipping=slipping)
 
 
 def _robot_speed(spec: TractionSpec, numbers: Sequence[float], measured_m_s: float) -> float:
@@ -114,15 +155,13 @@ def _wheel(
     normal_n: float,
     numbers: list[float],
     setpoint: float,
-    body_m_s: float,
+    slip: Slip,
     now_s: float,
 ) -> Slipping:
     """Fill in the signals of one wheel; return what is remembered of its slipping."""
-    slip_m_s = numbers[wheel.speed] * wheel.metres_per_rad - body_m_s
+    slip_m_s = slip.slip_m_s
     force_n = _torque_nm(wheel, numbers, setpoint) / wheel.metres_per_rad
-    _put(numbers, wheel.slip_speed, slip_m_s)
-    known = abs(body_m_s) >= wheel.unknown_below_m_s and body_m_s != 0
-    _put(numbers, wheel.slip, -slip_m_s / body_m_s if known else nan)
+    _put_slip(wheel, slip, numbers)
     _put(numbers, wheel.normal_force, normal_n)
     _put(numbers, wheel.friction_used, abs(force_n) / normal_n if normal_n > 0 else nan)
     way = setpoint * wheel.metres_per_rad

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf
 from typing import NamedTuple
 
+from pirate_sm.engine.sensing.slip import Stretch
 from pirate_sm.engine.sensing.traction_spec import TractionSpec
 
 
@@ -29,13 +30,17 @@ class Traction(NamedTuple):
 
     Attributes:
         slipping: Per wheel.
+        rims: Per wheel the speeds of its rim lately, from frame to frame.
+        readings: The speeds of the body that were measured outside lately.
     """
 
     slipping: tuple[Slipping, ...] = ()
+    rims: tuple[tuple[Stretch, ...], ...] = ()
+    readings: tuple[Stretch, ...] = ()
 
 
 def nothing_estimated(spec: TractionSpec | None) -> Traction:
     """Return what is known before the first frame."""
     if spec is None:
         return Traction()
-    return Traction((Slipping(),) * len(spec.wheels))
+    return Traction((Slipping(),) * len(spec.wheels), ((),) * len(spec.wheels))

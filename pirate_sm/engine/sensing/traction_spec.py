@@ -67,6 +67,8 @@ class TractionSpec(NamedTuple):
         mounts: Per wheel the index of the link that its motor sits on.
         masses_kg: Per wheel its mass, with half of its links.
         measured: Number index of the body speed that somebody outside measures; -1 without one.
+        averages_s: How long a time that is a mean over.
+        delay_s: By how much a frame may be later than a measurement of the same moment.
         robot_speed: Target, the body speed with its fall-back; -1 without one.
         rolling: The wheels that it falls back to.
         agreeing_m_s: How far the speeds of wheels may differ from their median that agree.
@@ -79,6 +81,8 @@ class TractionSpec(NamedTuple):
     mounts: tuple[int, ...]
     masses_kg: tuple[float, ...]
     measured: int = -1
+    averages_s: float = 0.0
+    delay_s: float = 0.0
     robot_speed: int = -1
     rolling: tuple[WheelTraction, ...] = ()
     agreeing_m_s: float = 0.0

@@ -100,7 +100,7 @@ def _grips(grip: Grip, name: str, signals: Signals, slots: Slots) -> dict[int, G
         slot = next((i for i, s in enumerate(profile.slots) if s.joint == settings.apex), None)
         if slot is None or settings.apex not in names:
             continue
-        estimates, slips = _estimates(signals, wheels)
+        estimates, slips, speed = _estimates(signals, wheels)
         if grip.friction == "estimate" and not estimates:
             message = f"friction is estimated by `friction_of` a wheel of {part}; there is none"
             signals.problems.add("robot.control", (*path, "friction"), message)
@@ -114,6 +114,7 @@ def _grips(grip: Grip, name: str, signals: Signals, slots: Slots) -> dict[int, G
             friction=grip.friction[part] if isinstance(grip.friction, dict) else nan,
             estimates=estimates,
             slip_speeds=slips,
+            speed=speed,
             angle=names.index(settings.apex),
             leg_m=body.legs_m(part)[0],
             weight_n=weight_n(signals),
@@ -127,16 +128,20 @@ def _grips(grip: Grip, name: str, signals: Signals, slots: Slots) -> dict[int, G
     return found
 
 
-def _estimates(signals: Signals, wheels: list[str]) -> tuple[tuple[int, ...], tuple[int, ...]]:
-    """Return the number indexes of the friction and of the slip speed of these wheels."""
+def _estimates(signals: Signals, wheels: list[str]) -> tuple[tuple[int, ...], tuple[int, ...], int]:
+    """Return the number indexes of the friction and of the slip speed of these wheels.
+
+    The last one is that of the body speed that slip is counted from.
+    """
     names = signals.vocabulary.numbers
-    frictions, slips = [], []
+    frictions, slips, body = [], [], -1
     for name, derived in signals.profile.derived.items():
         match derived:
             case kinds.FrictionOf(friction_of=wheel) if wheel in wheels:
                 frictions.append(names.index(name))
-            case kinds.SlipSpeedOf(slip_speed_of=wheel) if wheel in wheels:
+            case kinds.SlipSpeedOf(slip_speed_of=wheel, speed=speed) if wheel in wheels:
                 slips.append(names.index(name))
+                body = names.index(speed) if speed in names else body
             case _:
                 pass
-    return tuple(frictions), tuple(slips)
+    return tuple(frictions), tuple(slips), body

@@ -29,21 +29,13 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
     for wheel in signals.wheels:
         board = next((b for b in boards.values() if wheel in b.wheels), None)
         slot = profile.slots[wheel.slot]
-        torque = next(
-            (
-                names.index(name)
-                for name, derived in profile.derived.items()
-                if isinstance(derived, kinds.TorqueOf) and derived.slot == slot.name
-            ),
-            -1,
-        )
         motor = profile.motors[slot.motor]
         own = WheelTraction(
             wheel.place,
             board.position if board else -1,
             wheel.slot,
             wheel.speed,
-            torque,
+            _torque_of(signals, slot.name),
             wheel.metres_per_rad,
             motor.stall_torque or 0.0,
             motor.no_load_speed or inf,
@@ -51,13 +43,17 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
         wheels.append(_with_targets(signals, own, body.wheels[wheel.place].name, wanted))
         module = board.module if board else ""
         mounts.append(modules.index(module) if module in modules else 0)
+    measured = _measured(signals, wanted)
     spec = TractionSpec(
         tuple(wheels),
         wheels[-1].board,
         tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
         tuple(mounts),
         tuple(masses),
-        measured=_measured(signals, wanted),
+        measured=_index(names, measured),
+        averages_s=profile.outside[measured].averages if measured else 0.0,
+        # A frame is late by one way of the link, its echo by both.
+        delay_s=profile.link.echo_delay,
     )
     for name, derived in wanted.items():
         match derived:
@@ -73,6 +69,14 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
                 pass
     _check(signals, spec, wanted)
     return spec
+
+
+def _torque_of(signals: Signals, slot: str) -> int:
+    """Return the number index of the torque of a slot's motor; -1 where none is derived."""
+    for name, derived in signals.profile.derived.items():
+        if isinstance(derived, kinds.TorqueOf) and derived.slot == slot:
+            return signals.vocabulary.numbers.index(name)
+    return -1
 
 
 def _with_targets(
@@ -98,8 +102,8 @@ def _with_targets(
     return wheel
 
 
-def _measured(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> int:
-    """Return the number index of the body speed from outside that slip is measured against."""
+def _measured(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> str | None:
+    """Return the body speed from outside that slip is measured against."""
     found = set()
     for name, derived in wanted.items():
         if isinstance(derived, kinds.RobotSpeedOf):
@@ -125,7 +129,7 @@ def _measured(signals: Signals, wanted: Mapping[str, kinds.Traction]) -> int:
         name, key = next((name, key) for speed, name, key in sorted(found) if speed == speeds[-1])
         message = f"slip is measured against one speed, here against {' and '.join(speeds)}"
         signals.problems.add("robot.signal", ("derived", name, key), message)
-    return _index(signals.vocabulary.numbers, speeds[0]) if speeds else -1
+    return next((speed for speed in speeds if speed in signals.profile.outside), None)
 
 
 def _check(signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]) -> None:

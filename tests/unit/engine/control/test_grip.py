@@ -21,13 +21,14 @@ from pirate_sm.engine.robot.command_spec import (
 )
 
 UPRIGHT, LEVEL = pi / 2, 0.0
-ANGLE, SLIP, MU_A, MU_B, TORQUE = range(5)
+ANGLE, SLIP, MU_A, MU_B, TORQUE, SPEED = range(6)
 IN_12_CM = 2 * asin((0.120 - 0.048) / 0.090)
 AS_PRINTED = GripSpec(
     safety=2.0,
     friction=nan,
     estimates=(MU_A, MU_B),
     slip_speeds=(SLIP,),
+    speed=SPEED,
     angle=ANGLE,
     leg_m=0.090,
     weight_n=0.79 * 9.81,
@@ -41,8 +42,10 @@ AS_PRINTED = GripSpec(
 CORRECTED = AS_PRINTED._replace(share=2.0)
 
 
-def seen(now_s=0.0, *, mu=nan, other=nan, slip=0.0, pitch=UPRIGHT, angle=IN_12_CM) -> Circumstances:
-    return Circumstances((angle, slip, mu, other, 0.0), pitch, now_s)
+def seen(
+    now_s=0.0, *, mu=nan, other=nan, slip=0.0, pitch=UPRIGHT, angle=IN_12_CM, torque=0.0, speed=0.0
+) -> Circumstances:
+    return Circumstances((angle, slip, mu, other, torque, speed), pitch, now_s)
 
 
 def course(spec, *each: Circumstances):
@@ -138,6 +141,32 @@ def test_a_given_friction_needs_no_estimate():
     now = course(given_one, seen(0.0, mu=0.9), seen(60.0, mu=0.9))
 
     assert now.torque_nm == pytest.approx(0.35, abs=0.005)
+
+
+@pytest.mark.parametrize(
+    ("slip", "speed", "pitch", "torque", "exhausted"),
+    [
+        (0.05, -0.05, UPRIGHT, 0.69, True),
+        (-0.05, 0.14, -UPRIGHT, 0.69, True),
+        (0.05, -0.05, nan, 0.69, True),  # nothing is known of the tilt
+        (0.009, -0.05, UPRIGHT, 0.69, False),  # no more than noise
+        (nan, -0.05, UPRIGHT, 0.69, False),
+        (0.05, nan, UPRIGHT, 0.69, False),
+        (-0.05, 0.05, UPRIGHT, 0.69, False),  # somebody pulls it up
+        (0.05, 0.02, UPRIGHT, 0.69, False),  # its wheels turn faster than it climbs
+        (0.05, -0.05, UPRIGHT, 0.40, False),  # the clamp is still being wound
+    ],
+)
+def test_it_is_exhausted_where_a_robot_is_carried_down_though_it_presses_all_it_may(
+    slip, speed, pitch, torque, exhausted
+):
+    spec = TorqueSpec(
+        gain=1.0, dead_nm=0.03, least_duty=0.15, limit=0.7, within_nm=0.04, stall_torque_nm=1.0,
+        torque=TORQUE,
+    )  # fmt: skip
+    moment = seen(1.0, slip=slip, speed=speed, pitch=pitch, torque=torque)
+
+    assert TorqueLoop(0, spec, 0.35, CORRECTED).heard(moment).exhausted is exhausted
 
 
 @pytest.mark.parametrize("asked", [-0.35, 0.35])

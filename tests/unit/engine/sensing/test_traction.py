@@ -100,6 +100,16 @@ def test_slip_is_counted_along_the_robot_and_its_ratio_against_the_travel(
         assert robot[f"slip_{wheel}"] == pytest.approx(ratio)
 
 
+def test_a_ruler_that_averages_over_a_start_or_a_stop_shows_no_slip(rolling):
+    robot = rolling().go(1.0, 0.0, 0.0).go(0.1, 0.045, 0.09)
+    assert isnan(robot["slip_speed_1"])
+    assert robot.go(0.5, 0.09, 0.09)["slip_speed_1"] == pytest.approx(0.0, abs=1e-6)
+
+    robot.go(0.1, 0.045, 0.0)
+    assert isnan(robot["slip_speed_1"])
+    assert robot.go(0.5, 0.0, 0.0)["slip_speed_1"] == pytest.approx(0.0, abs=1e-6)
+
+
 @pytest.mark.parametrize(("body", "known"), [(0.0049, False), (0.0051, True), (-0.0051, True)])
 def test_the_ratio_is_unknown_below_5_mm_s_and_the_speed_is_not(rolling, body, known):
     robot = rolling().go(0.5, body, 0.02)
