@@ -16,9 +16,10 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile
 
-OVERSHOOT = 1.5
-"""Largest speed of a wheel that is kept at a speed, as a share of that speed [decided]. Its loop
-learns while the wheel still stands; in the simulator it turns up to 1.3 times as fast then."""
+OVERSHOOT = 2.0
+"""Largest speed of what is kept at a speed, as a share of that speed [decided]. Its loop learns
+while the wheel still stands, and wheels push each other: in the simulator one that is kept at
+20 mm/s turned 1.93 times as fast for a moment, and the robot 1.2 times."""
 
 
 class Actuated(NamedTuple):
@@ -115,7 +116,7 @@ def _rad_s(write: Write, no_load: float) -> float:
         case "set":
             return abs(write.value) * no_load if write.value else 0.0
         case "turn":
-            return abs(write.value)
+            return abs(write.value) * OVERSHOOT
         case "seek" | "keep":
             return no_load
         case "bear":

@@ -25,9 +25,9 @@ controls:
   hardly:
     actuation:
       FrontWheelsState:
-        DrivingForward: {wheel_1: 6 mm/s, wheel_2: -6 mm/s, wheel_3: 6 mm/s}
+        DrivingForward: {wheel_1: 5 mm/s, wheel_2: -5 mm/s, wheel_3: 5 mm/s}
       RearWheelsState:
-        DrivingForward: {wheel_4: -6 mm/s, wheel_5: 6 mm/s, wheel_6: -6 mm/s}
+        DrivingForward: {wheel_4: -5 mm/s, wheel_5: 5 mm/s, wheel_6: -5 mm/s}
 """.replace(" &creeping", "")
 
 

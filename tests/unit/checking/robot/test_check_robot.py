@@ -247,9 +247,9 @@ SLOW = """\
   slow:
     actuation:
       FrontWheelsState:
-        DrivingForward: {wheel_1: 6 mm/s, wheel_2: -6 mm/s, wheel_3: 6 mm/s}
+        DrivingForward: {wheel_1: 5 mm/s, wheel_2: -5 mm/s, wheel_3: 5 mm/s}
       RearWheelsState:
-        DrivingForward: {wheel_4: -6 mm/s, wheel_5: 6 mm/s, wheel_6: -6 mm/s}
+        DrivingForward: {wheel_4: -5 mm/s, wheel_5: 5 mm/s, wheel_6: -5 mm/s}
   slow_too: {extends: slow, gravity_compensation: true}
 """
 
@@ -261,7 +261,7 @@ def test_a_command_that_is_never_done_under_a_control_is_told_there_once(tmp_pat
 
 
 def test_a_control_as_fast_as_the_criterion_asks_is_fine(tmp_path: Path) -> None:
-    assert controlled(tmp_path, SLOW.replace("6 mm/s", "20 mm/s")) == []
+    assert controlled(tmp_path, SLOW.replace("5 mm/s", "20 mm/s")) == []
 
 
 WRONG_SIDE = """\
