@@ -5,7 +5,8 @@ import pytest
 
 import pirate_sm
 from pirate_sm.fitting.columns import Measured, read_measured
-from pirate_sm.fitting.robot_numbers import RobotNumber, robot_numbers
+from pirate_sm.fitting.motor_intervals import Intervals
+from pirate_sm.fitting.robot_numbers import RobotNumber, driven, robot_numbers, wheel_numbers
 from pirate_sm.fitting.slip_curve import Estimate
 from pirate_sm.fitting.twin_text import twin_text
 from pirate_sm.loading.robot.twin_file import load_twin
@@ -48,12 +49,13 @@ def test_a_number_of_the_true_robot_is_found_within_ten_percent(
     assert numbers[which].estimate.value == pytest.approx(TRUE[which], rel=0.1)
 
 
-def test_an_interval_is_around_its_value(
-    numbers: dict[tuple[str, str], RobotNumber],
+@pytest.mark.parametrize("which", TRUE, ids=" ".join)
+def test_an_interval_holds_its_value_and_the_true_one(
+    numbers: dict[tuple[str, str], RobotNumber], which: tuple[str, str]
 ) -> None:
-    for which in TRUE:
-        estimate = numbers[which].estimate
-        assert estimate.low <= estimate.value <= estimate.high
+    estimate = numbers[which].estimate
+    assert estimate.low <= estimate.value <= estimate.high
+    assert estimate.low <= TRUE[which] <= estimate.high
 
 
 def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: Measured) -> None:
@@ -121,3 +123,52 @@ def test_friction_that_was_found_is_written_with_static_friction_in_the_profiles
 
     assert friction is not None
     assert (friction.static, friction.kinetic) == (0.42, 0.3)
+
+
+def test_the_interval_of_friction_holds_the_error_of_the_normal_forces(measured: Measured) -> None:
+    """Chain statics may be 5 % off in all frames of a run, which no draw of frames can show."""
+    count = len(measured.columns["time_s"])
+    made = {f"mu_{n}": np.full(count, 0.3) for n in range(1, 7)}
+    torques = {f"wheel_torque_{n}": np.full(count, 0.1) for n in range(1, 7)}
+
+    found = robot_numbers([measured._replace(columns={**measured.columns, **made, **torques})])
+
+    (front, _) = (each.estimate for each in found if not each.motor)
+    assert (front.low, front.high) == pytest.approx((0.3 * 0.95, 0.3 * 1.05))
+
+
+NO_LOAD, STALL = 4.0, 0.3
+
+
+def turning(load: np.ndarray, rate_noise: float, load_noise: float, *, signed: bool) -> Intervals:
+    """Readings of a motor at duty 0.7, as many as there are loads."""
+    random = np.random.default_rng(3)
+    rate = NO_LOAD * (0.7 - load / STALL) + random.normal(0, rate_noise, len(load))
+    read = load + random.normal(0, load_noise, (2, len(load)))
+    read = read if signed else np.abs(read)
+    duty = np.full(len(load), 0.7)
+    return Intervals(duty, rate, read.mean(axis=0), read[1] - read[0])
+
+
+def test_readings_near_the_stall_do_not_make_a_motor_stronger() -> None:
+    """Of rates that are as small as their errors only the larger ones pass a threshold."""
+    load = np.concatenate([np.linspace(0.0, 0.2, 200), np.full(4000, 0.205)])
+    it = turning(load, rate_noise=0.1, load_noise=0.001, signed=True)
+
+    rows = driven(it)
+
+    assert np.linalg.lstsq(rows[:, :2], rows[:, 2], rcond=None)[0] == pytest.approx(
+        (NO_LOAD, NO_LOAD / STALL), rel=0.01
+    )
+
+
+def test_a_current_without_a_sign_does_not_make_a_motor_faster() -> None:
+    load = np.concatenate([np.zeros(2000), np.linspace(0.05, 0.15, 500)])
+    it = turning(load, rate_noise=0.01, load_noise=0.004, signed=False)
+
+    speed, stall, _ = (each.estimate for each in wheel_numbers("wheel", driven(it), it))
+
+    assert speed.value == pytest.approx(NO_LOAD, rel=0.002)
+    assert stall.value == pytest.approx(STALL, rel=0.005)
+    assert speed.low <= NO_LOAD <= speed.high
+    assert stall.low <= STALL <= stall.high
