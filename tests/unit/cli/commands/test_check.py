@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -203,6 +204,31 @@ def test_a_misspelt_code_is_understood(pirate: Any) -> None:
     assert result.exit_code == 2
     assert "did you mean 'trigger.at_once'?" in result.stderr
     assert "lists them all" in pirate("explain", "quite different").stderr
+
+
+def test_a_control_is_explained_with_what_it_extends(pirate: Any) -> None:
+    result = pirate("explain", "exp_3d")
+
+    assert result.exit_code == 0
+    assert "It extends exp_3c, which extends exp_3a." in result.stdout
+    assert "BendingState.DoubleClamped: gamma_1 bears -350 mNm" in result.stdout
+    assert "also bear the weight" in result.stdout
+    assert "friction 0.2 (front), 0.5 (rear), safety 2" in result.stdout
+
+
+def test_a_control_of_a_robot_of_ones_own_is_explained(pirate: Any, tmp_path: Path) -> None:
+    robot = tmp_path / "mine"
+    shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", robot)
+    profile = robot / "profile.yaml"
+    text = profile.read_text(encoding="utf-8")
+    mine = "controls:\n  bare: {gravity_compensation: false}\n"
+    profile.write_text(text.replace("controls:\n", mine, 1), encoding="utf-8")
+
+    assert pirate("explain", "bare").exit_code == 2
+    told = pirate("explain", "bare", "--robot", robot)
+    assert told.exit_code == 0
+    assert "bare (control of pirate_ii)" in told.stdout
+    assert "did you mean 'bare'?" in pirate("explain", "bear", "--robot", robot).stderr
 
 
 def test_without_a_code_all_are_listed(pirate: Any) -> None:
