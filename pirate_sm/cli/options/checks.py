@@ -62,7 +62,7 @@ class CheckOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ExplainOptions:
-    """Explain a finding's code and how to mend it, or a robot's control."""
+    """Explain a finding's code, or a robot's control."""
 
     code: Annotated[
         str | None,
