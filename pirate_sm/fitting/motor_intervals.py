@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from pirate_sm.fitting.columns import Columns, Measured, column
 from pirate_sm.model import derived as kinds
@@ -16,6 +17,7 @@ from pirate_sm.simulation.sensors import scale_of
 _SETTLED_S = 0.3
 """How long after a setpoint has changed it is surely in force."""
 
+_UNEVEN = 0.2
 _LONGEST_S = 0.5
 """Readings that lie farther apart say nothing of what was between them."""
 
@@ -41,6 +43,8 @@ class Intervals(NamedTuple):
     @property
     def noise_nm(self) -> float:
         """Return the standard deviation of a reading of the load, from its median change."""
+        if not len(self.change):
+            return 0.0
         return float(np.median(np.abs(self.change))) * _DEVIATIONS / 2**0.5
 
 
@@ -60,16 +64,18 @@ def _of_slot(measured: Measured, profile: Profile, slot: Slot, motor: Motor) -> 
     angle = column(columns, angle_name)
     load: Floats = np.multiply(column(columns, load_name), scale, dtype=np.float64)
     known = np.isfinite(angle) & np.isfinite(load)
-    fresh = np.concatenate([[True], np.diff(np.nan_to_num(angle)) != 0]) & known
+    moved = (np.diff(np.nan_to_num(each)) != 0 for each in (angle, load))
+    fresh = np.concatenate([[True], np.logical_or(*moved)]) & known  # else another board's frame
     times, angle, load = columns["time_s"][fresh], angle[fresh], load[fresh]
     if motor.kind == "sprung_worm":
         angle = np.add(angle, load / (motor.stiffness or np.inf), dtype=np.float64)
-    if len(times) < 3:
+    if len(times) < 4:
         return None
     duty = _duties(measured.setpoints, slot.name, times)
     spans = np.diff(times)
     good = (spans < _LONGEST_S) & np.isfinite(duty[1:]) & (duty[1:] == duty[:-1])
-    rate, change, load = np.diff(angle) / spans, np.diff(load), (load[1:] + load[:-1]) / 2
+    rate, change = np.diff(angle) / spans, np.diff(load)
+    load = _means(load, spans, good if motor.kind == "sprung_worm" else np.zeros_like(good))
     # Which way an angle counts is the profile's business: a motor turns with its duty.
     way = np.sign(np.sum((rate * duty[1:])[good])) or 1.0
     turned = np.sign(duty[1:]) * way
@@ -79,6 +85,20 @@ def _of_slot(measured: Measured, profile: Profile, slot: Slot, motor: Motor) -> 
         load = np.where(duty[1:] == 0, np.abs(load), load * turned)
     rate = np.where(duty[1:] == 0, np.abs(rate), rate * turned)
     return Intervals(np.abs(duty[1:][good]), rate[good], load[good], change[good])
+
+
+def _means(load: Floats, spans: Floats, good: NDArray[np.bool_]) -> Floats:
+    """Return the mean load of each interval, by the readings at its ends and beside them.
+
+    A spring is wound in a curve: the mean of the ends is too small. Where readings are evenly
+    spaced and ``good``, a cubic through four of them has the mean (13 (b + c) - a - d) / 24.
+    """
+    means: Floats = (load[1:] + load[:-1]) / 2
+    even = np.abs(np.diff(spans)) < _UNEVEN * spans[1:]
+    curved = good[1:-1] & good[:-2] & good[2:] & even[:-1] & even[1:]
+    cubic = (13 * (load[1:-2] + load[2:-1]) - load[:-3] - load[3:]) / 24
+    means[1:-1] = np.where(curved, cubic, means[1:-1])
+    return means
 
 
 def _signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:

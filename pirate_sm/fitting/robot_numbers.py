@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pirate_sm.fitting.columns import Columns, Measured, column, has
+from pirate_sm.fitting.friction_anew import signals_with
 from pirate_sm.fitting.motor_intervals import Intervals, intervals_of
 from pirate_sm.fitting.slip_columns import SlipSignals
 from pirate_sm.fitting.slip_curve import Estimate
@@ -70,7 +71,30 @@ def robot_numbers(measured: Sequence[Measured]) -> list[RobotNumber]:
         if motor.kind in ("geared", "sprung_worm"):
             parts = [intervals_of(each, profile, name, motor) for each in measured]
             found += _motor_numbers(name, motor, [one for part in parts for one in part])
-    return [*found, *_frictions(measured, profile)]
+    shown = [_with_motors(each, profile, found) for each in measured]
+    return [*found, *_frictions(shown, profile)]
+
+
+def _with_motors(measured: Measured, profile: Profile, found: Sequence[RobotNumber]) -> Measured:
+    """Return what was measured, with friction by the motors as they were found."""
+    known = [each for each in found if each.estimate.known]
+    if measured.recording is None or not known or not _shows_friction(measured.columns):
+        return measured
+    motors = {
+        name: motor.model_copy(
+            update={each.key: each.estimate.value for each in known if each.motor == name}
+        )
+        for name, motor in profile.motors.items()
+    }
+    columns = signals_with(measured.recording, motors)
+    return measured if columns is None else measured._replace(columns=columns)
+
+
+def _shows_friction(columns: Columns) -> bool:
+    """Return whether the friction of a wheel is known anywhere."""
+    prefix = SlipSignals().known.format("")
+    known = (values for name, values in columns.items() if name.startswith(prefix))
+    return any(bool(np.isfinite(values).any()) for values in known)
 
 
 def _motor_numbers(name: str, motor: Motor, parts: list[Intervals]) -> Iterator[RobotNumber]:

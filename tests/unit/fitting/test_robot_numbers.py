@@ -73,7 +73,7 @@ def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: Meas
 def test_a_robot_that_never_moved_tells_why_nothing_is_known(measured: Measured) -> None:
     rest = {name: values[:40] for name, values in measured.columns.items()}
 
-    found = robot_numbers([measured._replace(columns=rest)])
+    found = robot_numbers([measured._replace(columns=rest, recording=None)])
 
     assert not any(each.estimate.known for each in found)
     assert all(each.estimate.reason for each in found)
@@ -93,6 +93,11 @@ def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
     assert "unknown: kinetic friction, front" in file.read_text()
 
 
+def on_paper(measured: Measured, made: dict[str, np.ndarray]) -> Measured:
+    """What was measured, with some columns of another kind, which no recording holds."""
+    return measured._replace(columns={**measured.columns, **made}, recording=None)
+
+
 def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured) -> None:
     count = len(measured.columns["time_s"])
     random = np.random.default_rng(1)
@@ -104,7 +109,7 @@ def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured)
         made[f"mu_{number}"] = np.where(in_air, 0.01, true * random.normal(1, 0.03, count))
         made[f"wheel_torque_{number}"] = np.where(in_air, 0.002, -0.1)
 
-    found = robot_numbers([measured._replace(columns={**measured.columns, **made})])
+    found = robot_numbers([on_paper(measured, made)])
 
     friction = {each.key: each.estimate for each in found if not each.motor}
     assert friction["kinetic friction, front"].value == pytest.approx(0.2, rel=0.05)
@@ -131,7 +136,7 @@ def test_the_interval_of_friction_holds_the_error_of_the_normal_forces(measured:
     made = {f"mu_{n}": np.full(count, 0.3) for n in range(1, 7)}
     torques = {f"wheel_torque_{n}": np.full(count, 0.1) for n in range(1, 7)}
 
-    found = robot_numbers([measured._replace(columns={**measured.columns, **made, **torques})])
+    found = robot_numbers([on_paper(measured, made | torques)])
 
     (front, _) = (each.estimate for each in found if not each.motor)
     assert (front.low, front.high) == pytest.approx((0.3 * 0.95, 0.3 * 1.05))
@@ -172,3 +177,51 @@ def test_a_current_without_a_sign_does_not_make_a_motor_faster() -> None:
     assert stall.value == pytest.approx(STALL, rel=0.005)
     assert speed.low <= NO_LOAD <= speed.high
     assert stall.low <= STALL <= stall.high
+
+
+FAST = """
+format: 1
+robot: pirate_ii
+motors:
+  wheel: {no_load_speed: 5 rad/s, stall_torque: 340 mNm, hold_torque: 50 mNm}
+  bend: {no_load_speed: 0.8 rad/s, stall_torque: 1.2 Nm}
+friction: {static: 0.3, kinetic: 0.23}
+"""
+SLIPS = """\
+format: 1
+mission: slips
+robot: pirate_ii
+pipe: straight_113
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+on_fault: [{fault: [robot.stuck, wheel.dead, clamp.lost, grip.exhausted], then: continue}]
+start: slip
+phases:
+  slip:
+    do:
+      - {control: probing}
+      - DriveForward
+      - wait: [{after: 8 s}]
+      - {command: Brake, on_failure: continue}
+      - {control: none}
+      - DriveBackward
+      - wait: [{after: 3 s}]
+    go: done
+ends: {done: {succeed: Slipped}}
+"""
+
+
+def test_friction_is_found_by_the_motors_that_are_found(tmp_path: Path) -> None:
+    """A profile whose wheels are a fifth too slow makes the engine's own estimate too small."""
+    twin, mission, recording = (tmp_path / name for name in ("t.yaml", "m.yaml", "r.mcap"))
+    twin.write_text(FAST)
+    mission.write_text(SLIPS)
+    pirate_sm.run(str(mission), twin=str(twin), ruler=True, record=recording, check=False)
+    measured = read_measured(recording)
+
+    found = {each.key: each.estimate for each in robot_numbers([measured])}
+    as_assumed = {
+        each.key: each.estimate for each in robot_numbers([measured._replace(recording=None)])
+    }
+
+    assert found["kinetic friction, front"].value == pytest.approx(0.23, rel=0.05)
+    assert as_assumed["kinetic friction, front"].value < 0.9 * 0.23
