@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright mutants physics clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright twin mutants physics clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -18,6 +18,7 @@ help:
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque"
+	@echo "make twin    the numbers of simulated robots, found in ten-minute recordings of them"
 	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
@@ -73,6 +74,9 @@ seeds: $(VENV)/.ready-sim
 
 upright: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.upright
+
+twin: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.twin
 
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics

@@ -19,6 +19,8 @@ class Kind(StrEnum):
     CALIBRATION = "calibration"
     MISSION = "mission"
     SCRIPT = "trace script"
+    EXPERIMENT = "experiment"
+    TWIN = "twin"
     UNREADABLE = "unreadable file"
     OTHER = "other file"
 
@@ -35,6 +37,9 @@ _TELLING = (
     (Kind.PIPE, {"segments"}),
     (Kind.PIPE, {"pipe", "diameter"}),
     (Kind.CALIBRATION, {"robot", "zeros"}),
+    (Kind.EXPERIMENT, {"experiment"}),
+    (Kind.TWIN, {"robot", "motors"}),
+    (Kind.TWIN, {"robot", "friction"}),
 )
 """Combinations of top-level keys that identify a kind of file; the first match decides."""
 

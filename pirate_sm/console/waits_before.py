@@ -6,10 +6,10 @@ checks only the robot's states.
 
 from __future__ import annotations
 
-from collections.abc import Container, Iterator
+from collections.abc import Container
 
-from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program, Wait
+from pirate_sm.engine.mission.successors import successors
 
 
 def not_passed(program: Program, phase: str, passed: Container[str]) -> str:
@@ -31,7 +31,7 @@ def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
     Failures, faults and time limits are ways too: a phase that they can reach from anywhere has
     no waits before it.
     """
-    goal = program.beginning(phase)
+    goal = program.enter(phase)
     if goal is None or goal not in _reached(program):
         return ()
     return tuple(
@@ -47,30 +47,8 @@ def _reached(program: Program, without: int | None = None) -> set[int]:
     left = [program.start]
     while left:
         at = left.pop()
-        for after in _ways(program, at, fires=at != without):
+        for after in successors(program, at, fires=at != without):
             if after >= 0 and after not in found:
                 found.add(after)
                 left.append(after)
     return found
-
-
-def _ways(program: Program, at: int, *, fires: bool) -> Iterator[int]:
-    """Yield the successors of an instruction; ``fires``: whether a trigger of a wait fires."""
-    yield from (each.go for each in program.handlers[at] if each.go is not None)
-    match program.instructions[at]:
-        case steps.Enter() | steps.Say() as it:
-            yield it.next
-        case steps.Do() | steps.SwitchControl() | steps.Require() as it:
-            yield from (it.next, it.failed)
-        case steps.Branch() as it:
-            yield from (it.if_true, it.if_false)
-        case steps.Wait() as it:
-            yield it.within
-            if fires:
-                yield from (each.go for each in it.triggers)
-        case steps.Question() as it:
-            yield from (*(target for _, target in it.choices), it.failed)
-        case steps.Raise() as it:
-            yield it.failed
-        case steps.Finish():
-            pass

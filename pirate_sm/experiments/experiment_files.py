@@ -28,12 +28,16 @@ def load_experiments(robot: Path) -> tuple[Setup, ...]:
     files = sorted((robot / _FOLDER).glob("*.yaml"))
     if not files:
         raise UsageError(f"the robot has no experiments: there is no file in {robot / _FOLDER}")
-    setups = [_setup(read_document(file, shown(file))) for file in files]
+    setups = [read_setup(read_document(file, shown(file))) for file in files]
     return tuple(sorted(setups, key=lambda each: each.experiment))
 
 
-def _setup(document: Document) -> Setup:
-    """Return what the file says; its keys tell which kind of experiment it is."""
+def read_setup(document: Document) -> Setup:
+    """Return what the file says; its keys tell which kind of experiment it is.
+
+    Raises:
+        LoadError: Everything that is wrong with the file.
+    """
     keys = document.data if isinstance(document.data, dict) else {}
     if "physics" in keys:
         return validate(document, TractionSetup)

@@ -31,11 +31,13 @@ class Measured(NamedTuple):
         columns: Signals by their names.
         setpoints: Setpoints by the names of their slots; empty for a table.
         profile: Of the robot that was recorded; None for a table.
+        recording: The file, if it is a recording.
     """
 
     columns: Columns
     setpoints: Columns = {}  # noqa: RUF012 - nothing writes to it
     profile: Profile | None = None
+    recording: Path | None = None
 
 
 def read_measured(path: Path) -> Measured:
@@ -89,7 +91,7 @@ def _recorded(path: Path) -> Measured:
         raise UsageError(f"{path} holds no frame of a sensor: nothing can be fitted")
     signals = _named((TIME, *robot.vocabulary.numbers), rows)
     slots = (TIME, *(slot.name for slot in robot.slots))
-    return Measured(signals, _named(slots, sent) if sent else {}, profile)
+    return Measured(signals, _named(slots, sent) if sent else {}, profile, path)
 
 
 def _named(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> Columns:

@@ -7,28 +7,36 @@ behind a spring that is the motor's side, γ + τ / K. Two readings give an equa
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
-from typing import NamedTuple
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from pirate_sm.fitting.columns import Columns, Measured, column, has
+from pirate_sm.fitting.friction_anew import signals_with
+from pirate_sm.fitting.motor_intervals import Intervals, intervals_of
 from pirate_sm.fitting.slip_columns import SlipSignals
 from pirate_sm.fitting.slip_curve import Estimate
-from pirate_sm.model import derived as kinds
 from pirate_sm.model.motor import Motor
-from pirate_sm.model.profile import Profile, Slot
+from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.sensors import scale_of
 
-_SETTLED_S = 0.3
-"""How long after a setpoint has changed it is surely in force."""
-
-_LONGEST_S = 0.5
 _MOVES_RAD_S = 0.1
+_MOVING_SHARE, _ROUNDS = 0.2, 4
+"""A motor counts from this share of its speed without load on, by what the round before fitted."""
+
+_NOISE = 5.0
+"""Up to this many standard deviations a load may be noise alone. They are seen in its changes,
+which are smaller near zero, where the sign is missing: by the factor 0.6."""
+
+_STATICS = 0.05
+"""Error of normal forces by the statics of the chain, and so of friction (docs/measurements.md)."""
+
 _TURNED_RAD_S, _TURNED_SHARE = 0.3, 0.75
 """A wheel at duty 0 that turns faster is turned against its gears. It may have stood still for a
-part of an interval and borne less then: so the upper quartile counts, not the median."""
+part of an interval and borne less then: so the upper quartile counts. Noise raises that, so the
+interval reaches down to the median."""
+
+_STILL, _STEADY = "it hardly moved", "its load hardly varied"
 
 _LEAST = 15
 """Fewer intervals say nothing."""
@@ -55,104 +63,96 @@ class RobotNumber:
     estimate: Estimate
 
 
-class _Intervals(NamedTuple):
-    """Between two readings of a motor, in force the same duty.
-
-    Attributes:
-        duty: −1 to 1.
-        rate: Of the motor at the joint or wheel, rad/s, positive with the duty.
-        load: Torque against the duty, Nm; at duty 0 its magnitude.
-    """
-
-    duty: Floats
-    rate: Floats
-    load: Floats
-
-
 def robot_numbers(measured: Sequence[Measured]) -> list[RobotNumber]:
     """Return what the recordings say of the motors and of friction, with what they cannot say."""
     profile = next(each.profile for each in measured if each.profile is not None)
     found: list[RobotNumber] = []
     for name, motor in profile.motors.items():
         if motor.kind in ("geared", "sprung_worm"):
-            parts = [_of_motor(each, profile, name, motor) for each in measured]
+            parts = [intervals_of(each, profile, name, motor) for each in measured]
             found += _motor_numbers(name, motor, [one for part in parts for one in part])
-    return [*found, *_frictions(measured, profile)]
+    shown = [_with_motors(each, profile, found) for each in measured]
+    return [*found, *_frictions(shown, profile)]
 
 
-def _of_motor(measured: Measured, profile: Profile, name: str, motor: Motor) -> list[_Intervals]:
-    """Return the intervals of every slot with this kind of motor that reports."""
-    slots = [slot for slot in profile.slots if slot.motor == name]
-    found = (_intervals(measured, profile, slot, motor) for slot in slots)
-    return [each for each in found if each is not None]
+def _with_motors(measured: Measured, profile: Profile, found: Sequence[RobotNumber]) -> Measured:
+    """Return what was measured, with friction by the motors as they were found."""
+    known = [each for each in found if each.estimate.known]
+    if measured.recording is None or not known or not _shows_friction(measured.columns):
+        return measured
+    motors = {
+        name: motor.model_copy(
+            update={each.key: each.estimate.value for each in known if each.motor == name}
+        )
+        for name, motor in profile.motors.items()
+    }
+    columns = signals_with(measured.recording, motors)
+    return measured if columns is None else measured._replace(columns=columns)
 
 
-def _intervals(measured: Measured, profile: Profile, slot: Slot, motor: Motor) -> _Intervals | None:
-    signals = _signals(profile, slot)
-    if signals is None or slot.name not in measured.setpoints:
-        return None
-    angle_name, load_name, scale = signals
-    columns = measured.columns
-    angle = column(columns, angle_name)
-    load: Floats = np.multiply(column(columns, load_name), scale, dtype=np.float64)
-    known = np.isfinite(angle) & np.isfinite(load)
-    fresh = np.concatenate([[True], np.diff(np.nan_to_num(angle)) != 0]) & known
-    times, angle, load = columns["time_s"][fresh], angle[fresh], load[fresh]
-    if motor.kind == "sprung_worm":
-        angle = np.add(angle, load / (motor.stiffness or np.inf), dtype=np.float64)
-    if len(times) < 3:
-        return None
-    duty = _duties(measured.setpoints, slot.name, times)
-    spans = np.diff(times)
-    good = (spans < _LONGEST_S) & np.isfinite(duty[1:]) & (duty[1:] == duty[:-1])
-    rate, load = np.diff(angle) / spans, (load[1:] + load[:-1]) / 2
-    # Which way an angle counts is the profile's business: a motor turns with its duty.
-    way = np.sign(np.sum((rate * duty[1:])[good])) or 1.0
-    turned = np.sign(duty[1:]) * way
-    if motor.kind == "geared":
-        load = np.abs(load)
-    else:
-        load = np.where(duty[1:] == 0, np.abs(load), load * turned)
-    rate = np.where(duty[1:] == 0, np.abs(rate), rate * turned)
-    return _Intervals(np.abs(duty[1:][good]), rate[good], load[good])
+def _shows_friction(columns: Columns) -> bool:
+    """Return whether the friction of a wheel is known anywhere."""
+    prefix = SlipSignals().known.format("")
+    known = (values for name, values in columns.items() if name.startswith(prefix))
+    return any(bool(np.isfinite(values).any()) for values in known)
 
 
-def _signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:
-    """Return the signals with angle and load of a slot's motor, and Nm per unit of the load."""
-    if slot.wheel is not None:
-        wheel = next(each for each in profile.body.wheels if each.name == slot.wheel)
-        for each in profile.derived.values():
-            if isinstance(each, kinds.TorqueOf) and each.slot == slot.name:
-                return wheel.angle, each.torque_of, scale_of(each.scale)
-        return None
-    joint = next((each for each in profile.body.joints if each.name == slot.joint), None)
-    return (joint.name, joint.torque, 1.0) if joint is not None and joint.torque else None
-
-
-def _duties(setpoints: Columns, slot: str, times: Floats) -> Floats:
-    """Return the duty in force at each time; NaN shortly after it has changed."""
-    sent, values = setpoints["time_s"], setpoints[slot]
-    changed = np.concatenate([[True], np.diff(values) != 0])
-    sent, values = sent[changed], values[changed]
-    at = np.searchsorted(sent, times, side="right") - 1
-    settled = (at >= 0) & (times - sent[np.maximum(at, 0)] > _SETTLED_S)
-    duties: Floats = np.where(settled, values[np.maximum(at, 0)], np.nan)
-    return duties
-
-
-def _motor_numbers(name: str, motor: Motor, parts: list[_Intervals]) -> Iterator[RobotNumber]:
+def _motor_numbers(name: str, motor: Motor, parts: list[Intervals]) -> Iterator[RobotNumber]:
     """Yield what the intervals of all motors of a kind say."""
     if not parts:
         unknown = Estimate(reason="no motor of this kind reports its angle and its load")
         yield RobotNumber(name, "no_load_speed", "rad/s", unknown)
         return
-    all_ = _Intervals(*(np.concatenate(column) for column in zip(*parts, strict=True)))
-    driven = (all_.duty > 0) & (all_.rate > _MOVES_RAD_S) & (all_.load >= 0)
-    rows = np.column_stack([all_.duty[driven], -all_.load[driven], all_.rate[driven]])
-    yield RobotNumber(name, "no_load_speed", "rad/s", _estimate(rows, _speed, "it hardly moved"))
-    yield RobotNumber(name, "stall_torque", "Nm", _estimate(rows, _stall, "its load hardly varied"))
+    all_ = Intervals(*(np.concatenate(column) for column in zip(*parts, strict=True)))
+    rows = driven(all_)
     if motor.kind == "geared":
-        yield RobotNumber(name, "hold_torque", "Nm", _hold(all_))
+        yield from wheel_numbers(name, rows, all_)
+        return
+    yield RobotNumber(name, "no_load_speed", "rad/s", _estimate(rows, _speed, _STILL))
+    yield RobotNumber(name, "stall_torque", "Nm", _estimate(rows, _stall, _STEADY))
+
+
+def wheel_numbers(name: str, rows: Floats, all_: Intervals) -> Iterator[RobotNumber]:
+    """Yield the numbers of a motor whose current has no sign, so that noise adds to its load.
+
+    A load within the noise counts as none. The interval is also that of the load as it was read:
+    of such a small one it cannot be known.
+    """
+    none = np.abs(rows[:, 1]) <= _NOISE * all_.noise_nm
+    quiet = rows * np.where(none[:, None], [1.0, 0.0, 1.0], 1.0)
+    for key, unit, statistic, reason in (
+        ("no_load_speed", "rad/s", _speed, _STILL),
+        ("stall_torque", "Nm", _stall, _STEADY),
+    ):
+        read, found = (_estimate(each, statistic, reason) for each in (rows, quiet))
+        yield RobotNumber(name, key, unit, _spanned(found, read))
+    yield RobotNumber(name, "hold_torque", "Nm", _hold(all_))
+
+
+def _spanned(found: Estimate, other: Estimate) -> Estimate:
+    """Return an estimate whose interval is also that of another one, if both are known."""
+    if not (found.known and other.known):
+        return found
+    return replace(found, low=min(found.low, other.low), high=max(found.high, other.high))
+
+
+def driven(all_: Intervals) -> Floats:
+    """Return rows of duty, load with a minus, and rate of a motor that moves by its duty.
+
+    What stands near its stall is left out by its duty and load, not by its rate: of rates that are
+    as small as their errors only the larger ones would be left.
+    """
+    against = (all_.duty > 0) & (all_.load >= 0)
+    rows = np.column_stack([all_.duty, -all_.load, all_.rate])
+    kept = against & (all_.rate > _MOVES_RAD_S)
+    for _ in range(_ROUNDS):
+        if np.count_nonzero(kept) < _LEAST:
+            break
+        expected = rows[:, :2] @ _solved(rows[kept])
+        free = _speed(rows[kept]) * all_.duty
+        kept = against & (all_.rate > 0) & (expected > _MOVING_SHARE * free)
+    moving: Floats = rows[kept]
+    return moving
 
 
 def _speed(rows: Floats) -> float:
@@ -170,7 +170,7 @@ def _solved(rows: Floats) -> Floats:
     return np.asarray(solution, dtype=np.float64)
 
 
-def _hold(all_: _Intervals) -> Estimate:
+def _hold(all_: Intervals) -> Estimate:
     """Return the torque of wheels that were turned at duty 0; a bound where none was."""
     braked = all_.duty == 0
     turned = braked & (all_.rate > _TURNED_RAD_S)
@@ -178,7 +178,8 @@ def _hold(all_: _Intervals) -> Estimate:
     if np.count_nonzero(turned) < _LEAST:
         bound = float(np.quantile(all_.load[braked], 0.99)) if braked.any() else np.nan
         return Estimate(low=bound, reason="no wheel was turned against its gears at duty 0")
-    return _estimate(loads[:, None], lambda rows: float(np.quantile(rows, _TURNED_SHARE)), "")
+    most = _estimate(loads[:, None], lambda rows: float(np.quantile(rows, _TURNED_SHARE)), "")
+    return _spanned(most, _estimate(loads[:, None], lambda rows: float(np.median(rows)), ""))
 
 
 def _estimate(rows: Floats, statistic: Callable[[Floats], float], reason: str) -> Estimate:
@@ -227,7 +228,8 @@ def _known_friction(columns: Columns, number: str, signals: SlipSignals) -> Floa
 def _kinetic(rows: Sequence[Floats]) -> Estimate:
     if not rows:
         return Estimate(reason="the profile derives no friction of these wheels")
-    return _estimate(np.concatenate(rows), _weighted_median, "no wheel slipped steadily")
+    found = _estimate(np.concatenate(rows), _weighted_median, "no wheel slipped steadily")
+    return replace(found, low=found.low * (1 - _STATICS), high=found.high * (1 + _STATICS))
 
 
 def _weighted_median(rows: Floats) -> float:

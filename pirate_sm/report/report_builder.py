@@ -110,7 +110,9 @@ class _Run:
             )
         if again.state is not None:
             self._note_cause(again.state.mission.cause, at_s)
-        self._timeline.take(at_s, step.event, step.effects)
+        control = 0 if self._state is None else self._state.robot.control
+        name = self._loaded.robot.controls[control].name
+        self._timeline.take(at_s, step.event, step.effects, name)
         self._story.take(at_s, step.event, step.effects)
         self._way.see(step.effects, at_s)
         for effect in step.effects:

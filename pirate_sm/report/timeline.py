@@ -16,6 +16,7 @@ from pirate_sm.model.effect_words import (
 from pirate_sm.report.contents import Lane, MarkKind, Span, SpanKind, TimelineMark
 
 PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
+CONTROL = "control"
 DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
 
 _LASTING = {"phase", "state", "unconfirmed", "word"}
@@ -72,13 +73,32 @@ class Timeline:
         self._regions = tuple(regions)
         self._nominal = nominal
         states = map(_region, regions)
-        names = (PHASE, *states, COMMANDS, WAITS, TRIGGERS, DETECTOR, SEGMENT, OPERATOR, TROUBLE)
+        names = (
+            PHASE,
+            *states,
+            CONTROL,
+            COMMANDS,
+            WAITS,
+            TRIGGERS,
+            DETECTOR,
+            SEGMENT,
+            OPERATOR,
+            TROUBLE,
+        )
         self._tracks = {name: _Track() for name in names}
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
 
-    def take(self, at_s: float, cause: object, effects: Sequence[fx.Effect]) -> None:
-        """Take in the cause and the effects of one step."""
+    def take(
+        self, at_s: float, cause: object, effects: Sequence[fx.Effect], control: str = ""
+    ) -> None:
+        """Take in the cause and the effects of one step, and the control in force after it.
+
+        The usual control has no name and no span.
+        """
+        track = self._tracks[CONTROL]
+        if control != track.current:
+            track.begin(at_s, control, "state") if control else track.end(at_s)
         action = operator_action(cause)
         if action and not (self._nominal and isinstance(cause, ev.Skip)):  # its script does
             self._tracks[OPERATOR].mark(at_s, action, "operator")

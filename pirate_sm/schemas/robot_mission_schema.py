@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import Any
 
+from pirate_sm.engine.robot.robot_spec import USUAL
 from pirate_sm.expressions import EnumType
 from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.loading.robot.controls import USUAL
 from pirate_sm.units import describe
 
 Schema = dict[str, Any]

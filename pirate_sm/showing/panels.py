@@ -154,7 +154,10 @@ def shows_success(snapshot: Snapshot, seen: int) -> bool:
 
 
 def states(snapshot: Snapshot, width: int) -> list[Text]:
-    """Return the state of each region (an open mark: not confirmed), contacts and words."""
+    """Return the state of each region (an open mark: not confirmed), contacts and words.
+
+    Also the control in force, unless it is the usual one.
+    """
     state, robot = snapshot.state, snapshot.scene.robot
     if state is None:
         return [line((" not known yet", MUTED))]
@@ -168,6 +171,9 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
         cells.append(
             line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (name, style if open_ else ""))
         )
+    control = robot.controls[state.robot.control].name
+    if control:
+        cells.append(line(("◆ ", ACCENT), (f"{'Control':<{wide}} ", MUTED), (control, ACCENT)))
     if width < _TWO_COLUMNS:
         return [*cells, _contacts(snapshot), _words(snapshot)]
     return in_columns([*cells, _words(snapshot), _contacts(snapshot)], width, 2)

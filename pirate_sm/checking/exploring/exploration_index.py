@@ -6,6 +6,7 @@ from collections import defaultdict
 from dataclasses import dataclass, field
 from typing import TypeAlias
 
+from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, ExploredStep
 from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
 from pirate_sm.engine.safety import rules
@@ -53,12 +54,18 @@ class Waiting:
         armed: Steps in which it began.
         fired: For each trigger the steps in which it ended the wait.
         at_once: For each trigger how often it fired at the very beginning of the wait.
+        actuated: In which configurations it began, each with the control in force.
     """
 
     armed: list[int] = field(default_factory=list)
     fired: dict[str, list[int]] = field(default_factory=lambda: defaultdict(list))
     at_once: dict[str, int] = field(default_factory=lambda: defaultdict(int))
-    states: set[int] = field(default_factory=set)
+    actuated: set[Actuated] = field(default_factory=set)
+
+    @property
+    def states(self) -> set[int]:
+        """Return the configurations in which it began."""
+        return {each.configuration for each in self.actuated}
 
 
 @dataclass
@@ -121,7 +128,8 @@ def _waited(book: Explored, number: int, step: ExploredStep) -> None:
                 armed = effect.phase, effect.place
                 wait = book.waits[armed]
                 wait.armed.append(number)
-                wait.states.add(book.found.nodes[step.target].state.robot.configuration)
+                body = book.found.nodes[step.target].state.robot
+                wait.actuated.add(Actuated(body.configuration, body.control))
             case TriggerFired():
                 key = effect.phase, effect.place
                 wait = book.waits[key]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from math import inf, nan
 
+from pirate_sm.checking.actuation_in_force import Actuated, InForce, under
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration_index import Explored
@@ -66,7 +67,8 @@ class _Reach:
         self._speed = numbers[loaded.robot.speed] if loaded.robot.speed >= 0 else ""
         self._spans = dict(ranges(loaded.loaded_robot.profile, loaded.robot))
         self._usual = self._with({})
-        self._fastest = fastest_m_s(loaded)
+        self._force = InForce(loaded.loaded_robot.profile, loaded.robot)
+        self._no_load = fastest_m_s(loaded)
         self._driven = [driven_before(book.found, loaded) for book in seen]
 
     def _with(self, narrower: Mapping[str, Range]) -> Conditions:
@@ -75,7 +77,12 @@ class _Reach:
 
     def states(self, wait: Wait) -> set[int]:
         """Return the configurations in which the wait is reached."""
-        return {each for book in self._seen for each in book.waits[wait.phase, wait.place].states}
+        return {each.configuration for each in self._actuated(wait)}
+
+    def _actuated(self, wait: Wait) -> set[Actuated]:
+        """Return the same, each with the control in force."""
+        waits = (book.waits[wait.phase, wait.place] for book in self._seen)
+        return {each for waiting in waits for each in waiting.actuated}
 
     def judge(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """Return the finding about a trigger; None if it can fire, or could never fire anywhere."""
@@ -93,7 +100,7 @@ class _Reach:
         """Return why the condition of a step is out of reach; empty if it is not."""
         facts: list[Fact] = [(condition.tree, True)]
         every = self._robot.table.configurations
-        for name, most, why in self._lasting():
+        for name, most, why in self._lasting(self._no_load, ""):
             if not self._is_about(condition, name, most):
                 continue
             narrower = self._with({name: Range(-most, most)})
@@ -122,19 +129,32 @@ class _Reach:
 
     def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
         """Yield signals with their largest values in a wait, and the reasons."""
-        for name, most, why in self._lasting():
+        fastest, there = self._fastest(wait)
+        for name, most, why in self._lasting(fastest, there):
             yield name, most, why
             yield name and change_of(name), 2 * most if name == self._speed else most, why
-        ends_s = min([wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
-        why = f"the wait ends after {ends_s:g} s, in which it drives less"
-        yield self._changed, self._fastest * ends_s, why
+        mission_s = self._loaded.program.time_limit_s
+        ends_s = min([mission_s, wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
+        what = "mission" if ends_s == mission_s else "wait"
+        why = f"the {what} ends after {ends_s:g} s, in which it drives less{there}"
+        yield self._changed, fastest * ends_s, why
         if not any(wait.phase in phases for phases in self._driven):
-            yield self._odometry, self._fastest * (ends_s + BEGINNING_S), why
+            yield self._odometry, fastest * ends_s + self._no_load * BEGINNING_S, why
 
-    def _lasting(self) -> Iterator[tuple[str, float, str]]:
+    def _fastest(self, wait: Wait) -> tuple[float, str]:
+        """Return how fast the robot drives in a wait, m/s, and under which control, for people."""
+        each = [(self._force.fastest_m_s(at), at.control) for at in self._actuated(wait)]
+        fastest, control = max(each)
+        if fastest >= self._no_load:
+            return self._no_load, ""
+        return fastest, under(self._robot, control)
+
+    def _lasting(self, fastest: float, there: str) -> Iterator[tuple[str, float, str]]:
         """Yield the same for limits that apply to every condition."""
-        fastest, pipe = self._fastest, self._loaded.pipe
-        yield self._speed, fastest, f"without a load the robot drives {fastest:.3g} m/s"
+        pipe = self._loaded.pipe
+        most = f"{fastest:.3g} m/s"
+        usual = f"without a load the robot drives {most}"
+        yield self._speed, fastest, f"the robot drives at most {most}{there}" if there else usual
         if pipe is not None:
             length = pipe.route().length_m
             yield self._odometry, length, f"the pipe is {length:.3g} m long"
@@ -147,7 +167,7 @@ class _Reach:
         free = self._usual.free(node)
         if not self._odometry or not {self._odometry, self._changed} & free:
             return None
-        ways = {self._way(each) for each in self.states(wait)}
+        ways = {self._way(each) for each in self._actuated(wait)}
         if self._changed in free:
             return self._not_on(wait, condition, ways)
         if free != {self._odometry}:
@@ -173,15 +193,15 @@ class _Reach:
         message = f"'{condition.text}' does not come true: {why}"
         return "wait.still", message
 
-    def _way(self, configuration: int) -> int:
+    def _way(self, at: Actuated) -> int:
         """Return 1 if the configuration drives forward, -1 backward, 0 if it drives no wheel."""
-        table, total = self._robot.table, 0.0
         metres = {wheel.slot: wheel.metres_per_rad for wheel in self._robot.wheels}
-        for region, slots in self._robot.driven[configuration].items():
-            state = table.configurations[configuration][region]
-            for write in self._robot.actuation[region][state][-1]:
-                if write.slot in slots:
-                    total += write.value * metres.get(write.slot, 0.0)
+        driven = {slot for slots in self._robot.driven[at.configuration].values() for slot in slots}
+        total = sum(
+            write.value * metres.get(write.slot, 0.0)
+            for write in self._force.last_writes(at)
+            if write.slot in driven
+        )
         return (total > 0) - (total < 0)
 
     def _grows(self, node: tree.Node) -> int:

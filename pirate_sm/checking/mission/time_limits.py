@@ -6,6 +6,8 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from math import inf, isinf
 
+from pirate_sm.checking.actuation_in_force import Actuated, InForce
+from pirate_sm.checking.criteria_in_force import too_slow, too_strong
 from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
@@ -28,6 +30,8 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
         place = places.read(each.place)
         if isinstance(each, Do):
             severity, message = _timeout(each, loaded)
+            if not message:
+                severity, message = _never_done(each, view)
             if message:
                 yield places.finding(place, "step.timeout", message, severity=severity)
         elif isinf(each.timeout_s) and isinf(loaded.program.time_limit_s):
@@ -54,6 +58,36 @@ def _timeout(it: Do, loaded: LoadedMission) -> tuple[Severity, str]:
         )
         return Severity.WARNING, message
     return Severity.WARNING, ""
+
+
+def _never_done(it: Do, view: MissionView) -> tuple[Severity, str]:
+    """Return the same for a command that is never done under a control in force at its step.
+
+    That of the usual actuation is a fault of the robot and reported there.
+    """
+    robot, spec = view.loaded.robot, view.loaded.robot.commands[it.command]
+    force = InForce(view.loaded.loaded_robot.profile, robot)
+    led = _led(it, view)
+    faults = []
+    for control in {at.control for at in led} - {0}:
+        there = [at for at in led if at.control == control]
+        faults.append(too_strong(force, spec.done, there) or too_slow(force, spec.done, there))
+    if not any(faults):
+        return Severity.WARNING, ""
+    always = all(faults) and all(at.control for at in led)
+    message = f"{spec.name} cannot be seen to be done: {max(faults)}"
+    return Severity.ERROR if always else Severity.WARNING, message
+
+
+def _led(it: Do, view: MissionView) -> set[Actuated]:
+    """Return where the step leads to, each with the control in force."""
+    found = set()
+    for book in view.explored:
+        for number in book.visits[it.place].given if it.place in book.visits else ():
+            body = book.found.nodes[book.found.steps[number].target].state.robot
+            if body.motion is not None:
+                found.add(Actuated(body.motion.target, body.control))
+    return found
 
 
 def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import copysign, degrees, pi, remainder
 
+from pirate_sm.checking.actuation_in_force import InForce
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.usual_course import Bends
@@ -93,10 +94,9 @@ def _turns(view: PipeView) -> bool:
     """Return whether the mission rolls a part, which makes the directions of its sides unknown."""
     robot = view.fit.robot
     rolls = {n for n, slot in enumerate(view.fit.profile.slots) if slot.roll is not None}
+    force = InForce(view.fit.profile, robot)
     return any(
         write.slot in rolls and write.how == "set" and write.value != 0
-        for configuration in {each.configuration for each in view.course.situations}
-        for region, state in enumerate(robot.table.configurations[configuration])
-        for stage in robot.actuation[region][state]
-        for write in stage
+        for here in {each.actuated for each in view.course.situations}
+        for write in force.writes(here)
     )

@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import inf, sqrt
+from itertools import accumulate
+from math import asin, inf, isnan, sqrt
 
+from pirate_sm.checking.actuation_in_force import Actuated, InForce
+from pirate_sm.engine.control.grip import torque_nm
+from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.geometry.clamping import press_n, span_m
+from pirate_sm.geometry.clamping import WHEELS_SHARE, press_n, span_m
+from pirate_sm.geometry.network import tilted_up
 from pirate_sm.geometry.route import Piece, Route
-from pirate_sm.geometry.space import GRAVITY_M_S2, dot
+from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
+from pirate_sm.model.body import Link
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+
+_NEAR_M = 1e-6
+"""How far on either side of a patch's edge a wheel is looked at."""
 
 
 @dataclass(frozen=True)
@@ -62,26 +72,106 @@ class Fit:
         friction = self.pipe.friction or self.profile.simulation.friction
         return friction.static
 
-    def pull_n(self, piece: Piece) -> tuple[float, float]:
-        """Return the weight's components along a piece of pipe and against its walls, N."""
-        slope = dot(self.route.up, piece.frame.ahead)
+    def ups(self, until_s: float) -> tuple[Vector, ...]:
+        """Return the directions against gravity at the beginning, and once the pipe has turned.
+
+        Args:
+            until_s: When the mission ends at the latest; how far the pipe turns until then counts.
+        """
+        turns, pipe = self.pipe.turns, self.pipe
+        if turns is None or until_s <= turns.from_s:
+            return (self.route.up,)
+        share = min((until_s - turns.from_s) / (turns.to - turns.from_s), 1.0)
+        turned = tilted_up(pipe.tilt + share * (turns.tilt - pipe.tilt), pipe.uphill)
+        return self.route.up, turned
+
+    def pull_n(self, piece: Piece, up: Vector | None = None) -> tuple[float, float]:
+        """Return the weight's components along a piece of pipe and against its walls, N.
+
+        Args:
+            piece: The piece of pipe.
+            up: The direction against gravity; None for that of the beginning.
+        """
+        slope = dot(up or self.route.up, piece.frame.ahead)
         return abs(slope) * self.weight_n, sqrt(max(1 - slope**2, 0.0)) * self.weight_n
 
-    def torque_nm(self, part: int, configuration: int) -> float:
-        """Return the stall torque of a held part's apex, Nm; infinite if the states set none."""
-        joint = self.profile.body.parts[self.robot.parts[part]].apex
-        states = self.robot.table.configurations[configuration]
-        least = inf
-        for region, state in enumerate(states):
-            for stage in self.robot.actuation[region][state]:
-                for write in stage:
-                    slot = self.profile.slots[write.slot]
-                    stall = self.profile.motors[slot.motor].stall_torque
-                    if slot.joint == joint and write.how == "set" and stall is not None:
-                        least = min(least, abs(write.value) * stall)
-        return least
+    def torques_nm(self, part: int, at: Actuated, slope: float = 0.0) -> tuple[float, float]:
+        """Return with which torque a held part's apex presses, and how much it may be raised to.
 
-    def press_n(self, part: int, configuration: int) -> float:
-        """Return the sum of the normal forces of a held part, N."""
+        Both are infinite if the states set none. They differ where the control has a grip, which
+        follows the slope and the friction, and is raised where a wheel is seen to slip.
+
+        Args:
+            part: Index of the part.
+            at: What is in force.
+            slope: Sine of the pipe's tilt there.
+        """
+        joint = self.profile.body.parts[self.robot.parts[part]].apex
+        found = [(inf, inf)]
+        for write in InForce(self.profile, self.robot).writes(at):
+            slot = self.profile.slots[write.slot]
+            stall = self.profile.motors[slot.motor].stall_torque
+            if slot.joint == joint and write.how == "set" and stall is not None:
+                found.append((abs(write.value) * stall, abs(write.value) * stall))
+            elif slot.joint == joint and write.how == "bear":
+                found.append(self._borne_nm(write, slope))
+        return min(found)
+
+    def _borne_nm(self, write: Write, slope: float) -> tuple[float, float]:
+        """Return the same for an apex that is kept at a torque."""
+        grip = write.grip
+        if grip is None:
+            return abs(write.value), abs(write.value)
+        friction = self.friction if isnan(grip.friction) else grip.friction
+        apex_rad = 2 * asin(min(self.height_m / grip.leg_m, 1.0))
+        needed = torque_nm(grip, friction, apex_rad, asin(slope))
+        return min(max(needed, grip.at_least_nm), grip.at_most_nm), grip.at_most_nm
+
+    def press_n(self, part: int, torque_nm: float) -> float:
+        """Return the sum of the normal forces of a held part whose apex bears a torque, N."""
         leg_m = min(self.profile.body.legs_m(self.robot.parts[part]))
-        return press_n(self.torque_nm(part, configuration), leg_m, self.height_m)
+        return press_n(torque_nm, leg_m, self.height_m)
+
+    def frictions(self, parts: Iterable[int], firsts: tuple[float, float]) -> list[list[float]]:
+        """Return the static friction that each held part finds, at all places that matter.
+
+        A part's apex presses twice as hard as the wheels beside it (eq. 3-3), and each wheel has
+        the friction of the patch that it stands on.
+
+        Args:
+            parts: Indexes of the held parts.
+            firsts: Between which arc lengths the first wheel of the clamped robot may stand.
+
+        Returns:
+            For each place one friction for each part.
+        """
+        behind = [0.0, *accumulate(span_m(each.length, self.height_m) for each in self._links)]
+        edges = {edge for patch in self.pipe.patches for edge in (patch.from_m, patch.to)}
+        low, high = firsts
+        near = {
+            edge + way + back for edge in edges for way in (-_NEAR_M, _NEAR_M) for back in behind
+        }
+        places = [low, high, *(each for each in sorted(near) if low < each < high)]
+        apexes = [self._apex_wheel(part) for part in parts]
+        return [[self._mean_friction(place, behind, apex) for apex in apexes] for place in places]
+
+    @property
+    def _links(self) -> tuple[Link, ...]:
+        return self.profile.body.links
+
+    def _apex_wheel(self, part: int) -> int:
+        """Return the index of the wheel at the apex of a part."""
+        body = self.profile.body
+        joint = body.parts[self.robot.parts[part]].apex
+        wheel = next(each.wheel for each in body.joints if each.name == joint)
+        return [each.name for each in body.wheels].index(wheel)
+
+    def _mean_friction(self, first_m: float, behind: Sequence[float], apex: int) -> float:
+        before, at, after = (self._friction_at(first_m - m) for m in behind[apex - 1 : apex + 2])
+        return (before + 2 * at + after) / WHEELS_SHARE
+
+    def _friction_at(self, place_m: float) -> float:
+        for patch in self.pipe.patches:
+            if patch.from_m <= place_m < patch.to:
+                return patch.static
+        return self.friction

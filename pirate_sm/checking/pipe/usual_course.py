@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from math import copysign
 from typing import NamedTuple
 
+from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -40,13 +41,23 @@ class CoursePoint(NamedTuple):
         at: Index of the next instruction.
         configuration: Index into the chart's table.
         bent: Parts that have been bent so far, in order.
-        place: Place of the step that led to the configuration; empty at the start.
+        control: Index of the control in force.
+        driven: Whether wheels have been driven so far.
+        place: Place of the step that led to the configuration or to the control; empty at the
+            start.
     """
 
     at: int
     configuration: int
     bent: tuple[int, ...]
+    control: int = 0
+    driven: bool = False
     place: str = ""
+
+    @property
+    def actuated(self) -> Actuated:
+        """Return the configuration with the control in force."""
+        return Actuated(self.configuration, self.control)
 
 
 @dataclass(frozen=True)
@@ -66,7 +77,8 @@ class Bends:
     """Finds the configurations of a robot, in one polarity, that bend a part.
 
     In a bend, joints of a part that is not held have target angles to one side, while another part
-    is held. A negative angle turns the body on both sides of the joint to side A.
+    is held. A negative angle turns the body on both sides of the joint to side A. What a state is,
+    its usual actuation tells: no control seeks an angle.
     """
 
     def __init__(self, robot: RobotSpec, profile: Profile) -> None:
@@ -126,6 +138,8 @@ class _Follower:
         step = self.program.instructions[now.at]
         if isinstance(step, steps.Do):
             yield from self._command(step, now)
+        elif isinstance(step, steps.SwitchControl):
+            yield now._replace(at=step.next, control=step.control, place=step.place)
         else:
             for target in self._targets(step, now.configuration):
                 yield now._replace(at=target)
@@ -139,7 +153,13 @@ class _Follower:
         bend = self.bends.of(after)
         if bend is not None and bend != self.bends.of(now.configuration):
             self.made.setdefault((bend, step.place))
-        yield CoursePoint(step.next, after, self.bent(after, now.bent), step.place)
+        yield now._replace(
+            at=step.next,
+            configuration=after,
+            bent=self.bent(after, now.bent),
+            driven=now.driven or bool(self.robot.driven[after]),
+            place=step.place,
+        )
 
     def bent(self, configuration: int, before: tuple[int, ...]) -> tuple[int, ...]:
         """Return the bent parts, including that of the configuration."""
@@ -148,7 +168,7 @@ class _Follower:
 
     def _targets(self, step: steps.Instruction, configuration: int) -> tuple[int, ...]:
         match step:
-            case steps.Enter() | steps.Say() | steps.SwitchControl():
+            case steps.Enter() | steps.Say():
                 return (step.next,)
             case steps.Require(states=states):
                 current = self.robot.table.configurations[configuration]
@@ -160,7 +180,7 @@ class _Follower:
                 return tuple(trigger.go for trigger in triggers)
             case steps.Question(choices=choices):
                 return tuple(target for _, target in choices)
-            case steps.Do() | steps.Raise() | steps.Finish():
+            case steps.Do() | steps.SwitchControl() | steps.Raise() | steps.Finish():
                 return ()
 
     def _branch(self, step: steps.Branch, configuration: int) -> tuple[int, ...]:
@@ -179,13 +199,15 @@ def course_of(robot: RobotSpec, program: Program, profile: Profile) -> UsualCour
     bends = Bends(robot, profile)
     follower = _Follower(robot, program, bends)
     configuration = program.start_configuration
-    first = CoursePoint(program.start, configuration, follower.bent(configuration, ()))
-    found = {first[:3]: first}
+    driven = bool(robot.driven[configuration])
+    bent = follower.bent(configuration, ())
+    first = CoursePoint(program.start, configuration, bent, driven=driven)
+    found = {first[:-1]: first}
     order = [first]
     for now in order:
         for after in follower.after(now):
-            if after[:3] not in found:
-                found[after[:3]] = after
+            if after[:-1] not in found:
+                found[after[:-1]] = after
                 order.append(after)
                 if len(order) > MOST_SITUATIONS:
                     return None

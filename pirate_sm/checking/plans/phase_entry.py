@@ -20,10 +20,10 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
         phase: One of its phases.
         body: The commanded state of the robot, with no array in flight.
     """
-    begin = loaded.program.beginning(phase)
+    begin = loaded.program.beginning(phase, body.control)
     if begin is None:
         return "the mission has no such phase"
-    body = body.at_rest()
+    body = body.at_rest()._replace(control=body.control)
     program = replace(loaded.program, start=begin)
     book = index_exploration(explore(loaded.robot, program, conditions_of(loaded), body=body))
     if book.broken:

@@ -48,7 +48,7 @@ def restoring(
         begun_in: The result of :func:`beginnings`.
         places: Progress of the mission's safety rules; None if they are not evaluated yet.
     """
-    body = body.at_rest()
+    body = body.at_rest()._replace(control=body.control)
     missing = {phase: begun_in[phase] for phase in phases if begun_in.get(phase)}
     hopeless = {phase for phase in missing if _never(loaded, phase, missing[phase])}
     found: dict[str, Plan] = {}

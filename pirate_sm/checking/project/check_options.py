@@ -6,8 +6,14 @@ import shlex
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import TypeAlias
 
 from pirate_sm.checking.mission.rehearsal import Rehearse
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import Document
+
+CheckExperiment: TypeAlias = Callable[[Path], tuple[Document, Problems]]
+"""Returns the file of an experiment and what is wrong with it, or raises a `LoadError`."""
 
 
 @dataclass(frozen=True)
@@ -22,6 +28,7 @@ class Wishes:
         counterexamples: The folder for counterexamples; None to write none.
         rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.
+        experiment: Checks the file of an experiment; None where nobody knows experiments.
     """
 
     robot: str | None = None
@@ -31,6 +38,7 @@ class Wishes:
     counterexamples: Path | None = None
     rehearse: Rehearse | None = None
     outside: bool = False
+    experiment: CheckExperiment | None = None
 
 
 Progress = Callable[[int, int, str], None]

@@ -27,10 +27,12 @@ from pirate_sm.loading.pipe_file import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.robot.calibration_files import load_calibration
+from pirate_sm.loading.robot.twin_file import check_twin
 from pirate_sm.loading.trace_script import read_script
 from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
+from pirate_sm.model.twin import Twin
 
 
 def check_paths(
@@ -82,6 +84,8 @@ class _Check:
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
             return  # checked with its robot
+        if target.kind is Kind.EXPERIMENT and self._wishes.experiment is None and not target.named:
+            return
         if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
             self._files.append(CheckedFile(name, target.kind))
         try:
@@ -186,11 +190,44 @@ class _Check:
         """Check the form of a trace script; its names depend on its mission."""
         read_script(self._document(target))
 
+    def experiment(self, target: CheckTarget) -> None:
+        """Check an experiment: its keys and units, and what it names."""
+        if self._wishes.experiment is None:
+            message = "experiments are checked by the command `pirate check`"
+            self._add("check.kind", shown(target.path), message)
+            return
+        document, problems = self._wishes.experiment(target.path)
+        self._keep([document])
+        self.findings += map(finding_of, problems.all)
+
+    def twin(self, target: CheckTarget) -> None:
+        """Check the numbers of a simulated robot against its profile."""
+        document = self._document(target)
+        twin = validate(document, Twin)
+        problems = Problems(document)
+        try:
+            robot = load_robot(self._robot_of(target.path, twin.robot))
+        except UsageError as error:
+            problems.add("twin.robot", ("robot",), str(error))
+            problems.raise_errors()
+        except LoadError:
+            return  # reported for the robot
+        else:
+            check_twin(twin, robot.profile, problems)
+        self.findings += map(finding_of, problems.all)
+
+    def _robot_of(self, path: Path, name: str) -> Path:
+        """Return the folder of the robot that a file is for: the wanted one, else of its name."""
+        if self._wishes.robot is not None:
+            return library.find_robot(self._wishes.robot)
+        beside = _folder(path)
+        return beside if (beside / PROFILE_FILE).is_file() else library.find_robot(name)
+
     def other(self, target: CheckTarget) -> None:
         """Report a file of no known kind, if it was named explicitly."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
-        message = "this is no robot, mission, pipe, calibration or trace script"
+        message = "this is no robot, mission, pipe, calibration, trace script, experiment or twin"
         self._add("check.kind", shown(target.path), message)
 
     def _settings(self, target: CheckTarget) -> dict[str, str]:
@@ -233,6 +270,8 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.MISSION: _Check.mission,
     Kind.CALIBRATION: _Check.calibration,
     Kind.SCRIPT: _Check.script,
+    Kind.EXPERIMENT: _Check.experiment,
+    Kind.TWIN: _Check.twin,
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,
 }

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees, inf
 
+from pirate_sm.checking.criteria_in_force import too_slow, too_strong
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.criteria import (
@@ -22,20 +23,37 @@ from pirate_sm.model.actuation import Target
 
 
 def never_done(view: RobotView) -> Iterator[Finding]:
-    """Yield commands whose criterion can never be true."""
+    """Yield commands whose criterion can never be true, under some control at least."""
     for number, name in enumerate(view.loaded.table.commands):
         spec = view.loaded.normal.commands[number]
         at: Path = ("commands", name, "done")
         for key, why in (
             ("for", _too_long(spec.done, spec.timeout_s)),
             ("kind", _unheard(view, spec.done)),
-            ("torque", _too_strong(view, number, spec.done)),
-            ("above", _too_fast(view, number, spec.done)),
+            ("torque", too_strong(view.in_force, spec.done, view.led(number))),
+            ("above", too_slow(view.in_force, spec.done, view.led(number))),
         ):
             if why:
                 message = f"{name} can never be done: {why}"
                 yield view.at((*at, key), "robot.never_done", message)
                 break
+        else:
+            yield from _never_done_under_controls(view, number, name, spec.done)
+
+
+def _never_done_under_controls(
+    view: RobotView, number: int, name: str, done: CriterionSpec
+) -> Iterator[Finding]:
+    """Yield controls under which a command can never be done; once for those that extend one."""
+    told: set[str | None] = set()
+    for control, (own, settings) in enumerate(view.profile.controls.items(), start=1):
+        led = view.led(number, control)
+        why = too_strong(view.in_force, done, led) or too_slow(view.in_force, done, led)
+        if why and settings.extends not in told:
+            message = f"{name} can never be done: {why}"
+            yield view.at(("controls", own), "robot.never_done", message, key=True)
+        if why:
+            told.add(own)
 
 
 def _too_long(done: CriterionSpec, timeout_s: float) -> str:
@@ -67,43 +85,6 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
     if not missing or (not every and len(missing) < len(needed)):
         return ""
     return f"no fitted board measures {missing[0]}"
-
-
-def _too_strong(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Return why a joint cannot bear the required torque; empty if it can."""
-    if not isinstance(done, StalledSpec):
-        return ""
-    robot = view.loaded.normal
-    for torque in done.torques:
-        slot = next((n for n, each in enumerate(robot.slots) if each.torque == torque), None)
-        stall = view.motor(slot).stall_torque if slot is not None else None
-        if slot is None or stall is None:
-            continue
-        duties = [view.duty(after, slot) for _, after in view.moves(command)]
-        most = max(duties, default=inf) * stall
-        if most <= done.torque:
-            return (
-                f"its motor gives '{view.profile.slots[slot].joint}' at most {most:.3g} Nm there,"
-                f" and more than {done.torque:.3g} Nm are asked for"
-            )
-    return ""
-
-
-def _too_fast(view: RobotView, command: int, done: CriterionSpec) -> str:
-    """Return why no wheel can reach the required speed; empty if one can."""
-    if not isinstance(done, TurningSpec):
-        return ""
-    speeds = [
-        duty * (view.motor(slot).no_load_speed or inf) if (duty := view.duty(after, slot)) else 0.0
-        for _, after in view.moves(command)
-        for slot, _ in done.wheels
-    ]
-    most = max(speeds, default=inf)
-    if most > done.above:
-        return ""
-    if most == 0:
-        return "no wheel is driven in the states that it leads to"
-    return f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked for"
 
 
 def nominal_times(view: RobotView) -> Iterator[Finding]:

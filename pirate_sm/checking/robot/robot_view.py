@@ -7,8 +7,10 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
+from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.findings import Finding, at
-from pirate_sm.engine.robot.command_spec import Write
+from pirate_sm.engine.robot.command_spec import StageSpec, Write
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.motor import Motor
@@ -16,13 +18,18 @@ from pirate_sm.model.profile import Profile, Slot
 
 
 class Written(NamedTuple):
-    """A write of a state to a slot, with its path in the profile."""
+    """A write of a state to a slot, with its path in the profile.
+
+    Attributes:
+        control: Index of the control that says so; 0 for the usual actuation.
+    """
 
     region: int
     state: str
     stage: int
     write: Write
     path: Path
+    control: int = 0
 
 
 @dataclass(frozen=True)
@@ -46,18 +53,23 @@ class RobotView:
         )
 
     @cached_property
+    def in_force(self) -> InForce:
+        """Return what its states write under each control."""
+        return InForce(self.profile, self.loaded.normal)
+
+    @cached_property
     def written(self) -> tuple[Written, ...]:
-        """Return all writes of all states."""
-        found = []
+        """Return all writes of all states, those of each control after the usual ones."""
         robot = self.loaded.normal
-        for region, states in enumerate(robot.actuation):
-            for state, stages in states.items():
-                at_state: Path = ("actuation", robot.regions[region], state)
-                for number, stage in enumerate(stages):
-                    path = (*at_state, number) if len(stages) > 1 else at_state
-                    for write in stage:
-                        name = robot.slots[write.slot].name
-                        found.append(Written(region, state, number, write, (*path, name)))
+        found: list[Written] = []
+        for control, spec in enumerate(robot.controls):
+            own = self.profile.controls[spec.name].actuation if control else None
+            at: Path = ("controls", spec.name, "actuation") if control else ("actuation",)
+            for region, states in enumerate(spec.actuation):
+                name = robot.regions[region]
+                for state, stages in states.items():
+                    if own is None or state in own.get(name, {}):
+                        found += _written(robot, (*at, name, state), region, state, stages, control)
         return tuple(found)
 
     def motor(self, slot: int) -> Motor:
@@ -70,28 +82,9 @@ class RobotView:
             if row[command] != before:
                 yield before, row[command]
 
-    def writes(self, configuration: int, slot: int) -> list[Written]:
-        """Return the writes of a configuration's states to a slot, one for each stage."""
-        states = self.loaded.table.configurations[configuration]
-        return [each for each in self._by_slot.get(slot, ()) if states[each.region] == each.state]
-
-    def duty(self, configuration: int, slot: int) -> float:
-        """Return the largest possible duty cycle of a slot in a configuration."""
-        found = [0.0]
-        for each in self.writes(configuration, slot):
-            spec = self.loaded.normal.slots[slot]
-            match each.write.how:
-                case "set":
-                    found.append(abs(each.write.value))
-                case "seek":
-                    found.append(spec.position.limit if spec.position else 1.0)
-                case "turn":
-                    found.append(spec.velocity.limit if spec.velocity else 1.0)
-                case "bear":
-                    found.append(spec.held_torque.limit if spec.held_torque else 1.0)
-                case "keep":
-                    found.append(1.0)  # what another state has written
-        return max(found)
+    def led(self, command: int, control: int = 0) -> list[Actuated]:
+        """Return where a command leads to, under a control."""
+        return [Actuated(after, control) for _, after in self.moves(command)]
 
     @cached_property
     def heard(self) -> frozenset[int]:
@@ -101,13 +94,6 @@ class RobotView:
         told |= {index for index, _ in robot.outside.values()}
         told |= set(robot.traction.targets if robot.traction else ())
         return frozenset(told | {robot.odometry, robot.speed})
-
-    @cached_property
-    def _by_slot(self) -> dict[int, list[Written]]:
-        found: dict[int, list[Written]] = {}
-        for each in self.written:
-            found.setdefault(each.write.slot, []).append(each)
-        return found
 
     def configurations(self, regions: Set[str]) -> list[tuple[str, ...]]:
         """Return one reached configuration for each combination of the states of these regions."""
@@ -123,3 +109,19 @@ class RobotView:
         document = self.loaded.documents[0]
         place = document.place_of(path, key=key, offset=offset)
         return at(document, place, code, message)
+
+
+def _written(
+    robot: RobotSpec,
+    at: Path,
+    region: int,
+    state: str,
+    stages: tuple[StageSpec, ...],
+    control: int,
+) -> Iterator[Written]:
+    """Yield what the stages of one state write; ``at`` is the path of the state."""
+    for number, stage in enumerate(stages):
+        path = (*at, number) if len(stages) > 1 else at
+        for write in stage:
+            here = (*path, robot.slots[write.slot].name)
+            yield Written(region, state, number, write, here, control)

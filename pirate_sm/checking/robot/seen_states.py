@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 
+from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.confirmation_spec import (
@@ -103,11 +104,10 @@ def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:
     robot = view.loaded.normal
     holding = [number for number, held in enumerate(robot.held) if part in held]
     for joint in spec.joints:
-        stall = view.motor(joint.slot).stall_torque
-        most = max((view.duty(each, joint.slot) for each in holding), default=0.0)
-        if stall is not None and most * stall <= spec.torque:
+        most = max((view.in_force.most_nm(Actuated(n), joint.slot) for n in holding), default=0.0)
+        if most <= spec.torque:
             return (
                 f"its motor gives '{view.profile.slots[joint.slot].joint}' at most"
-                f" {most * stall:.3g} Nm there, and {spec.torque:.3g} Nm are asked for"
+                f" {most:.3g} Nm there, and {spec.torque:.3g} Nm are asked for"
             )
     return ""

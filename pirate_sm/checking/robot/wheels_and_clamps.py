@@ -85,11 +85,13 @@ def _sides(view: RobotView) -> Iterator[Finding]:
     for part, slot, apex in _apexes(view):
         direction = view.profile.body.wheels[apex].direction
         name = view.profile.body.wheels[apex].name
+        told: set[tuple[int, str]] = set()  # a control turns a motor the same way as usual
         for each in view.written:
-            value = each.write.value
-            if each.write.slot != slot or each.write.how != "set" or value == 0:
+            value, state = each.write.value, (each.region, each.state)
+            if each.write.slot != slot or not each.write.turns or state in told:
                 continue
             if copysign(1, value) != direction and _holding(view, part, each):
+                told.add(state)
                 side = "A" if value > 0 else "B"
                 message = (
                     f"this presses '{name}' to side {side}, and its direction of {direction}"
@@ -101,14 +103,14 @@ def _sides(view: RobotView) -> Iterator[Finding]:
 def _fights(view: RobotView) -> Iterator[Finding]:
     """Yield states that drive wheels against each other."""
     wheels = {wheel.name: wheel for wheel in view.profile.body.wheels}
-    driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
+    driven: dict[tuple[int, int, str, int], list[tuple[int, Written]]] = {}
     for each in view.written:
         wheel = wheels.get(view.profile.slots[each.write.slot].wheel or "")
         if wheel is not None and each.write.turns:
             forward = 1 if each.write.value * wheel.direction > 0 else -1
-            stage = (each.region, each.state, each.stage)
+            stage = (each.control, each.region, each.state, each.stage)
             driven.setdefault(stage, []).append((forward, each))
-    for (_, state, _), writes in driven.items():
+    for (_, _, state, _), writes in driven.items():
         most = 1 if sum(forward for forward, _ in writes) >= 0 else -1
         for forward, each in writes:
             if forward != most:
@@ -131,8 +133,7 @@ def safe_clamps(view: RobotView) -> Iterator[Finding]:
             each
             for each in view.written
             if each.write.slot == slot
-            and each.write.how == "set"
-            and each.write.value != 0
+            and each.write.turns
             and _holding(view, parts.index(part), each)
         ]
         if pressing:

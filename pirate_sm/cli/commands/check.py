@@ -17,6 +17,7 @@ from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.errors import UsageError
+from pirate_sm.experiments.check_experiment import check_experiment
 from pirate_sm.visible import visible
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
@@ -51,6 +52,7 @@ def run_check(options: CheckOptions) -> int:
         counterexamples=None if options.counterexamples is None else Path(options.counterexamples),
         rehearse=_rehearse(options),
         outside=options.outside,
+        experiment=check_experiment,
     )
     progress = _Progress() if is_terminal(sys.stderr) else None
     try:

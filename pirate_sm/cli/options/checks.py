@@ -62,10 +62,19 @@ class CheckOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ExplainOptions:
-    """Explain a finding's code: what it means and how to mend it."""
+    """Explain a finding's code, or a robot's control."""
 
     code: Annotated[
-        str | None, typer.Argument(metavar="[CODE]", help="All of them when none is named.")
+        str | None,
+        typer.Argument(
+            metavar="[CODE]", help="A code, or the name of a control; without one all codes."
+        ),
+    ] = None
+    robot: Annotated[
+        str | None,
+        typer.Option(
+            "--robot", metavar="NAME", help="Whose control; by default any shipped one's."
+        ),
     ] = None
     debug: common.Debug = False
 

@@ -157,7 +157,7 @@ def _change(robot: LoadedRobot, change: RegionChange) -> tuple[str, str, str, st
     slots = {robot.profile.slots[slot].name for slot in change.slots}
     before = listed(change.before, "or") + (" (or it stays)" if change.sometimes else "")
     stages = robot.profile.actuation[region][change.after]
-    return region, before, change.after, _given(robot.profile, stages, slots)
+    return region, before, change.after, given(robot.profile, stages, slots)
 
 
 def _posture(profile: Profile, name: str) -> Iterator[Block]:
@@ -166,7 +166,7 @@ def _posture(profile: Profile, name: str) -> Iterator[Block]:
     yield Table(
         ("where", "motors"),
         [
-            (case.when, _given(profile, [case.set_]) if case.set_ else f"refused: {case.refuse}")
+            (case.when, given(profile, [case.set_]) if case.set_ else f"refused: {case.refuse}")
             for case in cases
         ],
     )
@@ -181,7 +181,7 @@ def _region(robot: LoadedRobot, place: int) -> Iterator[Block]:
     yield Drawing(_picture(robot.outline, place))
     states = robot.profile.actuation[region]
     rows = [
-        (name, _given(robot.profile, states[name]), _holding(robot, place, name))
+        (name, given(robot.profile, states[name]), _holding(robot, place, name))
         for name in robot.table.states[place]
     ]
     yield Table(("state", "motors", "holds"), rows)
@@ -198,7 +198,7 @@ def _controls(profile: Profile) -> Iterator[Block]:
         if control.extends is not None:
             yield Paragraph(f"{control.extends}, with these changes.", "As")
         rows = [
-            (region, state, _given(profile, stages))
+            (region, state, given(profile, stages))
             for region, states in control.actuation.items()
             for state, stages in states.items()
         ]
@@ -241,7 +241,7 @@ def _holding(robot: LoadedRobot, place: int, state: str) -> str:
 # --- motors ------------------------------------------------------------------------------------
 
 
-def _given(profile: Profile, stages: Sequence[Stage], only: set[str] | None = None) -> str:
+def given(profile: Profile, stages: Sequence[Stage], only: set[str] | None = None) -> str:
     """Return what the stages write to all slots, or only to those in ``only``."""
     slots = {slot.name: slot for slot in profile.slots}
     texts = []

@@ -6,6 +6,7 @@ stages of the states that it leads to follow.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
@@ -62,7 +63,8 @@ def switched_array(
 
     Only slots are written to which the two controls write something else. Wheels that were stopped
     from outside their state stay stopped, and a joint that a command has brought to an angle stays
-    there: commands alone drive and seek.
+    there: commands alone drive and seek. A joint is kept at its torque again if a pause or a fault
+    has stopped its loop.
     """
     values = list(known_values(state.latest, sensing.numbers, robot))
     loops = {each.slot: each for each in state.loops}
@@ -75,10 +77,15 @@ def switched_array(
         changed = tuple(
             write._replace(how="set", value=0.0) if write.how == "seek" else write
             for write in stage
-            if write not in before
+            if write not in before or (write.how == "bear" and _let_go(robot, write.slot, loops))
         )
         _write(robot, sensing, changed, values, loops)
     return tuple(values), tuple(loops.values())
+
+
+def _let_go(robot: RobotSpec, slot: int, loops: Mapping[int, Loop]) -> bool:
+    """Return whether a joint's torque loop should run and does not."""
+    return robot.slots[slot].held_torque is not None and slot not in loops
 
 
 def unsettled(state: RobotState, sensing: Sensing) -> list[int]:

@@ -81,7 +81,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     body, mission = state.robot, state.mission
     if body.motion is not None:
         body = commands.fail(moment, body, TAKEN_OVER)
-    begin = moment.program.beginning(event.phase)
+    begin = moment.program.beginning(event.phase, body.control)
     assert begin is not None  # why_not_to has looked
     moment.emit(Log("info", f"handed back at {event.phase}"))
     mission = mission.at(begin)._replace(
@@ -96,7 +96,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
 
 def why_not_to(program: Program, state: EngineState, phase: str) -> str:
     """Return why the mission cannot resume at this phase now; empty if it can."""
-    if program.beginning(phase) is None:
+    if program.enter(phase) is None:
         return "the mission has no such phase"
     if not state.mission.paused:
         return "pause the mission first"

@@ -7,7 +7,8 @@ every path.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.expressions import Expression
@@ -211,6 +212,8 @@ class Program:
         rules: The robot's safety rules, without those that the mission waives.
         most_phases: How many phases may begin within one second of mission time.
         turn_of: Per instruction the round of its repeat, such as ``2 of 4``, or empty.
+        entries: Per phase the controls under which the mission comes there, each with the index of
+            the instruction that sets it before it enters the phase; empty without controls.
     """
 
     mission: str
@@ -226,21 +229,32 @@ class Program:
     diameter_m: float | None = None
     most_phases: float = MOST_PHASES
     turn_of: tuple[str, ...] = ()
+    entries: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)
 
     def round_note(self, at: int) -> str:
         """Return an instruction's round of a repeat as `` (2 of 4)``; empty outside repeats."""
         turn = self.turn_of[at] if at < len(self.turn_of) else ""
         return f" ({turn})" if turn else ""
 
-    def beginning(self, phase: str) -> int | None:
-        """Return the index of the instruction that a phase begins at, None where there is none.
-
-        A mission's own control comes before it enters its first phase.
-        """
+    def enter(self, phase: str) -> int | None:
+        """Return the index of the instruction that enters a phase, None where there is none."""
         for index, (each, home) in enumerate(zip(self.instructions, self.phase_of, strict=True)):
-            if home == phase and isinstance(each, Enter | SwitchControl):
+            if home == phase and isinstance(each, Enter):
                 return index
         return None
+
+    def beginning(self, phase: str, control: int = 0) -> int | None:
+        """Return the index of the instruction that takes the mission up at a phase.
+
+        Args:
+            phase: The phase; None is returned if there is no such phase.
+            control: The control in force. One that is not the usual control stays if the mission
+                itself may come to the phase under it. Otherwise the entry sets the one under which
+                the mission comes there, by the shortest way if there are several.
+        """
+        entries = dict(self.entries.get(phase, ()))
+        wanted = control if control and control in entries else next(iter(entries), 0)
+        return entries[wanted] if entries and (control or wanted) else self.enter(phase)
 
     def handler(self, at: int, code: str) -> HandlerSpec | None:
         """Return the innermost handler for a fault at this instruction."""

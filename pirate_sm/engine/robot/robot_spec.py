@@ -39,6 +39,9 @@ class FaultSpec:
     denies: frozenset[int] = frozenset()
 
 
+USUAL = "none"
+"""The name by which a mission takes the robot's usual actuation."""
+
 Actuation: TypeAlias = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 """Per region, the stages of each of its states."""
 
@@ -109,6 +112,10 @@ class RobotSpec:
     def controls(self) -> tuple[ControlSpec, ...]:
         """Return the ways to actuate the states; the first is the usual one."""
         return (ControlSpec("", self.actuation), *self.overlays)
+
+    def control_name(self, control: int) -> str:
+        """Return the name of a control, given by its index, as missions write it."""
+        return self.controls[control].name or USUAL
 
     @cached_property
     def estimated(self) -> frozenset[str]:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 from math import inf
 
 from pirate_sm.engine.mission import program as out
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.loading.mission.assembler import MOST_INSTRUCTIONS, Assembly, Label, TooLongError
+from pirate_sm.loading.mission.control_entries import with_entries
 from pirate_sm.loading.mission.parameter_values import Values
 from pirate_sm.loading.mission.program_writer import ProgramWriter, labels_of
 from pirate_sm.loading.mission.scope import Scope, Source
@@ -39,10 +41,9 @@ def build_program(
     at_start = start_configuration(source, robot.table, states, problems)
     writer = ProgramWriter(robot, Assembly())
     scope = _outermost(source, robot, values, problems)
-    first = start_phase or mission.start
-    start = writer.beginning(scope, first)
+    start = writer.beginning(scope, mission.start)
     limit = scope.limit(mission.time_limit, ("time_limit",))
-    _write(writer, scope, first, start, problems)
+    _write(writer, scope, start, problems)
     problems.raise_errors(tolerated)
     instructions, handlers, phase_of, turn_of = writer.assembly.finished()
     program = Program(
@@ -58,6 +59,10 @@ def build_program(
         rules_for(mission, robot.rules),
         turn_of=turn_of,
     )
+    program = with_entries(program)
+    begin = program.beginning(start_phase) if start_phase else None
+    if begin is not None and start_phase != mission.start:
+        program = replace(program, start=begin)
     return program, tuple(writer.calls.files.values())
 
 
@@ -78,14 +83,12 @@ def _outermost(source: Source, robot: LoadedRobot, values: Values, problems: Pro
     )
 
 
-def _write(
-    writer: ProgramWriter, scope: Scope, first: str, start: Label, problems: Problems
-) -> None:
+def _write(writer: ProgramWriter, scope: Scope, start: Label, problems: Problems) -> None:
     """Write all instructions of the mission, or report that there are too many."""
     try:
         if writer.calls.least_length(scope.source) > MOST_INSTRUCTIONS:
             raise TooLongError
-        writer.begin(scope, first, start)
+        writer.begin(scope, scope.source.mission.start, start)
         writer.ends(scope)
         writer.phases(scope)
     except TooLongError as error:

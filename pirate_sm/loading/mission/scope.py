@@ -7,12 +7,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_spec import USUAL, RobotSpec
 from pirate_sm.expressions import Expression, ExpressionError, compile_condition
 from pirate_sm.loading.mission.assembler import Handlers, Label
 from pirate_sm.loading.mission.parameter_values import Value, Values
 from pirate_sm.loading.problems import Path, Problems
-from pirate_sm.loading.robot.controls import USUAL
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile

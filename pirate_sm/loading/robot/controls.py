@@ -6,7 +6,7 @@ from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import StageSpec
-from pirate_sm.engine.robot.robot_spec import Actuation, ControlSpec
+from pirate_sm.engine.robot.robot_spec import USUAL, Actuation, ControlSpec
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.actuation import resolve_stage
 from pirate_sm.loading.robot.control_modifiers import Modifiers, inherited, modified
@@ -15,9 +15,6 @@ from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Share, Target
 from pirate_sm.model.control import Control
 from pirate_sm.model.profile import Profile
-
-USUAL = "none"
-"""The name by which a mission takes the robot's usual actuation."""
 
 
 def resolve_controls(

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
-from pirate_sm.spelling import one_of
 
 
 def simulated_profile(profile: Profile, file: str | None) -> Profile:
@@ -18,7 +17,6 @@ def simulated_profile(profile: Profile, file: str | None) -> Profile:
 
     Raises:
         LoadError: Everything that is wrong with the file.
-        UsageError: It does not fit the robot.
     """
     return profile if file is None else with_twin(profile, load_twin(Path(file), profile))
 
@@ -28,16 +26,30 @@ def load_twin(path: Path, profile: Profile) -> Twin:
 
     Raises:
         LoadError: Everything that is wrong with the file.
-        UsageError: It is of another robot, or of motors that this one does not have.
     """
-    twin = validate(read_document(path, shown(path)), Twin)
-    if twin.robot != profile.robot:
-        raise UsageError(f"{shown(path)} has numbers of '{twin.robot}', this is {profile.robot}")
-    for name in twin.motors:
-        if name not in profile.motors:
-            known = one_of(sorted(profile.motors))
-            raise UsageError(f"{shown(path)}: there is no kind of motor '{name}': expected {known}")
+    document = read_document(path, shown(path))
+    twin, problems = validate(document, Twin), Problems(document)
+    check_twin(twin, profile, problems)
+    problems.raise_errors()
     return twin
+
+
+def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
+    """Report a twin of another robot, or of motors that this one does not have."""
+    if twin.robot != profile.robot:
+        message = f"these are numbers of '{twin.robot}', and the robot is {profile.robot}"
+        problems.add("twin.robot", ("robot",), message)
+        return
+    for name, numbers in twin.motors.items():
+        motor, at = profile.motors.get(name), ("motors", name)
+        if motor is None:
+            known = sorted(profile.motors)
+            problems.add_unknown("twin.motor", at, "kind of motor", name, known, key=True)
+        elif numbers.hold_torque is not None and motor.kind != "geared":
+            message = (
+                f"a wheel's motor is held by its gears at duty 0, and '{name}' is {motor.kind}"
+            )
+            problems.add("twin.motor", (*at, "hold_torque"), message)
 
 
 def with_twin(profile: Profile, twin: Twin) -> Profile:

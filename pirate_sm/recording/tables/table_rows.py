@@ -16,8 +16,12 @@ from pirate_sm.recording.replay.replay import Rerun
 SIGNALS = "signals"
 """The table of the signals, one row for each frame."""
 
+STATES, CONTROL = "states", "control"
+"""The table of the robot's states, one row for each change, and its column of the control in force,
+as missions write it."""
+
 TABLES = (
-    *(SIGNALS, "setpoints", "states", "commands", "phases", "waits", "triggers", "detector"),
+    *(SIGNALS, "setpoints", STATES, "commands", "phases", "waits", "triggers", "detector"),
     *("environment", "faults", "log", "questions", "end"),
 )
 """Every table that the events of a run can fill."""
@@ -45,7 +49,7 @@ def headers(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
     after_time: dict[str, tuple[str, ...]] = {
         SIGNALS: signal_names(robot),
         "setpoints": ("setpoint_id", *slot_names(robot)),
-        "states": (*robot.regions, "unconfirmed"),
+        STATES: (*robot.regions, "unconfirmed", CONTROL),
         "commands": fx.CommandStatus._fields,
         "phases": fx.PhaseChange._fields,
         "waits": ("phase", "trigger", "condition", "deadline_s"),
@@ -68,8 +72,10 @@ def rows_of(robot: RobotSpec, again: Iterable[Rerun], origin_s: float = 0.0) -> 
         again: The steps, replayed with every signal.
         origin_s: When the run began, by the engine's clock; times of rows count from there.
     """
-    columns = headers(robot)
+    columns, actuated = headers(robot), _Actuated(robot)
     for each in again:
+        for row in actuated.rows(each):
+            yield TableRow(STATES, columns[STATES], (each.at_s, *row))
         if each.state is not None and isinstance(each.step.event, SensorFrame):
             yield TableRow(SIGNALS, columns[SIGNALS], (each.at_s, *each.state.sensing.shown))
         for effect in with_own_times(each.step.effects, origin_s):
@@ -78,13 +84,36 @@ def rows_of(robot: RobotSpec, again: Iterable[Rerun], origin_s: float = 0.0) -> 
                 yield TableRow(table, columns[table], (each.at_s, *row))
 
 
+class _Actuated:
+    """The states of a robot and the control in force, and whether either has changed."""
+
+    def __init__(self, robot: RobotSpec) -> None:
+        self._robot = robot
+        self._control = 0
+        self._states: fx.StateChange | None = None
+
+    def rows(self, again: Rerun) -> Iterator[tuple[Any, ...]]:
+        """Yield a row for each change in a step; of the control one after those of the states."""
+        before, changes = self._control, 0
+        if again.state is not None:
+            self._control = again.state.robot.control
+        for effect in again.step.effects:
+            if isinstance(effect, fx.StateChange):
+                self._states, changes = effect, changes + 1
+                yield self._row(effect)
+        if self._states is not None and self._control != before and not changes:
+            yield self._row(self._states)
+
+    def _row(self, states: fx.StateChange) -> tuple[Any, ...]:
+        name = self._robot.control_name(self._control)
+        return *states.states, " ".join(states.unconfirmed), name
+
+
 def _rows(effect: fx.Effect) -> tuple[str, Iterable[tuple[Any, ...]]]:  # noqa: C901 - one case each
     """Return the table of an effect and its rows without their times."""
     match effect:
         case fx.Setpoints(setpoint_id, values):
             return "setpoints", [(setpoint_id, *values)]
-        case fx.StateChange(states, unconfirmed):
-            return "states", [(*states, " ".join(unconfirmed))]
         case fx.WaitArmed(phase, triggers, conditions, deadline_s):
             armed = zip(triggers, conditions, strict=True)
             return "waits", [(phase, name, text, deadline_s) for name, text in armed]
@@ -106,5 +135,5 @@ def _rows(effect: fx.Effect) -> tuple[str, Iterable[tuple[Any, ...]]]:  # noqa: 
             return "log", [effect]
         case fx.Ended():
             return "end", [effect]
-        case fx.WakeAt():
+        case fx.StateChange() | fx.WakeAt():
             return "", ()

@@ -14,7 +14,7 @@ from importlib.resources import files
 from math import isfinite
 from typing import Any, NamedTuple
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_spec import USUAL, RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType
 from pirate_sm.geometry.kinematics import link_poses
@@ -80,7 +80,7 @@ class ViewerMessages:
         self._placing = Placing(profile, robot, loaded.pipe, first_wheel_m)
         self._transforms = Transforms(self._body)
         self._joints = _joints(loaded)
-        self._state: dict[str, Any] = {"phase": "", "detected": ""}
+        self._state: dict[str, Any] = {"phase": "", "detected": "", "control": USUAL}
         wheels = [wheel.name for wheel in self._body.wheels]
         coordinates = [f"{name}_{axis}_m" for name in wheels for axis in "xy"]
         self._coordinates = _gaps(coordinates)
@@ -93,7 +93,7 @@ class ViewerMessages:
         self._setpoints = _flat("/setpoints", dict.fromkeys(self._slots, _NUMBER))
         places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, _NUMBER)}
         self._places = _flat(PLACES, places)
-        words = ("phase", "detected", *robot.regions, "unconfirmed")
+        words = ("phase", "detected", *robot.regions, "unconfirmed", "control")
         codes = {
             _code_name(region): {"type": "integer", "description": _listed(names)}
             for region, names in self._codes.items()
@@ -117,6 +117,10 @@ class ViewerMessages:
             yield self._places, _object(known, *_filled(self._coordinates, flat))
         yield self._joint_states, self._joint_message(now, shown)
         yield self._signal_channel, _object(*_filled(self._signals, shown))
+        control = self._loaded.robot.control_name(it.state.robot.control)
+        if control != self._state["control"]:
+            self._state["control"] = control
+            yield self._states, _json(self._state)
 
     def of_effects(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
         """Yield the messages about these effects."""

@@ -21,10 +21,11 @@ from .robots import NEWT, PIRATE, ROOT
         (sorted((ROOT / "sequences" / "pipes").glob("*.yaml")), Kind.PIPE),
         ([NEWT / "profile.yaml", PIRATE / "profile.yaml"], Kind.ROBOT),
         ([NEWT / "chart.yaml", PIRATE / "chart.yaml"], Kind.CHART),
+        (sorted((PIRATE / "experiments").glob("*.yaml")), Kind.EXPERIMENT),
         ([ROOT / "pyproject.toml", ROOT / ".pre-commit-config.yaml"], Kind.OTHER),
         ([ROOT, ROOT / "no_such_file.yaml"], Kind.UNREADABLE),
     ],
-    ids=["missions", "examples", "pipes", "robots", "charts", "others", "none"],
+    ids=["missions", "examples", "pipes", "robots", "charts", "experiments", "others", "none"],
 )
 def test_every_file_of_the_project_is_known(files: list[Path], kind: Kind) -> None:
     assert {kind_of(file) for file in files} == {kind}
@@ -42,6 +43,9 @@ def test_every_file_of_the_project_is_known(files: list[Path], kind: Kind) -> No
         ('"pipe": p\n"diameter": 1 m\n', Kind.PIPE),
         ("{diameter: 1 m, segments: []}", Kind.PIPE),
         ("robot: r\nzeros: {a: 1 deg}\n", Kind.CALIBRATION),
+        ("robot: r\nmotors: {wheel: {hold_torque: 1 Nm}}\n", Kind.TWIN),
+        ("robot: r\nfriction: {static: 1, kinetic: 1}\n", Kind.TWIN),
+        ("experiment: 1\nmisions: {}\n", Kind.EXPERIMENT),
         ("- {phase: a, trigger: b}\n", Kind.SCRIPT),
         ("[{phase: a, trigger: b}]\n", Kind.SCRIPT),
         ("- {phase: a, tigger: b, after: 1 s}\n", Kind.SCRIPT),

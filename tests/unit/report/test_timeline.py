@@ -42,6 +42,17 @@ def test_each_state_machine_has_a_lane_and_shows_what_is_not_confirmed():
     assert spans(found["Lamp"]) == [(0.0, 10.0, "Off", "state")]
 
 
+def test_a_control_other_than_the_usual_one_has_a_lane():
+    timeline = Timeline(("Grip", "Lamp"), nominal=False)
+    for at_s, control in ((0.0, ""), (2.0, "gentle"), (3.0, "gentle"), (5.0, "swift"), (7.0, "")):
+        timeline.take(at_s, None, [], control)
+
+    (lane,) = timeline.lanes(10.0)
+
+    assert lane.name == "control"
+    assert spans(lane) == [(2.0, 5.0, "gentle", "state"), (5.0, 7.0, "swift", "state")]
+
+
 def test_what_did_not_last_is_not_shown_and_does_not_cut_what_did():
     found = lanes(
         (0.0, None, [fx.StateChange(("Held", "Off"), ())]),

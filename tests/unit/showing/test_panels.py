@@ -125,3 +125,20 @@ def test_a_control_is_waited_for_and_may_be_passed_over(tmp_path: Path) -> None:
     assert said == "○ exp_3a: until the joints bear their torques"
     assert left.endswith("10.0 s left")
     assert {each.name: each.reason for each in controls(switching, None)}["skip"] == ""
+
+
+@pytest.mark.parametrize("width", [40, 78])
+def test_the_control_in_force_stands_beside_the_states(tmp_path: Path, width: int) -> None:
+    mission = tmp_path / "switching.yaml"
+    mission.write_text(SWITCHING, encoding="utf-8")
+    usual = mission.with_name("usual.yaml")
+    usual.write_text(SWITCHING.replace("control: exp_3a\n", ""), encoding="utf-8")
+
+    switched, as_ever = (
+        "\n".join(each.plain for each in panels.states(beginning(str(file)), width))
+        for file in (mission, usual)
+    )
+
+    assert "◆ Control" in switched
+    assert "exp_3a" in switched
+    assert "Control" not in as_ever

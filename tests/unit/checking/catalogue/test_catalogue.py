@@ -19,6 +19,7 @@ PACKAGE = ROOT / "pirate_sm"
 SOURCES = [
     *sorted((PACKAGE / "loading").rglob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
+    PACKAGE / "experiments" / "check_experiment.py",
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
     PACKAGE / "cli" / "order.py",
 ]

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
@@ -340,6 +341,124 @@ def test_a_weak_motor_is_told_with_the_robots_own_friction(tmp_path: Path) -> No
     assert "RelaxFront" in found[0].excerpt
 
 
+WEAK = """\
+  weak:
+    extends: exp_3a
+    actuation:
+      BendingState: {DoubleClamped: {bend_1: -60 mNm, bend_2: 0 mNm, bend_3: 0 mNm, bend_4: 60 mNm}}
+  assuming:
+    extends: exp_3a
+    grip: {safety: 1.5, friction: {front: 0.5, rear: 0.5}, at_most: 700 mNm}
+  exp_3b:
+"""
+
+
+def with_control(folder: Path, text: str) -> str:
+    """The mission with a robot that has controls which press less."""
+    if not (folder / PIRATE.name).exists():
+        changed(PIRATE, folder, "profile.yaml", ("  exp_3b:\n", WEAK))
+    return text.replace("robot: pirate_ii", "robot: ./pirate_ii")
+
+
+@pytest.mark.parametrize(
+    ("control", "static", "weak"),
+    [
+        ("exp_3a", 0.3, False), ("weak", 0.3, True), ("weak", 1.0, False),
+        # a grip presses for the friction that it assumes, and up to 700 mNm if a wheel slips
+        ("assuming", 0.5, False), ("assuming", 0.1, True), ("careful", 0.1, False),
+    ],
+)  # fmt: skip
+def test_a_clamp_is_judged_by_the_control_in_force(
+    tmp_path: Path, control: str, static: float, weak: bool
+) -> None:
+    steps = f"[Brake, {{control: {control}}}, DriveForward, {{control: none}}]"
+    do = mission(steps.replace("Brake, ", ""), slippery(static), HELD)
+
+    found = findings(tmp_path, with_control(tmp_path, do))
+
+    assert [(each.code, each.excerpt.strip()[:8]) for each in found] == (
+        [("geometry.clamp_torque", "a: {do: ")] if weak else []
+    )
+    if weak:
+        assert found[0].excerpt[found[0].place.column - 1 :].startswith(f"{{control: {control}")
+        assert f"under the control '{control}'" in found[0].message
+
+
+def test_a_grip_that_may_press_harder_is_no_certain_fall(tmp_path: Path) -> None:
+    do = mission("[{control: assuming}]", slippery(0.1), HELD)
+
+    (found,) = findings(tmp_path, with_control(tmp_path, do))
+
+    assert found.severity is Severity.WARNING
+
+
+def test_the_control_at_a_missions_head_is_in_force_from_its_first_step(tmp_path: Path) -> None:
+    do = mission("[DriveForward]", slippery(0.3), HELD, "control: weak")
+
+    (found,) = findings(tmp_path, with_control(tmp_path, do))
+
+    assert found.severity is Severity.ERROR
+    assert "clamped with 0.06 Nm and 0.06 Nm, under the control 'weak'" in found.message
+
+
+PATCH = ", patches: [{from: 1.2 m, to: 1.6 m, static: 0.05, kinetic: 0.04}]"
+
+
+@pytest.mark.parametrize(
+    ("do", "rest", "weak"),
+    [
+        ("[DriveForward, Brake]", PATCH, True),
+        ("[ToggleLighting]", PATCH, False),  # it never comes there
+        ("[ToggleLighting]", PATCH.replace("1.2 m, to: 1.6 m", "100 mm, to: 700 mm"), True),
+        # one wheel on ice is borne by the others
+        ("[DriveForward, Brake]", PATCH.replace("to: 1.6 m", "to: 1.21 m"), False),
+        ("[DriveForward, Brake]", PATCH.replace("static: 0.05", "static: 0.3"), False),
+    ],
+)
+def test_a_patch_of_less_friction_on_the_way_is_told(
+    tmp_path: Path, do: str, rest: str, weak: bool
+) -> None:
+    found = findings(tmp_path, mission(do, slippery(0.3, UP + rest), HELD))
+
+    assert [each.code for each in found] == ["geometry.clamp_torque"] * weak
+    if weak:
+        assert "part of it on a patch" in found[0].message
+
+
+def test_a_patch_that_the_robot_may_leave_out_is_no_certain_fall(tmp_path: Path) -> None:
+    drive = mission("[DriveForward, Brake]", slippery(0.3, UP + PATCH), HELD)
+    stand = drive.replace("from: 1.2 m, to: 1.6 m", "from: 100 mm, to: 700 mm")
+
+    assert [each.severity for each in findings(tmp_path, drive)] == [Severity.WARNING]
+    stand = stand.replace("DriveForward, Brake", "ToggleLighting")
+    assert [each.severity for each in findings(tmp_path, stand)] == [Severity.ERROR]
+
+
+@pytest.mark.parametrize(
+    ("limit", "weak"), [("10 min", True), ("19 s", False), ("29 s", True), ("21 s", False)]
+)
+def test_a_pipe_that_turns_is_judged_by_the_tilt_that_it_comes_to(
+    tmp_path: Path, limit: str, weak: bool
+) -> None:
+    rest = ", start: {at: 600 mm}, turns: {from: 20 s, to: 30 s, tilt: 90 deg}"
+
+    text = mission("[DriveForward]", slippery(0.06, rest), HELD, f"time_limit: {limit}")
+    found = findings(tmp_path, text)
+
+    assert [each.severity for each in found] == [Severity.WARNING] * weak
+    assert all("once it has turned" in each.message for each in found)
+
+
+def test_a_pipe_that_turns_level_is_judged_by_the_tilt_that_it_has_at_first(
+    tmp_path: Path,
+) -> None:
+    level = UP + ", turns: {from: 20 s, to: 30 s, tilt: 0 deg}"
+
+    (found,) = findings(tmp_path, mission("[DriveForward]", slippery(0.05, level), HELD))
+
+    assert "turned" not in found.message
+
+
 def test_forces_are_those_of_the_thesis() -> None:
     loaded = load_mission(library.find_mission("climb"))
     assert loaded.pipe is not None
@@ -348,8 +467,10 @@ def test_forces_are_those_of_the_thesis() -> None:
 
     gamma = 2 * asin(fit.height_m / 0.09)  # eq. 3-2
     expected = 4 * 0.7 * 1.01 / (0.09 * cos(gamma / 2))  # eq. 3-3, sqrt(l^2 - h^2) = l cos(gamma/2)
-    assert fit.press_n(0, configuration) == pytest.approx(expected)
-    assert fit.press_n(1, configuration) == pytest.approx(expected)
+    for part in (0, 1):
+        usual_nm, most_nm = fit.torques_nm(part, Actuated(configuration))
+        assert usual_nm == most_nm
+        assert fit.press_n(part, usual_nm) == pytest.approx(expected)
     assert fit.weight_n == pytest.approx(0.79 * 9.81)
     # docs: a vertical pipe needs about 0.21 Nm with one part at a friction of 0.5.
     assert expected * 0.21 / 0.707 * 0.5 == pytest.approx(fit.weight_n, rel=0.02)

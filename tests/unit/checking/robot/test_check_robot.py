@@ -232,3 +232,79 @@ def test_every_finding_says_its_numbers(tmp_path: Path) -> None:
 
     assert "at most 0.4 Nm" in found.message
     assert "0.45 Nm" in found.message
+
+
+CONTROLS = "controls:\n"
+
+
+def controlled(folder: Path, control: str) -> list[tuple[str, str]]:
+    """What is said of a robot with one more control."""
+    robot = changed(PIRATE, folder, "profile.yaml", (CONTROLS, f"{CONTROLS}{control}"))
+    return told(check_robot(robot).findings)
+
+
+SLOW = """\
+  slow:
+    actuation:
+      FrontWheelsState:
+        DrivingForward: {wheel_1: 5 mm/s, wheel_2: -5 mm/s, wheel_3: 5 mm/s}
+      RearWheelsState:
+        DrivingForward: {wheel_4: -5 mm/s, wheel_5: 5 mm/s, wheel_6: -5 mm/s}
+  slow_too: {extends: slow, gravity_compensation: true}
+"""
+
+
+def test_a_command_that_is_never_done_under_a_control_is_told_there_once(tmp_path: Path) -> None:
+    (found,) = controlled(tmp_path, SLOW)
+
+    assert found == ("robot.never_done", "slow:")
+
+
+def test_a_control_as_fast_as_the_criterion_asks_is_fine(tmp_path: Path) -> None:
+    assert controlled(tmp_path, SLOW.replace("5 mm/s", "20 mm/s")) == []
+
+
+WRONG_SIDE = """\
+  across:
+    actuation:
+      BendingState:
+        FrontClampedRearRelaxed: {bend_1: 350 mNm, bend_2: 0 mNm, bend_3: 0 mNm, bend_4: 0 mNm}
+"""
+
+
+def test_a_control_may_not_press_to_the_other_side_where_the_usual_duty_is_kept(
+    tmp_path: Path,
+) -> None:
+    """The usual actuation leaves the apex as it is, so only the rule about sides sees it."""
+    robot = changed(
+        PIRATE, tmp_path, "profile.yaml",
+        ("FrontClampedRearRelaxed: {bend_1: -70 %", "FrontClampedRearRelaxed: {bend_1: keep"),
+        (CONTROLS, f"{CONTROLS}{WRONG_SIDE}"),
+    )  # fmt: skip
+
+    found = told(check_robot(robot).findings)
+
+    assert [at for code, at in found if code == "robot.clamp_side"] == ["350 mNm, bend_2: 0 mNm, "
+        "bend_3: 0 mNm, bend_4: 0 mNm}"]  # fmt: skip
+
+
+def test_a_safe_state_may_not_let_go_of_what_only_a_control_presses(tmp_path: Path) -> None:
+    robot = changed(
+        PIRATE, tmp_path, "profile.yaml",
+        ("FrontClampedRearRelaxed: {bend_1: -70 %", "FrontClampedRearRelaxed: {bend_1: keep"),
+        (CONTROLS, f"{CONTROLS}{WRONG_SIDE.replace('350', '-350')}"),
+        ("zero: [wheel_1", "zero: [bend_1, wheel_1"),
+    )  # fmt: skip
+    others = ("DoubleClamped", "FrontClampedRearBending", "FrontClampedRearBendingBack")
+    profile = robot / "profile.yaml"
+    text = profile.read_text(encoding="utf-8")
+    for state in others:
+        text = text.replace(f"{state}: {{bend_1: -70 %", f"{state}: {{bend_1: keep")
+    text = text.replace("- {bend_1: -70 %", "- {bend_1: keep")
+    text = text.replace("{bend_1: -350 mNm, bend_2: 0 mNm, bend_3: 0 mNm, bend_4: 350", "{bend_1: "
+                        "keep, bend_2: 0 mNm, bend_3: 0 mNm, bend_4: 350")  # fmt: skip
+    profile.write_text(text, encoding="utf-8")
+
+    found = told(check_robot(robot).findings)
+
+    assert ("robot.safe_clamp", "bend_1") in [(code, at[:6]) for code, at in found]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -51,8 +52,8 @@ def test_all_shipped_files_are_clean_even_of_warnings(
 
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
-        "1 robot, 1 chart, 17 pipes, 26 missions checked in hardware_profiles, sequences: "
-        "no findings\n"
+        "1 robot, 1 chart, 17 pipes, 26 missions, 3 experiments checked in hardware_profiles,"
+        " sequences: no findings\n"
     )
 
 
@@ -205,6 +206,31 @@ def test_a_misspelt_code_is_understood(pirate: Any) -> None:
     assert "lists them all" in pirate("explain", "quite different").stderr
 
 
+def test_a_control_is_explained_with_what_it_extends(pirate: Any) -> None:
+    result = pirate("explain", "exp_3d")
+
+    assert result.exit_code == 0
+    assert "It extends exp_3c, which extends exp_3a." in result.stdout
+    assert "BendingState.DoubleClamped: gamma_1 bears -350 mNm" in result.stdout
+    assert "also bear the weight" in result.stdout
+    assert "friction 0.2 (front), 0.5 (rear), safety 2" in result.stdout
+
+
+def test_a_control_of_a_robot_of_ones_own_is_explained(pirate: Any, tmp_path: Path) -> None:
+    robot = tmp_path / "mine"
+    shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", robot)
+    profile = robot / "profile.yaml"
+    text = profile.read_text(encoding="utf-8")
+    mine = "controls:\n  bare: {gravity_compensation: false}\n"
+    profile.write_text(text.replace("controls:\n", mine, 1), encoding="utf-8")
+
+    assert pirate("explain", "bare").exit_code == 2
+    told = pirate("explain", "bare", "--robot", robot)
+    assert told.exit_code == 0
+    assert "bare (control of pirate_ii)" in told.stdout
+    assert "did you mean 'bare'?" in pirate("explain", "bear", "--robot", robot).stderr
+
+
 def test_without_a_code_all_are_listed(pirate: Any) -> None:
     result = pirate("explain")
 
@@ -217,3 +243,33 @@ def test_json_is_one_object(pirate: Any, broken: Path) -> None:
     data = json.loads(pirate("check", broken, "--format", "json").stdout)
 
     assert data["files"] == [{"file": "b.yaml", "kind": "mission"}]
+
+
+def test_experiments_and_twins_are_checked_with_their_robot(pirate: Any, tmp_path: Path) -> None:
+    robot = tmp_path / "hardware_profiles" / "pirate_ii"
+    shutil.copytree(ROOT / "hardware_profiles" / "pirate_ii", robot)
+    experiment = robot / "experiments" / "experiment_1.yaml"
+    text = experiment.read_text(encoding="utf-8")
+    experiment.write_text(text.replace("exp_1a_both", "exp_1a_bth"), encoding="utf-8")
+    twin = tmp_path / "twin.yaml"
+    twin.write_text(
+        "format: 1\nrobot: pirate_ii\nmotors:\n  wheels: {stall_torque: 0.3 Nm}\n"
+        "  bend: {hold_torque: 0.1 Nm}\n",
+        encoding="utf-8",
+    )
+
+    result = pirate("check", robot, twin)
+
+    assert result.exit_code == 1
+    assert "experiment_1.yaml:9:16: error [experiment.name] there is no mission" in result.stdout
+    assert "did you mean 'exp_1a_both'" in result.stdout
+    assert "twin.yaml:4:3: error [twin.motor] there is no kind of motor 'wheels'" in result.stdout
+    assert "twin.yaml:5:23: error [twin.motor]" in result.stdout
+    assert "1 robot, 1 chart, 3 experiments, 1 twin checked" in result.stdout
+
+
+def test_a_twin_of_no_robot_is_told(pirate: Any, tmp_path: Path) -> None:
+    twin = tmp_path / "twin.yaml"
+    twin.write_text("format: 1\nrobot: pirate_i\nmotors: {}\n", encoding="utf-8")
+
+    assert "[twin.robot] there is no robot 'pirate_i'" in pirate("check", twin).stdout

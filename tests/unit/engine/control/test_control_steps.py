@@ -9,7 +9,7 @@ import pytest
 from driving import Driver, command, write_mission
 from rolling_newt import BEARING, CONTROLS, SWITCH
 
-from pirate_sm.engine.robot.robot_state import state_change
+from pirate_sm.engine.robot.robot_state import at_rest_in, state_change
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.recording.format.engine_state_text import state_from_text, state_to_text
@@ -484,3 +484,122 @@ def test_a_state_of_the_engine_with_a_control_is_written_without_loss(bearing):
     driver = switching(bearing())
 
     assert state_from_text(state_to_text(driver.state)) == driver.state
+
+
+# --- taken up at a later phase -------------------------------------------------------------------
+
+
+@pytest.fixture
+def by_hand(bearing: Callable[..., Driver]) -> Callable[..., Driver]:
+    """Starts an engine as the console does: the operator has the robot first."""
+
+    def start(body: str = SWITCH) -> Driver:
+        driver = bearing(body)
+        rest = at_rest_in(driver.robot, driver.engine.program.start_configuration)
+        driver.state, effects = driver.engine.start(driver.now, paused=True, body=rest)
+        driver.effects[:] = effects
+        driver.report_all(driver.now + 0.1)
+        return driver
+
+    return start
+
+
+def handed_at(driver: Driver, phase: str) -> list[str]:
+    """The operator hands the paused mission over there; the controls that are named on the way."""
+    before = len(driver.of(fx.Log))
+    driver.give(ev.GoTo(phase, *state_change(driver.robot, driver.state.robot)))
+    accept_all(driver)
+    driver.signals |= BORNE
+    sent_during(driver, 0.3)
+    told = [each.message for each in driver.of(fx.Log)[before:]]
+    return [each for each in told if "control" in each]
+
+
+def paused(driver: Driver) -> Driver:
+    driver.give(ev.Pause())
+    accept_all(driver)
+    return driver
+
+
+def in_force(driver: Driver) -> str:
+    return driver.robot.controls[driver.state.robot.control].name
+
+
+@pytest.mark.parametrize("phase", ["light", "drive", "still"])
+def test_a_later_phase_begins_under_the_control_of_the_missions_head(by_hand, phase):
+    driver = by_hand(f"control: gentle\n{SWITCH}")
+    assert in_force(driver) == ""
+
+    assert handed_at(driver, phase) == ["control gentle"]
+    assert in_force(driver) == "gentle"
+    assert driver.phases == [phase]
+    assert loops(driver).count("TorqueLoop") == 2
+
+
+def test_a_later_phase_begins_under_the_control_that_a_step_before_it_sets(by_hand):
+    driver = by_hand()
+
+    assert handed_at(driver, "light") == ["control gentle"]
+    assert driver.phases == ["light"]
+
+
+def test_a_phase_that_the_mission_comes_to_under_the_usual_control_takes_that(bearing):
+    driver = paused(settled(bearing()))
+
+    assert handed_at(driver, "still") == ["the usual control"]
+    assert in_force(driver) == ""
+
+
+def test_where_the_usual_control_is_in_force_and_meant_nothing_is_said_of_it(by_hand):
+    driver = by_hand()
+
+    assert handed_at(driver, "still") == []
+    assert driver.phases == ["still"]
+
+
+def test_a_control_in_force_stays_where_the_mission_may_come_under_it(bearing):
+    driver = paused(settled(bearing()))
+
+    # "drive" is entered under the usual control, from "still", and under "gentle"
+    assert handed_at(driver, "drive") == ["control gentle"]
+    assert in_force(driver) == "gentle"
+
+
+def test_a_clamp_whose_loop_the_pause_has_stopped_bears_its_torque_again(bearing):
+    driver = paused(settled(bearing()))
+    assert loops(driver) == []
+
+    handed_at(driver, "light")
+
+    assert loops(driver) == ["TorqueLoop"] * 2
+    assert driver.phases[-1] == "light"
+
+
+def test_a_control_that_is_not_reached_leads_where_the_phases_failures_lead(by_hand):
+    light = SWITCH.replace("  light:\n", "  light:\n    on_failure: late\n")
+    driver = by_hand(light)
+    driver.give(ev.GoTo("light", *state_change(driver.robot, driver.state.robot)))
+    driver.accept()
+
+    sent_during(driver, 4.0)
+
+    assert driver.phases == ["late"]
+    assert "did not bear the torque within 3 s" in warned(driver)
+
+
+def test_a_mission_begun_at_a_later_phase_sets_its_control_first(bearing):
+    driver = bearing(start_phase="light")
+
+    assert in_force(driver) == "gentle"
+    driver.accept()
+    driver.signals |= BORNE
+    sent_during(driver, 0.2)
+    assert driver.phases == ["light"]
+
+
+def test_a_mission_without_controls_is_taken_up_as_ever(bearing):
+    program = bearing("start: a\nphases: {a: {do: [Rest], go: b}, b: {do: [SwitchLamp], go: e}}\n"
+                      "ends: {e: {succeed: ok}}\n").engine.program  # fmt: skip
+
+    assert program.entries == {}
+    assert program.beginning("b") == program.enter("b")

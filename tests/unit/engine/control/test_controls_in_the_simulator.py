@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import json
+from itertools import groupby
 from pathlib import Path
 
 import pytest
+from mcap.reader import make_reader
 from rolling_newt import BEARING, CONTROLS, rolling_newt
 
-from pirate_sm import run
+from pirate_sm import read, run
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import replay
+from pirate_sm.recording.tables.csv_files import write_tables
 
 MISSION = """\
 format: 1
@@ -71,3 +75,50 @@ def test_it_tells_which_control_is_in_force(recorded):
 
 def test_a_trace_of_it_passes(mission):
     assert run(str(mission), backend="trace").outcome == "succeeded"
+
+
+IN_TURN = ["none", "gentle", "swift", "none"]
+
+
+def in_turn(names):
+    return [name for name, _ in groupby(names)]
+
+
+def test_the_table_of_states_has_the_control_in_force(mission, recorded):
+    states = read(mission.with_suffix(".mcap")).states
+
+    assert list(states)[-2:] == ["unconfirmed", "control"]
+    assert in_turn(states["control"]) == IN_TURN
+    switched = states["control"].index("gentle")
+    assert states["Grip"][switched] == states["Grip"][switched - 1] == "BothHeld"
+
+
+def test_a_run_in_memory_has_it_too(mission):
+    assert in_turn(run(str(mission), backend="trace").states["control"]) == IN_TURN
+
+
+def test_it_is_a_column_of_the_csv_file(mission, recorded, tmp_path):
+    with recorded_mission(recorded.header) as loaded:
+        write_tables(recorded, loaded, tmp_path)
+
+    header, *rows = (tmp_path / "states.csv").read_text(encoding="utf-8").splitlines()
+    assert header.endswith(",unconfirmed,control")
+    assert in_turn(row.rpartition(",")[2] for row in rows) == IN_TURN
+
+
+def test_viewers_of_the_recording_are_told(mission, recorded):
+    """With what is told every 0.1 s, so not of the switch at the very end of the run."""
+    with mission.with_suffix(".mcap").open("rb") as file:
+        told = [
+            json.loads(message.data)
+            for _, channel, message in make_reader(file).iter_messages(topics=["/state"])
+        ]
+
+    assert in_turn(each["control"] for each in told) == IN_TURN[:3]
+
+
+def test_the_report_has_a_lane_of_it(mission, recorded):
+    page = read(mission.with_suffix(".mcap")).report().html
+
+    assert '"control"' in page
+    assert "swift" in page

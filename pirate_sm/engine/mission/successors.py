@@ -1,0 +1,36 @@
+"""Where each instruction of a program may lead."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from pirate_sm.engine.mission import program as steps
+from pirate_sm.engine.mission.program import Program
+
+
+def successors(program: Program, at: int, *, fires: bool = True) -> Iterator[int]:
+    """Yield the targets of an instruction: those of success, of failures, of fault handlers.
+
+    Args:
+        program: The mission.
+        at: Index of the instruction.
+        fires: Whether a trigger of a wait may fire.
+    """
+    match program.instructions[at]:
+        case steps.Enter() | steps.Say() as it:
+            yield it.next
+        case steps.Do() | steps.SwitchControl() | steps.Require() as it:
+            yield from (it.next, it.failed)
+        case steps.Branch() as it:
+            yield from (it.if_true, it.if_false)
+        case steps.Wait() as it:
+            if fires:
+                yield from (each.go for each in it.triggers)
+            yield it.within
+        case steps.Question() as it:
+            yield from (*(target for _, target in it.choices), it.failed)
+        case steps.Raise() as it:
+            yield it.failed
+        case steps.Finish():
+            pass
+    yield from (each.go for each in program.handlers[at] if each.go is not None)
