@@ -17,6 +17,7 @@ class Kind(StrEnum):
     CHART = "chart"
     PIPE = "pipe"
     CALIBRATION = "calibration"
+    CAMERA = "camera"
     MISSION = "mission"
     SCRIPT = "trace script"
     UNREADABLE = "unreadable file"
@@ -35,6 +36,8 @@ _TELLING = (
     (Kind.PIPE, {"segments"}),
     (Kind.PIPE, {"pipe", "diameter"}),
     (Kind.CALIBRATION, {"robot", "zeros"}),
+    (Kind.CAMERA, {"camera", "source"}),
+    (Kind.CAMERA, {"camera", "setup"}),
 )
 """Combinations of top-level keys that identify a kind of file; the first match decides."""
 
