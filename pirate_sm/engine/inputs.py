@@ -93,7 +93,7 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
     numbers = list(state.sensing.numbers)
     numbers[index] = event.value
     others = tuple(each for each in state.sensing.outside_until_s if each[0] != index)
-    until_s = (*others, (index, moment.now_s + valid_for_s))
+    until_s = (*others, (index, moment.now_s + valid_for_s - event.age_s))
     sensing = state.sensing._replace(numbers=tuple(numbers), outside_until_s=until_s)
     return state._replace(sensing=sensing)
 
