@@ -90,6 +90,7 @@ class Detector:
         errors_m: Error of each word's points, fixed for a run.
         crossings_m: Positions of the bends along the pipe.
         valid_for_s: How long a word is valid.
+        tracker: Filters the positions; by default one of its own.
     """
 
     def __init__(
@@ -98,24 +99,32 @@ class Detector:
         errors_m: Sequence[float],
         crossings_m: Sequence[float],
         valid_for_s: float,
+        tracker: Tracker | None = None,
     ) -> None:
         self._words = tuple(zip(words, errors_m, strict=True))[::-1]
         self._crossings = tuple(crossings_m)
         self._repeater = Repeater(valid_for_s)
-        self._tracker = Tracker()
+        self._tracker = tracker or Tracker()
         self._direction = 0
         self._word = ""
 
-    def look(self, time_s: float, places_m: Sequence[float], travel: int) -> DetectorWord | None:
+    def look(
+        self,
+        time_s: float,
+        places_m: Sequence[float] | None,
+        travel: int,
+        seen_s: float | None = None,
+    ) -> DetectorWord | None:
         """Return the word to report now; None if there is none.
 
         Args:
             time_s: Time.
-            places_m: Position of each wheel along the pipe; NaN if unknown.
+            places_m: Position of each wheel along the pipe, NaN if unknown; None: nothing new.
             travel: Direction in which the setpoints in force drive the wheels: 1 forward, -1
                 backward, 0 not at all.
+            seen_s: When the wheels were there; by default now.
         """
-        self._tracker.see(time_s, places_m, driven=travel != 0)
+        self._tracker.see(time_s, places_m, driven=travel != 0, seen_s=seen_s)
         if travel and travel != self._direction:
             self._direction, self._word = travel, ""
             self._repeater.say("", time_s)  # what follows is a new report

@@ -45,6 +45,19 @@ def _wall(route: Route, side: float) -> tuple[Place, ...]:
     return tuple(corners)
 
 
+def inner_corner(route: Route) -> Place:
+    """Return the inner corner of the first bend of a planar route, m; without bends its beginning.
+
+    Cameras measure from it: x along the first leg, y towards side A (thesis section 5-3-2).
+    """
+    if len(route.pieces) == 1:
+        return flat(route.pieces[0].frame.origin)
+    before, after = route.pieces[:2]
+    (ax, ay), (bx, by) = flat(before.frame.ahead), flat(after.frame.ahead)
+    side_a, side_b = walls(route)
+    return side_a[1] if ax * by - ay * bx >= 0.0 else side_b[1]
+
+
 def crossing(route: Route) -> tuple[Piece, Piece] | None:
     """Return the first two pieces of a planar route that overlap, None if there are none.
 
