@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from math import inf
-
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -36,35 +34,34 @@ class CameraWatch:
         self._blind_after_s = blind_after_s
         self._last: Sighting | None = None
         self._arrived_s = 0.0
-        self._changed_s = -inf
-        self._surveyed_s = -inf
-        self._found_s = 0.0
+        self._changed_s = self._surveyed_s = self._found_s = 0.0
 
-    def look(self, newest: Sighting | None, now_s: float, *, driven: bool) -> list[FaultReport]:
+    def take(self, sighting: Sighting, now_s: float) -> None:
+        """Take in a sighting that has arrived."""
+        if self._last is None or sighting.digest != self._last.digest:
+            self._changed_s = now_s
+        if sighting.rms_px is None or sighting.rms_px <= MOST_RMS_PX:
+            self._surveyed_s = now_s
+        if sighting.marks:
+            self._found_s = now_s
+        self._last, self._arrived_s = sighting, now_s
+
+    def look(self, now_s: float, why: str, *, driven: bool) -> list[FaultReport]:
         """Return the faults that begin now.
 
         Args:
-            newest: The newest sighting; the same as before if there is no newer one.
             now_s: Time.
+            why: Why the camera gives no pictures; empty if nothing is known.
             driven: Whether wheels are driven.
         """
-        self._note(newest, now_s, driven=driven)
+        if not driven:
+            self._found_s = now_s
         found = self._faults(now_s)
         began = [fault for fault in found if fault not in self.wrong]
         self.wrong = frozenset(found)
-        return [fault.report(f"{fault.meaning}{_detail(fault, self._last)}") for fault in began]
-
-    def _note(self, newest: Sighting | None, now_s: float, *, driven: bool) -> None:
-        if newest is not None and newest is not self._last:
-            if self._last is None or newest.digest != self._last.digest:
-                self._changed_s = now_s
-            if newest.rms_px is None or newest.rms_px <= MOST_RMS_PX:
-                self._surveyed_s = now_s
-            self._last, self._arrived_s = newest, now_s
-            if newest.marks:
-                self._found_s = now_s
-        if not driven:
-            self._found_s = now_s
+        return [
+            fault.report(f"{fault.meaning}{_detail(fault, self._last, why)}") for fault in began
+        ]
 
     def _faults(self, now_s: float) -> list[BuiltInFault]:
         if has_come(now_s, self._arrived_s + SILENT_AFTER_S):
@@ -82,11 +79,11 @@ class CameraWatch:
         return []
 
 
-def _detail(fault: BuiltInFault, last: Sighting | None) -> str:
-    if last is None:
-        return ""
-    if fault is BuiltInFault.VISION_MOVED and last.rms_px is not None:
+def _detail(fault: BuiltInFault, last: Sighting | None, why: str) -> str:
+    if fault is BuiltInFault.VISION_SILENT and why:
+        return f": {why}"
+    if fault is BuiltInFault.VISION_MOVED and last is not None and last.rms_px is not None:
         return f": the setup's tags are {last.rms_px:.1f} px off; survey it again"
-    if fault is BuiltInFault.VISION_DARK:
+    if fault is BuiltInFault.VISION_DARK and last is not None:
         return f": dark and bright differ by {last.gray_spread:.0f} of 255"
     return ""

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from contextlib import AbstractContextManager, ExitStack
+from collections.abc import Callable, Sequence
 from math import inf, isnan
-from typing import Protocol, Self
+from typing import NamedTuple, Protocol, Self
 
 from pirate_sm.detectors.camera_watch import CameraWatch
 from pirate_sm.detectors.odometry_detector import Odometry
@@ -27,18 +26,52 @@ _FASTEST_M_S = 0.3
 _SLACK_M = 0.02
 _DOUBTED_S = 1.0
 """Sightings that contradict the last believed one are believed after this time."""
+SHOWN_EVERY_S = 0.5
 _APART_M = 0.05
 """A difference of seen and reckoned positions that is worth a warning [decided]."""
 
 
-class Eye(Protocol):
-    """A camera, with what finds the robot in its pictures."""
+class Picture(Protocol):
+    """A picture of the camera."""
 
-    def look(self, now_s: float) -> Sighting | None:
-        """Return the newest sighting that has arrived; None before the first one.
+    @property
+    def sighting(self) -> Sighting:
+        """Return what was found in it."""
 
-        The same object is returned until a newer one has arrived. It never waits.
-        """
+    def jpeg(self) -> bytes:
+        """Return it as a small JPEG."""
+
+
+class SightingSource(Protocol):
+    """An open camera, with what finds the robot in its pictures.
+
+    Attributes:
+        due_s: Mission time at which it wants to be asked again.
+        fault: Why there are no pictures now; empty if there are.
+    """
+
+    due_s: float
+    fault: str
+
+    def look(self, now_s: float) -> Sequence[Picture]:
+        """Return what has arrived since it was asked last, oldest first; it never waits."""
+
+    def close(self) -> None:
+        """Close the camera."""
+
+
+class CameraView(NamedTuple):
+    """What a recording keeps of the camera at one moment.
+
+    Attributes:
+        seen: The newest positions.
+        sighting: The newest sighting.
+        jpeg: Its picture, at most twice a second and with each word; empty otherwise.
+    """
+
+    seen: Seen
+    sighting: Sighting
+    jpeg: bytes
 
 
 class Sight:
@@ -51,7 +84,7 @@ class Sight:
         profile: The robot's profile, with its detector words.
         robot: The robot as the engine knows it.
         route: The route through the pipe.
-        eye: The camera; entered and left with this companion if it is a context manager.
+        opens: Opens the camera when this companion is entered.
         placing: Finds the wheels in a sighting.
         odometry: Dead reckoning beside it, for the shape of the chain and as a second opinion.
         live: Whether the camera runs in real time, so that simulated time must not jump ahead.
@@ -59,7 +92,7 @@ class Sight:
 
     Attributes:
         seen: The newest positions; None before the first ones.
-        newest: The newest sighting; None before the first one.
+        newest: The newest picture; None before the first one.
     """
 
     def __init__(
@@ -67,7 +100,7 @@ class Sight:
         profile: Profile,
         robot: RobotSpec,
         route: Route,
-        eye: Eye,
+        opens: Callable[[], SightingSource],
         placing: Placing,
         *,
         odometry: Odometry | None = None,
@@ -77,8 +110,11 @@ class Sight:
         self.due_s = 0.0
         self.listening = live
         self.seen: Seen | None = None
-        self.newest: Sighting | None = None
-        self._robot, self._eye, self._placing, self._odometry = robot, eye, placing, odometry
+        self.newest: Picture | None = None
+        self._robot, self._placing, self._odometry = robot, placing, odometry
+        self._opens = opens
+        self._source: SightingSource | None = None
+        self._shown_s = -inf
         self._measures = measures
         self._radius_m, self._walls = profile.body.wheel_radius, walls(route)
         self._watch = CameraWatch(profile.detector.valid_for)
@@ -88,17 +124,20 @@ class Sight:
         self._believed_s, self._believed_m = -inf, (0.0,) * len(robot.body.joints)
         self._apart = False
         self._events: list[Event] = []
-        self._open = ExitStack()
 
     def __enter__(self) -> Self:
-        """Open the camera."""
-        if isinstance(self._eye, AbstractContextManager):
-            self._open.enter_context(self._eye)
+        """Open the camera.
+
+        Raises:
+            UsageError: It cannot be opened.
+        """
+        self._source = self._opens()
         return self
 
     def __exit__(self, *_: object) -> None:
         """Close the camera."""
-        self._open.close()
+        if self._source is not None:
+            self._source.close()
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Stop looking at the end of the run."""
@@ -112,32 +151,47 @@ class Sight:
             self._odometry.restart(robot)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Look at the camera's newest sighting; return messages for people."""
+        """Look at what the camera has seen since the last look; return messages for people."""
+        assert self._source is not None, "the run enters it first"
         if self._odometry is not None:
             self._odometry.look(state, now_s)
             if isinstance(self._placing, OneMarker):
                 self._placing.reckoned = self._odometry.reckoned
-        travel = self._robot.travel(state.robot.values)
-        newest, before = self._eye.look(now_s), self._watch.wrong
-        reports = self._watch.look(newest, now_s, driven=travel != 0)
-        places = self._new_places(state, newest)
-        seen_s = newest.captured_s if newest is not None else None
-        word = self._detector.look(now_s, places, travel, seen_s)
-        if places is not None:
-            self._measure(places, now_s)
+        travel, was_wrong = self._robot.travel(state.robot.values), self._watch.wrong
+        angles = self._robot.body.angles(state.sensing.numbers)
+        logs: list[Log] = []
+        for picture in self._source.look(now_s):
+            self.newest = picture
+            self._watch.take(picture.sighting, now_s)
+            if (places := self._believed(picture.sighting, angles)) is not None:
+                self._detector.see(now_s, places, travel, picture.sighting.captured_s)
+                self._measure(places, now_s)
+                logs += self._second_opinion(places)
+        self._events += self._watch.look(now_s, self._source.fault, driven=travel != 0)
+        word = self._detector.look(now_s, None, travel)
         if word is not None and not self._watch.wrong:
             self._events.append(word)
-        self._events += reports
-        logs = list(self._second_opinion(places))
-        if before and not self._watch.wrong:
+            self._shown_s = -inf
+        if was_wrong and not self._watch.wrong:
             logs.append(Log("info", "the camera sees the robot again"))
         return logs
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the camera's faults, the word to report, and the speed if it is measured."""
-        self.due_s = now_s + LOOK_EVERY_S
+        assert self._source is not None, "the run enters it first"
+        due_s = self._source.due_s
+        self.due_s = min(now_s + LOOK_EVERY_S, due_s if due_s > now_s else inf)
         events, self._events = tuple(self._events), []
         return events
+
+    def view(self) -> CameraView | None:
+        """Return what a recording keeps of this moment; None before the first sighting."""
+        if self.newest is None or self.seen is None:
+            return None
+        sighting, jpeg = self.newest.sighting, b""
+        if sighting.captured_s >= self._shown_s + SHOWN_EVERY_S:
+            self._shown_s, jpeg = sighting.captured_s, self.newest.jpeg()
+        return CameraView(self.seen, sighting, jpeg)
 
     def truth(self) -> Truth | None:
         """Return the seen position for views; None while the position of a wheel is unknown."""
@@ -145,13 +199,10 @@ class Sight:
             return None
         return Truth(self.seen.points, self._radius_m, self._walls, self.seen.places_m[0])
 
-    def _new_places(self, state: EngineState, newest: Sighting | None) -> tuple[float, ...] | None:
-        """Return the positions in a new sighting that is believed; None without one."""
-        if newest is None or newest is self.newest:
-            return None
-        self.newest = newest
-        seen = self._placing.place(newest, self._robot.body.angles(state.sensing.numbers))
-        passed_s = newest.captured_s - self._believed_s
+    def _believed(self, sighting: Sighting, angles: Sequence[float]) -> tuple[float, ...] | None:
+        """Return the positions in a sighting; None if the robot cannot have moved that far."""
+        seen = self._placing.place(sighting, angles)
+        passed_s = sighting.captured_s - self._believed_s
         limit_m = _FASTEST_M_S * passed_s + _SLACK_M
         moved_m = [
             abs(now - before) for now, before in zip(seen.places_m, self._believed_m, strict=True)
@@ -159,8 +210,7 @@ class Sight:
         if passed_s <= _DOUBTED_S and any(each > limit_m for each in moved_m):  # false for NaN
             return None
         if not all(map(isnan, seen.places_m)):
-            self._believed_s = newest.captured_s
-            self._believed_m = seen.places_m
+            self._believed_s, self._believed_m = sighting.captured_s, seen.places_m
             self.seen = seen
         return seen.places_m
 
@@ -172,10 +222,10 @@ class Sight:
             age_s = now_s - self._tracker.middle_s
             self._events.append(OutsideNumber(self._measures, ahead * speed_m_s, age_s))
 
-    def _second_opinion(self, places_m: Sequence[float] | None) -> Sequence[Log]:
+    def _second_opinion(self, places_m: Sequence[float]) -> Sequence[Log]:
         """Return, once, a warning that seen and reckoned positions are far apart."""
         reckoned = self._odometry.reckoned if self._odometry is not None else None
-        if places_m is None or reckoned is None or isinstance(self._placing, OneMarker):
+        if reckoned is None or isinstance(self._placing, OneMarker):
             return ()
         apart_m = [abs(a - b) for a, b in zip(places_m, reckoned.places_m, strict=True)]
         far_m = max((each for each in apart_m if not isnan(each)), default=0.0)

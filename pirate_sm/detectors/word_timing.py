@@ -109,27 +109,28 @@ class Detector:
         self._word = ""
 
     def look(
-        self,
-        time_s: float,
-        places_m: Sequence[float] | None,
-        travel: int,
-        seen_s: float | None = None,
+        self, time_s: float, places_m: Sequence[float] | None, travel: int
     ) -> DetectorWord | None:
         """Return the word to report now; None if there is none.
 
         Args:
             time_s: Time.
-            places_m: Position of each wheel along the pipe, NaN if unknown; None: nothing new.
+            places_m: Position of each wheel along the pipe now, NaN if unknown; None: nothing new.
             travel: Direction in which the setpoints in force drive the wheels: 1 forward, -1
                 backward, 0 not at all.
-            seen_s: When the wheels were there; by default now.
         """
-        self._tracker.see(time_s, places_m, driven=travel != 0, seen_s=seen_s)
+        self.see(time_s, places_m, travel, time_s)
         if travel and travel != self._direction:
             self._direction, self._word = travel, ""
             self._repeater.say("", time_s)  # what follows is a new report
         self._word = self._holding()
         return self._repeater.say(self._word, time_s)
+
+    def see(
+        self, time_s: float, places_m: Sequence[float] | None, travel: int, seen_s: float
+    ) -> None:
+        """Take in positions of the wheels as they were at ``seen_s``; else as :meth:`look`."""
+        self._tracker.see(time_s, places_m, driven=travel != 0, seen_s=seen_s)
 
     def _holding(self) -> str:
         if self._direction == 0:

@@ -7,6 +7,7 @@ from dataclasses import replace
 from itertools import pairwise
 from math import atan2
 from random import Random
+from typing import NamedTuple
 
 import pytest
 
@@ -24,6 +25,13 @@ from pirate_sm.wiring import Order, Prepared, prepare
 Places = Sequence[tuple[float, float]]
 
 
+class Shown(NamedTuple):
+    sighting: Sighting
+
+    def jpeg(self) -> bytes:
+        return b"a picture"
+
+
 class TrueEye:
     """An eye that knows where the wheels are, ten times a second, and says it late."""
 
@@ -34,20 +42,24 @@ class TrueEye:
         self._origin = inner_corner(ready.loaded.pipe.route())
         self._late_s, self._noise_m, self._chance = late_s, noise_m, Random(1)
         self._taken: list[Sighting] = []
-        self._due_s = 0.0
-        self.newest: Sighting | None = None
+        self.due_s = 0.0
+        self.fault = ""
+        self.closed = False
         self.links: tuple[int, ...] = (0, 1, 2, 3, 4)
         self.headings = True
         self.change: Callable[[Sighting], Sighting | None] = lambda seen: seen
 
-    def look(self, now_s: float) -> Sighting | None:
-        if now_s >= self._due_s:
-            self._due_s = now_s + 0.1
+    def look(self, now_s: float) -> Sequence[Shown]:
+        if now_s >= self.due_s:
+            self.due_s = now_s + 0.1
             if (seen := self.change(self._sighting(now_s))) is not None:
                 self._taken.append(seen)
-        while self._taken and self._taken[0].captured_s + self._late_s <= now_s:
-            self.newest = self._taken.pop(0)
-        return self.newest
+        arrived = [each for each in self._taken if each.captured_s + self._late_s <= now_s]
+        self._taken = self._taken[len(arrived) :]
+        return [Shown(each) for each in arrived]
+
+    def close(self) -> None:
+        self.closed = True
 
     def _sighting(self, now_s: float) -> Sighting:
         marks = []
@@ -76,7 +88,7 @@ def tags(ready: Prepared, eye: TrueEye, **rest: object) -> Sight:
     assert loaded.pipe is not None
     route = loaded.pipe.route()
     placing = Tags(loaded.robot.body, route, LINKS)
-    return Sight(loaded.loaded_robot.profile, loaded.robot, route, eye, placing, **rest)  # type: ignore[arg-type]
+    return Sight(loaded.loaded_robot.profile, loaded.robot, route, lambda: eye, placing, **rest)  # type: ignore[arg-type]
 
 
 def marker(ready: Prepared, eye: TrueEye) -> Sight:
@@ -85,7 +97,7 @@ def marker(ready: Prepared, eye: TrueEye) -> Sight:
     profile, robot, route = loaded.loaded_robot.profile, loaded.robot, loaded.pipe.route()
     odometry = Odometry(profile, robot, loaded.pipe)
     eye.links, eye.headings = (2,), False
-    return Sight(profile, robot, route, eye, OneMarker(route, 2), odometry=odometry)
+    return Sight(profile, robot, route, lambda: eye, OneMarker(route, 2), odometry=odometry)
 
 
 def execute(ready: Prepared, sight: Sight) -> tuple[str, str, list[object]]:
