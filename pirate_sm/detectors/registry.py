@@ -21,6 +21,7 @@ from pirate_sm.detectors.sim_detector import TruePlaces
 from pirate_sm.detectors.socket_address import read_address
 from pirate_sm.detectors.socket_detector import OutsideWords
 from pirate_sm.detectors.socket_lines import Accepted
+from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
@@ -57,6 +58,7 @@ class Asked:
         pipe: The pipe, if it is known.
         first_wheel_m: Position of the first wheel at the start, in place of the pipe's.
         places: The backend's true positions; None if it knows none.
+        wheels: Returns the true position of each wheel in the plane of the pipe, m.
         seed: Seed of the detector's errors.
         by_name: Whether the user chose this detector; otherwise it is the default.
         argument: The text after the colon in the name; None without a colon.
@@ -67,6 +69,7 @@ class Asked:
     pipe: Pipe | None
     first_wheel_m: float | None = None
     places: Places | None = None
+    wheels: Callable[[], Sequence[tuple[float, float]]] | None = None
     seed: int = 0
     by_name: bool = True
     argument: str | None = None
@@ -81,12 +84,14 @@ class Detecting(NamedTuple):
         companions: Its companions; a context manager among them must be entered.
         notices: Notices for the user.
         reckoned: Returns the estimated position, if the detector has one.
+        camera: Returns what a recording keeps of its camera, if it has one.
     """
 
     kind: str
     companions: tuple[Companion, ...] = ()
     notices: tuple[str, ...] = ()
     reckoned: Callable[[], Truth | None] | None = None
+    camera: Callable[[], CameraView | None] | None = None
 
 
 class MakeDetector(Protocol):
@@ -113,7 +118,7 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
     """
     name, colon, rest = (usual if text is None else text).partition(":")
     make = DETECTORS.find(name)
-    if asked.first_wheel_m is not None and name != "odometry":
+    if asked.first_wheel_m is not None and name not in {"odometry", "vision"}:
         raise UsageError(
             "only the detector odometry takes a place where it begins to count",
             hint=Hint(
@@ -231,6 +236,7 @@ DETECTORS: Registry[MakeDetector] = Registry(
     {
         name: f"{__name__}:{name.upper()}"
         for name in ("sim", "odometry", "signals", "operator", "socket")
-    },
+    }
+    | {"vision": "pirate_sm.wiring.vision:DETECTOR"},
     returns=Detecting,
 )

@@ -43,15 +43,15 @@ class Picture(Protocol):
 
 
 class SightingSource(Protocol):
-    """An open camera, with what finds the robot in its pictures.
+    """An open camera, with what finds the robot in its pictures."""
 
-    Attributes:
-        due_s: Mission time at which it wants to be asked again.
-        fault: Why there are no pictures now; empty if there are.
-    """
+    @property
+    def due_s(self) -> float:
+        """Return the mission time at which it wants to be asked again."""
 
-    due_s: float
-    fault: str
+    @property
+    def fault(self) -> str:
+        """Return why there are no pictures now; empty if there are."""
 
     def look(self, now_s: float) -> Sequence[Picture]:
         """Return what has arrived since it was asked last, oldest first; it never waits."""

@@ -166,6 +166,8 @@ class Camera(Frozen):
         setup: What is known of the setup.
         robot: What is on the robot.
         latency: How late a picture arrives; taken off the time of its arrival.
+        speed: The robot's outside signal that gets the speed along the pipe, which slip is
+            measured against.
     """
 
     format: Format
@@ -175,4 +177,5 @@ class Camera(Frozen):
     lens: Lens | None = None
     setup: Setup
     robot: RobotMarks
+    speed: Name | None = None
     latency_s: Annotated[Duration, Field(alias="latency", ge=0, le=2)] = 0.0

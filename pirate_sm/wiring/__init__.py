@@ -82,6 +82,7 @@ def prepare(
         order=order,
         engine=Engine(loaded.robot, loaded.program, nominal=nominal),
         reckoned=None if made.truth else found.reckoned,
+        camera=found.camera,
         detector=found.kind,
     )
 
@@ -96,7 +97,9 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
             )
         return Detecting("none")
     profile, robot = loaded.loaded_robot.profile, loaded.robot
-    asked = Asked(profile, robot, loaded.pipe, order.start_at_m, made.places, order.seed)
+    asked = Asked(
+        profile, robot, loaded.pipe, order.start_at_m, made.places, made.wheels, order.seed
+    )
     return detecting(order.detector, made.usual_detector, asked)
 
 

@@ -56,10 +56,11 @@ def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSna
 
     if state is None:
         return None
+    camera = prepared.camera() if prepared.camera else None
     if prepared.wheels is not None:
-        return ViewerSnapshot(state, prepared.wheels(), True)
+        return ViewerSnapshot(state, prepared.wheels(), True, camera)
     taken = prepared.reckoned() if prepared.reckoned else None
-    return ViewerSnapshot(state, taken.wheels if taken else None, False)
+    return ViewerSnapshot(state, taken.wheels if taken else None, False, camera)
 
 
 class RunRecorder:

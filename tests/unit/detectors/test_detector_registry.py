@@ -43,6 +43,7 @@ def test_a_person_is_told_the_keys() -> None:
         (),
         ("detector: the keys [a] close  [b] in  [c] past",),
         None,
+        None,
     )
 
 
