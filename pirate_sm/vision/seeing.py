@@ -52,9 +52,7 @@ class Eye:
         sample = np.ascontiguousarray(frame[::_SAMPLE, ::_SAMPLE])
         dark, bright = np.percentile(grayed(sample), (5, 95))
         if self._finder is not None:
-            found = self._finder.places(frame, near)[:1]
-            marks = tuple(Mark(self._finder.marker.on, (float(x), float(y))) for x, y in found)
-            rms_px = None
+            marks, rms_px = _marker(self._finder, frame, near), None
         else:
             tags = self._tags(frame)
             marks = self._marks(tags)
@@ -137,6 +135,16 @@ def setup_tag_points(camera: Camera, number: str) -> Floats:
     x, y, z = camera.setup.at[number]
     assert camera.setup.size is not None
     return raised(tag_corners((x, y), 0.0, camera.setup.size), z)
+
+
+def _marker(
+    finder: MarkerFinder, frame: Frame, near: tuple[float, float] | None
+) -> tuple[Mark, ...]:
+    """Return the marker: near its last place, else where it fits its size best."""
+    found = finder.places(frame, near)
+    if near is not None and not len(found):
+        found = finder.places(frame)
+    return tuple(Mark(finder.marker.on, (float(x), float(y))) for x, y in found[:1])
 
 
 def _size_error(corners: Floats, size_m: float) -> float:

@@ -43,9 +43,13 @@ class Sensor:
     errors: Imperfections
     size: FrameSize
 
-    def exposed(self, frame: Frame, chance: np.random.Generator) -> Frame:
-        """Return a picture with light, blur, noise and the marks of its compression."""
-        taken = cv2.multiply(frame, self._light_map, scale=1 / _HALF)
+    def lit(self, frame: Frame) -> Frame:
+        """Return a drawn picture in the light on the setup."""
+        return cv2.multiply(frame, self._light_map, scale=1 / _HALF)
+
+    def taken(self, frame: Frame, chance: np.random.Generator) -> Frame:
+        """Return a lit picture with blur, noise and the marks of its compression."""
+        taken = frame
         if self.errors.blur > 0:
             taken = cv2.GaussianBlur(taken, (0, 0), self.errors.blur)
         if self.errors.noise > 0:

@@ -66,11 +66,12 @@ class SyntheticPictures:
         brush = Brush(shown, self.view)
         if self.looks.through == "pvc":
             self._cover_with_pvc(brush, scene)
+        lit = Brush(self._sensor.lit(shown), self.view)
         if self.looks.light.glare:
-            _shine(brush, scene)
+            _shine(lit, scene)
         for hand in self.looks.hides:
-            brush.disc(hand.at, hand.size / 2, _HAND_M, _SKIN)
-        return self._sensor.exposed(shown, chance)
+            lit.disc(hand.at, hand.size / 2, _HAND_M, _SKIN)
+        return self._sensor.taken(lit.frame, chance)
 
     @cached_property
     def _sensor(self) -> Sensor:
