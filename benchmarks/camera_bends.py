@@ -124,9 +124,10 @@ def _show_rows(rows: Iterator[Row], workers: int | None) -> bool:
         passed = [each for each in outcomes if each.outcome == "succeeded" and not is_false(each)]
         late = sorted(late for each in outcomes for late in _first_words(each))
         tags = row.name.startswith("tags")
+        least, middle, most = (1000 * each for each in (late[0], late[len(late) // 2], late[-1]))
         print(
             f"{row.name:16} {len(passed):3} of {len(outcomes):3}"
-            f"    {late[0] * 1000:+.1f}/{late[len(late) // 2] * 1000:+.1f}/{late[-1] * 1000:+.1f} mm",
+            f"    {least:+.1f}/{middle:+.1f}/{most:+.1f} mm",
             flush=True,
         )
         for each in outcomes:
@@ -140,7 +141,7 @@ def _show_rows(rows: Iterator[Row], workers: int | None) -> bool:
 
 def _first_words(outcome: Outcome) -> list[float]:
     """Return how late each word was when it was reported first."""
-    return list({word: late for word, late in reversed(outcome.late_m)}.values())
+    return list(dict(reversed(outcome.late_m)).values())
 
 
 def _defects(camera: str, seeds: Sequence[int]) -> tuple[Order, ...]:
