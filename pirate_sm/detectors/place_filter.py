@@ -70,8 +70,8 @@ class Tracker:
     def speed(self) -> float:
         """Return the speed of the robot along the pipe in the window, m/s, positive onwards.
 
-        It is the slope of the line through the means of the wheels that are always known, at the
-        middle of the window; NaN without two positions.
+        It is the slope of the line through the means of the wheels that are always known; NaN
+        without two positions.
         """
         known = [
             wheel
@@ -82,11 +82,6 @@ class Tracker:
             return nan
         means = [(at, sum(places[w] for w in known) / len(known)) for at, places in self._seen]
         return self._slope(means)
-
-    @property
-    def middle_s(self) -> float:
-        """Return the time of the middle of the window, to which the speed belongs."""
-        return (self._seen[0][0] + self._seen[-1][0]) / 2
 
     @staticmethod
     def _slope(seen: Sequence[tuple[float, float]]) -> float:

@@ -165,7 +165,7 @@ class Sight:
             self._watch.take(picture.sighting, now_s)
             if (places := self._believed(picture.sighting, angles)) is not None:
                 self._detector.see(now_s, places, travel, picture.sighting.captured_s)
-                self._measure(places, now_s)
+                self._measure(places, now_s - picture.sighting.captured_s)
                 logs += self._second_opinion(places)
         self._events += self._watch.look(now_s, self._source.fault, driven=travel != 0)
         word = self._detector.look(now_s, None, travel)
@@ -214,12 +214,11 @@ class Sight:
             self.seen = seen
         return seen.places_m
 
-    def _measure(self, places_m: Sequence[float], now_s: float) -> None:
-        """Report how fast the robot moves, positive ahead."""
+    def _measure(self, places_m: Sequence[float], age_s: float) -> None:
+        """Report the mean speed in the window that ended ``age_s`` ago, positive ahead."""
         speed_m_s = self._tracker.speed()
         if self._measures and not isnan(speed_m_s):
             ahead = -1.0 if places_m[0] < places_m[-1] else 1.0
-            age_s = now_s - self._tracker.middle_s
             self._events.append(OutsideNumber(self._measures, ahead * speed_m_s, age_s))
 
     def _second_opinion(self, places_m: Sequence[float]) -> Sequence[Log]:

@@ -98,7 +98,7 @@ def test_a_camera_that_does_not_fit_the_robot_is_refused(
 def test_what_is_missing_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(UsageError, match=r"name a camera, vision:NAME; there are .*setup_3"):
         pirate_sm.run("mitre_bend", detector="vision")
-    with pytest.raises(UsageError, match="synthetic"):
+    with pytest.raises(UsageError, match="no camera 'sythetic'"):
         pirate_sm.run("mitre_bend", detector="vision:sythetic")
     broken = tmp_path / "camera.yaml"
     broken.write_text("format: 1\ncamera: broken\n", "utf-8")
