@@ -46,16 +46,16 @@ def _wall(route: Route, side: float) -> tuple[Place, ...]:
 
 
 def inner_corner(route: Route) -> Place:
-    """Return the inner corner of the first bend of a planar route, m; without bends its beginning.
+    """Return the inner corner of a route's first bend; of a straight one where side A begins.
 
-    Cameras measure from it: x along the first leg, y towards side A (thesis section 5-3-2).
+    It is the origin of the plane of a setup (thesis section 5-3-2), whose x points along the first
+    leg and whose y points to side A.
     """
-    if len(route.pieces) == 1:
-        return flat(route.pieces[0].frame.origin)
-    before, after = route.pieces[:2]
-    (ax, ay), (bx, by) = flat(before.frame.ahead), flat(after.frame.ahead)
     side_a, side_b = walls(route)
-    return side_a[1] if ax * by - ay * bx >= 0.0 else side_b[1]
+    if len(route.pieces) == 1:
+        return side_a[0]
+    (ax, ay), (bx, by) = (flat(piece.frame.ahead) for piece in route.pieces[:2])
+    return side_a[1] if ax * by - ay * bx > 0 else side_b[1]
 
 
 def crossing(route: Route) -> tuple[Piece, Piece] | None:

@@ -8,10 +8,7 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.camera import Camera, RobotTags, TagFamily
-
-FEWEST_POINTS = 4
-"""A pose has six unknowns; each point gives two equations, and one more judges the others."""
+from pirate_sm.model.camera import FEWEST_POINTS, Camera, RobotTags, TagFamily
 
 _NUMBERS: dict[TagFamily, int] = {"aruco_4x4_50": 50, "apriltag_36h11": 587}
 

@@ -20,6 +20,10 @@ Hsv: TypeAlias = tuple[Hue, Level, Level]
 Finder = Literal["components", "blob", "hough"]
 
 
+FEWEST_POINTS = 4
+"""A pose has six unknowns; each point gives two equations, and one more judges the others."""
+
+
 class Lens(Frozen):
     """The lens and the sensor, as `pirate camera calibrate` measures them.
 

@@ -56,10 +56,7 @@ class MarkerFinder:
                 around it only.
         """
         if self.marker.finder == "components":
-            part, corner = (frame, np.zeros(2)) if near is None else self._window(frame, near)
-            spots = _components(self._mask(part)) if part.size else _NOTHING
-            spots[:, :2] += corner
-            return self._fitting(spots, self.view.lens.rays, near)
+            return self._everywhere(frame) if near is None else self._around(frame, near)
         mask = self._mask(self._flat.of(frame))
         width = int(self.marker.blur) | 1  # OpenCV wants an odd number
         blurred = cv2.GaussianBlur(mask, (width, width), 0)
@@ -70,14 +67,27 @@ class MarkerFinder:
     def _flat(self) -> UndistortedView:
         return self.view.lens.undistorted(self.size)
 
-    def _window(self, frame: Frame, near: tuple[float, float]) -> tuple[Frame, Floats]:
-        """Return the part of a frame around a place, and its upper left corner."""
+    def _everywhere(self, frame: Frame) -> Floats:
+        """Return the places that fit in every second pixel; the best one from all pixels."""
+        small = cv2.resize(frame, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_NEAREST)
+        spots = 2 * _components(self._mask(small))
+        places = self._fitting(spots, self.view.lens.rays, None)
+        if len(places):
+            x, y = places[0]
+            places[:1] = self._around(frame, (float(x), float(y)))[:1]
+        return places
+
+    def _around(self, frame: Frame, near: tuple[float, float]) -> Floats:
+        """Return the places that fit in a window around a place."""
         at = self.view.project(raised(np.array([near]), self.marker.height))[0]
         if not np.all(np.isfinite(at)):
-            return frame[:0], np.zeros(2)
+            return np.empty((0, 2))
         left, top = (max(int(each) - WINDOW_PX, 0) for each in at)
         right, bottom = (max(int(each) + WINDOW_PX, 0) for each in at)
-        return frame[top:bottom, left:right], np.array([left, top], dtype=np.float64)
+        part = frame[top:bottom, left:right]
+        spots = _components(self._mask(part)) if part.size else _NOTHING.copy()
+        spots[:, :2] += (left, top)
+        return self._fitting(spots, self.view.lens.rays, near)
 
     def _mask(self, frame: Frame) -> Gray:
         """Return where the colour of a picture is that of the marker: 0 or 255."""

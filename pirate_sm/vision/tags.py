@@ -84,6 +84,6 @@ def _detector(family: TagFamily) -> Any:
     parameters.adaptiveThreshWinSizeStep = 16
     parameters.minMarkerPerimeterRate = 0.015  # of 1920 px: sides of 7 px
     parameters.cornerRefinementMethod = cv2.aruco.CORNER_REFINE_SUBPIX
-    parameters.cornerRefinementWinSize = 3
-    parameters.relativeCornerRefinmentWinSize = 0.2
+    parameters.cornerRefinementWinSize = 5
+    parameters.relativeCornerRefinmentWinSize = 0.5
     return cv2.aruco.ArucoDetector(_dictionary(family), parameters)

@@ -4,18 +4,13 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable, Mapping, Sequence
-from functools import partial
-from itertools import pairwise
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.detectors.seen_places import OneMarker, Placing, Tags
 from pirate_sm.detectors.vision_detector import Picture, Sight, SightingSource
 from pirate_sm.errors import Hint, UsageError
-from pirate_sm.geometry.plane import inner_corner, walls
-from pirate_sm.geometry.space import Place
 from pirate_sm.loading import library
 from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.model.camera import Camera, RobotTags
@@ -25,7 +20,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.registry import Plugin
 
 if TYPE_CHECKING:
-    from pirate_sm.vision.synthetic.shown_scene import ShownScene
+    pass
 
 _INSTALLED = {"cv2", "numpy"}
 """The packages that the extra `vision` installs."""
@@ -121,29 +116,19 @@ def _opening(
             raise
         message = f"the detector vision needs {error.name}, which is not installed"
         raise UsageError(f"{message}: pip install 'pirate-sm[vision]'") from None
+    from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+
+    wheels, body, route = asked.wheels, asked.profile.body, pipe.route()
+    if isinstance(camera.source, SyntheticSource) and wheels is None:
+        message = f"the camera '{camera.camera}' is synthetic: it sees a simulated robot only"
+        raise UsageError(message, hint=Hint(": use --backend sim", ": use backend='sim'"))
+
+    def scene() -> ShownScene:
+        assert wheels is not None, "only synthetic cameras ask for it"
+        return scene_in_pipe(wheels(), body, route)
+
     clock = MissionClock()
-    scene = None
-    if isinstance(camera.source, SyntheticSource):
-        if asked.wheels is None:
-            message = f"the camera '{camera.camera}' is synthetic: it sees a simulated robot only"
-            raise UsageError(message, hint=Hint(": use --backend sim", ": use backend='sim'"))
-        scene = partial(_scene, asked.profile, pipe, asked.wheels)
     return lambda: Clocked(open_sightings(camera, folder, clock, scene, asked.seed), clock)
-
-
-def _scene(profile: Profile, pipe: Pipe, wheels: Callable[[], Sequence[Place]]) -> ShownScene:
-    """Return the robot as it is now, for a synthetic camera, from the inner corner."""
-    from pirate_sm.vision.synthetic.shown_scene import ShownLink, ShownScene
-
-    route, body = pipe.route(), profile.body
-    x0, y0 = inner_corner(route)
-    points = [(x - x0, y - y0) for x, y in wheels()]
-    links = tuple(
-        ShownLink(link.module, front, rear)
-        for link, (front, rear) in zip(body.links, pairwise(points), strict=True)
-    )
-    side_a, side_b = (tuple((x - x0, y - y0) for x, y in wall) for wall in walls(route))
-    return ShownScene(links, (side_a, side_b), body.wheel_radius, body.body_half_thickness)
 
 
 class MissionClock:

@@ -16,13 +16,12 @@ from pirate_sm.vision.opencv import cv2
 
 _LAMPS: Final[Mapping[LampColour, tuple[float, float, float]]] = {
     "neutral": (1.0, 1.0, 1.0),
-    "warm": (0.62, 0.88, 1.12),
-    "cold": (1.2, 1.0, 0.82),
+    "warm": (0.67, 1.0, 1.19),
+    "cold": (1.33, 1.0, 0.88),
 }
 """How bright blue, green and red are, with the white balance of the neutral lamp.
 
-Warm is about 3,000 K and cold 9,000 K for a balance of 5,500 K: ratios of Planck's law at 450, 550
-and 610 nm.
+Planck's law at 450, 550 and 610 nm for 4,000 K and 7,500 K, divided by that for 5,500 K, green 1.
 """
 
 _HALF = 96  # of 255: light of strength 1 in the map of light, which so reaches 2.65

@@ -144,7 +144,7 @@ class SyntheticPictures:
         side_a, side_b = scene.walls
         for a, b, c, d in zip(side_a, side_a[1:], side_b[1:], side_b, strict=False):
             for one, other in zip(_along(a, b), _along(d, c), strict=True):
-                over.polygon([one[0], one[1], other[1], other[0]], 0.1, (52, 44, 36))
+                over.polygon([one[0], one[1], other[1], other[0]], 0.1, (28, 26, 24))
             for start, end in _along(_share(a, d, 0.4), _share(b, c, 0.4)):
                 over.bar(start, end, 0.004, 0.11, (120, 118, 116))
         # The haze takes a part of what is behind it away.
@@ -176,10 +176,10 @@ def _shine(brush: Brush, scene: ShownScene) -> None:
 
 
 def _colour_of(marker: Marker) -> Colour:
-    """Return a colour in the middle of the marker's limits, as print and light make it."""
+    """Return a colour for which the marker's limits were made: bright, of their middle hue."""
     (h1, s1, v1), (h2, s2, v2) = marker.hsv
     hue = (h1 + (h2 - h1) % 180 // 2) % 180
-    hsv = np.array([[[hue, (s1 + s2) // 2, min((v1 + v2) // 2, 210)]]], np.uint8)
+    hsv = np.array([[[hue, (s1 + 3 * s2) // 4, (v1 + 3 * v2) // 4]]], np.uint8)
     blue, green, red = (int(each) for each in cv2.cvtColor(hsv, cv2.COLOR_HSV2BGR)[0, 0])
     return blue, green, red
 

@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from math import atan2
 from typing import TypeAlias
 
-Place: TypeAlias = tuple[float, float]
-"""x along the first leg and y to side A from the inner corner of the bend, m."""
+from pirate_sm.geometry.plane import inner_corner
+from pirate_sm.geometry.plane import walls as walls_of
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Place
+from pirate_sm.model.body import Body
+
+Wall: TypeAlias = tuple[Place, ...]
 
 
 @dataclass(frozen=True)
 class ShownLink:
-    """A link of the robot between two wheels.
+    """A link of the robot between two wheels; places are in the plane of the setup, m.
 
     Attributes:
         module: Name of its module, as in the camera's file.
@@ -47,7 +54,7 @@ class ShownScene:
     """
 
     links: tuple[ShownLink, ...]
-    walls: tuple[tuple[Place, ...], tuple[Place, ...]]
+    walls: tuple[Wall, Wall]
     wheel_radius_m: float
     half_thickness_m: float
 
@@ -62,6 +69,24 @@ class ShownScene:
             for then, now in zip(before.links, self.links, strict=True)
         )
         return ShownScene(links, self.walls, self.wheel_radius_m, self.half_thickness_m)
+
+
+def scene_in_pipe(wheels: Sequence[Place], body: Body, route: Route) -> ShownScene:
+    """Return the scene of a simulated robot.
+
+    Args:
+        wheels: Place of each wheel in the plane of the pipe, m, front to rear.
+        body: The body of the robot.
+        route: The route through its pipe.
+    """
+    x, y = inner_corner(route)
+    side_a, side_b = (tuple((u - x, v - y) for u, v in wall) for wall in walls_of(route))
+    places = [(u - x, v - y) for u, v in wheels]
+    links = tuple(
+        ShownLink(link.module, front, rear)
+        for link, (front, rear) in zip(body.links, pairwise(places), strict=True)
+    )
+    return ShownScene(links, (side_a, side_b), body.wheel_radius, body.body_half_thickness)
 
 
 def _between(then: Place, now: Place, share: float) -> Place:
