@@ -19,9 +19,6 @@ from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.registry import Plugin
 
-if TYPE_CHECKING:
-    pass
-
 _INSTALLED = {"cv2", "numpy"}
 """The packages that the extra `vision` installs."""
 
