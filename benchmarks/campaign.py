@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from math import nan
@@ -136,7 +137,11 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         prepared.engine, prepared.backend, observers=[notes],
         companions=(*prepared.companions, FirstChoice()),
     )  # fmt: skip
-    result = run_.execute()
+    with ExitStack() as opened:
+        for companion in prepared.companions:
+            if isinstance(companion, AbstractContextManager):
+                opened.enter_context(companion)
+        result = run_.execute()
     took_s = perf_counter() - began
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
