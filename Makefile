@@ -60,7 +60,7 @@ golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli
 
 schemas: $(VENV)/.ready-dev
-	for kind in mission pipe profile chart; do \
+	for kind in mission pipe profile chart camera; do \
 	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
 	for robot in hardware_profiles/*/; do \
 	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done
@@ -106,7 +106,7 @@ clean:
 
 # One environment; each set of extras is installed once, and again when pyproject.toml changes.
 $(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim,physics,serial,live,report,console
+$(VENV)/.ready-dev: EXTRAS := dev,sim,physics,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := physics
 $(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console

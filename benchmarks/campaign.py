@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from math import nan
@@ -34,14 +35,17 @@ class Notes:
     Attributes:
         word: What the detector said last.
         travel: Which way the wheels were driven last: 1 forward, -1 backward.
+        late_m: For each word that was reported, how far its wheel was beyond the word's point.
     """
 
     robot: RobotSpec
+    beyond_m: Callable[[str, int], float]
     word: str = ""
     travel: int = 0
     states: list[tuple[str, ...]] = field(default_factory=list)
     unconfirmed: tuple[str, ...] = ()
     faults: list[str] = field(default_factory=list)
+    late_m: list[tuple[str, float]] = field(default_factory=list)
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """States and faults are noted."""
@@ -53,6 +57,8 @@ class Notes:
                 self.faults.append(f"{effect.code} ({effect.handling})")
             elif isinstance(effect, Detected):
                 self.word = effect.word
+                if effect.word:
+                    self.late_m.append((effect.word, self.beyond_m(effect.word, self.travel)))
             elif isinstance(effect, Setpoints):
                 self.travel = self.robot.travel(effect.values) or self.travel
 
@@ -69,6 +75,8 @@ class Outcome:
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
         short_m: How far the wheel of the detector's last word is short of the place that the word
             means, by the truth; NaN where none was said, negative where the wheel is beyond it.
+        late_m: Each word that was reported, and how far its wheel was beyond the word's point then,
+            by the truth; negative: the word came too early.
         took_s: How long the run has taken, without what was looked at afterwards.
     """
 
@@ -87,6 +95,7 @@ class Outcome:
     torques: tuple[float, ...]
     slid_m: float
     short_m: float
+    late_m: tuple[tuple[str, float], ...]
     took_s: float = field(default=0.0, compare=False, repr=False)
 
 
@@ -119,12 +128,20 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
 
     began = perf_counter()
     prepared = prepare(order, _loaded(order.mission, order.pipe, motors))
-    notes = Notes(prepared.engine.robot)
+    backend = prepared.backend
+    notes = Notes(
+        prepared.engine.robot,
+        lambda word, travel: -_short_m(prepared, word, travel, backend.truth.arcs_m),  # type: ignore[attr-defined]
+    )
     run_ = MissionRun(
         prepared.engine, prepared.backend, observers=[notes],
         companions=(*prepared.companions, FirstChoice()),
     )  # fmt: skip
-    result = run_.execute()
+    with ExitStack() as opened:
+        for companion in prepared.companions:
+            if isinstance(companion, AbstractContextManager):
+                opened.enter_context(companion)
+        result = run_.execute()
     took_s = perf_counter() - began
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
@@ -136,20 +153,21 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         all(state.robot.latest[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
-        real.torques_nm, slid_m, _short_m(prepared, notes, real.arcs_m), took_s,
+        real.torques_nm, slid_m, _short_m(prepared, notes.word, notes.travel, real.arcs_m),
+        tuple(notes.late_m), took_s,
     )  # fmt: skip
 
 
-def _short_m(prepared: Prepared, notes: Notes, arcs_m: Sequence[float]) -> float:
-    """How far short of the last word's place, at the nearest bend, its wheel has ended."""
+def _short_m(prepared: Prepared, name: str, travel: int, arcs_m: Sequence[float]) -> float:
+    """How far short of a word's place, at the nearest bend, its wheel is."""
     words = {word.name: word for word in words_of(prepared.loaded.loaded_robot.profile)}
-    word = words.get(notes.word)
-    if word is None or not notes.travel:
+    word = words.get(name)
+    if word is None or not travel:
         return nan
-    point = word.forward if notes.travel > 0 else word.backward
+    point = word.forward if travel > 0 else word.backward
     return min(
         (
-            point.passed_m - notes.travel * (arcs_m[point.wheel] - crossing)
+            point.passed_m - travel * (arcs_m[point.wheel] - crossing)
             for crossing in prepared.backend.crossings_m  # type: ignore[attr-defined]
         ),
         key=abs,

@@ -41,6 +41,7 @@ class Options(TypedDict, total=False):
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         detector: Name of a detector, in place of the backend's usual one.
+        also: A second detector, whose words are logged and do nothing.
         ruler: Whether a simulated ruler measures the robot's speed from outside, for slip.
         start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
         port: Where a real robot is, a device or a URL of pyserial; ``baud`` in place of its rate.
@@ -57,6 +58,7 @@ class Options(TypedDict, total=False):
     diameter_jitter_m: float
     friction_jitter: float
     detector: str | None
+    also: str | None
     ruler: bool
     start_at_m: float | None
     port: str | None

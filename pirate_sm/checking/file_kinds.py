@@ -17,6 +17,7 @@ class Kind(StrEnum):
     CHART = "chart"
     PIPE = "pipe"
     CALIBRATION = "calibration"
+    CAMERA = "camera"
     MISSION = "mission"
     SCRIPT = "trace script"
     EXPERIMENT = "experiment"
@@ -40,6 +41,8 @@ _TELLING = (
     (Kind.EXPERIMENT, {"experiment"}),
     (Kind.TWIN, {"robot", "motors"}),
     (Kind.TWIN, {"robot", "friction"}),
+    (Kind.CAMERA, {"camera", "source"}),
+    (Kind.CAMERA, {"camera", "setup"}),
 )
 """Combinations of top-level keys that identify a kind of file; the first match decides."""
 

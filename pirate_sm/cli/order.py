@@ -38,6 +38,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         baud=options.baud,
         guard_for_s=read_duration("--guard-for", options.guard_for),
         calibration=options.calibration,
+        also=options.also,
         ruler=options.ruler,
         check=options.check,
         detector=options.detector,

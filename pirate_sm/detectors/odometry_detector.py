@@ -7,7 +7,7 @@ from math import isnan
 
 from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.odometer import Odometer
-from pirate_sm.detectors.word_timing import Detector, words_of
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.sensing.body_spec import WHOLE
@@ -19,9 +19,6 @@ from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
-
-LOOK_EVERY_S = 0.05
-"""At 0.1 m/s a robot travels 5 mm in this time."""
 
 _PATIENCE_S = 1.0
 """How long a joint may be silent at the start, or while clamps change."""

@@ -4,10 +4,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
-from math import isnan, nan
+from math import inf, isnan, nan
 
 WINDOW_S = 0.4
 """Time over which a position is filtered [decided]: 40 mm of travel at 0.1 m/s."""
+
+
+_OLDEST_S = 0.6
+"""A position older than this is unknown [decided]: at 0.1 m/s the robot is 60 mm farther."""
 
 
 class Tracker:
@@ -16,39 +20,76 @@ class Tracker:
     def __init__(self) -> None:
         self._seen: deque[tuple[float, tuple[float, ...]]] = deque()
         self._driven = False
+        self._changed_s = -inf
+        self._now_s = -inf
 
-    def see(self, time_s: float, places_m: Sequence[float], *, driven: bool) -> None:
+    def see(
+        self,
+        time_s: float,
+        places_m: Sequence[float] | None,
+        *,
+        driven: bool,
+        seen_s: float | None = None,
+    ) -> None:
         """Take in the positions of the wheels.
 
         Args:
             time_s: Time, not earlier than in any earlier call.
-            places_m: Position of each wheel along the pipe; NaN if unknown.
+            places_m: Position of each wheel along the pipe, NaN if unknown; None: nothing new.
             driven: Whether wheels are driven. When this changes, earlier positions are forgotten.
+            seen_s: When the wheels were there; by default now. Positions from before wheels began
+                or ceased to be driven are ignored.
         """
+        self._now_s = time_s
         if driven != self._driven:
             self._seen.clear()
-            self._driven = driven
-        self._seen.append((time_s, tuple(places_m)))
-        while self._seen[0][0] < time_s - WINDOW_S:
+            self._driven, self._changed_s = driven, time_s
+        seen_s = time_s if seen_s is None else seen_s
+        if places_m is None or seen_s < self._changed_s:
+            return
+        self._seen.append((seen_s, tuple(places_m)))
+        while self._seen[0][0] < seen_s - WINDOW_S:
             self._seen.popleft()
 
     def place(self, wheel: int) -> float:
-        """Return the filtered position of a wheel, m; NaN if its last position is unknown.
+        """Return the filtered position of a wheel now, m; NaN if its last position is unknown.
 
         A driven wheel is on the line through its recent positions, whose slope is the median of
         slopes (Theil and Sen, over pairs half the window apart). A wheel that is not driven stands
         at the median of its positions, because it does not move by itself.
         """
-        now_s, latest = self._seen[-1]
-        if isnan(latest[wheel]):
+        now_s = self._now_s
+        if not self._seen or self._seen[-1][0] < now_s - _OLDEST_S:
+            return nan
+        if isnan(self._seen[-1][1][wheel]):
             return nan
         seen = [(at, places[wheel]) for at, places in self._seen if not isnan(places[wheel])]
-        slope = 0.0
-        if self._driven and len(seen) > 1:
-            half = len(seen) // 2
-            pairs = zip(seen[:-half], seen[half:], strict=True)
-            slope = _median([(b - a) / (tb - ta) for (ta, a), (tb, b) in pairs if tb > ta])
+        slope = self._slope(seen) if self._driven else 0.0
         return _median([place + slope * (now_s - at) for at, place in seen])
+
+    def speed(self) -> float:
+        """Return the speed of the robot along the pipe in the window, m/s, positive onwards.
+
+        It is the slope of the line through the means of the wheels that are always known; NaN
+        without two positions.
+        """
+        known = [
+            wheel
+            for wheel in range(len(self._seen[-1][1]) if self._seen else 0)
+            if not any(isnan(places[wheel]) for _, places in self._seen)
+        ]
+        if not known or len(self._seen) < 2 or self._seen[-1][0] < self._now_s - _OLDEST_S:
+            return nan
+        means = [(at, sum(places[w] for w in known) / len(known)) for at, places in self._seen]
+        return self._slope(means)
+
+    @staticmethod
+    def _slope(seen: Sequence[tuple[float, float]]) -> float:
+        if len(seen) < 2:
+            return 0.0
+        half = len(seen) // 2
+        pairs = zip(seen[:-half], seen[half:], strict=True)
+        return _median([(b - a) / (tb - ta) for (ta, a), (tb, b) in pairs if tb > ta])
 
 
 def _median(values: list[float]) -> float:

@@ -6,6 +6,9 @@ detectors are at the end.
 
 from __future__ import annotations
 
+import json
+import os
+import secrets
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
@@ -13,15 +16,24 @@ from typing import NamedTuple, Protocol
 from pirate_sm.companion import Companion
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.operator_keys import offer
+from pirate_sm.detectors.signal_words import SignalWords
 from pirate_sm.detectors.sim_detector import TruePlaces
+from pirate_sm.detectors.socket_address import read_address
 from pirate_sm.detectors.socket_detector import OutsideWords
-from pirate_sm.detectors.socket_listener import read_address
+from pirate_sm.detectors.socket_lines import Accepted
+from pirate_sm.detectors.vision_detector import CameraView
+from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
 from pirate_sm.registry import Plugin, Registry
+
+TOKEN_VARIABLE = "PIRATE_SM_TOKEN"
+"""Environment variable with the token of programs that connect over TCP."""
+
+_TOKEN_BYTES = 12
 
 
 class Places(NamedTuple):
@@ -46,6 +58,7 @@ class Asked:
         pipe: The pipe, if it is known.
         first_wheel_m: Position of the first wheel at the start, in place of the pipe's.
         places: The backend's true positions; None if it knows none.
+        wheels: Returns the true position of each wheel in the plane of the pipe, m.
         seed: Seed of the detector's errors.
         by_name: Whether the user chose this detector; otherwise it is the default.
         argument: The text after the colon in the name; None without a colon.
@@ -56,6 +69,7 @@ class Asked:
     pipe: Pipe | None
     first_wheel_m: float | None = None
     places: Places | None = None
+    wheels: Callable[[], Sequence[tuple[float, float]]] | None = None
     seed: int = 0
     by_name: bool = True
     argument: str | None = None
@@ -70,12 +84,14 @@ class Detecting(NamedTuple):
         companions: Its companions; a context manager among them must be entered.
         notices: Notices for the user.
         reckoned: Returns the estimated position, if the detector has one.
+        camera: Returns what a recording keeps of its camera, if it has one.
     """
 
     kind: str
     companions: tuple[Companion, ...] = ()
     notices: tuple[str, ...] = ()
     reckoned: Callable[[], Truth | None] | None = None
+    camera: Callable[[], CameraView | None] | None = None
 
 
 class MakeDetector(Protocol):
@@ -102,7 +118,7 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
     """
     name, colon, rest = (usual if text is None else text).partition(":")
     make = DETECTORS.find(name)
-    if asked.first_wheel_m is not None and name != "odometry":
+    if asked.first_wheel_m is not None and name not in {"odometry", "vision"}:
         raise UsageError(
             "only the detector odometry takes a place where it begins to count",
             hint=Hint(
@@ -123,6 +139,8 @@ def _true_places(asked: Asked) -> Detecting:
     _refuse_argument("sim", asked)
     if asked.places is None:
         raise UsageError("detector sim: only the backend sim knows where the robot really is")
+    if not words_of(asked.profile):
+        return _without_points("sim", asked)
     bends_m, wheels_m = asked.places
     sees = TruePlaces(asked.profile, asked.robot, bends_m, wheels_m, asked.seed)
     return Detecting("sim", (sees,))
@@ -135,10 +153,24 @@ def _odometry(asked: Asked) -> Detecting:
     if asked.pipe is None:
         hint = Hint(": give it with --pipe", ": give it with pipe='NAME'")
         raise UsageError("the detector odometry needs to know the pipe", hint=hint)
+    if not words_of(asked.profile):
+        return _without_points("odometry", asked)
     odometry = Odometry(asked.profile, asked.robot, asked.pipe, asked.first_wheel_m)
     place = f"{odometry.first_wheel_m * 1000:.4g} mm"
     notice = f"detector: odometry, counted from the first wheel at {place} of the pipe"
     return Detecting("odometry", (odometry,), (notice,), odometry.truth)
+
+
+def _without_points(name: str, asked: Asked) -> Detecting:
+    """Return no detector, for a robot none of whose words begins at a point of the pipe.
+
+    Raises:
+        UsageError: The user asked for one.
+    """
+    why = "no word of the profile has points, `forward` and `backward`"
+    if asked.by_name:
+        raise UsageError(f"the detector {name}: {why}")
+    return Detecting("none", (), (f"detector: none, {why}",))
 
 
 def _operator(asked: Asked) -> Detecting:
@@ -147,22 +179,64 @@ def _operator(asked: Asked) -> Detecting:
     return Detecting("operator", (), (notice,))
 
 
+def _signals(asked: Asked) -> Detecting:
+    """Return the detector of words with conditions; an argument also lets numbers in."""
+    settings, robot = asked.profile.detector, asked.robot
+    if not robot.word_conditions:
+        message = f"the detector signals: no word of {robot.name} has a condition"
+        raise UsageError(f"{message}; give one to a word of its profile: `when: SIGNAL < 80 mm`")
+    said = [each.word for each in robot.word_conditions]
+    notices = [f"detector: conditions on signals say {', '.join(said)}"]
+    if never := [word for word in robot.detector_words if word not in said]:
+        notices.append(f"detector: nothing says {', '.join(never)}, without a condition")
+    words = SignalWords(robot, settings.valid_for)
+    if asked.argument is None:
+        return Detecting("signals", (words,), tuple(notices))
+    numbers, how = _outside(asked, Accepted((), signals=_valid_for(asked.profile)))
+    return Detecting("signals", (numbers, words), (*notices, f"numbers from programs {how}"))
+
+
 def _socket(asked: Asked) -> Detecting:
+    words, valid_for_s = asked.robot.detector_words, asked.profile.detector.valid_for
+    accepted = Accepted(words, valid_for_s, _valid_for(asked.profile))
+    socket, how = _outside(asked, accepted)
+    return Detecting("socket", (socket,), (f"detector: programs {how}",))
+
+
+def _valid_for(profile: Profile) -> dict[str, float]:
+    """Return how long the value of each outside signal counts, s."""
+    return {name: signal.valid_for for name, signal in profile.outside.items()}
+
+
+def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
+    """Return the door for other programs, and how they use it."""
     address = read_address(asked.argument or "")
-    socket = OutsideWords(address, asked.robot.detector_words, asked.profile.detector.valid_for)
-    return Detecting("socket", (socket,), (f"detector: programs that write to {socket.address}",))
+    if address.path:
+        return OutsideWords(address, accepted), f"that write to {address}"
+    token = os.environ.get(TOKEN_VARIABLE, "")
+    shown = f"with the token in {TOKEN_VARIABLE}"
+    if not token:
+        token = secrets.token_urlsafe(_TOKEN_BYTES)
+        shown = json.dumps({"token": token})
+    how = f"that write to {address}, first a line {shown}"
+    return OutsideWords(address, accepted, token), how
 
 
 SIM: Plugin[MakeDetector] = Plugin("the simulator, which knows where the robot is", _true_places)
 ODOMETRY: Plugin[MakeDetector] = Plugin("dead reckoning by wheels and joints", _odometry)
+SIGNALS: Plugin[MakeDetector] = Plugin("conditions on the robot's own signals", _signals)
 OPERATOR: Plugin[MakeDetector] = Plugin("a person with a key for each word", _operator)
 SOCKET: Plugin[MakeDetector] = Plugin(
-    "programs that write to a socket: socket:HOST:PORT or socket:/PATH", _socket
+    "programs that write to a socket: socket, socket:/PATH or socket:HOST:PORT", _socket
 )
 
 DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
     "pirate_sm.detectors",
-    {name: f"{__name__}:{name.upper()}" for name in ("sim", "odometry", "operator", "socket")},
+    {
+        name: f"{__name__}:{name.upper()}"
+        for name in ("sim", "odometry", "signals", "operator", "socket")
+    }
+    | {"vision": "pirate_sm.wiring.vision:DETECTOR"},
     returns=Detecting,
 )

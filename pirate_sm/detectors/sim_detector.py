@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from random import Random
 
-from pirate_sm.detectors.odometry_detector import LOOK_EVERY_S
-from pirate_sm.detectors.word_timing import Detector, words_of
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log

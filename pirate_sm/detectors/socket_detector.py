@@ -1,36 +1,42 @@
-"""Makes other programs a detector: they send its words on a socket."""
+"""Makes other programs a detector: they send its words, and numbers, on a socket."""
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from math import inf
 from typing import Self
 
-from pirate_sm.detectors.socket_lines import LineError, read_line
-from pirate_sm.detectors.socket_listener import Address, Listener
+from pirate_sm.detectors.socket_address import Address
+from pirate_sm.detectors.socket_lines import Accepted, read_line
+from pirate_sm.detectors.socket_listener import Listener
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Ended, Log
-from pirate_sm.model.events import DetectorWord, Event
+from pirate_sm.model.events import Event
 
-_LOOK_EVERY_S = 0.05
+_WARN_EVERY_S = 1.0
 
 
 class OutsideWords:
-    """A companion that receives words on a socket while it is entered.
+    """A companion that receives words and numbers on a socket while it is entered.
+
+    Args:
+        address: Where programs connect.
+        accepted: What they may send.
+        token: What they must give first; empty for nothing.
 
     Attributes:
         listening: True until the run ends, because other programs run in real time.
     """
 
-    def __init__(self, address: Address, words: Sequence[str], valid_for_s: float) -> None:
+    def __init__(self, address: Address, accepted: Accepted, token: str = "") -> None:
         self.due_s = 0.0
         self.listening = True
-        self._listener = Listener(address)
-        self._words = tuple(words)
-        self._valid_for_s = valid_for_s
-        self._received: list[DetectorWord] = []
-        self._refused: list[str] = []
+        self._listener = Listener(address, token)
+        self._accepted = accepted
+        self._received: list[Event] = []
+        self._refused = 0
+        self._quiet_until_s = -inf
 
     @property
     def address(self) -> Address:
@@ -52,24 +58,20 @@ class OutsideWords:
             self.due_s, self.listening = inf, False
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
-        """Read received lines; return one warning if some are not valid."""
-        self._refused.clear()
-        self._listener.poll(self._take)
-        if not self._refused:
+        """Read received lines; return a warning, at most one a second, if some are not valid."""
+        refused = self._listener.poll(self._take)
+        self._refused += len(refused)
+        if not refused or now_s < self._quiet_until_s:
             return ()
-        more = f" (and {len(self._refused) - 1} more)" if self._refused[1:] else ""
-        return (Log("warning", f"from the detector's socket: {self._refused[0]}{more}"),)
+        more = f" (and {self._refused - 1} more)" if self._refused > 1 else ""
+        self._refused, self._quiet_until_s = 0, now_s + _WARN_EVERY_S
+        return (Log("warning", f"from the detector's socket: {refused[0]}{more}"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the received words, oldest first."""
-        self.due_s = now_s + _LOOK_EVERY_S
-        words, self._received = tuple(self._received), []
-        return words
+        """Return what was received, oldest first."""
+        self.due_s = now_s + LOOK_EVERY_S
+        received, self._received = tuple(self._received), []
+        return received
 
-    def _take(self, line: bytes) -> bytes:
-        try:
-            self._received.append(read_line(line, self._words, self._valid_for_s))
-        except LineError as error:
-            self._refused.append(str(error))
-            return json.dumps({"error": str(error)}).encode() + b"\n"
-        return b""
+    def _take(self, line: bytes) -> None:
+        self._received.append(read_line(line, self._accepted))

@@ -1,11 +1,13 @@
-"""Lines of JSON in which another program sends detector words."""
+"""Lines of JSON in which another program sends detector words and numbers measured outside."""
 
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from math import nan
 
-from pirate_sm.model.events import DetectorWord
+from pirate_sm.model.events import DetectorWord, OutsideNumber
 from pirate_sm.spelling import meant, one_of
 
 LONGEST_LINE = 4096
@@ -15,22 +17,67 @@ LONGEST_VALIDITY_S = 60.0
 """The longest validity, because a program may have died after its word."""
 
 _SHOWN = 60
+_LARGEST = 1e300
 
 
 class LineError(ValueError):
     """Is raised for a line that is not valid; its text is for the sender."""
 
 
-def read_line(line: bytes, words: Sequence[str], valid_for_s: float) -> DetectorWord:
-    """Return the word in a line.
+@dataclass(frozen=True)
+class Accepted:
+    """What other programs may send.
+
+    Attributes:
+        words: The words in the robot's profile; empty where words come from elsewhere.
+        valid_for_s: Validity of a word for a line that has none.
+        signals: The outside signals of the robot, with the validity of each.
+    """
+
+    words: Sequence[str]
+    valid_for_s: float = LONGEST_VALIDITY_S
+    signals: Mapping[str, float] = field(default_factory=dict)
+
+    @property
+    def example(self) -> str:
+        """Return a line that is valid."""
+        if self.words:
+            return f'{{"word": "{self.words[0]}"}}'
+        return f'{{"signal": "{next(iter(self.signals), "NAME")}", "value": 0.1}}'
+
+
+def read_line(line: bytes, accepted: Accepted) -> DetectorWord | OutsideNumber:
+    """Return the word or number in a line.
 
     Args:
-        line: ``{"word": "...", "valid_for_s": 1.0}`` in UTF-8; the second field may be left out.
-        words: The words in the robot's profile.
-        valid_for_s: Validity for a line that has none.
+        line: ``{"word": "...", "valid_for_s": 1.0, "age_s": 0.1}`` or ``{"signal": "...",
+            "value": 0.1, "age_s": 0.1}`` in UTF-8; ``valid_for_s`` and ``age_s`` may be left out.
+            ``age_s`` is taken off the validity.
+        accepted: What the robot knows.
 
     Raises:
-        LineError: The line is not valid or has an unknown word.
+        LineError: The line is not valid, has an unknown name, or is older than its validity.
+    """
+    said = read_object(line, accepted.example)
+    fields = ("signal", "value") if "signal" in said else ("word", "valid_for_s")
+    unknown = [key for key in said if key not in (*fields, "age_s")]
+    if unknown:
+        raise LineError(f"unknown field '{_short(unknown[0].encode(errors='replace'))}'")
+    if "signal" in said:
+        name = _name(said, "signal", tuple(accepted.signals))
+        return OutsideNumber(name, _value(said), _age(said, accepted.signals[name]))
+    word = _name(said, "word", accepted.words)
+    valid_for_s = _seconds(said, "valid_for_s", accepted.valid_for_s)
+    if not 0 < valid_for_s <= LONGEST_VALIDITY_S:
+        raise LineError(f"'valid_for_s' is more than 0 and at most {LONGEST_VALIDITY_S:g} seconds")
+    return DetectorWord(word, valid_for_s - _age(said, valid_for_s))
+
+
+def read_object(line: bytes, example: str) -> dict[str, object]:
+    """Return the JSON object in a line.
+
+    Raises:
+        LineError: It is none, or too long.
     """
     if len(line) > LONGEST_LINE:
         raise LineError(f"a line has at most {LONGEST_LINE} bytes")
@@ -39,29 +86,46 @@ def read_line(line: bytes, words: Sequence[str], valid_for_s: float) -> Detector
     except (ValueError, RecursionError):
         raise LineError(f"not a line of JSON in UTF-8: {_short(line)}") from None
     if not isinstance(said, dict):
-        raise LineError(f'expected an object such as {{"word": "{words[0]}"}}')
-    unknown = [key for key in said if key not in ("word", "valid_for_s")]
-    if unknown:
-        raise LineError(f"unknown field '{_short(unknown[0].encode(errors='replace'))}'")
-    return DetectorWord(_word(said, words), _validity(said.get("valid_for_s", valid_for_s)))
+        raise LineError(f"expected an object such as {example}")
+    return said
 
 
-def _word(said: dict[str, object], words: Sequence[str]) -> str:
-    word = said.get("word")
-    if not isinstance(word, str):
-        raise LineError(f"'word' is a text, {one_of(words)}")
-    if word not in words:
-        shown = _short(word.encode(errors="replace"))
-        raise LineError(f"unknown word '{shown}': {meant(word, words)}")
-    return word
+def _name(said: dict[str, object], key: str, names: Sequence[str]) -> str:
+    name = said.get(key)
+    if not names:
+        raise LineError(f"no {key} is accepted here")
+    if not isinstance(name, str):
+        raise LineError(f"'{key}' is a text, {one_of(names)}")
+    if name not in names:
+        shown = _short(name.encode(errors="replace"))
+        raise LineError(f"unknown {key} '{shown}': {meant(name, names)}")
+    return name
 
 
-def _validity(value: object) -> float:
+def _value(said: dict[str, object]) -> float:
+    """Return the number measured, in SI; null is unknown."""
+    value = said.get("value")
+    if value is None and "value" in said:
+        return nan
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise LineError("'valid_for_s' is a number of seconds")
-    if 0 < value <= LONGEST_VALIDITY_S:  # false for NaN
-        return float(value)
-    raise LineError(f"'valid_for_s' is more than 0 and at most {LONGEST_VALIDITY_S:g} seconds")
+        raise LineError("'value' is a number in SI units, or null where it is unknown")
+    if not abs(value) < _LARGEST:  # as for NaN
+        raise LineError("'value' is a finite number")
+    return float(value)
+
+
+def _age(said: dict[str, object], valid_for_s: float) -> float:
+    age_s = _seconds(said, "age_s", 0.0)
+    if not 0 <= age_s < valid_for_s:
+        raise LineError(f"'age_s' is at least 0 and less than the validity, {valid_for_s:g} s")
+    return age_s
+
+
+def _seconds(said: dict[str, object], key: str, default: float) -> float:
+    value = said.get(key, default)
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise LineError(f"'{key}' is a number of seconds")
+    return float(value) if abs(value) < 1e9 else nan  # a NaN is outside every range
 
 
 def _short(line: bytes) -> str:

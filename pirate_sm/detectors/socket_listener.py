@@ -1,83 +1,71 @@
-"""A local socket on which several programs write lines; reading never blocks."""
+"""A local socket on which several programs write lines; reading never blocks.
+
+Over TCP a program must know a token, since every user of the machine can connect. A Unix socket
+needs none: its file belongs to the user of the run.
+"""
 
 from __future__ import annotations
 
+import json
 import socket
-import stat
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from contextlib import suppress
 from dataclasses import dataclass, field
-from ipaddress import ip_address
+from hmac import compare_digest
 from pathlib import Path
 
-from pirate_sm.detectors.socket_lines import LONGEST_LINE
-from pirate_sm.errors import UsageError
+from pirate_sm.detectors.socket_address import Address, open_socket
+from pirate_sm.detectors.socket_lines import LONGEST_LINE, LineError, read_object
 
 _MOST_CLIENTS = 16
-_AT_ONCE = 16 * LONGEST_LINE
-"""Bytes read from one client in one turn; the rest waits for the next turn."""
+_MOST_AT_ONCE = 32
+"""Connections that are accepted in one turn; the others wait for the next turn."""
+_AT_ONCE = LONGEST_LINE
+"""Bytes that are read from one client in one turn, so that no client holds up the run."""
+_FULL_TURNS = 10
+"""A client that fills this number of turns without a break sends faster than it can be read."""
+_TURNS_FOR_TOKEN = 40
+"""Turns that a client has for its token: 2 s where the socket is read every 50 ms."""
 
-_FORM = "expected socket:HOST:PORT on this machine's loopback, or socket:/PATH"
-_HIGHEST_PORT = 65535
-
-
-@dataclass(frozen=True)
-class Address:
-    """Where programs connect: a Unix socket's ``path``, or ``host`` and ``port``."""
-
-    host: str = ""
-    port: int = 0
-    path: str = ""
-
-    def __str__(self) -> str:
-        return self.path or (f"[{self.host}]" if ":" in self.host else self.host) + f":{self.port}"
-
-
-def read_address(text: str) -> Address:
-    """Return the address in ``HOST:PORT`` or ``/PATH``.
-
-    Raises:
-        UsageError: It is neither, or other machines could reach it.
-    """
-    if text.startswith("/"):
-        return Address(path=text)
-    host, _, port = text.rpartition(":")
-    host = "127.0.0.1" if host == "localhost" else host.removeprefix("[").removesuffix("]")
-    if not (port.isascii() and port.isdecimal() and 0 < int(port[:9]) <= _HIGHEST_PORT):
-        raise UsageError(f"socket:{text}: {_FORM}")
-    try:
-        inside = ip_address(host).is_loopback
-    except ValueError:
-        raise UsageError(f"socket:{text}: {_FORM}") from None
-    if not inside:
-        raise UsageError(
-            f"socket:{text}: any machine that reaches {host} could steer the robot; "
-            "use 127.0.0.1, ::1 or socket:/PATH"
-        )
-    return Address(host, int(port))
+Take = Callable[[bytes], None]
+"""Takes a line; raises :class:`LineError` for one that is not valid."""
 
 
 @dataclass
 class _Client:
+    """A program that is connected.
+
+    Attributes:
+        trusted: Whether it has given the token, or none is needed.
+        begun: The line that has no end yet.
+        turns: How often it has been read.
+        full_turns: How often without a break it has sent all that is read in one turn.
+    """
+
     link: socket.socket
+    trusted: bool
     begun: bytearray = field(default_factory=bytearray)
-
-
-Answer = Callable[[bytes], bytes]
-"""Takes a line and returns the answer to it; empty for none."""
+    turns: int = 0
+    full_turns: int = 0
 
 
 class Listener:
     """Listens between ``open`` and ``close``.
 
+    Args:
+        address: Where it listens.
+        token: What a program must give in its first line, ``{"token": "…"}``; empty for nothing.
+
     Attributes:
         address: The address; once open, with the assigned port in place of 0.
     """
 
-    def __init__(self, address: Address) -> None:
+    def __init__(self, address: Address, token: str = "") -> None:
         self.address = address
-        self._door: socket.socket | None = None
+        self._token = token
+        self._listening: socket.socket | None = None
         self._clients: list[_Client] = []
+        self._refused: list[str] = []
 
     def open(self) -> None:
         """Open the socket.
@@ -85,54 +73,72 @@ class Listener:
         Raises:
             UsageError: The address cannot be used.
         """
-        there = self.address
-        try:
-            if there.path:
-                self._door = _unix_door(Path(there.path))
-            else:
-                self._door = _tcp_door(there)
-                self.address = Address(there.host, self._door.getsockname()[1])
-        except OSError as error:
-            raise UsageError(f"socket:{there}: {error.strerror or error}") from None
+        self._listening, self.address = open_socket(self.address)
 
     def close(self) -> None:
         """Disconnect all programs and remove the socket's file; may be called twice."""
         for client in self._clients:
             client.link.close()
         self._clients.clear()
-        if self._door is None:
+        if self._listening is None:
             return
-        self._door.close()
-        self._door = None
+        self._listening.close()
+        self._listening = None
         if self.address.path:
             with suppress(OSError):
                 Path(self.address.path).unlink()
 
-    def poll(self, answer: Answer) -> None:
-        """Answer every complete line received; return at once if there is none."""
+    def poll(self, take: Take) -> list[str]:
+        """Give every complete line to ``take``; return why lines were refused.
+
+        A refused line is answered with ``{"error": "…"}``. Each client is read once, in the order
+        of their connections; it returns at once if there is nothing to read.
+        """
+        self._refused = []
         self._let_in()
-        self._clients = [client for client in self._clients if self._serve(client, answer)]
+        for client in tuple(self._clients):
+            if not self._serve(client, take):
+                self._drop(client)
+        return self._refused
 
     def _let_in(self) -> None:
-        while self._door is not None:
+        for _ in range(_MOST_AT_ONCE):
+            if self._listening is None:
+                return
             try:
-                link, _ = self._door.accept()
+                link, _ = self._listening.accept()
             except OSError:  # no client, or one that has gone again
                 return
             link.setblocking(False)
+            if len(self._clients) >= _MOST_CLIENTS:
+                self._make_room()
             if len(self._clients) < _MOST_CLIENTS:
-                self._clients.append(_Client(link))
+                self._clients.append(_Client(link, trusted=not self._token))
             else:
                 link.close()
 
-    def _serve(self, client: _Client, answer: Answer) -> bool:
+    def _make_room(self) -> None:
+        """Drop the oldest client that has not given the token, if there is one."""
+        for client in self._clients:
+            if not client.trusted:
+                self._drop(client)
+                return
+
+    def _drop(self, client: _Client) -> None:
+        client.link.close()
+        self._clients.remove(client)
+
+    def _serve(self, client: _Client, take: Take) -> bool:
         """Return whether the client stays connected."""
+        client.turns += 1
         try:
             came = client.link.recv(_AT_ONCE)
         except BlockingIOError:
-            return True
+            client.full_turns = 0
+            return client.trusted or client.turns < _TURNS_FOR_TOKEN
         except OSError:
             came = b""
+        client.full_turns = client.full_turns + 1 if len(came) == _AT_ONCE else 0
         *lines, rest = (client.begun + came).split(b"\n")
         stays = bool(came)
         if rest and (not stays or len(rest) > LONGEST_LINE):
@@ -140,60 +146,49 @@ class Listener:
             lines.append(rest)
             stays, rest = False, bytearray()
         client.begun = rest
-        stays = self._hear(client, lines, answer) and stays
-        if not stays:
-            client.link.close()
-        return stays
+        if client.full_turns > _FULL_TURNS:
+            self._refuse(client, "too many lines: what is read late is no longer true")
+            return False
+        return self._read(client, lines, take) and stays
 
-    def _hear(self, client: _Client, lines: list[bytearray], answer: Answer) -> bool:
-        """Handle these lines; return whether the client stays connected."""
+    def _read(self, client: _Client, lines: Iterable[bytearray], take: Take) -> bool:
+        """Take these lines; return whether the client stays connected."""
         for line in lines:
-            if line.strip() and not self._answer(client, answer(bytes(line))):
-                return False
             # A web page can make a browser send a request to this port, with lines in it.
             if b" HTTP/" in line:
+                self._refuse(client, "this is no web server")
                 return False
+            if not line.strip():
+                continue
+            try:
+                if client.trusted:
+                    take(bytes(line))
+                else:
+                    self._check(client, bytes(line))
+            except LineError as error:
+                if not self._refuse(client, str(error)) or not client.trusted:
+                    return False
         return True
 
-    @staticmethod
-    def _answer(client: _Client, text: bytes) -> bool:
-        """Send the answer; return whether the client took it; one that does not read is dropped."""
+    def _check(self, client: _Client, line: bytes) -> None:
+        """Trust the client if the line holds the token.
+
+        Raises:
+            LineError: It does not.
+        """
+        form = '{"token": "…"}'
+        given = read_object(line, form).get("token")
+        if not isinstance(given, str):
+            raise LineError(f"the first line is {form}, with the token that the run shows")
+        if not compare_digest(given.encode(errors="replace"), self._token.encode()):
+            raise LineError("this is not the token of this run")
+        client.trusted = True
+
+    def _refuse(self, client: _Client, why: str) -> bool:
+        """Answer with an error; return whether the client took it: one that does not is dropped."""
+        self._refused.append(why)
+        answer = json.dumps({"error": why}).encode() + b"\n"
         try:
-            return not text or client.link.send(text) == len(text)
+            return client.link.send(answer) == len(answer)
         except OSError:
             return False
-
-
-def _tcp_door(there: Address) -> socket.socket:
-    family = socket.AF_INET6 if ":" in there.host else socket.AF_INET
-    door = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        door.bind((there.host, there.port))
-        door.listen()
-        door.setblocking(False)
-    except OSError:
-        door.close()
-        raise
-    return door
-
-
-def _unix_door(path: Path) -> socket.socket:
-    """Return a socket whose file only this user can write to; replace an unused file."""
-    door = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    try:
-        if path.exists() and stat.S_ISSOCK(path.stat().st_mode) and not _answers(path):
-            path.unlink()
-        door.bind(str(path))
-        path.chmod(0o600)  # nobody can connect before it listens
-        door.listen()
-        door.setblocking(False)
-    except OSError:
-        door.close()
-        raise
-    return door
-
-
-def _answers(path: Path) -> bool:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
-        return probe.connect_ex(str(path)) == 0

@@ -18,6 +18,9 @@ _FORGOTTEN_M = 0.25
 # Near the end of its validity a word that still holds is repeated.
 _REPEAT_SHARE = 0.5
 
+LOOK_EVERY_S = 0.05
+"""At 0.1 m/s a robot travels 5 mm in this time."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -37,7 +40,7 @@ class Word:
 
 
 def words_of(profile: Profile) -> tuple[Word, ...]:
-    """Return the profile's detector words, with wheels as indices."""
+    """Return the profile's detector words that have points, with wheels as indices."""
     wheels = {wheel.name: index for index, wheel in enumerate(profile.body.wheels)}
     return tuple(
         Word(
@@ -46,7 +49,32 @@ def words_of(profile: Profile) -> tuple[Word, ...]:
             Point(wheels[each.backward.wheel], each.backward.passed),
         )
         for name, each in profile.detector.words.items()
+        if each.forward is not None and each.backward is not None
     )
+
+
+class Repeater:
+    """Reports a word when it begins, and again after half of its validity while it holds.
+
+    Args:
+        valid_for_s: How long a word is valid.
+    """
+
+    def __init__(self, valid_for_s: float) -> None:
+        self._valid_for_s = valid_for_s
+        self._word = ""
+        self._reported_s = -math.inf
+
+    def say(self, word: str, now_s: float) -> DetectorWord | None:
+        """Return the word to report now, given the one that holds (empty for none)."""
+        due = now_s - self._reported_s >= _REPEAT_SHARE * self._valid_for_s
+        if word == self._word and not due:
+            return None
+        self._word = word
+        if not word:
+            return None
+        self._reported_s = now_s
+        return DetectorWord(word, self._valid_for_s)
 
 
 class Detector:
@@ -62,6 +90,7 @@ class Detector:
         errors_m: Error of each word's points, fixed for a run.
         crossings_m: Positions of the bends along the pipe.
         valid_for_s: How long a word is valid.
+        tracker: Filters the positions; by default one of its own.
     """
 
     def __init__(
@@ -70,36 +99,38 @@ class Detector:
         errors_m: Sequence[float],
         crossings_m: Sequence[float],
         valid_for_s: float,
+        tracker: Tracker | None = None,
     ) -> None:
         self._words = tuple(zip(words, errors_m, strict=True))[::-1]
         self._crossings = tuple(crossings_m)
-        self._valid_for_s = valid_for_s
-        self._tracker = Tracker()
+        self._repeater = Repeater(valid_for_s)
+        self._tracker = tracker or Tracker()
         self._direction = 0
         self._word = ""
-        self._word_at = -math.inf
 
-    def look(self, time_s: float, places_m: Sequence[float], travel: int) -> DetectorWord | None:
+    def look(
+        self, time_s: float, places_m: Sequence[float] | None, travel: int
+    ) -> DetectorWord | None:
         """Return the word to report now; None if there is none.
 
         Args:
             time_s: Time.
-            places_m: Position of each wheel along the pipe; NaN if unknown.
+            places_m: Position of each wheel along the pipe now, NaN if unknown; None: nothing new.
             travel: Direction in which the setpoints in force drive the wheels: 1 forward, -1
                 backward, 0 not at all.
         """
-        self._tracker.see(time_s, places_m, driven=travel != 0)
+        self.see(time_s, places_m, travel, time_s)
         if travel and travel != self._direction:
             self._direction, self._word = travel, ""
-        word = self._holding()
-        if not word:
-            self._word = ""
-            return None
-        due = time_s - self._word_at >= _REPEAT_SHARE * self._valid_for_s
-        if word == self._word and not due:
-            return None
-        self._word, self._word_at = word, time_s
-        return DetectorWord(word, self._valid_for_s)
+            self._repeater.say("", time_s)  # what follows is a new report
+        self._word = self._holding()
+        return self._repeater.say(self._word, time_s)
+
+    def see(
+        self, time_s: float, places_m: Sequence[float] | None, travel: int, seen_s: float
+    ) -> None:
+        """Take in positions of the wheels as they were at ``seen_s``; else as :meth:`look`."""
+        self._tracker.see(time_s, places_m, driven=travel != 0, seen_s=seen_s)
 
     def _holding(self) -> str:
         if self._direction == 0:

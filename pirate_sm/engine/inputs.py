@@ -101,14 +101,14 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
     sensing, spec = state.sensing, moment.robot.traction
     numbers = list(sensing.numbers)
     numbers[index] = event.value
-    traction = sensing.traction
+    traction, measured_s = sensing.traction, moment.now_s - event.age_s
     if spec and not (moment.follows_traction or sensing.sees_slip):
         traction = nothing_estimated(spec)  # what slip was seen last is of no use now
         for target in spec.targets:
             numbers[target] = nan
-    traction = measured_outside(spec, traction, index, event.value, moment.now_s)
+    traction = measured_outside(spec, traction, index, event.value, measured_s)
     others = tuple(each for each in sensing.outside_until_s if each[0] != index)
-    until_s = (*others, (index, moment.now_s + valid_for_s))
+    until_s = (*others, (index, measured_s + valid_for_s))
     sensing = sensing._replace(numbers=tuple(numbers), traction=traction, outside_until_s=until_s)
     return state._replace(sensing=sensing)
 

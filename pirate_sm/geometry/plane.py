@@ -45,6 +45,19 @@ def _wall(route: Route, side: float) -> tuple[Place, ...]:
     return tuple(corners)
 
 
+def inner_corner(route: Route) -> Place:
+    """Return the inner corner of a route's first bend; of a straight one where side A begins.
+
+    It is the origin of the plane of a setup (thesis section 5-3-2), whose x points along the first
+    leg and whose y points to side A.
+    """
+    side_a, side_b = walls(route)
+    if len(route.pieces) == 1:
+        return side_a[0]
+    (ax, ay), (bx, by) = (flat(piece.frame.ahead) for piece in route.pieces[:2])
+    return side_a[1] if ax * by - ay * bx > 0 else side_b[1]
+
+
 def crossing(route: Route) -> tuple[Piece, Piece] | None:
     """Return the first two pieces of a planar route that overlap, None if there are none.
 

@@ -11,9 +11,9 @@ from __future__ import annotations
 from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 6
+ALPHABET_VERSION = 7
 
-READABLE_ALPHABETS = (5, 6)
+READABLE_ALPHABETS = (5, 6, 7)
 """Recordings of these are read: 6 has an event more than 5."""
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
@@ -69,10 +69,12 @@ class OutsideNumber(NamedTuple):
     Attributes:
         signal: Its name in the profile.
         value: In SI; NaN is unknown.
+        age_s: How long ago it was measured; it is taken off the validity.
     """
 
     signal: str
     value: float
+    age_s: float = 0.0
 
 
 class SubmitResult(NamedTuple):

@@ -12,7 +12,7 @@ from typing import Final, Literal, NamedTuple, TypeAlias
 
 from pirate_sm.model.events import FaultReport
 
-Origin: TypeAlias = Literal["sensors", "link", "surroundings", "program"]
+Origin: TypeAlias = Literal["sensors", "link", "camera", "surroundings", "program"]
 
 
 class _About(NamedTuple):
@@ -76,6 +76,15 @@ class BuiltInFault(Enum):
     )
     PIPE_IMPASSABLE = _About(
         "pipe.impassable", "surroundings", True, "the simulated robot stands before an obstacle"
+    )
+    VISION_SILENT = _About("vision.silent", "camera", True, "the camera sends no pictures")
+    VISION_FROZEN = _About("vision.frozen", "camera", True, "the camera repeats one picture")
+    VISION_DARK = _About("vision.dark", "camera", True, "the camera's pictures show no contrast")
+    VISION_MOVED = _About(
+        "vision.moved", "camera", True, "the camera or the setup is not where it was surveyed"
+    )
+    VISION_BLIND = _About(
+        "vision.blind", "camera", True, "the camera sees nothing of the robot while it drives"
     )
     GRIP_EXHAUSTED = _About(
         "grip.exhausted",

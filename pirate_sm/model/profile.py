@@ -6,9 +6,9 @@ references (a slot to a joint, a command to the chart) and reports each fault wi
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from pirate_sm.model.actuation import PostureCase, Stages
 from pirate_sm.model.base import (
@@ -204,15 +204,29 @@ class DetectorPoint(Frozen):
 
 
 class DetectorDefinition(Frozen):
-    """The point from which a detector's word is valid, for each direction of travel.
+    """When a detector's word is valid: from a point on for each direction, by a condition, or both.
 
     Attributes:
-        forward: The point when driving forward.
+        forward: The point when driving forward, for detectors that know where the robot is.
         backward: The point when driving backward.
+        when: The condition on signals and states, for the detector ``signals``.
+        held: How long the condition must have been true without interruption.
     """
 
-    forward: DetectorPoint
-    backward: DetectorPoint
+    forward: DetectorPoint | None = None
+    backward: DetectorPoint | None = None
+    when: Condition | None = None
+    held: Annotated[Duration, Field(ge=0)] = 0.0
+
+    @model_validator(mode="after")
+    def _is_said_somehow(self) -> Self:
+        if (self.forward is None) != (self.backward is None):
+            raise ValueError("`forward` and `backward` belong together")
+        if self.forward is None and self.when is None:
+            raise ValueError("expected `forward` and `backward`, or `when`")
+        if self.held and self.when is None:
+            raise ValueError("`held` belongs to `when`")
+        return self
 
 
 class Detector(Frozen):

@@ -29,6 +29,7 @@ from pirate_sm.units import Dimension, Quantity, QuantityError
 
 FROM_FILE: Final[Mapping[str, Any]] = {"from_file": True}
 _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
+_PIXELS = re.compile(r"(\d{1,5}(?:\.\d{1,9})?) ?px")
 
 
 def quantity_fault(message: str, expected: str = "", suggestion: str = "") -> PydanticCustomError:
@@ -97,6 +98,15 @@ def _read_number(value: Any) -> float:
     if _is_number(value):
         return _finite(value, "a bare number")
     raise quantity_fault(f"expected a bare number such as 0.6, got {_shown(value)}")
+
+
+def _read_pixels(value: Any, info: ValidationInfo) -> float:
+    if _is_number(value) and not (info.context or {}).get("from_file"):
+        return _finite(value, "a number of pixels")
+    match = _PIXELS.fullmatch(value) if isinstance(value, str) else None
+    if match is None:
+        raise quantity_fault(f"expected a number of pixels such as '5 px', got {_shown(value)}")
+    return float(match[1])
 
 
 def _read_any(value: Any) -> Quantity:
@@ -183,9 +193,24 @@ _ANY_SCHEMA = WithJsonSchema(
     }
 )
 
+Pixels: TypeAlias = Annotated[
+    float,
+    BeforeValidator(_read_pixels),
+    WithJsonSchema(
+        {
+            "type": "string",
+            "pattern": f"^{_PIXELS.pattern}$",
+            "description": "A number of pixels such as 5 px.",
+            "examples": ["5 px"],
+        }
+    ),
+]
 Length: TypeAlias = Annotated[float, BeforeValidator(_reader(units.LENGTH)), _Written(units.LENGTH)]
 Angle: TypeAlias = Annotated[float, BeforeValidator(_reader(units.ANGLE)), _Written(units.ANGLE)]
 Duration: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TIME)), _Written(units.TIME)]
+Frequency: TypeAlias = Annotated[
+    float, BeforeValidator(_reader(units.FREQUENCY)), _Written(units.FREQUENCY)
+]
 Inertia: TypeAlias = Annotated[
     float, BeforeValidator(_reader(units.INERTIA)), _Written(units.INERTIA)
 ]

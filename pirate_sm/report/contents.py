@@ -160,6 +160,20 @@ class Fact(NamedTuple):
     text: str
 
 
+class Photo(NamedTuple):
+    """A picture of the camera over the setup.
+
+    Attributes:
+        at_s: When the word began.
+        word: The detector's word.
+        jpeg: The picture, in base 64.
+    """
+
+    at_s: float
+    word: str
+    jpeg: str
+
+
 @dataclass(frozen=True)
 class Report:
     """Everything that a page shows.
@@ -173,6 +187,7 @@ class Report:
         diagram: The mission as an SVG element, with the path taken; empty without one.
         files: Hash of each file by its name.
         recording: Hash of the recording; empty without one.
+        photos: What the camera saw when words of the detector began.
     """
 
     title: str
@@ -189,6 +204,7 @@ class Report:
     files: Mapping[str, str]
     failures: tuple[Sentence, ...] = ()
     recording: str = ""
+    photos: tuple[Photo, ...] = ()
 
     @property
     def failure(self) -> Sentence | None:

@@ -15,6 +15,7 @@ from pirate_sm.recording.viewers.viewer_messages import PLACES
 from pirate_sm.report.contents import Fact, Report
 from pirate_sm.report.poses import Poses
 from pirate_sm.report.report_builder import About, gather
+from pirate_sm.report.seen_words import photos_of
 
 _BACKENDS = {
     "physics": "in MuJoCo's physics",
@@ -43,7 +44,8 @@ def report_of(recording: Recording) -> Report:
             rerun(recording, loaded, every_signal=True),
             known_poses(recording, loaded),
         )
-    return replace(report, recording=recording.sha256)
+    photos = photos_of(recording, report.lanes)
+    return replace(report, recording=recording.sha256, photos=photos)
 
 
 def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] = ()) -> About:

@@ -15,6 +15,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.report.contents import Report, RobotScene, Sentence
 from pirate_sm.report.film_strip import strip
 from pirate_sm.report.report_json import Json, report_json
+from pirate_sm.report.seen_words import seen_words
 
 SIGNS = {
     "succeeded": ("✓", "Succeeded"),
@@ -56,6 +57,7 @@ def html(report: Report) -> str:
         story="\n".join(_story(report)),
         robot=_robot(report.scene),
         strip=strip(report),
+        seen=seen_words(report.photos),
         diagram=report.diagram,
         facts="\n".join(_facts(report)),
         duration=f"{report.duration_s:.3f}",

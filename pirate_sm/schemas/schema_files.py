@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, Final
 
 from pirate_sm.loading.robot import LoadedRobot
+from pirate_sm.model.camera import Camera
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
@@ -19,6 +20,7 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "pipe": lambda: schema_of(Pipe, "Pipe"),
     "profile": lambda: schema_of(Profile, "Profile of a robot"),
     "chart": chart_schema,
+    "camera": lambda: schema_of(Camera, "Camera over the setup"),
 }
 """The kinds of files that have a schema."""
 

@@ -13,7 +13,13 @@ from pirate_sm.companion import Companion, Counting, Onlooker
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
+from pirate_sm.model.events import (
+    DetectorWord,
+    EnvironmentReport,
+    Event,
+    FaultReport,
+    OutsideNumber,
+)
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, Prepared, prepare
@@ -36,6 +42,9 @@ class Subject:
     backend: str = "sim"
     argument: str | None = None
     words: bool = True
+
+
+_MAY_BE_SAID = (DetectorWord, EnvironmentReport, OutsideNumber, FaultReport)
 
 
 @dataclass
@@ -64,7 +73,7 @@ class _Heard:
         said = self.inner.speak(now_s)
         assert self.inner.due_s > now_s, "speak() must move due_s on, or time stands still"
         for event in said:
-            assert isinstance(event, DetectorWord | EnvironmentReport)
+            assert isinstance(event, _MAY_BE_SAID)
             if isinstance(event, DetectorWord):
                 assert event.word in self.words, "the robot's profile has no such word"
                 assert event.valid_for_s > 0.0
@@ -123,7 +132,14 @@ def made(subject: Subject) -> tuple[Prepared, Detecting]:
     loaded = subject.mission
     ready = prepare(Order(loaded.documents[0].name, subject.backend), loaded)
     profile, robot = loaded.loaded_robot.profile, loaded.robot
-    asked = Asked(profile, robot, loaded.pipe, places=ready.places, argument=subject.argument)
+    asked = Asked(
+        profile,
+        robot,
+        loaded.pipe,
+        places=ready.places,
+        wheels=ready.wheels,
+        argument=subject.argument,
+    )
     return ready, subject.make(asked)
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import fields, replace
 
+from pirate_sm.detectors.beside import Beside
 from pirate_sm.detectors.registry import Asked, Detecting, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
@@ -82,6 +83,7 @@ def prepare(
         order=order,
         engine=Engine(loaded.robot, loaded.program, nominal=nominal),
         reckoned=None if made.truth else found.reckoned,
+        camera=found.camera,
         detector=found.kind,
     )
 
@@ -89,15 +91,34 @@ def prepare(
 def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detecting:
     """Return the detector of the run."""
     if made.usual_detector is None:
-        if order.detector is not None or order.start_at_m is not None:
+        if (order.detector, order.also, order.start_at_m) != (None, None, None):
             raise UsageError(
                 f"the backend {order.backend} takes no detector and no start position",
                 hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
         return Detecting("none")
     profile, robot = loaded.loaded_robot.profile, loaded.robot
-    asked = Asked(profile, robot, loaded.pipe, order.start_at_m, made.places, order.seed)
-    return detecting(order.detector, made.usual_detector, asked)
+    asked = Asked(
+        profile, robot, loaded.pipe, order.start_at_m, made.places, made.wheels, order.seed
+    )
+    found = detecting(order.detector, made.usual_detector, asked)
+    return found if order.also is None else _with_another(found, order.also, asked)
+
+
+def _with_another(found: Detecting, also: str, asked: Asked) -> Detecting:
+    """Return the detector with a second one beside it, whose words are logged only.
+
+    Raises:
+        UsageError: The second one is the operator, or cannot be made.
+    """
+    other = detecting(also, also, replace(asked, first_wheel_m=None))
+    if other.kind == "operator":
+        raise UsageError("the operator's keys are for the mission; name another second detector")
+    beside = tuple(Beside(other.kind, each) for each in other.companions)
+    notices = tuple(f"also {notice}" for notice in other.notices)
+    return found._replace(
+        companions=(*found.companions, *beside), notices=(*found.notices, *notices)
+    )
 
 
 def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:

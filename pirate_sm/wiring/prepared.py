@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Protocol
 
 from pirate_sm.companion import Companion
 from pirate_sm.detectors.registry import Places
+from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.true_position import Truth
@@ -74,6 +75,7 @@ class Prepared(Equipment):
 
     Attributes:
         reckoned: Returns the detector's estimate of the position, if it has one; None if unknown.
+        camera: Returns what a recording keeps of the detector's camera, if it has one.
         detector: Name of the detector; ``operator`` still needs a keyboard.
     """
 
@@ -81,4 +83,5 @@ class Prepared(Equipment):
     loaded: LoadedMission
     engine: Engine
     reckoned: Callable[[], Truth | None] | None = None
+    camera: Callable[[], CameraView | None] | None = None
     detector: str = "none"

@@ -32,6 +32,7 @@ class Order:
         course: All events of a trace, in order.
         detector: Name of the detector with its argument, ``odometry`` or ``socket:ADDRESS``;
             None for the backend's default.
+        also: A second detector, whose words are logged only.
         ruler: Whether a simulated ruler measures the speed of the robot from outside.
         start_at_m: Position of the first wheel at the start of odometry, in place of the pipe's.
         port: Port of the real robot, a device or a URL of pyserial; ``baud`` in place of the
@@ -59,6 +60,7 @@ class Order:
     firings: tuple[Firing, ...] = ()
     course: tuple[Happening, ...] = ()
     detector: str | None = None
+    also: str | None = None
     ruler: bool = False
     start_at_m: float | None = None
     port: str | None = None

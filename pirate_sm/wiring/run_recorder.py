@@ -57,10 +57,11 @@ def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSna
     if state is None:
         return None
     numbers = prepared.engine.numbers(state)
+    camera = prepared.camera() if prepared.camera else None
     if prepared.wheels is not None:
-        return ViewerSnapshot(state, numbers, prepared.wheels(), True)
+        return ViewerSnapshot(state, numbers, prepared.wheels(), True, camera)
     taken = prepared.reckoned() if prepared.reckoned else None
-    return ViewerSnapshot(state, numbers, taken.wheels if taken else None, False)
+    return ViewerSnapshot(state, numbers, taken.wheels if taken else None, False, camera)
 
 
 class RunRecorder:

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.detectors.registry import DETECTORS
+from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.testing import DetectorContract, Subject
 
@@ -16,6 +17,9 @@ from .candidates import NEWT
 SILENT = ("operator", "socket")
 
 
+CAMERA = Path(__file__).resolve().parents[1] / "cameras" / "small.yaml"
+
+
 class TestDetectors(DetectorContract):
     @pytest.fixture(params=["sim", "odometry", *SILENT])
     def subject(self, request: pytest.FixtureRequest, tmp_path: Path) -> Subject:
@@ -23,3 +27,10 @@ class TestDetectors(DetectorContract):
         argument = str(tmp_path / "words") if name == "socket" else None
         mission = load_mission(NEWT / "patrol.yaml")
         return Subject(DETECTORS.find(name), mission, argument=argument, words=name not in SILENT)
+
+
+class TestCamera(DetectorContract):
+    @pytest.fixture
+    def subject(self) -> Subject:
+        mission = load_mission(library.find_mission("mitre_bend"))
+        return Subject(DETECTORS.find("vision"), mission, argument=str(CAMERA))

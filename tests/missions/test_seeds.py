@@ -15,7 +15,7 @@ BEYOND = (1.4, 1.35, 1.3, 1.2, 1.15, 1.1)
 HELD = Outcome(
     seed=7, outcome="failed", message="Holding", exit_code=1, time_s=20.0, distance_m=0.0,
     arcs_m=(0.9, 0.85, 0.8, 0.7, 0.65, 0.6), gone=False, stopped=True, states=(), faults=(),
-    held_at_end=True, torques=(0.0, -0.7, 0.7, -0.7, 0.7, 0.0), slid_m=0.0, short_m=nan,
+    held_at_end=True, torques=(0.0, -0.7, 0.7, -0.7, 0.7, 0.0), slid_m=0.0, short_m=nan, late_m=(),
 )  # fmt: skip
 FLAT = Row("flat", "mitre_bend")
 UPRIGHT = Row("upright", "mitre_bend_upright", holding=True, snapshots=False)

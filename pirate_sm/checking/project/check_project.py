@@ -21,6 +21,7 @@ from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
+from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.pipe_file import check_pipe, load_pipe
@@ -186,6 +187,10 @@ class _Check:
             return  # reported for the robot
         load_calibration(target.path, robot)
 
+    def camera(self, target: CheckTarget) -> None:
+        """Check a camera; whether it fits a robot is checked where it is used."""
+        self._keep([load_camera(target.path)[1]])
+
     def script(self, target: CheckTarget) -> None:
         """Check the form of a trace script; its names depend on its mission."""
         read_script(self._document(target))
@@ -227,7 +232,9 @@ class _Check:
         """Report a file of no known kind, if it was named explicitly."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
-        message = "this is no robot, mission, pipe, calibration, trace script, experiment or twin"
+        message = (
+            "this is no robot, mission, pipe, camera, calibration, trace script, experiment or twin"
+        )
         self._add("check.kind", shown(target.path), message)
 
     def _settings(self, target: CheckTarget) -> dict[str, str]:
@@ -269,6 +276,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.PIPE: _Check.pipe,
     Kind.MISSION: _Check.mission,
     Kind.CALIBRATION: _Check.calibration,
+    Kind.CAMERA: _Check.camera,
     Kind.SCRIPT: _Check.script,
     Kind.EXPERIMENT: _Check.experiment,
     Kind.TWIN: _Check.twin,

@@ -164,6 +164,8 @@ def _seen_by(origin: Origin) -> str:
             return "the engine judges what the sensors show, on every backend alike."
         case "link":
             return "the link to the robot reports it, or the engine hears nothing over it."
+        case "camera":
+            return "the detector vision judges its camera's pictures."
         case "surroundings":
             return "the simulated surroundings of the robot report it."
         case "program":

@@ -163,7 +163,7 @@ def hidden_words(view: RobotView) -> Iterator[Finding]:
     the farthest along the pipe, when driving backward the last wheel.
     """
     wheels = [wheel.name for wheel in view.profile.body.wheels]
-    words = list(view.profile.detector.words.items())
+    words = [(name, word) for name, word in view.profile.detector.words.items() if word.forward]
     for number, (name, own) in enumerate(words):
         for way, sign in (("forward", 1), ("backward", -1)):
             point = getattr(own, way)

@@ -13,6 +13,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.model.camera import Camera
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.registry import Registry
@@ -80,6 +81,10 @@ def _pipes(_: Iterable[Path]) -> None:
     _table("pipes", [(path.stem, _described(path, Pipe)) for path in library.pipes()])
 
 
+def _cameras(_: Iterable[Path]) -> None:
+    _table("cameras", [(path.stem, _described(path, Camera)) for path in library.cameras()])
+
+
 def _backends(_: Iterable[Path]) -> None:
     from pirate_sm.wiring import BACKENDS
 
@@ -99,7 +104,7 @@ def _plugins(registry: Registry[Any]) -> Iterable[Row]:
         yield each.name, each.package or "pirate-sm", about
 
 
-def _described(path: Path, model: type[Mission] | type[Pipe]) -> str:
+def _described(path: Path, model: type[Mission | Pipe | Camera]) -> str:
     """Return the description in a file, or the first line of what is wrong with it."""
     try:
         return validate(read_document(path), model).description
@@ -124,6 +129,7 @@ _LISTS: dict[str, Callable[[Iterable[Path]], None]] = {
     "defects": _defects,
     "missions": _missions,
     "pipes": _pipes,
+    "cameras": _cameras,
     "backends": _backends,
     "detectors": _detectors,
 }

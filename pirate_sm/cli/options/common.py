@@ -98,8 +98,15 @@ GuardFor = Annotated[
 Detector = Annotated[
     str | None,
     typer.Option(
-        metavar="sim|odometry|operator|socket:ADDRESS|NAME",
+        metavar="sim|odometry|vision:CAMERA|NAME",
         help="What reports where the robot is. For sim: sim, for serial: odometry.",
+    ),
+]
+Also = Annotated[
+    str | None,
+    typer.Option(
+        metavar="DETECTOR",
+        help="A second detector, to compare: its words are logged and do nothing.",
     ),
 ]
 Ruler = Annotated[

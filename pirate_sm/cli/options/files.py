@@ -26,6 +26,7 @@ class ListOptions:
             "defects",
             "missions",
             "pipes",
+            "cameras",
             "backends",
             "detectors",
         ]
@@ -43,7 +44,8 @@ class SchemaOptions:
     """Print the JSON Schema by which an editor completes files."""
 
     files: Annotated[
-        Literal["mission", "pipe", "profile", "chart"], typer.Argument(help="Of which files.")
+        Literal["mission", "pipe", "profile", "chart", "camera"],
+        typer.Argument(help="Of which files."),
     ]
     robot: Annotated[
         str | None,

@@ -39,8 +39,18 @@ class FaultSpec:
     denies: frozenset[int] = frozenset()
 
 
+@dataclass(frozen=True)
+class WordCondition:
+    """A detector's word, and the condition on signals that must have held for a time."""
+
+    word: str
+    when: Expression
+    held_s: float
+
+
 USUAL = "none"
 """The name by which a mission takes the robot's usual actuation."""
+
 
 Actuation: TypeAlias = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 """Per region, the stages of each of its states."""
@@ -74,6 +84,8 @@ class RobotSpec:
         sight: Criteria of the start check.
         odometry: Number indexes of odometry and speed; -1 where the robot has none.
         words_behind: Words of the detector that mean that the whole robot has passed the bend.
+        word_conditions: Words of the detector that have a condition on signals, as they follow
+            each other.
     """
 
     name: str
@@ -102,6 +114,7 @@ class RobotSpec:
     overlays: tuple[ControlSpec, ...] = ()
     traction: TractionSpec | None = None
     outside: Mapping[str, tuple[int, float]] = field(default_factory=dict)
+    word_conditions: tuple[WordCondition, ...] = ()
 
     @property
     def regions(self) -> tuple[str, ...]:

@@ -24,16 +24,6 @@ def resolve_chain(signals: Signals) -> BodySpec:
     )
 
 
-def words_behind(profile: model.Profile) -> frozenset[str]:
-    """Return the detector's words that mean that the last wheel has passed the bend."""
-    last = profile.body.wheels[-1].name
-    return frozenset(
-        name
-        for name, word in profile.detector.words.items()
-        if word.forward.wheel == last and word.forward.passed >= 0.0
-    )
-
-
 def _vee(profile: model.Profile, signals: Signals, name: str) -> Vee:
     body = profile.body
     apex = body.apex_of(name)

@@ -165,9 +165,10 @@ def _check_safe_state(profile: model.Profile, problems: Problems) -> None:
 def _check_detector(profile: model.Profile, problems: Problems) -> None:
     names = [wheel.name for wheel in profile.body.wheels]
     for word, definition in profile.detector.words.items():
-        for way in ("forward", "backward"):
+        for way, point in (("forward", definition.forward), ("backward", definition.backward)):
             path: Path = ("detector", "words", word, way, "wheel")
-            _must_be(getattr(definition, way).wheel, names, "wheel", path, problems)
+            if point is not None:
+                _must_be(point.wheel, names, "wheel", path, problems)
 
 
 def _check_defect(profile: model.Profile, defect: Defect, path: Path, problems: Problems) -> None:

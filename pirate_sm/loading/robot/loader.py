@@ -19,10 +19,11 @@ from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot.actuation import resolve_actuation
 from pirate_sm.loading.robot.boards import resolve_boards
-from pirate_sm.loading.robot.body_chain import resolve_chain, words_behind
+from pirate_sm.loading.robot.body_chain import resolve_chain
 from pirate_sm.loading.robot.body_check import check_body
 from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot.controls import resolve_controls
+from pirate_sm.loading.robot.detector_words import resolve_words, words_behind
 from pirate_sm.loading.robot.postures import resolve_postures
 from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
@@ -227,5 +228,6 @@ def _resolve(
             name: (signals.vocabulary.numbers.index(name), each.valid_for)
             for name, each in profile.outside.items()
         },
+        word_conditions=resolve_words(signals),
         overlays=resolve_controls(profile, table, signals, slots, actuation, polarity, problems),
     )

@@ -138,7 +138,8 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
     if kind in _UNKNOWN_KEY:
         _report_unknown_key(error, walk, problems, path)
     elif kind in _MISSING_KEY:
-        message = f"the key '{path[-1]}' is missing"
+        short = isinstance(path[-1], int)
+        message = "the list is too short" if short else f"the key '{path[-1]}' is missing"
         problems.add("missing-key", path[:-1], message, key=True)
     else:
         code, message, expected, suggestion = error.wording or word(

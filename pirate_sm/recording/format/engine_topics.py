@@ -170,7 +170,7 @@ class Topic:
         batch = json.loads(data)
         try:
             columns: list[Sequence[Any]] = [
-                self._decoded(batch[name], number, kind)
+                self._decoded(batch, number, name, kind)
                 for number, (name, kind) in enumerate(self.fields)
             ]
             steps, times = batch["step"], [NUMBER.decode(at) for at in batch["t_s"]]
@@ -181,7 +181,13 @@ class Topic:
         except (KeyError, TypeError, AttributeError) as error:
             raise ValueError(f"{self.name}: {error!r}") from None
 
-    def _decoded(self, column: Any, number: int, kind: JsonKind) -> Sequence[Any]:
+    def _decoded(
+        self, batch: dict[str, Any], number: int, name: str, kind: JsonKind
+    ) -> Sequence[Any]:
+        """Return a column; a field that an older alphabet does not have gets its default."""
+        if name not in batch and name in self.made._field_defaults:
+            return [self.made._field_defaults[name]] * len(batch["step"])
+        column = batch[name]
         if number != self.spread:
             return list(map(kind.decode, column))
         each = [map(NUMBER.decode, column[name]) for name in self.names]

@@ -6,7 +6,7 @@ import json
 from typing import Final
 
 from pirate_sm.errors import UsageError
-from pirate_sm.recording.viewers.viewer_messages import ViewerChannel
+from pirate_sm.recording.viewers.viewer_channel import ViewerChannel
 
 HOST: Final = "127.0.0.1"
 PORT: Final = 8765

@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from importlib.resources import files
 from math import isfinite
 from typing import Any, NamedTuple
 
+from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.robot.robot_spec import USUAL, RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType
@@ -22,25 +21,22 @@ from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.column_names import signal_names, slot_names
-from pirate_sm.recording.format.engine_topics import DIALECT
+from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
 from pirate_sm.recording.viewers.transforms import Transforms
+from pirate_sm.recording.viewers.viewer_channel import (
+    NUMBER,
+    WORD,
+    Message,
+    flat,
+    foxglove,
+    stamp,
+)
 from pirate_sm.recording.viewers.wheel_places import Placing
 
 PLACES = "/places"
 """The topic with the position of each wheel."""
-
-NS_PER_S = 1_000_000_000
-
-
-@dataclass(frozen=True, eq=False)
-class ViewerChannel:
-    """A topic for viewers."""
-
-    topic: str
-    schema_name: str
-    schema: Mapping[str, Any]
 
 
 class ViewerSnapshot(NamedTuple):
@@ -51,15 +47,14 @@ class ViewerSnapshot(NamedTuple):
         numbers: All signals in the order of the vocabulary, SI.
         wheels: Positions of the wheels in the plane of the pipe, m, if known or reckoned.
         known: Whether they are the true positions.
+        camera: What the detector's camera sees, if there is one.
     """
 
     state: EngineState
     numbers: tuple[float, ...]
     wheels: tuple[Place, ...] | None
     known: bool
-
-
-Message = tuple[ViewerChannel, bytes]
+    camera: CameraView | None = None
 
 
 class ViewerMessages:
@@ -84,21 +79,22 @@ class ViewerMessages:
         wheels = [wheel.name for wheel in self._body.wheels]
         coordinates = [f"{name}_{axis}_m" for name in wheels for axis in "xy"]
         self._coordinates = _gaps(coordinates)
+        self._camera = CameraMessages(wheels)
         self._codes = _state_codes(robot)
-        self._tf = _foxglove("/tf", "FrameTransforms")
-        self._scene = _foxglove("/scene", "SceneUpdate")
-        self._joint_states = _foxglove("/joint_states", "JointStates")
-        self._log = _foxglove("/log", "Log")
-        self._signal_channel = _flat("/signals", dict.fromkeys(signals, _NUMBER))
-        self._setpoints = _flat("/setpoints", dict.fromkeys(self._slots, _NUMBER))
-        places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, _NUMBER)}
-        self._places = _flat(PLACES, places)
+        self._tf = foxglove("/tf", "FrameTransforms")
+        self._scene = foxglove("/scene", "SceneUpdate")
+        self._joint_states = foxglove("/joint_states", "JointStates")
+        self._log = foxglove("/log", "Log")
+        self._signal_channel = flat("/signals", dict.fromkeys(signals, NUMBER))
+        self._setpoints = flat("/setpoints", dict.fromkeys(self._slots, NUMBER))
+        places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, NUMBER)}
+        self._places = flat(PLACES, places)
         words = ("phase", "detected", *robot.regions, "unconfirmed", "control")
         codes = {
             _code_name(region): {"type": "integer", "description": _listed(names)}
             for region, names in self._codes.items()
         }
-        self._states = _flat("/state", {**dict.fromkeys(words, _WORD), **codes})
+        self._states = flat("/state", {**dict.fromkeys(words, WORD), **codes})
 
     def scene(self, time_ns: int) -> Message:
         """Return the message that draws the robot and its pipe."""
@@ -113,8 +109,10 @@ class ViewerMessages:
         if points is not None:
             yield self._tf, self._transforms.message(now, link_poses(points), numbers)
             known = '"known":true' if it.known else '"known":false'
-            flat = tuple(value for point in points for value in point)
-            yield self._places, _object(known, *_filled(self._coordinates, flat))
+            values = tuple(value for point in points for value in point)
+            yield self._places, _object(known, *_filled(self._coordinates, values))
+        if it.camera is not None:
+            yield from self._camera.of(at_s, time_ns, it.camera)
         yield self._joint_states, self._joint_message(now, shown)
         yield self._signal_channel, _object(*_filled(self._signals, shown))
         control = self._loaded.robot.control_name(it.state.robot.control)
@@ -165,12 +163,6 @@ class ViewerMessages:
                     opening += key % shown[at]  # noqa: PLW2901 - it grows
             joints.append(opening)
         return f'{{"timestamp":{now},"joints":[{"},".join(joints)}}}]}}'.encode()
-
-
-def stamp(time_ns: int) -> str:
-    """Return the time as JSON in Foxglove's format."""
-    seconds, rest = divmod(time_ns, NS_PER_S)
-    return f'{{"sec":{seconds},"nsec":{rest}}}'
 
 
 def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:
@@ -227,23 +219,6 @@ def _code_name(region: str) -> str:
 
 def _listed(names: Sequence[str]) -> str:
     return ", ".join(f"{code} {name}" for code, name in enumerate(names))
-
-
-_NUMBER = {"type": "number"}
-_WORD = {"type": "string"}
-
-
-def _flat(topic: str, columns: Mapping[str, Any]) -> ViewerChannel:
-    name = f"pirate_sm{topic.replace('/', '.')}"
-    schema = {"$schema": DIALECT, "title": name, "type": "object", "properties": dict(columns)}
-    return ViewerChannel(topic, name, schema)
-
-
-def _foxglove(topic: str, name: str) -> ViewerChannel:
-    """Return a topic of one of Foxglove's types; their schemas are beside this module."""
-    title = f"foxglove.{name}"
-    file = files("pirate_sm.recording.viewers") / "foxglove_schemas" / f"{title}.json"
-    return ViewerChannel(topic, title, json.loads(file.read_text("utf-8")))
 
 
 def _json(content: Mapping[str, Any]) -> bytes:

@@ -10,12 +10,8 @@ from math import inf
 from typing import NamedTuple, Protocol
 
 from pirate_sm.model.effects import Effect
-from pirate_sm.recording.viewers.viewer_messages import (
-    Message,
-    ViewerChannel,
-    ViewerMessages,
-    ViewerSnapshot,
-)
+from pirate_sm.recording.viewers.viewer_channel import Message, ViewerChannel
+from pirate_sm.recording.viewers.viewer_messages import ViewerMessages, ViewerSnapshot
 from pirate_sm.recording.write.recording_file import RecordingFile
 
 EVERY_S = 0.1

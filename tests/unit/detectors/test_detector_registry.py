@@ -43,6 +43,7 @@ def test_a_person_is_told_the_keys() -> None:
         (),
         ("detector: the keys [a] close  [b] in  [c] past",),
         None,
+        None,
     )
 
 
@@ -55,7 +56,7 @@ def test_the_place_is_told() -> None:
     ("text", "options", "why"),
     [
         ("odometri", {}, "did you mean 'odometry'"),
-        ("radar", {}, "expected one of odometry, operator, sim, socket"),
+        ("radar", {}, "expected one of odometry, operator, signals, sim, socket"),
         ("odometry:3", {}, "takes no argument"),
         ("sim", {}, "only the backend sim knows"),
         ("odometry", {"piped": False}, "needs to know the pipe"),

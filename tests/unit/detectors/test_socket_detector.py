@@ -8,26 +8,28 @@ import stat
 from collections.abc import Iterator
 from math import inf
 from pathlib import Path
+from select import select
 from typing import Any
 
 import pytest
 
+from pirate_sm.detectors.socket_address import Address, read_address
 from pirate_sm.detectors.socket_detector import OutsideWords
-from pirate_sm.detectors.socket_lines import LONGEST_LINE
-from pirate_sm.detectors.socket_listener import Address, read_address
+from pirate_sm.detectors.socket_lines import LONGEST_LINE, Accepted
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Ended, Log
-from pirate_sm.model.events import DetectorWord, Event
+from pirate_sm.model.events import DetectorWord, Event, OutsideNumber
 
 DOCUMENT = Path(__file__).resolve().parents[3] / "docs" / "detectors.md"
-WORDS = ("close", "in", "past")
+ACCEPTED = Accepted(("close", "in", "past"), 1.0, {"ruler": 0.3})
+TOKEN = b'{"token": "abc"}\n'
 STATE: Any = None
 CLOSE = b'{"word": "close", "valid_for_s": 2}\n'
 
 
 @pytest.fixture
 def outside() -> Iterator[OutsideWords]:
-    with OutsideWords(Address("127.0.0.1", 0), WORDS, 1.0) as companion:
+    with OutsideWords(Address("127.0.0.1", 0), ACCEPTED) as companion:
         yield companion
 
 
@@ -148,14 +150,14 @@ def test_it_listens_until_the_run_ends(outside: OutsideWords) -> None:
 
 def test_a_unix_socket_is_the_users_own_and_gone_afterwards(tmp_path: Path) -> None:
     path = tmp_path / "words"
-    with OutsideWords(Address(path=str(path)), WORDS, 1.0) as companion:
+    with OutsideWords(Address(path=str(path)), ACCEPTED) as companion:
         assert stat.S_IMODE(path.stat().st_mode) == 0o600
         with socket.socket(socket.AF_UNIX) as link:
             link.connect(str(path))
             link.sendall(CLOSE)
             assert hear(companion)[0] == [DetectorWord("close", 2.0)]
         with pytest.raises(UsageError, match="in use"):
-            OutsideWords(Address(path=str(path)), WORDS, 1.0).__enter__()
+            OutsideWords(Address(path=str(path)), ACCEPTED).__enter__()
         assert path.exists()
     assert not path.exists()
 
@@ -165,16 +167,16 @@ def test_a_socket_that_a_dead_run_left_is_replaced_and_a_file_is_not(tmp_path: P
     with socket.socket(socket.AF_UNIX) as dead:
         dead.bind(str(left))
     file.write_text("keep me", "utf-8")
-    with OutsideWords(Address(path=str(left)), WORDS, 1.0):
+    with OutsideWords(Address(path=str(left)), ACCEPTED):
         pass
     with pytest.raises(UsageError):
-        OutsideWords(Address(path=str(file)), WORDS, 1.0).__enter__()
+        OutsideWords(Address(path=str(file)), ACCEPTED).__enter__()
     assert file.read_text("utf-8") == "keep me"
 
 
-def test_a_port_in_use_is_told(outside: OutsideWords) -> None:
+def test_a_port_in_use_is_reported(outside: OutsideWords) -> None:
     with pytest.raises(UsageError, match=f"socket:127.0.0.1:{outside.address.port}: .*in use"):
-        OutsideWords(outside.address, WORDS, 1.0).__enter__()
+        OutsideWords(outside.address, ACCEPTED).__enter__()
 
 
 @pytest.mark.parametrize(
@@ -194,7 +196,6 @@ def test_an_address_is_read(text: str, address: Address) -> None:
 @pytest.mark.parametrize(
     ("text", "why"),
     [
-        ("", "expected socket:HOST:PORT"),
         ("5005", "expected socket:HOST:PORT"),
         ("127.0.0.1", "expected socket:HOST:PORT"),
         ("127.0.0.1:0", "expected socket:HOST:PORT"),
@@ -211,12 +212,124 @@ def test_an_address_that_others_reach_or_that_is_none_is_refused(text: str, why:
         read_address(text)
 
 
-def test_the_documented_example_says_its_word(outside: OutsideWords) -> None:
+def test_the_documented_example_says_its_word(guarded: OutsideWords) -> None:
     (example,) = re.findall(r"```python\n(.*?)```", DOCUMENT.read_text("utf-8"), re.DOTALL)
-    assert len(example.splitlines()) <= 11
+    assert len(example.splitlines()) <= 12
     assert '("127.0.0.1", 5005)' in example
-    example = example.replace("5005", str(outside.address.port))
+    example = example.replace("5005", str(guarded.address.port))
+    example = example.replace("the token that the run shows", "abc")
 
     exec(compile(example, str(DOCUMENT), "exec"), {})
 
-    assert hear(outside) == ([DetectorWord("close", 1.0)], [])
+    assert hear(guarded) == ([DetectorWord("close", 1.0)], [])
+
+
+def test_numbers_come_through_the_same_door(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(b'{"signal": "ruler", "value": 0.05, "age_s": 0.1}\n' + CLOSE)
+        said = [OutsideNumber("ruler", 0.05, 0.1), DetectorWord("close", 2.0)]
+        assert hear(outside) == (said, [])
+
+
+@pytest.fixture
+def guarded() -> Iterator[OutsideWords]:
+    with OutsideWords(Address("127.0.0.1", 0), ACCEPTED, "abc") as companion:
+        yield companion
+
+
+def test_a_program_with_the_token_is_heard(guarded: OutsideWords) -> None:
+    with connect(guarded) as link:
+        link.sendall(TOKEN + CLOSE)
+        assert hear(guarded) == ([DetectorWord("close", 2.0)], [])
+
+
+@pytest.mark.parametrize(
+    ("line", "why"),
+    [
+        (CLOSE, "the first line is"),
+        (b'{"token": "abd"}\n', "not the token of this run"),
+        (b'{"token": ""}\n', "not the token of this run"),
+        (b'{"token": 3}\n', "the first line is"),
+        (b"abc\n", "not a line of JSON"),
+        (b'{"token": "\xc3\xa4"}\n', "not the token of this run"),
+    ],
+)
+def test_a_program_without_the_token_is_disconnected(
+    guarded: OutsideWords, line: bytes, why: str
+) -> None:
+    with connect(guarded) as link:
+        link.sendall(line + CLOSE)
+        said, logs = hear(guarded)
+        assert said == []
+        assert why in logs[0].message
+        assert why in json.loads(link.recv(1000))["error"]
+        assert hear(guarded, 10)[0] == []
+
+
+def test_programs_that_say_nothing_do_not_keep_out_one_with_the_token(
+    guarded: OutsideWords,
+) -> None:
+    silent = []
+    for _ in range(200):
+        silent.append(connect(guarded))
+        hear(guarded, 1)
+    with connect(guarded) as link:
+        link.sendall(TOKEN + CLOSE)
+        assert hear(guarded)[0] == [DetectorWord("close", 2.0)]
+    for each in silent:
+        each.close()
+
+
+def test_a_program_that_never_gives_the_token_is_dropped(guarded: OutsideWords) -> None:
+    with connect(guarded) as link:
+        hear(guarded, 50)
+        assert link.recv(10) == b""
+
+
+def test_a_program_that_floods_is_dropped_and_others_are_heard(outside: OutsideWords) -> None:
+    with connect(outside) as flood, connect(outside) as other:
+        flood.setblocking(False)
+        for _ in range(10_000):
+            try:
+                flood.send(CLOSE * 2000)
+            except BlockingIOError:
+                pass
+            except OSError:
+                break
+            said, _ = hear(outside, 1)
+            assert len(said) <= LONGEST_LINE // len(CLOSE) + 1
+        else:
+            pytest.fail("it was never dropped")
+        other.sendall(b'{"word": "past"}\n')
+        heard: list[Event] = []
+        while DetectorWord("past", 1.0) not in heard:
+            heard += hear(outside)[0]
+
+
+def test_refused_lines_are_shown_at_most_once_a_second(outside: OutsideWords) -> None:
+    with connect(outside) as link:
+        link.sendall(b"rubbish\n")
+        assert hear(outside)[1]
+        answers = link.makefile("rb")
+        answers.readline()
+        for _ in range(3):
+            link.sendall(b"rubbish\n")
+            while not select([link], [], [], 0)[0]:
+                assert outside.look(STATE, 0.9) == ()
+            answers.readline()
+        link.sendall(b"rubbish\n")
+        logs: list[Log] = []
+        while not logs:
+            logs += outside.look(STATE, 1.0)
+        answers.close()
+    assert logs[0].message.endswith("(and 3 more)")
+
+
+def test_the_usual_address_is_the_users_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    assert read_address("") == Address(path=str(tmp_path / "pirate_sm.detector"))
+    monkeypatch.delenv("XDG_RUNTIME_DIR")
+    with pytest.raises(UsageError, match="socket:/PATH"):
+        read_address("")

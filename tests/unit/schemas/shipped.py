@@ -19,12 +19,14 @@ MISSIONS = [
     *sorted((ROOT / "docs" / "examples").glob("*.yaml")),
 ]
 PIPES = sorted((ROOT / "sequences" / "pipes").glob("*.yaml"))
+CAMERAS = sorted((ROOT / "cameras").glob("*.yaml"))
 ROBOTS = sorted(path.parent for path in (ROOT / "hardware_profiles").glob("*/profile.yaml"))
 NEWT = ROOT / "tests" / "robots" / "newt"
 
 SHIPPED = [
     *(("mission", path) for path in MISSIONS),
     *(("pipe", path) for path in PIPES),
+    *(("camera", path) for path in CAMERAS),
     *(("profile", robot / "profile.yaml") for robot in ROBOTS),
     *(("chart", robot / "chart.yaml") for robot in ROBOTS),
 ]

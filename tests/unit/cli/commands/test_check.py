@@ -52,8 +52,8 @@ def test_all_shipped_files_are_clean_even_of_warnings(
 
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
-        "1 robot, 1 chart, 17 pipes, 26 missions, 3 experiments checked in hardware_profiles,"
-        " sequences: no findings\n"
+        "1 robot, 1 chart, 17 pipes, 6 cameras, 26 missions, 3 experiments checked in"
+        " hardware_profiles, sequences, cameras: no findings\n"
     )
 
 
@@ -76,7 +76,7 @@ def test_where_there_is_nothing_to_check_nothing_has_passed(
     result = pirate("check", *paths)
 
     assert result.exit_code == 2
-    assert "there is no robot, mission or pipe in this folder" in result.stdout
+    assert "there is no robot, mission, pipe or camera in this folder" in result.stdout
 
 
 def test_a_finding_fails_the_check_from_its_severity_on(

@@ -4,6 +4,8 @@ the text at which the fault is shown, and how its message begins.
 
 from __future__ import annotations
 
+_BACKWARD = "      backward: {wheel: right_hind, passed: -100 mm}\n"
+_POINTS = "      forward: {wheel: left_fore, passed: -100 mm}\n" + _BACKWARD
 _BEFORE = "actuation:\n  Grip:\n"
 _CASE = "postures: {bowed: [{when: Grip == NoseHeld, set: {fold_neck: -50 %, fold_hip: 10 deg}}]}\n"
 
@@ -455,6 +457,12 @@ FAULTS = [
     ("code: robot.stuck", "code: stuck", "stuck", "the text 'stuck' does not fit"),
     ("code: motor.hot", "code: link.lost", "link.lost", "'link.lost' cannot be caught"),
     ("forward: {wheel: left_fore", "forward: {wheel: left", "left", "there is no wheel 'left'"),
+    (_BACKWARD, "", "near:", "`forward` and `backward` belong together"),
+    (_BACKWARD, _BACKWARD + "      held: 1 s\n", "near:", "`held` belongs to `when`"),
+    (_POINTS, "      held: 1 s\n", "near:", "expected `forward` and `backward`, or `when`"),
+    (_POINTS, "      when: wai > 1 m\n", "wai > 1 m", "unknown name 'wai'"),
+    (_POINTS, "      when: way\n", "way", "a condition is expected, this is a length"),
+    (_POINTS, "      {when: way > 1 m, held: -1 s}\n", "-1 s", "expected at least 0 s"),
     ("    near:\n", "    and:\n", "and:", "'and', a word of 'detector', cannot be used"),
     ("wheels: [left_hind]", "wheels: [left]", "left]", "there is no wheel 'left'"),
     ("kind: dead_wheel", "kind: dead", "dead", "expected one of dead_wheel, stiff_joint"),

@@ -1,0 +1,192 @@
+"""A synthetic camera over the simulated bend: how well the robot is seen, and how quickly.
+
+    python -m benchmarks.vision [--frames 200] [--boards 20]
+
+The robot passes the bend of `mitre_bend` in the simulator. At moments spread over the whole run, a
+picture is drawn of it in one of five lights, with noise, blur and JPEG, and searched. The errors
+are those of the places of the wheels (of tags: both ends of each link that is seen) or of the
+marker. False is what is reported more than 25 mm from its place. Times are of one core.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from itertools import cycle
+from math import cos, dist, sin
+
+import numpy as np
+
+from pirate_sm.companion import Companion
+from pirate_sm.geometry.route import Route
+from pirate_sm.loading import library
+from pirate_sm.loading.camera_file import load_camera
+from pirate_sm.model.camera import Camera
+from pirate_sm.model.camera_source import SyntheticSource
+from pirate_sm.model.sighting import Sighting
+from pirate_sm.model.synthetic_camera import Lighting
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.vision.seeing import Eye, eye_of
+from pirate_sm.vision.synthetic.picture import SyntheticPictures
+from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+from pirate_sm.wiring import Order, load, prepare
+
+MISSION = "mitre_bend"
+CAMERAS = ("synthetic", "synthetic_marker", "setup_2")
+FALSE_M = 0.025
+SAMPLE_EVERY_S = 0.05
+LIGHTS = {
+    "neutral": Lighting(),
+    "dim": Lighting(gain=0.3),
+    "warm": Lighting(lamp="warm"),
+    "cold": Lighting(lamp="cold", uneven=0.5),
+    "lamps": Lighting(glare=True, uneven=0.4),
+}
+
+
+class Watch:
+    """A companion that notes where the wheels are."""
+
+    listening = False
+
+    def __init__(self, wheels: Callable[[], Sequence[tuple[float, float]]]) -> None:
+        self.due_s = 0.0
+        self.seen: list[tuple[tuple[float, float], ...]] = []
+        self._wheels = wheels
+
+    def react(self, effects: object, now_s: float) -> None:
+        """Do nothing."""
+
+    def speak(self, now_s: float) -> tuple[()]:
+        """Note where the wheels are now."""
+        self.due_s = now_s + SAMPLE_EVERY_S
+        self.seen.append(tuple(self._wheels()))
+        return ()
+
+
+def scenes() -> list[ShownScene]:
+    """The robot on its way through the bend, every 50 ms."""
+    order = Order(MISSION)
+    loaded = load(order)
+    prepared = prepare(order, loaded)
+    assert prepared.wheels is not None
+    assert loaded.pipe is not None
+    watch = Watch(prepared.wheels)
+    companions: tuple[Companion, ...] = (*prepared.companions, watch)
+    MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+    body, route = loaded.loaded_robot.profile.body, Route(loaded.pipe.network())
+    return [scene_in_pipe(wheels, body, route) for wheels in watch.seen]
+
+
+@dataclass
+class Score:
+    """How well one camera saw in one light.
+
+    Attributes:
+        errors_m: Errors of places.
+        missed: How many tags or markers were not found.
+        expected: Out of how many.
+        false: How many were reported where they are not.
+        see_s: Time of each search.
+    """
+
+    errors_m: list[float] = field(default_factory=list)
+    missed: int = 0
+    expected: int = 0
+    false: int = 0
+    see_s: list[float] = field(default_factory=list)
+
+    def take(self, sighting: Sighting, scene: ShownScene, expected: set[str]) -> None:
+        """Judge a sighting by the truth."""
+        links = {link.module: link for link in scene.links}
+        self.expected += len(expected)
+        self.missed += len(expected - {mark.on for mark in sighting.marks})
+        for mark in sighting.marks:
+            link = links[mark.on]
+            if dist(mark.place_m, link.middle) > FALSE_M:
+                self.false += 1
+            elif mark.heading_rad is None:
+                self.errors_m.append(dist(mark.place_m, link.middle))
+            else:
+                half_m = dist(link.front, link.rear) / 2
+                (x, y), c, s = mark.place_m, cos(mark.heading_rad), sin(mark.heading_rad)
+                self.errors_m.append(dist((x + half_m * c, y + half_m * s), link.front))
+                self.errors_m.append(dist((x - half_m * c, y - half_m * s), link.rear))
+
+    def line(self, name: str) -> str:
+        """A row of the table."""
+        if not self.errors_m:
+            return f"{name:<30} found 0 of {self.expected}, {self.false} false"
+        found = 100 * (self.expected - self.missed) / self.expected
+        errors = 1000 * np.array(self.errors_m)
+        return (
+            f"{name:<30} found {found:5.1f} %  mean {errors.mean():4.1f}  "
+            f"p95 {np.percentile(errors, 95):4.1f}  worst {errors.max():5.1f} mm  "
+            f"{self.false} false  {1000 * np.median(self.see_s):5.1f} ms"
+        )
+
+
+def looked(camera: Camera, light: Lighting) -> tuple[Eye, SyntheticPictures]:
+    """The eye of a camera, and what draws its pictures in a light."""
+    eye, source = eye_of(camera), camera.source
+    assert isinstance(source, SyntheticSource)
+    looks = source.synthetic.model_copy(update={"light": light})
+    return eye, SyntheticPictures(camera, eye.view, looks)
+
+
+def judge(camera: Camera, shown: Sequence[ShownScene], lights: dict[str, Lighting]) -> bool:
+    """Print how well a camera sees in each light; whether the bars are kept."""
+    eyes = {name: looked(camera, light) for name, light in lights.items()}
+    scores = {name: Score() for name in lights}
+    for number, (scene, name) in enumerate(zip(shown, cycle(lights), strict=False)):
+        eye, pictures = eyes[name]
+        frame = pictures.picture(scene, number)
+        began = time.thread_time()
+        sighting = eye.see(frame, 0.0)
+        scores[name].see_s.append(time.thread_time() - began)
+        scores[name].take(sighting, scene, expected_of(eye, scene))
+    whole = Score()
+    for name, score in scores.items():
+        print(score.line(f"{camera.camera}, {name}"))
+        for each in ("errors_m", "see_s"):
+            getattr(whole, each).extend(getattr(score, each))
+        whole.missed += score.missed
+        whole.expected += score.expected
+        whole.false += score.false
+    print(whole.line(f"{camera.camera}, all"))
+    return bool(whole.errors_m) and whole.false == 0 and np.percentile(whole.errors_m, 95) <= 4e-3
+
+
+def expected_of(eye: Eye, scene: ShownScene) -> set[str]:
+    """The modules whose tags or markers are in the picture."""
+    robot = eye.camera.robot
+    wanted = set(robot.on.values()) if hasattr(robot, "on") else {robot.marker.on}
+    width, height = eye.camera.source.size
+    inside = set()
+    for link in scene.links:
+        u, v = eye.view.project(np.array([[*link.middle, 0.075]]))[0]
+        if link.module in wanted and 0 <= u < width and 0 <= v < height:
+            inside.add(link.module)
+    return inside
+
+
+def main() -> int:
+    """Whether all bars are kept."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--frames", type=int, default=200)
+    parser.add_argument("--cameras", nargs="*", default=CAMERAS)
+    wishes = parser.parse_args()
+    way = scenes()
+    shown = [way[round(n)] for n in np.linspace(0, len(way) - 1, wishes.frames)]
+    good = True
+    for name in wishes.cameras:
+        camera, _ = load_camera(library.find_camera(name))
+        good &= judge(camera, shown, LIGHTS)
+    return 0 if good else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

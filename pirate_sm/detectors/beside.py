@@ -1,0 +1,80 @@
+"""A second detector beside the one in force: its words are logged, and never reach the mission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from contextlib import AbstractContextManager, ExitStack
+from math import inf
+from typing import Self
+
+from pirate_sm.companion import Companion, Counting, Onlooker
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import DetectorWord, Event, FaultReport
+
+
+class Beside:
+    """A companion that logs what another detector would report; a repeated word is logged once.
+
+    Args:
+        name: The detector's name.
+        companion: A companion of the detector.
+    """
+
+    def __init__(self, name: str, companion: Companion) -> None:
+        self._name = name
+        self._companion = companion
+        self._word = ""
+        self._until_s = -inf
+        self._logs: list[Log] = []
+        self._entered = ExitStack()
+
+    @property
+    def due_s(self) -> float:
+        """Return the mission time of its next call."""
+        return self._companion.due_s
+
+    @property
+    def listening(self) -> bool:
+        """Return whether the detector waits for a person or another program."""
+        return self._companion.listening
+
+    def __enter__(self) -> Self:
+        """Open the detector."""
+        if isinstance(self._companion, AbstractContextManager):
+            self._entered.enter_context(self._companion)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the detector."""
+        self._entered.close()
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Process the effects of the last step."""
+        self._companion.react(effects, now_s)
+
+    def restart(self, robot: RobotSpec) -> None:
+        """Begin again for another mission."""
+        if isinstance(self._companion, Counting):
+            self._companion.restart(robot)
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Return the detector's own messages, and its words and faults since the last look."""
+        looked = self._companion.look(state, now_s) if isinstance(self._companion, Onlooker) else ()
+        self._note(self._companion.speak(now_s), now_s)
+        logs, self._logs = self._logs, []
+        return (*looked, *logs)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return nothing: the detector has been asked in ``look``."""
+        return ()
+
+    def _note(self, events: Sequence[Event], now_s: float) -> None:
+        for event in events:
+            if isinstance(event, FaultReport):
+                self._logs.append(Log("warning", f"also {self._name}: {event.message}"))
+            elif isinstance(event, DetectorWord):
+                if event.word != self._word or now_s > self._until_s:
+                    self._logs.append(Log("info", f"also {self._name}: {event.word}"))
+                self._word, self._until_s = event.word, now_s + event.valid_for_s

@@ -1,0 +1,153 @@
+"""Positions of the wheels from what a camera has seen of the robot.
+
+A tag gives the middle and the heading of its link, and so both wheels of the link. A link whose
+tag is not seen for a moment is laid onto its neighbours by the joint angles. A marker gives one
+point of the robot; dead reckoning gives the shape and the heading of the chain.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import cos, isnan, nan, sin
+from typing import NamedTuple, Protocol
+
+from pirate_sm.detectors.dead_reckoning import Reckoned
+from pirate_sm.engine.sensing.body_spec import BodySpec
+from pirate_sm.geometry.plane import inner_corner
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Place
+from pirate_sm.model.sighting import Mark, Sighting
+
+BRIDGED_S = 0.3
+"""How long joint angles stand in for a tag that is not seen [decided]: it drives 30 mm in it."""
+
+_UNKNOWN: Place = (nan, nan)
+
+
+class Seen(NamedTuple):
+    """Where the wheels were at the time of a sighting; NaN is unknown.
+
+    Attributes:
+        places_m: Position of each wheel along the pipe.
+        points: The same positions in the plane of the pipe.
+    """
+
+    places_m: tuple[float, ...]
+    points: tuple[Place, ...]
+
+
+class Placing(Protocol):
+    """A way to find the wheels from what was seen."""
+
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+        """Return where the wheels were; ``angles`` has the angle at each wheel, rad."""
+
+
+class Tags:
+    """Finds the wheels from tags on the links.
+
+    Args:
+        body: The robot's chain.
+        route: The route through the pipe.
+        links: Index of the link of each module with a tag.
+    """
+
+    def __init__(self, body: BodySpec, route: Route, links: Mapping[str, int]) -> None:
+        self._body = body
+        self._route = route
+        self._links = links
+        self._origin = inner_corner(route)
+        self._seen_s = [-1e9] * len(body.lengths_m)
+
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+        """Return where the wheels were."""
+        chains = []
+        for mark in sighting.marks:
+            if mark.heading_rad is None:
+                continue
+            link = self._links[mark.on]
+            self._seen_s[link] = sighting.captured_s
+            chains.append((link, self._ends(mark, link)))
+        if not chains:
+            return _nowhere(len(angles))
+        points = [self._wheel(wheel, chains, angles, sighting) for wheel in range(len(angles))]
+        return _along(self._route, points)
+
+    def _ends(self, mark: Mark, link: int) -> tuple[Place, Place]:
+        """Return the wheels of a link, front first, in the plane of the pipe."""
+        x, y = mark.place_m[0] + self._origin[0], mark.place_m[1] + self._origin[1]
+        assert mark.heading_rad is not None
+        half = self._body.lengths_m[link] / 2
+        dx, dy = half * cos(mark.heading_rad), half * sin(mark.heading_rad)
+        return (x + dx, y + dy), (x - dx, y - dy)
+
+    def _wheel(
+        self,
+        wheel: int,
+        chains: Sequence[tuple[int, tuple[Place, Place]]],
+        angles: Sequence[float],
+        sighting: Sighting,
+    ) -> Place:
+        """Return the mean of what the tags of its links show, else what the nearest tag shows."""
+        shown = [ends[wheel - link] for link, ends in chains if wheel in (link, link + 1)]
+        if shown:
+            return (
+                sum(x for x, _ in shown) / len(shown),
+                sum(y for _, y in shown) / len(shown),
+            )
+        link, ends = min(chains, key=lambda each: abs(each[0] + 0.5 - wheel))
+        between = range(link + 1, wheel) if wheel > link else range(wheel, link)
+        oldest_s = min(self._seen_s[each] for each in between)
+        if sighting.captured_s - oldest_s > BRIDGED_S:
+            return _UNKNOWN
+        return self._hung(wheel, link, ends, angles)
+
+    def _hung(
+        self, wheel: int, link: int, ends: tuple[Place, Place], angles: Sequence[float]
+    ) -> Place:
+        """Return a wheel that hangs on a link that is seen, by the joint angles in between."""
+        (ax, ay), (bx, by) = ends
+        headings = self._body.headings(angles, link)
+        length = self._body.lengths_m[link]
+        cosine, sine = (ax - bx) / length, (ay - by) / length
+        x, y = ends[1] if wheel > link else ends[0]
+        passed = range(link + 1, wheel) if wheel > link else range(link - 1, wheel - 1, -1)
+        for each in passed:
+            along = self._body.lengths_m[each] * (-1.0 if wheel > link else 1.0)
+            dx, dy = along * cos(headings[each]), along * sin(headings[each])
+            x, y = x + dx * cosine - dy * sine, y + dx * sine + dy * cosine
+        return x, y
+
+
+class OneMarker:
+    """Finds the wheels from one marker, with the shape of the chain by dead reckoning.
+
+    Args:
+        route: The route through the pipe.
+        link: Index of the link in whose middle the marker is.
+    """
+
+    def __init__(self, route: Route, link: int) -> None:
+        self._route = route
+        self._link = link
+        self._origin = inner_corner(route)
+        self.reckoned: Reckoned | None = None
+
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+        """Return where the wheels were, with the shape in ``reckoned``."""
+        if self.reckoned is None or not sighting.marks:
+            return _nowhere(len(angles))
+        points, mark = self.reckoned.points, sighting.marks[0]
+        (ax, ay), (bx, by) = points[self._link], points[self._link + 1]
+        dx = mark.place_m[0] + self._origin[0] - (ax + bx) / 2
+        dy = mark.place_m[1] + self._origin[1] - (ay + by) / 2
+        return _along(self._route, [(x + dx, y + dy) for x, y in points])
+
+
+def _nowhere(wheels: int) -> Seen:
+    return Seen((nan,) * wheels, (_UNKNOWN,) * wheels)
+
+
+def _along(route: Route, points: Sequence[Place]) -> Seen:
+    places = tuple(nan if isnan(x + y) else route.arc_of((x, y, 0.0)) for x, y in points)
+    return Seen(places, tuple(points))

@@ -1,0 +1,62 @@
+"""Read camera files, and check what the models cannot."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.model.camera import FEWEST_POINTS, Camera, RobotTags, TagFamily
+
+_NUMBERS: dict[TagFamily, int] = {"aruco_4x4_50": 50, "apriltag_36h11": 587}
+
+
+def load_camera(path: Path) -> tuple[Camera, Document]:
+    """Return the camera in a file, and the file's document.
+
+    Raises:
+        LoadError: The file has faults; holds all of them.
+    """
+    document = read_document(path, shown(path))
+    camera = validate(document, Camera)
+    problems = Problems(document)
+    _check_numbers(camera, problems)
+    _check_points(camera, problems)
+    problems.raise_errors()
+    return camera, document
+
+
+def _check_numbers(camera: Camera, problems: Problems) -> None:
+    """Report numbers that the family of tags does not have, and those that stand for two tags."""
+    setup, robot = camera.setup, camera.robot
+    used = [(setup.tags, "setup", "at", number) for number in setup.at]
+    if isinstance(robot, RobotTags):
+        used += [(robot.tags, "robot", "on", number) for number in robot.on]
+        if setup.tags == robot.tags:
+            for number in setup.at.keys() & robot.on.keys():
+                message = f"tag {number} is on the setup, too"
+                problems.add("camera.tag", ("robot", "on", number), message, key=True)
+    for family, *path in used:
+        if family is not None and int(path[-1]) >= _NUMBERS[family]:
+            message = f"the family {family} has no tag {path[-1]}"
+            expected = f"0 to {_NUMBERS[family] - 1}"
+            problems.add("camera.tag", tuple(path), message, expected=expected, key=True)
+
+
+def _check_points(camera: Camera, problems: Problems) -> None:
+    """Report a setup from which the camera's pose can never be found."""
+    setup = camera.setup
+    known = max(len(setup.at), len(setup.points))
+    if setup.pose is None and known < FEWEST_POINTS:
+        path = ("setup", "at" if setup.at else "points")
+        message = f"{known} known places are too few to find where the camera hangs"
+        expected = f"at least {FEWEST_POINTS}, better 8 at two heights"
+        problems.add("camera.points", path, message, expected=expected)
+    width, height = camera.source.size
+    for number, point in enumerate(setup.points):
+        u, v = point.seen
+        if not (0 <= u < width and 0 <= v < height):
+            message = f"this is outside of the picture of {width} × {height}"
+            problems.add("camera.points", ("setup", "points", number, "seen"), message)

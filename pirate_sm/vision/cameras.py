@@ -1,0 +1,61 @@
+"""Open the camera of a file: its sightings, live or in mission time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from pathlib import Path
+
+from pirate_sm.errors import UsageError
+from pirate_sm.model.camera import Camera
+from pirate_sm.model.camera_source import (
+    DeviceSource,
+    FileSource,
+    ImagesSource,
+    SyntheticSource,
+    UrlSource,
+)
+from pirate_sm.vision.captures import open_capture
+from pirate_sm.vision.live_sightings import LiveSightings
+from pirate_sm.vision.paced_sightings import RecordedSightings, SyntheticSightings
+from pirate_sm.vision.seeing import eye_of
+from pirate_sm.vision.sources import SightingSource
+from pirate_sm.vision.synthetic.picture import SyntheticPictures
+from pirate_sm.vision.synthetic.shown_scene import ShownScene
+
+
+def open_sightings(
+    camera: Camera,
+    folder: Path,
+    clock: Callable[[], float],
+    scene: Callable[[], ShownScene] | None = None,
+    seed: int = 0,
+) -> SightingSource:
+    """Return the sightings of a camera; it is open and has given a picture.
+
+    Args:
+        camera: What its file says.
+        folder: The folder of the file, to which its paths refer.
+        clock: Returns the mission time; for live cameras.
+        scene: Returns the simulated robot as it is now; for synthetic cameras.
+        seed: Of the errors of a synthetic camera.
+
+    Raises:
+        UsageError: The camera cannot be opened, its pictures have another size, its lens or its
+            place is unknown, or it is synthetic and no robot is simulated.
+    """
+    source, eye = camera.source, eye_of(camera)
+    match source:
+        case DeviceSource() | UrlSource():
+            opened = partial(open_capture, source, folder)
+            return LiveSightings(source, eye, camera.latency_s, clock, opened)
+        case FileSource() | ImagesSource():
+            capture = open_capture(source, folder)
+            return RecordedSightings(source, eye, camera.latency_s, capture)
+        case SyntheticSource():
+            if scene is None:
+                raise UsageError(
+                    f"the camera '{camera.camera}' is synthetic: it sees a simulated robot only"
+                )
+            pictures = SyntheticPictures(camera, eye.view, source.synthetic)
+            return SyntheticSightings(eye, pictures, scene, seed)

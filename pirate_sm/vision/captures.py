@@ -1,0 +1,140 @@
+"""Pictures one after the other: from a camera of this computer, the network, a video or files."""
+
+from __future__ import annotations
+
+from glob import glob
+from pathlib import Path
+from typing import Any, Protocol
+
+from pirate_sm.errors import UsageError
+from pirate_sm.model.camera_source import (
+    CameraSource,
+    DeviceSource,
+    FileSource,
+    ImagesSource,
+    SyntheticSource,
+    UrlSource,
+)
+from pirate_sm.vision.arrays import Frame
+from pirate_sm.vision.opencv import cv2
+
+_OPEN_MS, _READ_MS = 4000, 2000
+"""How long a camera in the network is waited for; OpenCV's own limits are 30 s."""
+
+
+class Capture(Protocol):
+    """An opened source of pictures."""
+
+    def read(self) -> Frame | None:
+        """Return the next picture, waiting for it; None if there is none any more."""
+
+    def close(self) -> None:
+        """Give the camera or the file back."""
+
+
+class VideoCapture:
+    """A camera or a video, read by OpenCV.
+
+    Raises:
+        UsageError: It cannot be opened.
+    """
+
+    def __init__(self, source: DeviceSource | FileSource | UrlSource, folder: Path) -> None:
+        match source:
+            case DeviceSource():
+                what = f"the camera /dev/video{source.device}"
+                self._video = _device(source)
+            case FileSource():
+                what = f"the video '{source.file}'"
+                self._video = cv2.VideoCapture(str(folder / source.file))
+            case UrlSource():
+                what = f"the camera at {source.url}"
+                limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, _OPEN_MS]
+                limits += [cv2.CAP_PROP_READ_TIMEOUT_MSEC, _READ_MS]
+                self._video = cv2.VideoCapture(source.url, cv2.CAP_FFMPEG, limits)
+        if not self._video.isOpened():
+            raise UsageError(f"{what} cannot be opened: is it there, and may you read it?")
+
+    def read(self) -> Frame | None:
+        """Return the next picture; None at the end, or when the camera is gone."""
+        good, frame = self._video.read()
+        return frame if good else None
+
+    def close(self) -> None:
+        """Give the camera or the file back."""
+        self._video.release()
+
+
+class ImageCapture:
+    """Pictures in files, in the order of their names.
+
+    Raises:
+        UsageError: There are none.
+    """
+
+    def __init__(self, source: ImagesSource, folder: Path) -> None:
+        # Path.glob takes no absolute pattern.
+        self.names = sorted(glob(source.images, root_dir=folder))  # noqa: PTH207
+        if not self.names:
+            raise UsageError(f"there are no pictures '{source.images}' in {folder}")
+        self._left = iter(self.names)
+        self._folder = folder
+
+    def read(self) -> Frame | None:
+        """Return the next picture; None behind the last, and for a file that is none."""
+        name = next(self._left, None)
+        frame: Frame | None = None if name is None else cv2.imread(str(self._folder / name))
+        return frame
+
+    def close(self) -> None:
+        """Do nothing: each file is closed at once."""
+
+
+def open_capture(source: CameraSource, folder: Path) -> Capture:
+    """Return the opened source of a camera's file.
+
+    Args:
+        source: The source.
+        folder: The folder of the camera's file, to which its paths refer.
+
+    Raises:
+        UsageError: It cannot be opened, or it is drawn by the simulator.
+    """
+    match source:
+        case DeviceSource() | FileSource() | UrlSource():
+            return VideoCapture(source, folder)
+        case ImagesSource():
+            return ImageCapture(source, folder)
+        case SyntheticSource():
+            raise UsageError("a synthetic camera has pictures of a simulated robot only")
+
+
+def first_frame(capture: Capture, source: CameraSource) -> Frame:
+    """Return the first picture of a source, which must have the size in the camera's file.
+
+    Raises:
+        UsageError: There is none, or its size differs: the lens would not be valid.
+    """
+    frame = capture.read()
+    if frame is None:
+        raise UsageError("the camera gives no picture")
+    height, width = frame.shape[:2]
+    if (width, height) != source.size:
+        wanted = "{} × {}".format(*source.size)
+        raise UsageError(f"the pictures have {width} × {height} pixels, the camera's file {wanted}")
+    return frame
+
+
+def _device(source: DeviceSource) -> Any:
+    width, height = source.size
+    settings = [
+        (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*source.codec)),
+        (cv2.CAP_PROP_FRAME_WIDTH, width),
+        (cv2.CAP_PROP_FRAME_HEIGHT, height),
+        (cv2.CAP_PROP_FPS, source.rate),
+        (cv2.CAP_PROP_BUFFERSIZE, 1),  # older pictures are of no use
+    ]
+    video = cv2.VideoCapture(source.device, cv2.CAP_V4L2)
+    for key, value in settings:
+        video.set(key, value)
+    return video

@@ -1,0 +1,23 @@
+"""OpenCV, imported once with its settings: no output of its own, and one thread."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from pirate_sm.errors import UsageError
+
+# It reads this when it is imported. Without it, a camera that is missing prints ten lines.
+os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
+os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
+
+try:
+    import cv2 as _cv2
+except ImportError:
+    raise UsageError(
+        "a camera needs opencv, which is not installed: pip install 'pirate-sm[vision]'"
+    ) from None
+
+cv2: Any = _cv2
+# The control loop runs beside it: one core is enough (docs/measurements.md).
+cv2.setNumThreads(1)

@@ -1,0 +1,76 @@
+"""What hands out sightings: its protocol, and the picture that belongs to each."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from pirate_sm.model.sighting import Sighting
+from pirate_sm.vision.arrays import Frame
+from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.seeing import Eye
+
+_JPEG_QUALITY = 70
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A sighting and its picture.
+
+    Attributes:
+        sighting: What was found.
+        frame: The picture.
+    """
+
+    sighting: Sighting
+    frame: Frame = field(repr=False)
+
+    def jpeg(self, width: int = 640) -> bytes:
+        """Return the picture as a small JPEG, for recordings: 16 kB at a width of 640 pixels."""
+        height = round(self.frame.shape[0] * width / self.frame.shape[1])
+        small = cv2.resize(self.frame, (width, height), interpolation=cv2.INTER_AREA)
+        coded = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])[1]
+        return bytes(coded.tobytes())
+
+
+class SightingSource(Protocol):
+    """Hands out sightings as the mission goes on.
+
+    Attributes:
+        due_s: Mission time at which it wants to be asked again.
+        fault: Why there are no pictures now; empty if there are.
+    """
+
+    due_s: float
+    fault: str
+
+    def look(self, now_s: float) -> Sequence[Seen]:
+        """Return what has arrived since it was asked last, oldest first; never waits."""
+
+    def close(self) -> None:
+        """Give the camera back."""
+
+
+class Gaze:
+    """An eye that remembers where the marker was, so that it searches there first.
+
+    Args:
+        eye: The eye.
+    """
+
+    _REMEMBERED_S = 0.5
+
+    def __init__(self, eye: Eye) -> None:
+        self._eye = eye
+        self._last: tuple[float, tuple[float, float]] | None = None
+
+    def see(self, frame: Frame, captured_s: float) -> Seen:
+        """Return what a picture shows."""
+        near = None
+        if self._last is not None and 0 <= captured_s - self._last[0] <= self._REMEMBERED_S:
+            near = self._last[1]
+        sighting = self._eye.see(frame, captured_s, near)
+        if sighting.marks:
+            self._last = captured_s, sighting.marks[0].place_m
+        return Seen(sighting, frame)

@@ -1,0 +1,182 @@
+"""Makes the detector ``vision``: a camera over the setup, by its file."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+from pirate_sm.detectors.odometry_detector import Odometry
+from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
+from pirate_sm.detectors.seen_places import OneMarker, Placing, Tags
+from pirate_sm.detectors.vision_detector import Picture, Sight, SightingSource
+from pirate_sm.errors import Hint, UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.camera_file import load_camera
+from pirate_sm.model.camera import Camera, RobotTags
+from pirate_sm.model.camera_source import DeviceSource, SyntheticSource, UrlSource
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+from pirate_sm.registry import Plugin
+
+_INSTALLED = {"cv2", "numpy"}
+"""The packages that the extra `vision` installs."""
+
+
+def make(asked: Asked) -> Detecting:
+    """Return the detector, with its camera still closed.
+
+    Raises:
+        LoadError: The camera's file has faults; holds all of them.
+        UsageError: There is no such camera or no pipe, the camera does not fit the robot, or the
+            extra ``vision`` is not installed.
+    """
+    if not asked.argument:
+        cameras = ", ".join(path.stem for path in library.cameras())
+        raise UsageError(f"detector vision: name a camera, vision:NAME; there are {cameras}")
+    if asked.pipe is None:
+        hint = Hint(": give it with --pipe", ": give it with pipe='NAME'")
+        raise UsageError("the detector vision needs to know the pipe", hint=hint)
+    path = library.find_camera(asked.argument, Path.cwd())
+    camera, _ = load_camera(path)
+    route = asked.pipe.route()
+    links = _links(camera, asked.profile)
+    odometry = None
+    if asked.robot.odometry >= 0:
+        odometry = Odometry(asked.profile, asked.robot, asked.pipe, asked.first_wheel_m)
+    placing: Placing
+    if isinstance(camera.robot, RobotTags):
+        placing = Tags(asked.robot.body, route, links)
+    elif odometry is None:
+        message = f"the camera '{camera.camera}' sees one marker: the shape needs odometry"
+        raise UsageError(f"{message}, and {asked.robot.name} has no signal of odometry_of")
+    else:
+        placing = OneMarker(route, next(iter(links.values())))
+    opens = _opening(camera, path.parent, asked, asked.pipe)
+    sight = Sight(
+        asked.profile,
+        asked.robot,
+        route,
+        opens,
+        placing,
+        odometry=odometry,
+        live=isinstance(camera.source, DeviceSource | UrlSource),
+        measures=_measured(camera, asked.profile),
+    )
+    notice = f"detector: the camera {camera.camera}"
+    return Detecting("vision", (sight,), (notice,), sight.truth, sight.view)
+
+
+def _links(camera: Camera, profile: Profile) -> Mapping[str, int]:
+    """Return the index of the link of each module that the camera looks for.
+
+    Raises:
+        UsageError: The robot has no such module.
+    """
+    modules = [link.module for link in profile.body.links]
+    robot = camera.robot
+    wanted = robot.on.values() if isinstance(robot, RobotTags) else [robot.marker.on]
+    for name in wanted:
+        if name not in modules:
+            known = ", ".join(modules)
+            message = f"the camera '{camera.camera}' looks for the module '{name}'"
+            raise UsageError(f"{message}; {profile.robot} has {known}")
+    return {name: modules.index(name) for name in wanted}
+
+
+def _measured(camera: Camera, profile: Profile) -> str:
+    """Return the outside signal that gets the speed; empty for none.
+
+    Raises:
+        UsageError: The robot has no such signal.
+    """
+    name = camera.speed or ""
+    if name and name not in profile.outside:
+        message = f"the camera '{camera.camera}' measures '{name}'"
+        raise UsageError(f"{message}, which {profile.robot} does not declare under `outside`")
+    return name
+
+
+def _opening(
+    camera: Camera, folder: Path, asked: Asked, pipe: Pipe
+) -> Callable[[], SightingSource]:
+    """Return what opens the camera.
+
+    Raises:
+        UsageError: The extra ``vision`` is not installed, or the camera is synthetic and the
+            backend knows no robot to show.
+    """
+    try:
+        from pirate_sm.vision.cameras import open_sightings
+    except ModuleNotFoundError as error:
+        if error.name not in _INSTALLED:
+            raise
+        message = f"the detector vision needs {error.name}, which is not installed"
+        raise UsageError(f"{message}: pip install 'pirate-sm[vision]'") from None
+    from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+
+    wheels, body, route = asked.wheels, asked.profile.body, pipe.route()
+    if isinstance(camera.source, SyntheticSource) and wheels is None:
+        message = f"the camera '{camera.camera}' is synthetic: it sees a simulated robot only"
+        raise UsageError(message, hint=Hint(": use --backend sim", ": use backend='sim'"))
+
+    def scene() -> ShownScene:
+        assert wheels is not None, "only synthetic cameras ask for it"
+        return scene_in_pipe(wheels(), body, route)
+
+    clock = MissionClock()
+    return lambda: Clocked(open_sightings(camera, folder, clock, scene, asked.seed), clock)
+
+
+class MissionClock:
+    """Returns the mission time between the looks of a run, for the thread of a live camera.
+
+    Args:
+        monotonic: Returns a time that never leaps, s.
+    """
+
+    def __init__(self, monotonic: Callable[[], float] = time.monotonic) -> None:
+        self._monotonic = monotonic
+        self._ahead_s = -monotonic()
+
+    def __call__(self) -> float:
+        """Return the mission time, s."""
+        return self._monotonic() + self._ahead_s
+
+    def set(self, now_s: float) -> None:
+        """Take the mission time from the run."""
+        self._ahead_s = now_s - self._monotonic()
+
+
+class Clocked:
+    """Sightings whose clock is set at each look.
+
+    Args:
+        source: Hands out the sightings.
+        clock: Its clock.
+    """
+
+    def __init__(self, source: SightingSource, clock: MissionClock) -> None:
+        self._source, self._clock = source, clock
+
+    @property
+    def due_s(self) -> float:
+        """Return the mission time at which the source wants to be asked again."""
+        return self._source.due_s
+
+    @property
+    def fault(self) -> str:
+        """Return why there are no pictures now."""
+        return self._source.fault
+
+    def look(self, now_s: float) -> Sequence[Picture]:
+        """Return what has arrived since the last look."""
+        self._clock.set(now_s)
+        return self._source.look(now_s)
+
+    def close(self) -> None:
+        """Close the camera."""
+        self._source.close()
+
+
+DETECTOR: Plugin[MakeDetector] = Plugin("a camera over the setup: vision:NAME", make)
