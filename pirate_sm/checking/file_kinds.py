@@ -17,6 +17,7 @@ class Kind(StrEnum):
     CHART = "chart"
     PIPE = "pipe"
     CALIBRATION = "calibration"
+    PANEL = "panel"
     MISSION = "mission"
     SCRIPT = "trace script"
     UNREADABLE = "unreadable file"
@@ -35,6 +36,8 @@ _TELLING = (
     (Kind.PIPE, {"segments"}),
     (Kind.PIPE, {"pipe", "diameter"}),
     (Kind.CALIBRATION, {"robot", "zeros"}),
+    (Kind.PANEL, {"buttons"}),
+    (Kind.PANEL, {"panel", "controls"}),
 )
 """Combinations of top-level keys that identify a kind of file; the first match decides."""
 

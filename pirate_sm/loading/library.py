@@ -1,4 +1,4 @@
-"""Find robots, missions and pipes by name or by path.
+"""Find robots, missions, pipes and panels by name or by path.
 
 The shipped ones are inside the installed package, or at the root of a source tree.
 """
@@ -19,7 +19,7 @@ _LONGEST_NAME = 100
 
 
 def shipped() -> Path:
-    """Return the folder with the shipped ``sequences`` and ``hardware_profiles``."""
+    """Return the folder with the shipped ``sequences``, ``hardware_profiles`` and ``panels``."""
     packaged = _PACKAGE / "_data"
     return packaged if packaged.is_dir() else _PACKAGE.parent
 
@@ -38,6 +38,11 @@ def missions() -> list[Path]:
 def pipes() -> list[Path]:
     """Return the files of the shipped pipes."""
     return sorted((shipped() / "sequences" / "pipes").glob("*.yaml"))
+
+
+def panels() -> list[Path]:
+    """Return the files of the shipped control panels."""
+    return sorted((shipped() / "panels").glob("*.yaml"))
 
 
 def find_robot(name: str, beside: Path | None = None) -> Path:
@@ -95,6 +100,15 @@ def find_pipe(name: str, beside: Path | None = None) -> Path:
     """
     folders = [] if beside is None else [beside, beside / "pipes"]
     return _find_file("pipe", name, folders, pipes())
+
+
+def find_panel(name: str, beside: Path) -> Path:
+    """Return the file of the control panel of this name or path; as for missions.
+
+    Raises:
+        UsageError: There is none.
+    """
+    return _find_file("panel", name, [beside, beside / "panels"], panels())
 
 
 def _find_file(

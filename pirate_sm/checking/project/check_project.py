@@ -23,6 +23,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
 from pirate_sm.loading.pipe_file import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
@@ -182,6 +183,15 @@ class _Check:
             return  # reported for the robot
         load_calibration(target.path, robot)
 
+    def panel(self, target: CheckTarget) -> None:
+        """Check a control panel, and its names against its robot, if that is known."""
+        panel, document, problems = read_panel(target.path)
+        self._keep([document])
+        robot = robot_of(panel, target.path.parent, problems, instead=self._wishes.robot)
+        if robot is not None:
+            check_names(panel, robot, problems)
+        self.findings += map(finding_of, problems.all)
+
     def script(self, target: CheckTarget) -> None:
         """Check the form of a trace script; its names depend on its mission."""
         read_script(self._document(target))
@@ -190,7 +200,7 @@ class _Check:
         """Report a file of no known kind, if it was named explicitly."""
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
-        message = "this is no robot, mission, pipe, calibration or trace script"
+        message = "this is no robot, mission, pipe, calibration, panel or trace script"
         self._add("check.kind", shown(target.path), message)
 
     def _settings(self, target: CheckTarget) -> dict[str, str]:
@@ -232,6 +242,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.PIPE: _Check.pipe,
     Kind.MISSION: _Check.mission,
     Kind.CALIBRATION: _Check.calibration,
+    Kind.PANEL: _Check.panel,
     Kind.SCRIPT: _Check.script,
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,

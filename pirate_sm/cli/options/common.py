@@ -102,6 +102,14 @@ Detector = Annotated[
         help="What reports where the robot is. For sim: sim, for serial: odometry.",
     ),
 ]
+Panel = Annotated[
+    str | None,
+    typer.Option(
+        "--panel",
+        metavar="NAME[:DEVICE]",
+        help="A MIDI control panel, with its stop; others: pirate panel.",
+    ),
+]
 Ruler = Annotated[
     bool,
     typer.Option("--ruler", help="In sim: a ruler outside measures the robot's speed, for slip."),

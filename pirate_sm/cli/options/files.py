@@ -15,7 +15,7 @@ from pirate_sm.cli.options import common
 class ListOptions:
     """Show the names of robots, missions, pipes, backends and more.
 
-    The rest are the commands, signals and defects of a robot, and detectors.
+    The rest are the commands, signals and defects of a robot, detectors and control panels.
     """
 
     what: Annotated[
@@ -28,6 +28,7 @@ class ListOptions:
             "pipes",
             "backends",
             "detectors",
+            "panels",
         ]
         | None,
         typer.Argument(help="All of them when nothing is named."),
@@ -43,7 +44,8 @@ class SchemaOptions:
     """Print the JSON Schema by which an editor completes files."""
 
     files: Annotated[
-        Literal["mission", "pipe", "profile", "chart"], typer.Argument(help="Of which files.")
+        Literal["mission", "pipe", "profile", "chart", "panel"],
+        typer.Argument(help="Of which files."),
     ]
     robot: Annotated[
         str | None,

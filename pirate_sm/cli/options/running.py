@@ -55,6 +55,7 @@ class RunOptions:
     baud: common.Baud = None
     guard_for: common.GuardFor = None
     detector: common.Detector = None
+    panel: common.Panel = None
     ruler: common.Ruler = False
     start_at: common.StartAt = None
     calibration: common.Calibration = True
@@ -109,6 +110,7 @@ class ConsoleOptions:
     baud: common.Baud = None
     guard_for: common.GuardFor = None
     detector: common.Detector = None
+    panel: common.Panel = None
     ruler: common.Ruler = False
     start_at: common.StartAt = None
     calibration: common.Calibration = True
