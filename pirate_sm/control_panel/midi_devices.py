@@ -19,7 +19,7 @@ _DEVICES = Path("/dev/snd")
 _CARD = re.compile(r"^ *(\d+) \[.*?\]: (.*)$")
 _DEVICE = re.compile(r"midiC(\d+)D(\d+)")
 
-_AT_ONCE = 256
+_AT_ONCE = 4096
 
 _TAKEN = {errno.EBUSY, errno.EAGAIN}
 

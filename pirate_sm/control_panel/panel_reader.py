@@ -20,9 +20,8 @@ from pirate_sm.errors import UsageError
 from pirate_sm.model.panel import Panel, RunButton
 
 REOPEN_EVERY_S = 1.0
-"""How often a device that has gone is looked for."""
 
-_MOST_WAITING = 100
+MOST_WAITING = 100
 """Nobody presses so often between two looks; the oldest are dropped."""
 
 EndRun: TypeAlias = Callable[[str], None]
@@ -54,6 +53,7 @@ class PanelReader:
         device: Its file; None: found by the name of its sound card.
         end_run: Ends the run.
         system: Where devices are found.
+        reopen_every_s: How often a device that has gone is looked for.
 
     Attributes:
         panel: The panel.
@@ -66,12 +66,14 @@ class PanelReader:
         end_run: EndRun,
         *,
         system: MidiSystem | None = None,
+        reopen_every_s: float = REOPEN_EVERY_S,
     ) -> None:
         self.panel = panel
         self._device = device
         self._end_run = end_run
         self._system = system or MidiSystem()
-        self._happened: deque[Happening] = deque(maxlen=_MOST_WAITING)
+        self._reopen_every_s = reopen_every_s
+        self._happened: deque[Happening] = deque(maxlen=MOST_WAITING)
         self._presses = Presses(panel)
         self._parser = ControlChangeParser()
         self._fd = self._wake = self._woken = -1
@@ -127,7 +129,7 @@ class PanelReader:
             poll.register(self._fd, select.POLLIN)
             wait_s = max(self._presses.due_s - time.monotonic(), 0.0)
         else:
-            wait_s = REOPEN_EVERY_S
+            wait_s = self._reopen_every_s
         ready = dict(poll.poll(None if wait_s == inf else wait_s * 1000))
         if self._woken in ready:
             return False
