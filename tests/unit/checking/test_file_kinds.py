@@ -21,10 +21,11 @@ from .robots import NEWT, PIRATE, ROOT
         (sorted((ROOT / "sequences" / "pipes").glob("*.yaml")), Kind.PIPE),
         ([NEWT / "profile.yaml", PIRATE / "profile.yaml"], Kind.ROBOT),
         ([NEWT / "chart.yaml", PIRATE / "chart.yaml"], Kind.CHART),
+        ([*(ROOT / "panels").glob("*.yaml"), NEWT / "pedals.yaml"], Kind.PANEL),
         ([ROOT / "pyproject.toml", ROOT / ".pre-commit-config.yaml"], Kind.OTHER),
         ([ROOT, ROOT / "no_such_file.yaml"], Kind.UNREADABLE),
     ],
-    ids=["missions", "examples", "pipes", "robots", "charts", "others", "none"],
+    ids=["missions", "examples", "pipes", "robots", "charts", "panels", "others", "none"],
 )
 def test_every_file_of_the_project_is_known(files: list[Path], kind: Kind) -> None:
     assert {kind_of(file) for file in files} == {kind}
