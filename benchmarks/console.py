@@ -74,15 +74,16 @@ class Timed:
         self._backend.submit(setpoint_id, values)
 
 
-def _session() -> tuple[OperatorSession, Timed]:
-    order = Order("mitre_bend")
+def begun_session(panel: str | None = None) -> tuple[OperatorSession, Timed]:
+    """A session of the bend mission, perhaps with a panel, and its backend."""
+    order = Order("mitre_bend", panel=panel)
     prepared = prepare(order, load(order))
     timed = Timed(prepared.backend)
     return OperatorSession(replace(prepared, backend=timed)), timed
 
 
 async def _frames() -> float:
-    session, _ = _session()
+    session, _ = begun_session()
     app = Console(session)
     async with app.run_test(size=SIZE) as pilot:
         await asyncio.sleep(1.0)
@@ -98,25 +99,25 @@ async def _frames() -> float:
 
 
 async def _stops(*, loaded: bool) -> list[float]:
-    session, timed = _session()
+    session, timed = begun_session()
     app = Console(session)
     found = []
     async with app.run_test(size=SIZE):
         await asyncio.sleep(1.0)
         for number in range(STOPS):
-            with _busy(loaded):
-                await _drive(session)
+            with busy(loaded):
+                await drive(session)
                 driver = StopDriver(app)
                 pressed: list[float] = []
 
                 def press(driver: StopDriver = driver, pressed: list[float] = pressed) -> None:
-                    _wait(0.05)
+                    wait(0.05)
                     pressed.append(perf_counter())
                     driver.process_message(Key("space", " "))
 
                 thread = Thread(target=press)
                 thread.start()
-                _spin(SLICE_S) if loaded else await asyncio.sleep(SLICE_S)
+                spin(SLICE_S) if loaded else await asyncio.sleep(SLICE_S)
                 thread.join()
             assert timed.submitted_s > pressed[0], f"stop {number} did nothing"
             found.append(timed.submitted_s - pressed[0])
@@ -125,7 +126,7 @@ async def _stops(*, loaded: bool) -> list[float]:
     return found
 
 
-async def _drive(session: OperatorSession) -> None:
+async def drive(session: OperatorSession) -> None:
     """The wheels turn."""
     for command in ("ClampFront", "ClampRear", "DriveForward"):
         session.give_event(OperatorCommand(command))
@@ -137,9 +138,9 @@ async def _drive(session: OperatorSession) -> None:
 
 
 @contextmanager
-def _busy(wanted: bool) -> Iterator[None]:
-    """Every core but one has something else to do."""
-    count = max((os.cpu_count() or 2) - 1, 1) if wanted else 0
+def busy(wanted: bool, cores: int = max((os.cpu_count() or 2) - 1, 1)) -> Iterator[None]:
+    """So many cores, by default all but one, have something else to do."""
+    count = cores if wanted else 0
     burn = [sys.executable, "-c", "while True: sum(range(10_000))"]
     others = [subprocess.Popen(burn) for _ in range(count)]
     try:
@@ -150,14 +151,15 @@ def _busy(wanted: bool) -> Iterator[None]:
             each.wait()
 
 
-def _spin(seconds: float) -> None:
+def spin(seconds: float) -> None:
     """The console's own loop is busy for this long."""
     until = perf_counter() + seconds
     while perf_counter() < until:
         sum(range(1_000))
 
 
-def _wait(seconds: float) -> None:
+def wait(seconds: float) -> None:
+    """So much of the wall's time passes."""
     Event().wait(seconds)
 
 

@@ -3,6 +3,11 @@
 from __future__ import annotations
 
 import os
+import pty
+import tty
+from collections.abc import Iterator
+from contextlib import suppress
+from pathlib import Path
 
 import pytest
 from hypothesis import settings
@@ -24,3 +29,44 @@ os.environ["PIRATE_SM_RUNS"] = ""
 def pytest_xdist_auto_num_workers() -> int:
     """Return one worker more than there are cores: some tests wait for processes and ports."""
     return (os.cpu_count() or 1) + 1
+
+
+class MidiPlug:
+    """A MIDI device that a test plays: a pseudo-terminal behind a link, as a port is to udev.
+
+    Attributes:
+        path: Where it is; the same again after it was plugged in anew.
+    """
+
+    def __init__(self, folder: Path) -> None:
+        self.path = folder / "midi"
+        self._ends: tuple[int, ...] = ()
+        self.plug()
+
+    def plug(self) -> None:
+        self._ends = pty.openpty()
+        tty.setraw(self._ends[1])  # bytes arrive as they were sent
+        self.path.symlink_to(os.ttyname(self._ends[1]))
+
+    def unplug(self) -> None:
+        self.path.unlink(missing_ok=True)
+        for end in self._ends:
+            with suppress(OSError):
+                os.close(end)
+        self._ends = ()
+
+    def send(self, data: bytes) -> None:
+        while data:
+            data = data[os.write(self._ends[0], data) :]
+
+    def press(self, *numbers: int) -> None:
+        """Press these buttons together, and release them."""
+        self.send(bytes([0xB0, *(b for n in numbers for b in (n, 127))]))
+        self.send(bytes([0xB0, *(b for n in reversed(numbers) for b in (n, 0))]))
+
+
+@pytest.fixture
+def midi(tmp_path: Path) -> Iterator[MidiPlug]:
+    plug = MidiPlug(tmp_path)
+    yield plug
+    plug.unplug()

@@ -18,6 +18,7 @@ class Kind(StrEnum):
     PIPE = "pipe"
     CALIBRATION = "calibration"
     CAMERA = "camera"
+    PANEL = "panel"
     MISSION = "mission"
     SCRIPT = "trace script"
     EXPERIMENT = "experiment"
@@ -43,6 +44,8 @@ _TELLING = (
     (Kind.TWIN, {"robot", "friction"}),
     (Kind.CAMERA, {"camera", "source"}),
     (Kind.CAMERA, {"camera", "setup"}),
+    (Kind.PANEL, {"buttons"}),
+    (Kind.PANEL, {"panel", "controls"}),
 )
 """Combinations of top-level keys that identify a kind of file; the first match decides."""
 

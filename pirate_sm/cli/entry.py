@@ -28,6 +28,7 @@ COMMANDS = {
     "plan": ("files:PlanOptions", "plan:print_plan"),
     "robot": ("files:RobotOptions", "robot_page:write_page"),
     "console": ("running:ConsoleOptions", "console:open_console"),
+    "panel": ("panels:PanelOptions", "panel:show_panel"),
     "doctor": ("links:DoctorOptions", "doctor:run_doctor"),
     "calibrate": ("links:CalibrateOptions", "calibrate:run_calibrate"),
     "bay": ("emulated_bay:BayOptions", "bay:run_bay"),

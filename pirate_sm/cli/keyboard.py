@@ -103,6 +103,17 @@ class SharedKeys:
             share.waiting += key
 
 
+class AllKeys:
+    """The keys of several sources."""
+
+    def __init__(self, sources: Sequence[Keys]) -> None:
+        self._sources = tuple(sources)
+
+    def pressed(self) -> str:
+        """Return the keys pressed since the last call, source by source."""
+        return "".join(each.pressed() for each in self._sources)
+
+
 class Operator:
     """A companion that asks a person the mission's questions and the operator's triggers.
 

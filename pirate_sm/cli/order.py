@@ -44,6 +44,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         detector=options.detector,
         start_at_m=read_length("--start-at", options.start_at),
         view=options.view,
+        panel=options.panel,
     )
     if isinstance(options, ConsoleOptions):
         return order

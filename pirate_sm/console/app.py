@@ -26,11 +26,12 @@ from pirate_sm.console.key_bindings import (
     both_cases,
     letters_for,
 )
-from pirate_sm.console.operator_actions import OperatorActions
+from pirate_sm.console.panel_actions import PanelActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, is_whole, panel, show_robot
+from pirate_sm.control_panel.panel_reader import PanelReader
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.showing import panels
 from pirate_sm.showing.body_panel import travelled
@@ -61,11 +62,12 @@ _SHOWN = frozenset(
 CRASHED = Stop("a fault in the console", 4)
 
 
-class Console(OperatorActions, App[None]):
+class Console(PanelActions, App[None]):
     """The operator's console.
 
     Args:
         session: Runs the missions. It is started when the console is shown.
+        panel: A control panel, opened.
         frames_per_s: How often it shows the newest snapshot by itself; 0 is never.
 
     Attributes:
@@ -95,10 +97,16 @@ class Console(OperatorActions, App[None]):
     ]
 
     def __init__(
-        self, session: OperatorSession, *, frames_per_s: float = FRAMES_PER_S, **options: object
+        self,
+        session: OperatorSession,
+        panel: PanelReader | None = None,
+        *,
+        frames_per_s: float = FRAMES_PER_S,
+        **options: object,
     ) -> None:
         super().__init__(**options)  # type: ignore[arg-type]
         self.session = session
+        self.panel = panel
         self._frames_per_s = frames_per_s
         self.failure: Exception | None = None
         self._frame = 0
@@ -182,6 +190,7 @@ class Console(OperatorActions, App[None]):
             self.on_base(Picture, "picture").show(snapshot)
         if self._frame % _WORDS_EVERY == 1 or snapshot.over:
             self.show_words(snapshot)
+        self.heed_panel()
         self.keep_up(snapshot)
         if snapshot.over and self.session.quitting.stop is not None:
             self.exit()

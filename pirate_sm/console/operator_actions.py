@@ -19,8 +19,6 @@ from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand,
 from pirate_sm.runtime.stop_requests import BY_SIGNAL
 from pirate_sm.showing.panels import choices
 
-_WORDS_HEARD_FROM = {"operator", "none"}
-
 
 class OperatorActions(HandBackActions, MissionActions):
     """The acting half of the console; every refusal is shown with the engine's reason.
@@ -85,8 +83,8 @@ class OperatorActions(HandBackActions, MissionActions):
     def action_word(self, word: str) -> None:
         """Send one of the detector's words in place of a detector."""
         prepared = self.session.prepared
-        if prepared.detector not in _WORDS_HEARD_FROM:
-            self._refuse(word, f"the detector speaks for itself ({prepared.detector})")
+        if prepared.others_words:
+            self._refuse(word, f"the detector speaks for itself ({prepared.others_words})")
             return
         valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
         self.session.give_event(DetectorWord(word, valid_for_s))

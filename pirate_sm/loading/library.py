@@ -1,4 +1,4 @@
-"""Find robots, missions, pipes and cameras by name or by path.
+"""Find robots, missions, pipes, cameras and panels by name or by path.
 
 The shipped ones are inside the installed package, or at the root of a source tree.
 """
@@ -19,7 +19,7 @@ _LONGEST_NAME = 100
 
 
 def shipped() -> Path:
-    """Return the folder with the shipped ``sequences``, ``hardware_profiles``, ``cameras``."""
+    """Return the folder with the shipped files, each kind in a folder of its own."""
     packaged = _PACKAGE / "_data"
     return packaged if packaged.is_dir() else _PACKAGE.parent
 
@@ -43,6 +43,11 @@ def pipes() -> list[Path]:
 def cameras() -> list[Path]:
     """Return the files of the shipped cameras."""
     return sorted((shipped() / "cameras").glob("*.yaml"))
+
+
+def panels() -> list[Path]:
+    """Return the files of the shipped control panels."""
+    return sorted((shipped() / "panels").glob("*.yaml"))
 
 
 def find_robot(name: str, beside: Path | None = None) -> Path:
@@ -110,6 +115,15 @@ def find_camera(name: str, beside: Path | None = None) -> Path:
     """
     folders = [] if beside is None else [beside, beside / "cameras"]
     return _find_file("camera", name, folders, cameras())
+
+
+def find_panel(name: str, beside: Path) -> Path:
+    """Return the file of the control panel of this name or path; as for missions.
+
+    Raises:
+        UsageError: There is none.
+    """
+    return _find_file("panel", name, [beside, beside / "panels"], panels())
 
 
 def _find_file(

@@ -98,6 +98,9 @@ class BuiltInFault(Enum):
     START_CONTRADICTED = _About(
         "start.contradicted", "sensors", False, "the robot does not stand as the mission says"
     )
+    PANEL_LOST = _About(
+        "panel.lost", "link", True, "the control panel is gone, and nobody is at a keyboard"
+    )
     MISSION_RUNAWAY = _About(
         "mission.runaway", "program", False, "phases follow each other faster than sensors report"
     )

@@ -7,8 +7,8 @@ from math import inf
 
 from pirate_sm.runtime.clock import Clock
 
-SLICE_S = 0.04
-"""Longest sleep, so that the loop reacts to a signal within this time."""
+SLICE_S = 0.004
+"""Longest sleep, so that a request to stop, from any thread, waits no longer than this."""
 
 FORGIVEN_LAG_S = 0.5
 """A run this far behind (a suspended process, a slow machine) does not catch up."""

@@ -9,6 +9,7 @@ from typing import Any, Final
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.camera import Camera
 from pirate_sm.model.mission import Mission
+from pirate_sm.model.panel import Panel
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.schemas.chart_schema import chart_schema
@@ -21,6 +22,7 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "profile": lambda: schema_of(Profile, "Profile of a robot"),
     "chart": chart_schema,
     "camera": lambda: schema_of(Camera, "Camera over the setup"),
+    "panel": lambda: schema_of(Panel, "Control panel"),
 }
 """The kinds of files that have a schema."""
 

@@ -12,6 +12,7 @@ from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.registry import Registry
+from pirate_sm.wiring.panel import choose_panel
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
 from pirate_sm.wiring.run_order import Order
 
@@ -85,6 +86,7 @@ def prepare(
         reckoned=None if made.truth else found.reckoned,
         camera=found.camera,
         detector=found.kind,
+        panel=choose_panel(order.panel, loaded.loaded_robot) if order.panel is not None else None,
     )
 
 

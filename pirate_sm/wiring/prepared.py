@@ -12,6 +12,7 @@ from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.true_position import Truth
+from pirate_sm.wiring.panel import ChosenPanel
 from pirate_sm.wiring.run_order import Order
 
 if TYPE_CHECKING:
@@ -76,7 +77,8 @@ class Prepared(Equipment):
     Attributes:
         reckoned: Returns the detector's estimate of the position, if it has one; None if unknown.
         camera: Returns what a recording keeps of the detector's camera, if it has one.
-        detector: Name of the detector; ``operator`` still needs a keyboard.
+        detector: Name of the detector; ``operator`` still needs a keyboard or a panel.
+        panel: The control panel, unopened; None if there is none.
     """
 
     order: Order
@@ -85,3 +87,9 @@ class Prepared(Equipment):
     reckoned: Callable[[], Truth | None] | None = None
     camera: Callable[[], CameraView | None] | None = None
     detector: str = "none"
+    panel: ChosenPanel | None = None
+
+    @property
+    def others_words(self) -> str:
+        """Name of the detector if it speaks for itself; empty if a person says its words."""
+        return "" if self.detector in ("operator", "none") else self.detector

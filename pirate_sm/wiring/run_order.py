@@ -42,6 +42,7 @@ class Order:
         calibration: Whether the joint zeros of the real robot are subtracted, if it has any.
         check: Whether a mission with a certain error is refused.
         view: Whether the backend's own viewer shows the run.
+        panel: Name or file of a control panel, with its device as ``NAME:DEVICE``; None: no panel.
     """
 
     mission: str
@@ -69,3 +70,4 @@ class Order:
     calibration: bool = True
     check: bool = False
     view: bool = False
+    panel: str | None = None

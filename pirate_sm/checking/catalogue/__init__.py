@@ -25,6 +25,7 @@ _FILES = (
     "robots",
     "robot_sense",
     "pipes",
+    "panels",
     "form",
     "project",
 )

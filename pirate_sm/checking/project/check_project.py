@@ -24,6 +24,7 @@ from pirate_sm.loading import library, references
 from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
 from pirate_sm.loading.pipe_file import check_pipe, load_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
@@ -191,6 +192,15 @@ class _Check:
         """Check a camera; whether it fits a robot is checked where it is used."""
         self._keep([load_camera(target.path)[1]])
 
+    def panel(self, target: CheckTarget) -> None:
+        """Check a control panel, and its names against its robot, if that is known."""
+        panel, document, problems = read_panel(target.path)
+        self._keep([document])
+        robot = robot_of(panel, target.path.parent, problems, instead=self._wishes.robot)
+        if robot is not None:
+            check_names(panel, robot, problems)
+        self.findings += map(finding_of, problems.all)
+
     def script(self, target: CheckTarget) -> None:
         """Check the form of a trace script; its names depend on its mission."""
         read_script(self._document(target))
@@ -233,7 +243,8 @@ class _Check:
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = (
-            "this is no robot, mission, pipe, camera, calibration, trace script, experiment or twin"
+            "this is no robot, mission, pipe, camera, calibration, panel, trace script, experiment"
+            " or twin"
         )
         self._add("check.kind", shown(target.path), message)
 
@@ -277,6 +288,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.MISSION: _Check.mission,
     Kind.CALIBRATION: _Check.calibration,
     Kind.CAMERA: _Check.camera,
+    Kind.PANEL: _Check.panel,
     Kind.SCRIPT: _Check.script,
     Kind.EXPERIMENT: _Check.experiment,
     Kind.TWIN: _Check.twin,

@@ -15,8 +15,8 @@ from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
 from pirate_sm.spelling import nearest
 
-ROBOTS, MISSIONS, CAMERAS = "hardware_profiles", "sequences", "cameras"
-"""The folders of a project's robots, missions and cameras."""
+ROBOTS, MISSIONS, CAMERAS, PANELS = "hardware_profiles", "sequences", "cameras", "panels"
+"""The folders of a project's robots, missions, cameras and control panels."""
 
 MOST_FILES = 10_000
 DEEPEST_FOLDER = 32
@@ -76,12 +76,13 @@ def find_targets(paths: Iterable[str]) -> FoundFiles:
 def _project(findings: list[Finding]) -> list[Path]:
     """Return the files and folders of the project in the working directory.
 
-    With a folder for missions, these are that folder, those for robots and cameras, and the files
-    beside them. Without one, it is the whole directory, because missions may be anywhere.
+    With a folder for missions, these are that folder, those for robots, cameras and panels, and the
+    files beside them. Without one, it is the whole directory, because missions may be anywhere.
     """
     if not Path(MISSIONS).is_dir():
         return [Path()]
-    own = [Path(folder) for folder in (ROBOTS, MISSIONS, CAMERAS) if Path(folder).is_dir()]
+    folders = (ROBOTS, MISSIONS, CAMERAS, PANELS)
+    own = [Path(folder) for folder in folders if Path(folder).is_dir()]
     beside, _ = _listing(Path(), findings)
     return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]
 
@@ -98,7 +99,8 @@ def _existing(name: str) -> Path:
     except ValueError:
         pass  # no file can have this name
     known = {path.stem: path for path in (*library.robots(), *library.pipes())}
-    known |= {path.stem: path for path in (*library.cameras(), *library.missions())}
+    known |= {path.stem: path for path in (*library.cameras(), *library.panels())}
+    known |= {path.stem: path for path in library.missions()}
     if name in known:
         return known[name]
     close = nearest(name, known)

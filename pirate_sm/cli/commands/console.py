@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
 from importlib.util import find_spec
 from typing import TYPE_CHECKING
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from pirate_sm.console.app import Console
     from pirate_sm.console.recording_hooks import RunKeeper
     from pirate_sm.console.session import OperatorSession
+    from pirate_sm.control_panel.panel_reader import PanelReader
     from pirate_sm.showing.snapshot import Snapshot
 
 _LOOK_EVERY_S = 0.1
@@ -52,8 +53,8 @@ def open_console(options: ConsoleOptions) -> int:
     from pirate_sm.console.app import Console
     from pirate_sm.console.terminal_driver import StopDriver
 
-    app = Console(session, driver_class=StopDriver)
-    with CaughtSignals(session.quitting, ends_process=True):
+    with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
+        app = Console(session, _panel(session, stack), driver_class=StopDriver)
         try:
             app.run()
         except Exception as error:
@@ -63,6 +64,16 @@ def open_console(options: ConsoleOptions) -> int:
             while not session.join(_LOOK_EVERY_S):
                 pass  # a second signal may come meanwhile
     return _conclude(app, session, options.debug)
+
+
+def _panel(session: OperatorSession, stack: ExitStack) -> PanelReader | None:
+    """Return the panel of the session, open until the stack ends; None if there is none.
+
+    Raises:
+        UsageError: Its device is not there or cannot be opened.
+    """
+    chosen = session.prepared.panel
+    return stack.enter_context(chosen.reader(lambda reason: session.stop())) if chosen else None
 
 
 def _check_terminal() -> None:

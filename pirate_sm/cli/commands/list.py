@@ -15,6 +15,7 @@ from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.camera import Camera
 from pirate_sm.model.mission import Mission
+from pirate_sm.model.panel import Panel
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.registry import Registry
 from pirate_sm.units import describe
@@ -38,7 +39,7 @@ def list_things(options: ListOptions) -> int:
 
 def _robots(folders: Iterable[Path]) -> None:
     rows = [(folder.name, load_robot(folder).profile.description) for folder in folders]
-    _table("robots", rows)
+    print_table("robots", rows)
 
 
 def _commands(folders: Iterable[Path]) -> None:
@@ -51,12 +52,12 @@ def _commands(folders: Iterable[Path]) -> None:
             lets_go = "lets go of every clamp" if command.lets_go else ""
             about = "; ".join(part for part in (command.description, lets_go, alias) if part)
             rows.append((name, f"at most {command.timeout:g} s", about))
-        _table(f"commands of {folder.name}", rows)
+        print_table(f"commands of {folder.name}", rows)
 
 
 def _signals(folders: Iterable[Path]) -> None:
     for folder in folders:
-        _table(f"signals and states of {folder.name}", _vocabulary(load_robot(folder)))
+        print_table(f"signals and states of {folder.name}", _vocabulary(load_robot(folder)))
 
 
 def _vocabulary(robot: LoadedRobot) -> Iterable[Row]:
@@ -70,31 +71,36 @@ def _vocabulary(robot: LoadedRobot) -> Iterable[Row]:
 def _defects(folders: Iterable[Path]) -> None:
     for folder in folders:
         defects = load_robot(folder).profile.simulation.defects
-        _table(f"defects of {folder.name}", [(n, d.description) for n, d in defects.items()])
+        print_table(f"defects of {folder.name}", [(n, d.description) for n, d in defects.items()])
 
 
 def _missions(_: Iterable[Path]) -> None:
-    _table("missions", [(path.stem, _described(path, Mission)) for path in library.missions()])
+    print_table("missions", [(path.stem, _described(path, Mission)) for path in library.missions()])
 
 
 def _pipes(_: Iterable[Path]) -> None:
-    _table("pipes", [(path.stem, _described(path, Pipe)) for path in library.pipes()])
+    print_table("pipes", [(path.stem, _described(path, Pipe)) for path in library.pipes()])
 
 
 def _cameras(_: Iterable[Path]) -> None:
-    _table("cameras", [(path.stem, _described(path, Camera)) for path in library.cameras()])
+    print_table("cameras", [(path.stem, _described(path, Camera)) for path in library.cameras()])
 
 
 def _backends(_: Iterable[Path]) -> None:
     from pirate_sm.wiring import BACKENDS
 
-    _table("backends", _plugins(BACKENDS))
+    print_table("backends", _plugins(BACKENDS))
 
 
 def _detectors(_: Iterable[Path]) -> None:
     from pirate_sm.detectors.registry import DETECTORS
 
-    _table("detectors", _plugins(DETECTORS))
+    print_table("detectors", _plugins(DETECTORS))
+
+
+def list_panels(_: Iterable[Path] = ()) -> None:
+    """Print the shipped control panels."""
+    print_table("panels", [(path.stem, _described(path, Panel)) for path in library.panels()])
 
 
 def _plugins(registry: Registry[Any]) -> Iterable[Row]:
@@ -104,7 +110,7 @@ def _plugins(registry: Registry[Any]) -> Iterable[Row]:
         yield each.name, each.package or "pirate-sm", about
 
 
-def _described(path: Path, model: type[Mission | Pipe | Camera]) -> str:
+def _described(path: Path, model: type[Mission | Panel | Pipe | Camera]) -> str:
     """Return the description in a file, or the first line of what is wrong with it."""
     try:
         return validate(read_document(path), model).description
@@ -112,7 +118,8 @@ def _described(path: Path, model: type[Mission | Pipe | Camera]) -> str:
         return error.for_terminal.partition("\n")[0]
 
 
-def _table(title: str, rows: Iterable[Row]) -> None:
+def print_table(title: str, rows: Iterable[Row]) -> None:
+    """Print rows under a title, in columns."""
     lines = [[visible(str(cell)) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
     print(f"{title}:")
@@ -132,4 +139,5 @@ _LISTS: dict[str, Callable[[Iterable[Path]], None]] = {
     "cameras": _cameras,
     "backends": _backends,
     "detectors": _detectors,
+    "panels": list_panels,
 }

@@ -6,10 +6,9 @@ import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, ExitStack
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple, Protocol
+from typing import NamedTuple, Protocol
 
 from pirate_sm.cli.errors import say, say_bug, show_traceback, silence_stdout
-from pirate_sm.cli.keyboard import Operator, SharedKeys, TerminalKeys, can_type
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.order import order_of
@@ -19,6 +18,7 @@ from pirate_sm.cli.output.event_lines import Lines, SaysWhyItWaits
 from pirate_sm.cli.output.json_lines import JsonLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.output.terminal import agree, is_terminal
+from pirate_sm.cli.people import People, open_panel, people_of
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
 from pirate_sm.companion import Companion
 from pirate_sm.errors import UsageError
@@ -29,11 +29,7 @@ from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, CaughtSignals, StopRequests
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import Firing, TriggerScript
-from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared, answers, prepare
-
-if TYPE_CHECKING:
-    from pirate_sm.detectors.operator_keys import WordKeys
 
 ON_A_TERMINAL = 4.0
 """Mission seconds per second if a person probably watches."""
@@ -58,13 +54,6 @@ class _Manner(NamedTuple):
     on_terminal: bool
     live: bool
     factor: float
-
-
-class _People(NamedTuple):
-    """The companions for a person at the keyboard: for answers, and for detector words."""
-
-    operator: Operator | None = None
-    words: WordKeys | None = None
 
 
 def run_mission(options: RunOptions) -> int:
@@ -100,6 +89,7 @@ def _shown(
     """Run the mission and show it; return its result, None if nothing could be written."""
     recording = RecordingOptions(options.record, options.no_record, options.live)
     with ExitStack() as stack:
+        panel = open_panel(prepared, requests, stack)
         kept = stack.enter_context(
             recorded(prepared, recording, manner.factor, quiet=options.quiet)
         )
@@ -107,7 +97,8 @@ def _shown(
         for companion in prepared.companions:
             if isinstance(companion, AbstractContextManager):
                 stack.enter_context(companion)
-        people = _people(prepared, options, manner, stack)
+        on_terminal, live = manner.on_terminal, manner.live
+        people = people_of(prepared, options, panel, stack, on_terminal=on_terminal, live=live)
         output = _output(observed, options, manner, people)
         companions = _companions(prepared, kept, people, yes=options.yes)
         run = _mission_run(prepared, kept, output, companions, manner, requests)
@@ -142,16 +133,17 @@ def _mission_run(
     )
 
 
-def _companions(prepared: Prepared, kept: Kept, people: _People, *, yes: bool) -> list[Companion]:
+def _companions(prepared: Prepared, kept: Kept, people: People, *, yes: bool) -> list[Companion]:
     """Return the companions of the mission, with one that answers its questions."""
-    operator, words = people
+    operator, words, panel = people
     companions: list[Companion] = [*prepared.companions, *kept.companions]
-    if operator and answers(prepared.loaded):  # a person may decide differently the next time
+    if panel or (operator and answers(prepared.loaded)):
+        # A person may decide differently the next time.
         companions = [each for each in companions if not isinstance(each, LoopWatch)]
     if not prepared.attended:
         nobody = FirstChoice("--yes") if yes else FirstChoice("no terminal", "warning")
         companions.append(operator or nobody)
-    return companions + ([words] if words else [])
+    return companions + [each for each in (words, panel) if each is not None]
 
 
 def _begun(output: Output) -> bool:
@@ -179,36 +171,7 @@ def _say_never_fired(firings: Sequence[Firing], why: str) -> None:
         say(f"warning: never fired, because {why}: {names}")
 
 
-def _people(prepared: Prepared, options: RunOptions, manner: _Manner, stack: ExitStack) -> _People:
-    """Return the companions for a person at the keyboard, if the person sees the run.
-
-    Raises:
-        UsageError: The detector is a person, and there is no terminal.
-    """
-    shown = sys.stdout if manner.on_terminal else sys.stderr
-    present = shown is not None and shown.isatty() and can_type()
-    detects = prepared.detector == "operator"
-    if detects and not (present and manner.on_terminal):
-        raise UsageError("--detector operator needs a terminal: nobody could see it and type")
-    if not present or prepared.attended or (options.yes and not detects):
-        return _People()
-    from pirate_sm.detectors.operator_keys import LETTERS, WordKeys
-
-    keys = SharedKeys(stack.enter_context(TerminalKeys()), LETTERS if detects else "")
-
-    def show(text: str) -> None:
-        if not manner.live:
-            print(visible(text), file=shown, flush=True)
-
-    operator = None if options.yes else Operator(keys.answers, answers(prepared.loaded), show)
-    if not detects:
-        return _People(operator)
-    valid_for_s = prepared.loaded.loaded_robot.profile.detector.valid_for
-    words = WordKeys(keys.words, prepared.loaded.robot.detector_words, valid_for_s)
-    return _People(operator, words)
-
-
-def _output(observed: ObservedRun, options: RunOptions, manner: _Manner, people: _People) -> Output:
+def _output(observed: ObservedRun, options: RunOptions, manner: _Manner, people: People) -> Output:
     out = sys.stdout
     if options.json:
         out.reconfigure(encoding="utf-8")  # type: ignore[union-attr]

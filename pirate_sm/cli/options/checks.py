@@ -25,9 +25,10 @@ class CheckOptions:
         list[str] | None,
         typer.Argument(
             metavar="[PATH]...",
-            help="Files and folders; robots, missions and pipes are known by their content. "
-            "Without any: the folders sequences and hardware_profiles and the files beside them; "
-            "where there is no folder sequences, all that the working directory holds.",
+            help="Files and folders; robots, missions, pipes and panels are known by their "
+            "content. Without any: the folders sequences, hardware_profiles and panels and the "
+            "files beside them; where there is no folder sequences, all that the working "
+            "directory holds.",
         ),
     ] = None
     format: Annotated[

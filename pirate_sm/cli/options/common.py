@@ -109,6 +109,14 @@ Also = Annotated[
         help="A second detector, to compare: its words are logged and do nothing.",
     ),
 ]
+Panel = Annotated[
+    str | None,
+    typer.Option(
+        "--panel",
+        metavar="NAME[:DEVICE]",
+        help="A MIDI control panel, with its stop; others: pirate panel.",
+    ),
+]
 Ruler = Annotated[
     bool,
     typer.Option("--ruler", help="In sim: a ruler outside measures the robot's speed, for slip."),

@@ -15,7 +15,7 @@ from pirate_sm.cli.options import common
 class ListOptions:
     """Show the names of robots, missions, pipes, backends and more.
 
-    The rest are the commands, signals and defects of a robot, and detectors.
+    The rest are the commands, signals and defects of a robot, detectors and control panels.
     """
 
     what: Annotated[
@@ -29,6 +29,7 @@ class ListOptions:
             "cameras",
             "backends",
             "detectors",
+            "panels",
         ]
         | None,
         typer.Argument(help="All of them when nothing is named."),
@@ -44,7 +45,7 @@ class SchemaOptions:
     """Print the JSON Schema by which an editor completes files."""
 
     files: Annotated[
-        Literal["mission", "pipe", "profile", "chart", "camera"],
+        Literal["mission", "pipe", "profile", "chart", "camera", "panel"],
         typer.Argument(help="Of which files."),
     ]
     robot: Annotated[

@@ -56,6 +56,7 @@ class RunOptions:
     guard_for: common.GuardFor = None
     detector: common.Detector = None
     also: common.Also = None
+    panel: common.Panel = None
     ruler: common.Ruler = False
     start_at: common.StartAt = None
     calibration: common.Calibration = True
@@ -111,6 +112,7 @@ class ConsoleOptions:
     guard_for: common.GuardFor = None
     detector: common.Detector = None
     also: common.Also = None
+    panel: common.Panel = None
     ruler: common.Ruler = False
     start_at: common.StartAt = None
     calibration: common.Calibration = True

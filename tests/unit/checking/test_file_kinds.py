@@ -22,10 +22,23 @@ from .robots import NEWT, PIRATE, ROOT
         ([NEWT / "profile.yaml", PIRATE / "profile.yaml"], Kind.ROBOT),
         ([NEWT / "chart.yaml", PIRATE / "chart.yaml"], Kind.CHART),
         (sorted((PIRATE / "experiments").glob("*.yaml")), Kind.EXPERIMENT),
+        ([*(ROOT / "panels").glob("*.yaml"), NEWT / "pedals.yaml"], Kind.PANEL),
+        (sorted((ROOT / "cameras").glob("*.yaml")), Kind.CAMERA),
         ([ROOT / "pyproject.toml", ROOT / ".pre-commit-config.yaml"], Kind.OTHER),
         ([ROOT, ROOT / "no_such_file.yaml"], Kind.UNREADABLE),
     ],
-    ids=["missions", "examples", "pipes", "robots", "charts", "experiments", "others", "none"],
+    ids=[
+        "missions",
+        "examples",
+        "pipes",
+        "robots",
+        "charts",
+        "experiments",
+        "panels",
+        "cameras",
+        "others",
+        "none",
+    ],
 )
 def test_every_file_of_the_project_is_known(files: list[Path], kind: Kind) -> None:
     assert {kind_of(file) for file in files} == {kind}

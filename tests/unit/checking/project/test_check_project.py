@@ -22,6 +22,14 @@ from pirate_sm.loading.problems import Place
 
 from ..robots import NEWT, ROOT, changed, swap
 
+PANEL = """\
+format: 1
+panel: p
+robot: pirate_ii
+device: P
+controls: {A: 1, B: 2}
+buttons: {A: {do: stop}, B: {command: Fly}}
+"""
 PIPE = "format: 1\npipe: p\ndiameter: 120 mm\nsegments: [{straight: 1 m}]\n"
 
 
@@ -47,7 +55,22 @@ def test_all_that_is_shipped_is_clean(monkeypatch: pytest.MonkeyPatch) -> None:
     assert told(report) == []
     kinds = [file.kind for file in report.files]
     assert kinds.count(Kind.MISSION) == 26
-    assert {Kind.ROBOT, Kind.CHART, Kind.PIPE} <= set(kinds)
+    assert {Kind.ROBOT, Kind.CHART, Kind.PIPE, Kind.PANEL} <= set(kinds)
+
+
+def test_a_panel_is_held_against_its_robot_or_the_one_that_is_named(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    panel = write("panels/p.yaml", PANEL)
+
+    assert told(check_paths([panel])) == [("panel.command", "panels/p.yaml:6:39")]
+    write("panels/p.yaml", PANEL.replace("robot: pirate_ii\n", ""))
+    assert told(check_paths([panel])) == []
+    named = check_paths([panel], Wishes(robot=str(NEWT)))
+    assert [code for code, _ in told(named)] == ["panel.command"]
+    write("panels/p.yaml", PANEL.replace("pirate_ii", "pirate_3"))
+    assert told(check_paths([panel])) == [("panel.robot", "panels/p.yaml:3:8")]
 
 
 @pytest.mark.parametrize("path", ["docs/examples", "tests/robots/newt"])

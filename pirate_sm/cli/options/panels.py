@@ -1,0 +1,29 @@
+"""Options of `pirate panel`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class PanelOptions:
+    """Show what each control of a panel sends, until Ctrl-C. Nothing moves.
+
+    Without a name: which panels and which MIDI devices there are.
+
+    Exit codes: 0 shown, 2 invalid files or arguments, 3 the panel was lost.
+    """
+
+    name: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[NAME[:DEVICE]|DEVICE]",
+            help="A panel's name, or a file; a MIDI device alone shows bare numbers.",
+        ),
+    ] = None
+    debug: common.Debug = False
