@@ -89,9 +89,8 @@ def _about_boards(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
     if silent and len(silent) == len(facts.boards):
         advice = _advice(subject).no_sensors
         if all(topic.agrees and topic.id is not None for topic in facts.topics):
-            yield DoctorFinding(
-                "no-go", f"no board reports{_with(advice)}" if advice else NO_SENSORS
-            )
+            message = f"no board reports{_with(advice)}" if advice else NO_SENSORS
+            yield DoctorFinding("no-go", message)
     elif silent:
         yield DoctorFinding(
             "no-go",
@@ -102,9 +101,8 @@ def _about_boards(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
         yield from _about_rates(facts, subject)
     if facts.strangers:
         boards = ", ".join(map(str, facts.strangers))
-        yield DoctorFinding(
-            "suspicious", f"board {boards} reports, which the profile does not listen to"
-        )
+        message = f"board {boards} reports, which the profile does not listen to"
+        yield DoctorFinding("suspicious", message)
 
 
 def _about_rates(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
@@ -151,9 +149,8 @@ def _about_channels(facts: Facts) -> Iterator[DoctorFinding]:
 def _about_link(facts: Facts) -> Iterator[DoctorFinding]:
     link = facts.link
     if link.resets:
-        yield DoctorFinding(
-            "no-go", "the device fell silent and had to be asked anew: it was reset"
-        )
+        message = "the device fell silent and had to be asked anew: it was reset"
+        yield DoctorFinding("no-go", message)
     if link.dropped > DAMAGED_SHARE * max(link.bytes, 1):
         yield DoctorFinding(
             "suspicious",

@@ -171,13 +171,12 @@ def _add_curves(profile: Profile, setup: TractionSetup, result: ExperimentResult
         curve = fit_slip_curve(slip, used, setup.physics.threshold)
         result.values |= _curve_values(f"{curves.of}.{wheel}", curve)
         if number == 0:
-            ratio = -slip / np.where(np.abs(run.speed_m_s[driven]) < 0.005, np.nan, 1.0)
-            ratio /= run.speed_m_s[driven]
+            speed = run.speed_m_s[driven]
+            ratio = -slip / np.where(np.abs(speed) < 0.005, np.nan, speed)
+            what = "|v - w r|, m/s"
             result.figures += [
                 _cloud("Fig. 6-12a: friction over slip ratio", "slip ratio", ratio, used),
-                _cloud(
-                    "Fig. 6-12b: friction over slip speed", "|v - w r|, m/s", np.abs(slip), used
-                ),
+                _cloud("Fig. 6-12b: friction over slip speed", what, np.abs(slip), used),
                 slip_plot(curve, "Fig. 6-12c: both fits"),
             ]
 

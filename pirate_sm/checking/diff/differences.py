@@ -121,7 +121,7 @@ def _phases(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
         elsewhere = {command for _, command in there.commands}
         alone = ", ".join(command for command in gives if command not in elsewhere)
         gained = kind == "gained"
-        text = f"the phase '{name}' " + ("can be reached" if gained else "is reached no more")
+        text = f"the phase '{name}' " + ("can be reached" if gained else "can no longer be reached")
         if gives:
             text += f"; it {'gives' if gained else 'gave'} {', '.join(gives)}"
         if alone:
@@ -137,7 +137,7 @@ def _commands(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
         if kind == "gained":
             text = f"{name} can be given in '{phase}'" + "; before, nothing gave it" * nowhere
         else:
-            text = f"{name} is given in '{phase}' no more" + "; now nothing gives it" * nowhere
+            text = f"{name} is no longer given in '{phase}'" + "; now nothing gives it" * nowhere
         yield BehaviourChange(kind, "command", text, name, phase)
     for (phase, name), before, after in _both(old.commands, new.commands):
         text = f"{name} in '{phase}' is given on other terms: {after}; before: {before}"
@@ -152,7 +152,7 @@ def _triggers(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
         said = trigger_words(name, here.triggers[phase, name])
         text = f"the wait of '{phase}' can end by {said}"
         if kind == "lost":
-            text = f"the wait of '{phase}' ends no more by {said}"
+            text = f"the wait of '{phase}' no longer ends by {said}"
         yield BehaviourChange(kind, "trigger", text, name, phase)
     for (phase, name), was, now in _both(old.triggers, new.triggers):
         before, after = trigger_words(name, was), trigger_words(name, now)
@@ -172,7 +172,7 @@ def _outcomes(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
             said = ", as nothing handles a failure or a fault"
         text = f"it can end in {end_words(name)}{said}"
         if kind == "lost":
-            text = f"it ends no more in {end_words(name)}{said}"
+            text = f"it no longer ends in {end_words(name)}{said}"
         yield BehaviourChange(kind, "outcome", text, name)
     for name, was, now in _both(old.outcomes, new.outcomes):
         before, after = outcome_words(was), outcome_words(now)
@@ -219,10 +219,10 @@ def _rules(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, message, _, _ in _one_sided(old, new, lambda each: _in_order(each.broken)):
         text = f"it can come to this: {message}"
         if kind == "lost":
-            text = f"it comes to this no more: {message}"
+            text = f"it no longer comes to this: {message}"
         yield BehaviourChange(kind, "rule", text, message)
     for kind, name, _, _ in _one_sided(old, new, lambda each: _in_order(each.rules)):
-        text = f"the rule {name} is watched" + " no more" * (kind == "lost")
+        text = f"the rule {name} is {'no longer ' * (kind == 'lost')}watched"
         yield BehaviourChange(kind, "rule", text, name)
 
 

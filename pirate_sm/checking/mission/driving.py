@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from math import inf
 
 from pirate_sm.checking.exploring.conditions import Conditions
@@ -47,10 +48,16 @@ def driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
         left = found.nodes[step.target].state.mission.pc != before.mission.pc
         if waited and left and driven[before.robot.configuration]:
             begin.append(step.target)
-    reached, waiting = set(begin), begin
+    reached = _reached(begin, after)
+    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)
+
+
+def _reached(begin: list[int], after: Mapping[int, Sequence[int]]) -> set[int]:
+    """Return the nodes that any way leads to from those at the beginning, and these."""
+    reached, waiting = set(begin), list(begin)
     while waiting:
         for target in after.get(waiting.pop(), ()):
             if target not in reached:
                 reached.add(target)
                 waiting.append(target)
-    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)
+    return reached

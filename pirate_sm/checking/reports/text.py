@@ -60,15 +60,19 @@ def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
         yield paint("label", f"  {margin} | ") + paint("mark", source.under)
     for place, what in finding.related:
         yield f"  {paint('place', str(place))}: {paint('', what)}"
-    if finding.story:
-        yield paint("label", "  how it comes about:")
-        width = len(str(len(finding.story)))
-        for number, sentence in enumerate(finding.story, start=1):
-            yield from _wrapped(f"    {number:>{width}}. ", sentence, paint)
+    yield from _story(finding, paint)
     said = ("why", entry.why), ("mend", _mend(finding, entry.mend)), ("example", finding.example)
     for label, text in said:
         if text:
             yield from _wrapped(f"  {label + ': ':6}", text, paint)
+
+
+def _story(finding: Finding, paint: Paint) -> Iterator[str]:
+    if finding.story:
+        yield paint("label", "  how it comes about:")
+    width = len(str(len(finding.story)))
+    for number, sentence in enumerate(finding.story, start=1):
+        yield from _wrapped(f"    {number:>{width}}. ", sentence, paint)
 
 
 def _rehearsal(rehearsal: Rehearsal, paint: Paint) -> Iterator[str]:

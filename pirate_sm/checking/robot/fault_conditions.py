@@ -14,13 +14,8 @@ from pirate_sm.expressions import tree
 
 def fault_conditions(view: RobotView) -> Iterator[Finding]:
     """Yield fault rules that are never true or always true."""
-    robot = view.loaded.normal
-    # A rule may look for a joint beyond its end stop, which only a faulty sensor shows.
-    joints = {joint.name for joint in view.profile.body.joints}
-    known = ranges(view.profile, robot)
-    spans = {name: span for name, span in known.items() if name not in joints}
-    conditions = Conditions(robot.vocabulary, spans, len(robot.regions))
-    rules = iter(robot.faults)
+    conditions = _conditions(view)
+    rules = iter(view.loaded.normal.faults)
     for number, fault in enumerate(view.profile.faults):
         written_out = [next(rules) for _ in fault.for_each or (None,)]
         path = ("faults", number, "when")
@@ -33,6 +28,18 @@ def fault_conditions(view: RobotView) -> Iterator[Finding]:
             message += " raised whatever happens" if verdict else " never raised"
             yield view.at(path, f"robot.fault_{word}", message, offset=0)
             break
+
+
+def _conditions(view: RobotView) -> Conditions:
+    """Return what conditions can be, but for the angles of joints.
+
+    A rule may look for a joint beyond its end stop, which only a faulty sensor shows.
+    """
+    robot = view.loaded.normal
+    joints = {joint.name for joint in view.profile.body.joints}
+    known = ranges(view.profile, robot)
+    spans = {name: span for name, span in known.items() if name not in joints}
+    return Conditions(robot.vocabulary, spans, len(robot.regions))
 
 
 def _verdict(view: RobotView, conditions: Conditions, node: tree.Node) -> bool | None:

@@ -129,17 +129,19 @@ def safe_clamps(view: RobotView) -> Iterator[Finding]:
         part = joints.get(view.profile.slots[slot].joint or "")
         if part is None:
             continue
-        pressing = [
-            each
-            for each in view.written
-            if each.write.slot == slot
-            and each.write.turns
-            and _holding(view, parts.index(part), each)
-        ]
-        if pressing:
-            state = f"{view.loaded.normal.regions[pressing[0].region]}.{pressing[0].state}"
+        state = _pressed_in(view, slot, parts.index(part))
+        if state:
             message = f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall"
             yield view.at(("safe_state", "zero", number), "robot.safe_clamp", message)
+
+
+def _pressed_in(view: RobotView, slot: int, part: int) -> str:
+    """Return the first state in which the slot presses the part to the wall; empty without one."""
+    for each in view.written:
+        pressing = each.write.slot == slot and each.write.turns
+        if pressing and _holding(view, part, each):
+            return f"{view.loaded.normal.regions[each.region]}.{each.state}"
+    return ""
 
 
 def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from importlib.util import find_spec
 from math import inf
 from pathlib import Path
@@ -70,13 +70,18 @@ def _rehearsed(loaded: LoadedMission, path: Path, seeds: int) -> Rehearsal:
         for call in nearest:
             if call.about not in calls or call.share > calls[call.about][0].share:
                 calls[call.about] = call, seed
-    near = sorted(calls.values(), key=lambda each: -each[0].share)
-    nearly = tuple(
+    nearly = _closest(calls.values())
+    return Rehearsal(shown(path), tuple(runs), nearly, at_once=tuple(early.found.items()))
+
+
+def _closest(calls: Iterable[tuple[NearMiss, int]]) -> tuple[Nearly, ...]:
+    """Return the closest calls, the closest first, from pairs of a call and its seed."""
+    near = sorted(calls, key=lambda each: -each[0].share)
+    return tuple(
         Nearly(call.text, call.share, call.at_s, seed)
         for call, seed in near[:MOST_CALLS]
         if call.share >= LEAST_SHARE
     )
-    return Rehearsal(shown(path), tuple(runs), nearly, at_once=tuple(early.found.items()))
 
 
 def _run(

@@ -128,11 +128,8 @@ class View:
         right = [*self._picture(snapshot, beside, rows - len(motors)), *motors]
         lines += _beside(_words(snapshot, rows), right, rows)
         recent = [panels.told_line(each) for each in snapshot.story.recent[-log_rows:]]
-        lines = [*lines, *below, _title("events", width), *_filled(recent, log_rows)][:height]
-        for each in lines:
-            each.rstrip()
-            each.truncate(width, overflow="ellipsis")
-        return lines
+        lines = [*lines, *below, _title("events", width), *_filled(recent, log_rows)]
+        return _cut(lines[:height], width)
 
     def _snapshot(self) -> Snapshot:
         there, story = self._observed, self._memory.story()
@@ -216,3 +213,11 @@ def _beside(left: list[Text], right: list[Text], rows: int) -> Iterable[Text]:
     for number in range(rows):
         whole = fitted(left[number] if number < len(left) else Text(), _LEFT).append(" ")
         yield whole.append_text(right[number]) if number < len(right) else whole
+
+
+def _cut(lines: list[Text], width: int) -> list[Text]:
+    """Cut the lines off at this width; return them."""
+    for each in lines:
+        each.rstrip()
+        each.truncate(width, overflow="ellipsis")
+    return lines

@@ -110,10 +110,7 @@ def _command(robot: LoadedRobot, name: str) -> Iterator[Block]:
         yield Paragraph(command.description)
     yield from _needed(robot, index)
     found = changes(robot.normal, index)
-    yield Table(
-        ("region", "from", "to", "motors"),
-        [_change(robot, each) for each in found],
-    )
+    yield Table(("region", "from", "to", "motors"), [_change(robot, each) for each in found])
     if command.posture:
         yield from _posture(profile, command.posture)
     yield Paragraph(f"when {done_when(profile, command.done)}.", "Done")

@@ -63,14 +63,7 @@ class Calls:
         except PirateError as error:
             scope.problems.add(references.code_of(error, "mission.call"), path, str(error))
             return None
-        if found.path in scope.calls:
-            chain = " → ".join(each.stem for each in (*scope.calls, found.path))
-            scope.problems.add("mission.recursion", path, f"a mission cannot call itself: {chain}")
-            return None
-        if len(scope.calls) >= DEEPEST_CALL:
-            scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
-            return None
-        return found
+        return None if _is_too_deep(found, scope, path) else found
 
     def _quietly(self, name: str, folder: FilePath) -> Source | None:
         """Return the mission that a file in this folder calls; None where it cannot be used."""
@@ -94,3 +87,15 @@ def robot_of(source: Source) -> FilePath | str:
         return library.find_robot(source.mission.robot, source.path.resolve().parent)
     except PirateError:
         return source.mission.robot
+
+
+def _is_too_deep(found: Source, scope: Scope, path: Path) -> bool:
+    """Return whether the mission calls itself, or too many call each other; report that."""
+    if found.path in scope.calls:
+        chain = " → ".join(each.stem for each in (*scope.calls, found.path))
+        scope.problems.add("mission.recursion", path, f"a mission cannot call itself: {chain}")
+        return True
+    if len(scope.calls) >= DEEPEST_CALL:
+        scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
+        return True
+    return False

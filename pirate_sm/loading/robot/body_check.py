@@ -57,6 +57,10 @@ def _check_chain(body: Body, problems: Problems) -> None:
     rolls = [number for number, link in enumerate(body.links) if link.roll is not None]
     for number in rolls[1:]:
         problems.add("robot.link", ("body", "links", number, "roll"), "only one link can roll")
+    _check_parts(body, problems)
+
+
+def _check_parts(body: Body, problems: Problems) -> None:
     parts = {
         "wheels": [wheel.part for wheel in body.wheels],
         "joints": [joint.part for joint in body.joints],

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf
 
-from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec, WheelSpec
 from pirate_sm.engine.sensing.traction_spec import TractionSpec, WheelTraction
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import derived as kinds
+from pirate_sm.model.body import Body
 from pirate_sm.units import SPEED
 
 
@@ -21,44 +22,70 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
     body, names = profile.body, signals.vocabulary.numbers
     modules = [link.module for link in body.links]
     torques = {joint.wheel: joint.torque for joint in body.joints}
-    masses = [wheel.mass for wheel in body.wheels]
-    for number, link in enumerate(body.links):
-        masses[number] += link.mass / 2
-        masses[number + 1] += link.mass / 2
-    wheels, mounts = [], []
-    for wheel in signals.wheels:
-        board = next((b for b in boards.values() if wheel in b.wheels), None)
-        slot = profile.slots[wheel.slot]
-        motor = profile.motors[slot.motor]
-        own = WheelTraction(
-            wheel.place,
-            board.position if board else -1,
-            wheel.slot,
-            wheel.speed,
-            _torque_of(signals, slot.name),
-            wheel.metres_per_rad,
-            motor.stall_torque or 0.0,
-            motor.no_load_speed or inf,
-        )
-        wheels.append(_with_targets(signals, own, body.wheels[wheel.place].name, wanted))
-        module = board.module if board else ""
-        mounts.append(modules.index(module) if module in modules else 0)
+    on_boards = [next((b for b in boards.values() if w in b.wheels), None) for w in signals.wheels]
+    wheels = tuple(
+        _wheel(signals, wheel, board, wanted)
+        for wheel, board in zip(signals.wheels, on_boards, strict=True)
+    )
     measured = _measured(signals, wanted)
+    mounts = [board.module if board else "" for board in on_boards]
     spec = TractionSpec(
-        tuple(wheels),
+        wheels,
         wheels[-1].board,
         tuple(_index(names, torques.get(wheel.name)) for wheel in body.wheels),
-        tuple(mounts),
-        tuple(masses),
+        tuple(modules.index(module) if module in modules else 0 for module in mounts),
+        _masses_kg(body),
         measured=_index(names, measured),
         averages_s=profile.outside[measured].averages if measured else 0.0,
         # A frame is late by one way of the link, its echo by both.
         delay_s=profile.link.echo_delay,
     )
+    spec = _with_shared(signals, spec, wanted)
+    _check(signals, spec, wanted)
+    return spec
+
+
+def _masses_kg(body: Body) -> tuple[float, ...]:
+    """Return the mass of each wheel with half of its links."""
+    masses = [wheel.mass for wheel in body.wheels]
+    for number, link in enumerate(body.links):
+        masses[number] += link.mass / 2
+        masses[number + 1] += link.mass / 2
+    return tuple(masses)
+
+
+def _wheel(
+    signals: Signals,
+    wheel: WheelSpec,
+    board: BoardSpec | None,
+    wanted: Mapping[str, kinds.Traction],
+) -> WheelTraction:
+    """Return what the signals of one wheel are made of."""
+    profile = signals.profile
+    slot = profile.slots[wheel.slot]
+    motor = profile.motors[slot.motor]
+    own = WheelTraction(
+        wheel.place,
+        board.position if board else -1,
+        wheel.slot,
+        wheel.speed,
+        _torque_of(signals, slot.name),
+        wheel.metres_per_rad,
+        motor.stall_torque or 0.0,
+        motor.no_load_speed or inf,
+    )
+    return _with_targets(signals, own, profile.body.wheels[wheel.place].name, wanted)
+
+
+def _with_shared(
+    signals: Signals, spec: TractionSpec, wanted: Mapping[str, kinds.Traction]
+) -> TractionSpec:
+    """Return the signals with those that are made of several wheels."""
+    body, names = signals.profile.body, signals.vocabulary.numbers
     for name, derived in wanted.items():
         match derived:
             case kinds.RobotSpeedOf(robot_speed_of=of, agreeing=agreeing):
-                rolling = tuple(each for each in wheels if body.wheels[each.place].name in of)
+                rolling = tuple(each for each in spec.wheels if body.wheels[each.place].name in of)
                 spec = spec._replace(
                     robot_speed=names.index(name), rolling=rolling, agreeing_m_s=agreeing
                 )
@@ -67,7 +94,6 @@ def resolve_traction(signals: Signals, boards: Mapping[int, BoardSpec]) -> Tract
                 spec = spec._replace(least=(*spec.least, (names.index(name), known)))
             case _:
                 pass
-    _check(signals, spec, wanted)
     return spec
 
 

@@ -26,7 +26,7 @@ def test_time_jumps_as_far_as_it_may() -> None:
 
 
 def test_a_wait_for_nothing_is_told_instead_of_lasting_for_ever() -> None:
-    with pytest.raises(BackendError, match="waits for ever"):
+    with pytest.raises(BackendError, match="waits forever"):
         TraceBackend().advance(inf)
 
 

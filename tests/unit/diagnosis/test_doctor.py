@@ -197,7 +197,7 @@ def test_the_firmwares_reset_is_seen(examine: Examine) -> None:
         ({"defects": ("gamma_2_sticks",)}, "gamma_2 has shown exactly the same"),
         ({"defects": ("imu_stale",)}, "acc_x has shown exactly the same"),
         ({"defects": ("gamma_3_spikes",)}, "gamma_3 has spiked"),
-        ({"loss_out": 0.2}, "of the messages come that the bus has time for"),
+        ({"loss_out": 0.2}, "of the expected messages arrive"),
         ({"corruption": 0.01}, "bytes belonged to no whole frame"),
     ],
 )
@@ -289,7 +289,7 @@ def test_the_facts_are_plain_json(examine: Examine) -> None:
     ("answer", "told"),
     [
         (b"", "nothing answers on virtual at 57600 baud"),
-        (b"OK\r\n", "speaks something else than rosserial"),
+        (b"OK\r\n", "does not speak rosserial"),
         (b"\x80\x9f\xff", "bytes that make no sense at 57600 baud"),
     ],
 )

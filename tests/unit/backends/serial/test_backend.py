@@ -112,7 +112,7 @@ class Chatter(Device):
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (b"T=21.3 C, door open\r\n", "something else than rosserial, it says 'T=21.3 C, door open"),
+        (b"T=21.3 C, door open\r\n", "not speak rosserial, it sends 'T=21.3 C, door open"),
         (bytes(range(120, 250, 7)), "make no sense at 57600 baud: the firmware uses another speed"),
     ],
 )
@@ -151,7 +151,7 @@ def test_a_device_without_a_topic_is_told_with_what_it_offers(
 ) -> None:
     device.topics = ("state", "setpoints")
 
-    with pytest.raises(BackendError, match=r"not introduce setpoint_echo .*It offers setpoint_arr"):
+    with pytest.raises(BackendError, match=r"not announce setpoint_echo .*It offers setpoint_arr"):
         backend.open()
 
 
@@ -512,7 +512,9 @@ def test_a_robot_that_was_unplugged_and_is_back_is_an_interruption_and_goes_on_f
     boot_s = plan.serial.boot
     away_s = float(fault.message.removeprefix("the link was away for ").split(" s ")[0])
     assert away_s == pytest.approx(3.5 + boot_s, abs=0.3), "unplugged, opened, booting"
-    assert "(unplugged) and is back: it holds what it held" in fault.message
+    assert (
+        "(unplugged) and is back: it has confirmed that its clamps hold as before" in fault.message
+    )
     assert [counts[4:8] for _, _, counts in device.applied[before:]] == [
         (-700, 0, 700, 0),
         (-700, 1000, 700, -1000),

@@ -193,7 +193,7 @@ def test_a_mission_that_handles_a_reset_goes_on_where_it_was(go: Go) -> None:
 
     assert (course.message, course.codes) == ("There", ["firmware.reset"])
     assert course.logs == [
-        "nothing comes from the robot, which may go on as it was; the mission waits for it, "
+        "no data comes from the robot, which may continue its motion; the mission waits for it, "
         "up to 8 s"
     ]
     assert course.is_safe

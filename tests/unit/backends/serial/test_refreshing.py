@@ -122,7 +122,7 @@ def test_a_trip_is_counted_and_said_and_the_array_in_force_is_written_again_at_o
     assert backend.exchange.counts.damaged == 0
     assert backend.health.trips == 1
     assert backend.remark() == (
-        "the robot's dead man's switch had stopped what moved, for no setpoints arrived; "
+        "the robot's dead man's switch had stopped its motors because no setpoints arrived; "
         "they are sent again (1 time so far)"
     )
     assert backend.remark() == ""

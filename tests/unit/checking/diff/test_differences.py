@@ -77,7 +77,7 @@ def test_other_names_are_told_and_are_no_difference(tmp_path: Path) -> None:
 
 def test_a_phase_that_is_reached_no_more_is_lost_with_what_only_it_gave(tmp_path: Path) -> None:
     assert told(compared(tmp_path, ("go: halt", "go: good"))) == [
-        "lost: the phase 'halt' is reached no more; it gave ToggleLighting; "
+        "lost: the phase 'halt' can no longer be reached; it gave ToggleLighting; "
         "now nothing gives ToggleLighting",
         "changed: in 'grip' 'detector == close for 0.2 s' leads to 'good'; before to 'halt'",
         "changed: success takes at least 2 commands and 6 events; before 3 commands and 8 events",
@@ -124,7 +124,7 @@ def test_a_failure_that_nothing_handles_any_more_leads_to_the_safe_stop(tmp_path
         ),
         (
             ("format: 1", "format: 1\nallow_unclamp: it stands on the floor"),
-            "lost: the rule never_let_go is watched no more",
+            "lost: the rule never_let_go is no longer watched",
         ),
         (("format: 1", "format: 1\ntime_limit: 60 s"), "changed: time limit: 60 s; before: none"),
         (("format: 1", "format: 1\ncontrol: exp_3a"), "changed: control: exp_3a; before: none"),

@@ -44,4 +44,4 @@ def test_of_equal_runs_one_sentence_says_that_their_signals_are_the_same(
 
     assert result.exit_code == 0
     assert result.stdout.rstrip().endswith("\n\nevery signal is the same in A and B")
-    assert "farthest apart" not in result.stdout
+    assert "largest differences" not in result.stdout

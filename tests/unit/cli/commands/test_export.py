@@ -93,7 +93,7 @@ def test_of_a_recording_without_contents_or_with_damage_no_folder_is_left(
     result = pirate("export", run, "--csv", tmp_path / "csv")
 
     assert result.exit_code == 2
-    assert ("is damaged" if kind == "damaged" else "holds nothing") in result.stderr
+    assert ("is damaged" if kind == "damaged" else "has no data for tables") in result.stderr
     assert not (tmp_path / "csv").exists()
 
 

@@ -54,7 +54,7 @@ def test_the_whole_run_comes_out_the_same(pirate: Any, run: Path) -> None:
     result = pirate("replay", run)
 
     assert result.exit_code == 0
-    assert "the same came out again" in result.stdout
+    assert "replayed identically" in result.stdout
 
 
 def test_a_stretch_begins_at_the_checkpoint_before_it(pirate: Any, run: Path) -> None:
@@ -118,7 +118,7 @@ def test_a_state_that_differs_without_an_effect_is_told(pirate: Any, tmp_path: P
     result = pirate("replay", path)
 
     assert result.exit_code == 1
-    assert "what the engine remembers then is not: wake_at_s" in result.stdout
+    assert "but the engine's state differs in wake_at_s" in result.stdout
     assert "nothing" not in result.stdout
 
 

@@ -212,7 +212,7 @@ def test_a_guard_that_is_no_text_is_refused(newt, guard):
         ("      Lamp:\n", "      mm: {states: {mm.A: {initial: true}}}\n      Lamp:\n",
          "43:7: 'mm' cannot be the name of a signal: it is a unit"),
         ("          Grip.NoseHeld:", "          Grip.Loose: {}\n          Grip.NoseHeld:",
-         "15:11: the key 'Grip.Loose' stands twice"),
+         "15:11: the key 'Grip.Loose' appears twice"),
     ],
 )  # fmt: skip
 def test_a_fault_of_the_chart_is_told_with_its_place(newt, old, new, fault):

@@ -171,7 +171,7 @@ def test_what_is_shipped_loads(path):
         (with_line("pipe: {diameter: 300 mm, segments: [{straight: 1 m}]}"),
          "4:18: pirate_ii cannot clamp an inner diameter of 300 mm"),
         (with_line("robots: x"), "4:1: unknown key 'robots'"),
-        (with_line("mission: n"), "4:1: the key 'mission' stands twice"),
+        (with_line("mission: n"), "4:1: the key 'mission' appears twice"),
         (HEAD.replace("pirate_ii", "pirat_ii") + f"start: a\nphases: {{a: {{go: e}}}}\n{ENDS}",
          "3:8: there is no robot 'pirat_ii'; did you mean 'pirate_ii'?"),
         (HEAD.replace("format: 1", "format: 2") + f"start: a\nphases: {{a: {{go: e}}}}\n{ENDS}",

@@ -317,7 +317,7 @@ FAULTS = [
         "senses: angle, slot: drive_a",
         "senses: angle",
         "angle",
-        "whose angle is it? `slot` must say",
+        "`slot` must say whose angle this is",
     ),
     (
         "senses: angle, slot: drive_a",
@@ -483,7 +483,7 @@ FAULTS = [
         "robot: newt\n",
         "robot: newt\nrobot: newt\n",
         "robot: newt",
-        "the key 'robot' stands twice",
+        "the key 'robot' appears twice",
     ),
     (
         "chart: chart.yaml",
@@ -566,12 +566,12 @@ TRACTION_FAULTS = [
     (
         *_outside("  press: {normal_force_of: left_fore}\n"),
         "press: {",
-        "forces need every torque, that of wheel left_fore is not told",
+        "forces need every torque, that of wheel left_fore is not measured",
     ),
     (
         *_outside("  mu: {friction_of: left_fore, slip_above: 10 mm/s, steady: 500 ms}\n"),
         "mu: {",
-        "forces need every torque, that of wheel left_fore is not told",
+        "forces need every torque, that of wheel left_fore is not measured",
     ),
     (
         *_outside("  mu: {friction_of: left_fore, slip_above: 0 mm/s, steady: 500 ms}\n"),

@@ -267,7 +267,7 @@ def test_a_header_that_says_something_else_is_refused(
     memory = Memory()
     recorder(memory).close()
 
-    with pytest.raises(RecordingError, match="does not say what it should"):
+    with pytest.raises(RecordingError, match="has unexpected content"):
         steps_in(memory.data, tmp_path)
 
 
