@@ -130,6 +130,17 @@ def _slip(it: Measured) -> Chart:
     return Chart(title, "mm/s", 1, tuple(series), note)
 
 
+def _normal_forces(it: Measured) -> Chart:
+    note = "By the statics of the chain; unknown where no part is clamped."
+    series = _signals(it, kinds.NormalForceOf, 1.0)
+    return Chart("Normal forces", "N", 1, tuple(series), note)
+
+
+def _frictions(it: Measured) -> Chart:
+    note = "Known where a wheel slips steadily and somebody outside measures the speed."
+    return Chart("Friction", "", 2, tuple(_signals(it, kinds.FrictionOf, 1.0)), note)
+
+
 def _distance(it: Measured) -> Chart:
     series = []
     if it.robot.odometry >= 0:
@@ -171,8 +182,25 @@ def _angle_setpoints(it: Measured) -> Chart:
 
 
 _CHARTS: tuple[Callable[[Measured], Chart], ...] = (
-    *(_angles, _joint_torques, _other_currents, _wheel_currents, _rim_speeds, _slip, _distance),
-    *(_speeds, _wheel_torques, _diameters, _attitude, _duties, _angle_setpoints),
+    *(
+        _angles,
+        _joint_torques,
+        _other_currents,
+        _wheel_currents,
+        _rim_speeds,
+        _slip,
+        _normal_forces,
+    ),
+    *(
+        _frictions,
+        _distance,
+        _speeds,
+        _wheel_torques,
+        _diameters,
+        _attitude,
+        _duties,
+        _angle_setpoints,
+    ),
 )
 
 

@@ -654,4 +654,19 @@ GRIP_FAULTS = [
         "2",
         "expected true or false",
     ),
+    (
+        (
+            ("kind: geared\n    stall_torque: 160 mNm\n", "kind: none\n"),
+            ("    hold_torque: 160 mNm\n", "    velocity_loop: {gain: 0.3}\n"),
+            (
+                "commands:\n",
+                "controls:\n  kept: {actuation: {Crawl: {Ahead: {drive_a: 50 mm/s,"
+                " drive_b: -50 mm/s, drive_c: 50 mm/s, drive_d: -50 mm/s}}}}\n"
+                "  level: {extends: kept, gravity_compensation: false}\n"
+                "  bears: {extends: level, gravity_compensation: true}\ncommands:\n",
+            ),
+        ),
+        "true}",
+        "gravity compensation needs the `stall_torque` of the motor of 'drive_a'",
+    ),
 ]
