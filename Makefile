@@ -17,7 +17,7 @@ help:
 	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
-	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque"
+	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque, over a bad line and without"
 	@echo "make twin    the numbers of simulated robots, found in ten-minute recordings of them"
 	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
 	@echo "make defects every known defect of the robot, in several missions"
