@@ -49,17 +49,20 @@ class Survey:
     each_px: Mapping[str, float]
 
 
-def known_places(camera: Camera, frame: Frame) -> dict[str, KnownPlace]:
-    """Return the tags of the setup that a frame shows, or the points of the camera's file."""
+def known_points(camera: Camera) -> dict[str, KnownPlace]:
+    """Return the points of a camera's file."""
+    return {
+        f"point {number}": KnownPlace(np.array([point.at]), np.array([point.seen]))
+        for number, point in enumerate(camera.setup.points, start=1)
+    }
+
+
+def known_tags(camera: Camera, frame: Frame) -> dict[str, KnownPlace]:
+    """Return the tags of the setup that a frame shows."""
     setup = camera.setup
-    if setup.tags is None:
-        return {
-            f"point {number}": KnownPlace(np.array([point.at]), np.array([point.seen]))
-            for number, point in enumerate(setup.points, start=1)
-        }
     return {
         f"tag {tag.number}": KnownPlace(setup_tag_points(camera, str(tag.number)), tag.corners)
-        for tag in find_tags(grayed(frame), setup.tags)
+        for tag in (find_tags(grayed(frame), setup.tags) if setup.tags else ())
         if str(tag.number) in setup.at
     }
 
