@@ -13,7 +13,7 @@ from __future__ import annotations
 import argparse
 import sys
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from itertools import cycle
 from math import cos, dist, sin
@@ -27,7 +27,7 @@ from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.model.camera import Camera
 from pirate_sm.model.camera_source import SyntheticSource
 from pirate_sm.model.sighting import Sighting
-from pirate_sm.model.synthetic_camera import Lighting, SyntheticView
+from pirate_sm.model.synthetic_camera import Lighting
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.vision.seeing import Eye, eye_of
 from pirate_sm.vision.synthetic.picture import SyntheticPictures

@@ -12,7 +12,7 @@ from pirate_sm.vision.tags import tag_cells
 _PAGE_MM = (297.0, 210.0)
 """A4 across."""
 
-_EDGE_MM, _RULER_MM, _GAP_MM = 12.0, 14.0, 8.0
+_EDGE_MM, _RULER_MM, _GAP_MM = 10.0, 12.0, 8.0
 
 
 def board_sheet(board: Board) -> str:
