@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright mutants physics clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -19,6 +19,7 @@ help:
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque"
 	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
+	@echo "make vision  what a synthetic camera sees of the bend, its speed, and the calibration of a lens"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
@@ -76,6 +77,9 @@ physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
 	$(BIN)/python -m benchmarks.seeds --backend physics --seeds 20
 
+vision: $(VENV)/.ready-vision
+	$(BIN)/python -m benchmarks.vision
+
 defects: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.defects
 
@@ -104,8 +108,9 @@ $(VENV)/.ready-dev: EXTRAS := dev,sim,physics,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := physics
 $(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
+$(VENV)/.ready-vision: EXTRAS := sim,vision
 $(VENV)/.ready-soak: EXTRAS := sim,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,physics,serial,live,report,console
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,physics,serial,live,report,console,vision
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

@@ -19,6 +19,7 @@ LARGEST_RMS_PX = 3.0
 """A tag that is 20 mm off makes 4.5 px, two exchanged ones 263 px, tags right to 1 mm below 1."""
 
 _MUCH_BETTER = 0.4
+_FLATTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -72,6 +73,8 @@ def survey(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | str:
     if len(known) < FEWEST_POINTS:
         seen = ", ".join(known) or "nothing"
         return f"of the setup's known places {seen} is seen: at least {FEWEST_POINTS} are needed"
+    if _in_a_line(np.vstack([each.points for each in known.values()])):
+        return "the known places lie nearly in a line: the camera could hang anywhere around it"
     found = _fitted(lens, known)
     if found is not None and found.rms_px <= LARGEST_RMS_PX:
         return found
@@ -80,6 +83,12 @@ def survey(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | str:
     if np.isfinite(off_px):
         said = f"are off by {off_px:.1f} px (rms), more than {LARGEST_RMS_PX:g} px"
     return f"the known places {said}: {_cause(lens, known, off_px)}"
+
+
+def _in_a_line(points: Floats) -> bool:
+    """Return whether points are spread less than a tenth as far across as along."""
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[1] < _FLATTEST * spread[0])
 
 
 def _fitted(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | None:

@@ -64,3 +64,13 @@ def test_the_points_of_a_file_are_known_by_their_numbers() -> None:
 
     assert list(known) == ["point 1"]
     assert known["point 1"].pixels.tolist() == [[10.0, 20.0]]
+
+
+def test_points_in_a_line_are_refused_although_they_fit() -> None:
+    points = np.array([(x / 10 - 0.2, 0.002 * (x % 2), 0.0) for x in range(6)])
+    pixels = EYE.view.project(points)
+    known = {
+        f"point {n}": KnownPlace(points[n : n + 1], pixels[n : n + 1]) for n in range(len(points))
+    }
+
+    assert "nearly in a line" in str(survey(LENS, known))
