@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright twin mutants physics clean
+.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright twin mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -20,6 +20,7 @@ help:
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque, over a bad line and without"
 	@echo "make twin    the numbers of simulated robots, found in ten-minute recordings of them"
 	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
+	@echo "make vision  what a synthetic camera sees of the bend, its speed, and the calibration of a lens"
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
@@ -82,6 +83,9 @@ physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
 	$(BIN)/python -m benchmarks.seeds --backend physics --seeds 20
 
+vision: $(VENV)/.ready-vision
+	$(BIN)/python -m benchmarks.vision
+
 defects: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.defects
 
@@ -110,8 +114,9 @@ $(VENV)/.ready-dev: EXTRAS := dev,sim,physics,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := physics
 $(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
 $(VENV)/.ready-bench: EXTRAS := bench,sim,console
+$(VENV)/.ready-vision: EXTRAS := sim,vision
 $(VENV)/.ready-soak: EXTRAS := sim,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,physics,serial,live,report,console
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,physics,serial,live,report,console,vision
 
 $(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

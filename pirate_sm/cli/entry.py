@@ -39,6 +39,10 @@ COMMANDS = {
     "experiment": ("estimates:ExperimentOptions", "experiment:run_experiment"),
     "report": ("recordings:ReportOptions", "report:write_reports"),
     "repair": ("recordings:RepairOptions", "repair:run_repair"),
+    "camera print": ("cameras:PrintOptions", "camera_print:print_sheets"),
+    "camera calibrate": ("cameras:CalibrateCameraOptions", "camera_calibrate:calibrate_camera"),
+    "camera survey": ("cameras:SurveyOptions", "camera_survey:survey_camera"),
+    "camera look": ("cameras:LookOptions", "camera_look:look"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new robot": ("files:NewRobotOptions", "new:write_robot"),
 }
@@ -110,6 +114,11 @@ commands.add_typer(
     _app(cls=_Group, no_args_is_help=True),
     name="new",
     help="Start a mission or a robot from a template that runs.",
+)
+commands.add_typer(
+    _app(cls=_Group, no_args_is_help=True),
+    name="camera",
+    help="Print, calibrate, survey and try a camera over the setup.",
 )
 only_run = _single("run")
 

@@ -47,8 +47,7 @@ def _mark(frame: Frame, eye: Eye, mark: Mark) -> None:
         return
     _line(frame, pixels, _FOUND)
     cv2.circle(frame, _pixel(pixels[0]), 9, _FOUND, 2, cv2.LINE_AA)
-    text = f"{mark.on} {1000 * x:.0f} {1000 * y:.0f} mm"
-    _label(frame, pixels[0], text, _FOUND)
+    _label(frame, pixels[0], mark.on, _FOUND)
 
 
 def _line(frame: Frame, pixels: Floats, colour: tuple[int, int, int]) -> None:
@@ -60,9 +59,9 @@ def _label(frame: Frame, at: Floats, text: str, colour: tuple[int, int, int]) ->
     if not np.all(np.isfinite(at)):
         return
     x, y = _pixel(at)
-    for shade, width in (((0, 0, 0), 4), (colour, 1)):
+    for shade, width in (((0, 0, 0), 3), (colour, 1)):
         cv2.putText(
-            frame, text, (x + 14, y - 8), cv2.FONT_HERSHEY_SIMPLEX, 0.5, shade, width, cv2.LINE_AA
+            frame, text, (x + 14, y - 8), cv2.FONT_HERSHEY_SIMPLEX, 0.6, shade, width, cv2.LINE_AA
         )
 
 

@@ -23,6 +23,7 @@ LARGEST_RMS_PX: dict[str, float] = {"fisheye": 0.5, "brown": 1.0}
 
 _LEAST_CELLS, _CELLS = 7, (3, 3)
 _LEAST_TILT_DEG = 12.0
+_WIDEST_RAD = np.radians(80.0)
 
 
 @dataclass(frozen=True)
@@ -96,18 +97,23 @@ def _refusal(boards: Sequence[Floats], board: Board, size: FrameSize) -> str:
 def _fisheye(
     boards: Sequence[Floats], board: Board, size: FrameSize
 ) -> tuple[Lens, Sequence[Floats]]:
+    focal, middle = size[0] / np.pi, np.array(size) / 2  # of a lens that shows 180 deg
+    # OpenCV cuts rays with a plane ahead, and fails on those that go sideways.
+    ahead = [each for each in boards if _widest(each - middle) < focal * _WIDEST_RAD] or boards
     # OpenCV 5 refuses points of shape (N, 1, ·) here.
-    points = [board.points[None]] * len(boards)
-    pixels = [each[None] for each in boards]
-    begin = np.array(
-        [[size[0] / np.pi, 0, size[0] / 2], [0, size[0] / np.pi, size[1] / 2], [0, 0, 1]]
-    )
+    points = [board.points[None]] * len(ahead)
+    pixels = [each[None] for each in ahead]
+    begin = np.array([[focal, 0, middle[0]], [0, focal, middle[1]], [0, 0, 1]])
     flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
     criteria = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-9)
     _, matrix, k, turns, _ = cv2.fisheye.calibrate(
         points, pixels, size, begin, np.zeros(4), flags=flags, criteria=criteria
     )
     return _lens("fisheye", matrix, k), turns
+
+
+def _widest(offsets: Floats) -> float:
+    return float(np.hypot(offsets[:, 0], offsets[:, 1]).max())
 
 
 def _brown(

@@ -131,9 +131,12 @@ def _begun(lens: LensModel, points: Floats, pixels: Floats) -> tuple[Floats, Flo
     if ahead.sum() < 4:
         return None
     flat = rays[ahead, :2] / rays[ahead, 2:]
-    found, turn, shift = cv2.solvePnP(
-        points[ahead], flat, np.eye(3), None, flags=cv2.SOLVEPNP_SQPNP
-    )
+    try:
+        found, turn, shift = cv2.solvePnP(
+            points[ahead], flat, np.eye(3), None, flags=cv2.SOLVEPNP_SQPNP
+        )
+    except cv2.error:  # all in one place or on one line
+        return None
     return (turn.ravel(), shift.ravel()) if found else None
 
 

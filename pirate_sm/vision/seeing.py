@@ -59,13 +59,6 @@ class Eye:
             rms_px = self._moved_px(tags)
         return Sighting(captured_s, marks, rms_px, float(bright - dark), crc32(sample.tobytes()))
 
-    def setup_tags(self, frame: Frame) -> list[FoundTag]:
-        """Return the tags of the setup that a frame shows."""
-        setup = self.camera.setup
-        if setup.tags is None:
-            return []
-        return [tag for tag in find_tags(grayed(frame), setup.tags) if str(tag.number) in setup.at]
-
     @cached_property
     def _finder(self) -> MarkerFinder | None:
         robot = self.camera.robot

@@ -19,6 +19,7 @@ LARGEST_RMS_PX = 3.0
 """A tag that is 20 mm off makes 4.5 px, two exchanged ones 263 px, tags right to 1 mm below 1."""
 
 _MUCH_BETTER = 0.4
+_FLATTEST = 0.1
 
 
 @dataclass(frozen=True)
@@ -49,17 +50,20 @@ class Survey:
     each_px: Mapping[str, float]
 
 
-def known_places(camera: Camera, frame: Frame) -> dict[str, KnownPlace]:
-    """Return the tags of the setup that a frame shows, or the points of the camera's file."""
+def known_points(camera: Camera) -> dict[str, KnownPlace]:
+    """Return the points of a camera's file."""
+    return {
+        f"point {number}": KnownPlace(np.array([point.at]), np.array([point.seen]))
+        for number, point in enumerate(camera.setup.points, start=1)
+    }
+
+
+def known_tags(camera: Camera, frame: Frame) -> dict[str, KnownPlace]:
+    """Return the tags of the setup that a frame shows."""
     setup = camera.setup
-    if setup.tags is None:
-        return {
-            f"point {number}": KnownPlace(np.array([point.at]), np.array([point.seen]))
-            for number, point in enumerate(setup.points, start=1)
-        }
     return {
         f"tag {tag.number}": KnownPlace(setup_tag_points(camera, str(tag.number)), tag.corners)
-        for tag in find_tags(grayed(frame), setup.tags)
+        for tag in (find_tags(grayed(frame), setup.tags) if setup.tags else ())
         if str(tag.number) in setup.at
     }
 
@@ -69,6 +73,8 @@ def survey(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | str:
     if len(known) < FEWEST_POINTS:
         seen = ", ".join(known) or "nothing"
         return f"of the setup's known places {seen} is seen: at least {FEWEST_POINTS} are needed"
+    if _in_a_line(np.vstack([each.points for each in known.values()])):
+        return "the known places lie nearly in a line: the camera could hang anywhere around it"
     found = _fitted(lens, known)
     if found is not None and found.rms_px <= LARGEST_RMS_PX:
         return found
@@ -77,6 +83,12 @@ def survey(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | str:
     if np.isfinite(off_px):
         said = f"are off by {off_px:.1f} px (rms), more than {LARGEST_RMS_PX:g} px"
     return f"the known places {said}: {_cause(lens, known, off_px)}"
+
+
+def _in_a_line(points: Floats) -> bool:
+    """Return whether points are spread less than a tenth as far across as along."""
+    spread = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
+    return bool(spread[1] < _FLATTEST * spread[0])
 
 
 def _fitted(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | None:

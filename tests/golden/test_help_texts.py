@@ -12,7 +12,8 @@ from pirate_sm.cli.entry import COMMANDS, commands, only_run
 from pirate_sm.cli.stored_help import help_name
 
 FOLDER = Path(stored_help.FOLDER)
-LINES = ["pirate-run", "pirate", "pirate new", *(f"pirate {command}" for command in COMMANDS)]
+GROUPS = ["pirate", "pirate new", "pirate camera"]
+LINES = ["pirate-run", *GROUPS, *(f"pirate {command}" for command in COMMANDS)]
 
 
 @pytest.mark.parametrize("line", LINES)
@@ -36,7 +37,7 @@ def test_there_is_no_text_of_a_command_that_is_not() -> None:
     assert {file.name for file in FOLDER.iterdir()} == {help_name(line.split()) for line in LINES}
 
 
-@pytest.mark.parametrize("line", ["pirate", "pirate new"])
+@pytest.mark.parametrize("line", GROUPS)
 def test_the_summary_of_every_command_fits_into_its_line(line: str) -> None:
     text = (FOLDER / help_name(line.split())).read_text("utf-8")
     summaries = text.partition("Commands:\n")[2].splitlines()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterable
 from math import inf, isfinite
 
@@ -54,6 +55,21 @@ def read_duration(option: str, text: str | None) -> float | None:
     if duration_s is not None and duration_s <= 0.0:
         raise UsageError(f"{option} {text}: expected a duration above zero, such as '10 min'")
     return duration_s
+
+
+def read_board(inside: str, square: str) -> tuple[tuple[int, int], float]:
+    """Return the corners inside of a chessboard and the length of the sides of its squares, m.
+
+    Raises:
+        UsageError: A text has another form, or the board is too small.
+    """
+    match = re.fullmatch(r"(\d{1,2})x(\d{1,2})", inside)
+    if match is None or min(int(match[1]), int(match[2])) < 3:
+        raise UsageError(f"--board {inside}: expected the corners inside of it, such as 9x6")
+    square_m = read_length("--square", square)
+    if square_m is None or square_m <= 0.0:
+        raise UsageError(f"--square {square}: expected a length above zero, such as '25 mm'")
+    return (int(match[1]), int(match[2])), square_m
 
 
 def read_slip_speed(option: str, text: str | None) -> float | None:

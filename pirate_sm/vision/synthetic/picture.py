@@ -164,8 +164,8 @@ def _shine(brush: Brush, scene: ShownScene) -> None:
         return
     height, width = brush.frame.shape[:2]
     spread = 0.045 * float(brush.view.scale(np.array([ahead]), 0.04)[0])
-    left, top = (max(int(each - 3 * spread), 0) for each in at)
-    right, bottom = min(int(at[0] + 3 * spread), width), min(int(at[1] + 3 * spread), height)
+    left, top = (max(int(each - 4 * spread), 0) for each in at)
+    right, bottom = min(int(at[0] + 4 * spread), width), min(int(at[1] + 4 * spread), height)
     if left >= right or top >= bottom:
         return
     across = np.arange(left, right)[None, :] - at[0]

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.geometry.network import Mitre, Segment, Straight, planar
-from pirate_sm.geometry.plane import crossing, nearest_on, turned, walls
+from pirate_sm.geometry.plane import crossing, inner_corner, nearest_on, turned, walls
 from pirate_sm.geometry.route import Route
 
 RADIUS = 0.06
@@ -92,3 +92,17 @@ def test_turning_a_place_keeps_its_distance(x: float, y: float, angle: float) ->
 
 def test_places_turn_from_x_to_y() -> None:
     assert turned((1.0, 0.0), pi / 2) == pytest.approx((0.0, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("mitre_deg", "corner"), [(90.0, (0.94, 0.06)), (-90.0, (0.94, -0.06)), (None, (0.0, 0.06))]
+)
+def test_the_origin_of_a_setup_is_the_inner_corner(
+    mitre_deg: float | None, corner: tuple[float, float]
+) -> None:
+    bend: tuple[Segment, ...] = ()
+    if mitre_deg is not None:
+        bend = (Mitre(radians(mitre_deg)), Straight(1.0))
+    route = Route(planar(0.12, (Straight(1.0), *bend)))
+
+    assert inner_corner(route) == pytest.approx(corner)

@@ -83,3 +83,12 @@ def test_a_rotation_and_its_axis_are_the_same() -> None:
 def test_a_point_that_is_not_seen_fits_nowhere() -> None:
     assert rms(np.array([1.0, np.nan])) == float("inf")
     assert rms(np.array([3.0, 4.0])) == pytest.approx(np.sqrt(12.5))
+
+
+@pytest.mark.parametrize(
+    "points", [[(x / 10, 0.1, 0.0) for x in range(6)], [(0.1, 0.1, 0.0)] * 6], ids=["line", "point"]
+)
+def test_points_in_one_line_or_place_tell_no_pose(points: list[tuple[float, float, float]]) -> None:
+    there = np.array(points)
+
+    assert find_view(LENS, there, VIEW.project(there)) is None

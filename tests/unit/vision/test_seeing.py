@@ -151,3 +151,21 @@ def test_the_place_of_a_camera_is_found_from_its_points() -> None:
     by_points = Camera.model_validate(camera().model_dump() | {"setup": {"points": points}})
 
     assert eye_of(by_points).view.pose.at == pytest.approx(eye.view.pose.at, abs=1e-6)
+
+
+@pytest.mark.parametrize("robot", [None, GREEN, marker(finder="blob"), marker(finder="hough")])
+@pytest.mark.parametrize("kind", ["noise", "black", "white", "stripes"])
+def test_any_picture_is_searched_without_an_error(robot: dict[str, Any] | None, kind: str) -> None:
+    eye, _ = drawn(robot)
+    frame = {
+        "noise": np.random.default_rng(0).integers(0, 256, (480, 640, 3), np.uint8),
+        "black": np.zeros((480, 640, 3), np.uint8),
+        "white": np.full((480, 640, 3), 255, np.uint8),
+        "stripes": np.tile(np.array([[[0, 200, 0]], [[90, 0, 90]]], np.uint8), (240, 640, 1)),
+    }[kind]
+
+    sighting = eye.see(frame, 0.0, (0.0, 0.0))
+
+    assert all(np.isfinite(mark.place_m).all() for mark in sighting.marks)
+    if kind in ("black", "white"):
+        assert sighting.marks == ()
