@@ -20,6 +20,7 @@ MISSIONS = [
 ]
 PIPES = sorted((ROOT / "sequences" / "pipes").glob("*.yaml"))
 ROBOTS = sorted(path.parent for path in (ROOT / "hardware_profiles").glob("*/profile.yaml"))
+PANELS = sorted((ROOT / "panels").glob("*.yaml"))
 NEWT = ROOT / "tests" / "robots" / "newt"
 
 SHIPPED = [
@@ -27,6 +28,7 @@ SHIPPED = [
     *(("pipe", path) for path in PIPES),
     *(("profile", robot / "profile.yaml") for robot in ROBOTS),
     *(("chart", robot / "chart.yaml") for robot in ROBOTS),
+    *(("panel", path) for path in PANELS),
 ]
 
 OF_NEWT = [
@@ -34,6 +36,7 @@ OF_NEWT = [
     ("pipe", NEWT / "elbow.yaml"),
     ("profile", NEWT / "profile.yaml"),
     ("chart", NEWT / "chart.yaml"),
+    ("panel", NEWT / "pedals.yaml"),
 ]
 
 VALIDATORS = {kind: jsonschema.Draft7Validator(make()) for kind, make in KINDS.items()}

@@ -17,6 +17,7 @@ PAGES = {
     "pipe": ["simulator.md"],
     "profile": ["robots.md", "connecting.md", "serial.md", "simulator.md", "traction.md"],
     "chart": ["robots.md"],
+    "panel": ["panel.md"],
 }
 SCHEMAS = {kind: make() for kind, make in KINDS.items()}
 _CODE = re.compile(r"```.*?```|`[^`]+`", re.DOTALL)
@@ -33,7 +34,7 @@ def test_the_documents_name_every_key(kind: str) -> None:
     assert sorted(set(keys(SCHEMAS[kind])) - written) == []
 
 
-@pytest.mark.parametrize("kind", ["mission", "pipe", "profile"])
+@pytest.mark.parametrize("kind", ["mission", "pipe", "profile", "panel"])
 def test_the_documents_name_every_choice(kind: str) -> None:
     written = {word for code in _CODE.findall(pages(kind)) for word in _WORD.findall(code)}
     choices = {str(each) for node in nodes(SCHEMAS[kind]) for each in node.get("enum", ())}
