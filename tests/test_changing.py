@@ -16,7 +16,16 @@ import pytest
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "docs" / "changing.md", ROOT / "docs" / "architecture.md"]
 COMPILED = "pirate_sm/simulation/xpbd"
-COPIED = ("pirate_sm", "benchmarks", "tests", "docs", "hardware_profiles", "sequences", "schemas")
+COPIED = (
+    "pirate_sm",
+    "benchmarks",
+    "tests",
+    "docs",
+    "hardware_profiles",
+    "panels",
+    "sequences",
+    "schemas",
+)
 
 NAMED = re.compile(
     r"(?<![\w./:-])(?:[\w-]+/)+[\w-]+\.(?:py|md|css|html|json|yaml)(?![\w./])"

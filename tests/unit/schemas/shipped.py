@@ -21,6 +21,7 @@ MISSIONS = [
 PIPES = sorted((ROOT / "sequences" / "pipes").glob("*.yaml"))
 CAMERAS = sorted((ROOT / "cameras").glob("*.yaml"))
 ROBOTS = sorted(path.parent for path in (ROOT / "hardware_profiles").glob("*/profile.yaml"))
+PANELS = sorted((ROOT / "panels").glob("*.yaml"))
 NEWT = ROOT / "tests" / "robots" / "newt"
 
 SHIPPED = [
@@ -29,6 +30,7 @@ SHIPPED = [
     *(("camera", path) for path in CAMERAS),
     *(("profile", robot / "profile.yaml") for robot in ROBOTS),
     *(("chart", robot / "chart.yaml") for robot in ROBOTS),
+    *(("panel", path) for path in PANELS),
 ]
 
 OF_NEWT = [
@@ -36,6 +38,7 @@ OF_NEWT = [
     ("pipe", NEWT / "elbow.yaml"),
     ("profile", NEWT / "profile.yaml"),
     ("chart", NEWT / "chart.yaml"),
+    ("panel", NEWT / "pedals.yaml"),
 ]
 
 VALIDATORS = {kind: jsonschema.Draft7Validator(make()) for kind, make in KINDS.items()}

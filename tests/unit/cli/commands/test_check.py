@@ -52,8 +52,8 @@ def test_all_shipped_files_are_clean_even_of_warnings(
 
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
-        "1 robot, 1 chart, 17 pipes, 6 cameras, 26 missions, 3 experiments checked in"
-        " hardware_profiles, sequences, cameras: no findings\n"
+        "1 robot, 1 chart, 17 pipes, 6 cameras, 1 panel, 26 missions, 3 experiments checked:"
+        " no findings\n"
     )
 
 
