@@ -64,7 +64,7 @@ ALPHABETS = {
         (
             "checking/diff/read_behaviour.py",
             "checking/pipe/usual_course.py",
-            "console/waits_before.py",
+            "engine/mission/successors.py",
             "engine/mission/interpreter.py",
             "engine/mission/signals_read.py",
         ),
@@ -132,7 +132,7 @@ ALPHABETS = {
     ),
     "origin of a fault": Alphabet(
         "model/fault_codes.py",
-        'Literal["sensors", "link", "surroundings", "program"]',
+        'Literal["sensors", "link", "camera", "surroundings", "program"]',
         "NewOrigin(Enum)",
         ("checking/reports/text.py",),
     ),

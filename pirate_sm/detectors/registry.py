@@ -230,13 +230,12 @@ SOCKET: Plugin[MakeDetector] = Plugin(
     "programs that write to a socket: socket, socket:/PATH or socket:HOST:PORT", _socket
 )
 
+_HERE = ("sim", "odometry", "signals", "operator", "socket")
+_ELSEWHERE = {"vision": "pirate_sm.wiring.vision:DETECTOR"}
+
 DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
     "pirate_sm.detectors",
-    {
-        name: f"{__name__}:{name.upper()}"
-        for name in ("sim", "odometry", "signals", "operator", "socket")
-    }
-    | {"vision": "pirate_sm.wiring.vision:DETECTOR"},
+    {name: f"{__name__}:{name.upper()}" for name in _HERE} | _ELSEWHERE,
     returns=Detecting,
 )
