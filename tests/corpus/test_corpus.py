@@ -21,6 +21,9 @@ NOT_SEEDED = {
     "check.failed": "is a fault of this program; test_project.py makes one",
     "chart.invalid": "every chart that its outline accepts is built without names of its own",
     "more": "stands beside the faults that are too many to be shown: see below",
+    "experiment.name": "test_check_experiment.py seeds it: layers above know experiments",
+    "experiment.robot": "test_check_experiment.py seeds it",
+    "experiment.unit": "test_check_experiment.py seeds it",
     "rehearsal.failed": "comes of a run in the simulator, not of a file",
     "rehearsal.at_once": "comes of a run in the simulator, not of a file",
 }

@@ -103,14 +103,15 @@ def _sides(view: RobotView) -> Iterator[Finding]:
 def _fights(view: RobotView) -> Iterator[Finding]:
     """Yield states that drive wheels against each other."""
     wheels = {wheel.name: wheel for wheel in view.profile.body.wheels}
-    driven: dict[tuple[int, int, str, int], list[tuple[int, Written]]] = {}
+    driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
     for each in view.written:
         wheel = wheels.get(view.profile.slots[each.write.slot].wheel or "")
-        if wheel is not None and each.write.turns:
+        # A control turns the same wheels the same way.
+        if wheel is not None and each.write.turns and not each.control:
             forward = 1 if each.write.value * wheel.direction > 0 else -1
-            stage = (each.control, each.region, each.state, each.stage)
+            stage = (each.region, each.state, each.stage)
             driven.setdefault(stage, []).append((forward, each))
-    for (_, _, state, _), writes in driven.items():
+    for (_, state, _), writes in driven.items():
         most = 1 if sum(forward for forward, _ in writes) >= 0 else -1
         for forward, each in writes:
             if forward != most:
