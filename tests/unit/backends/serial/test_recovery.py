@@ -30,7 +30,7 @@ def fallen_silent_again(reported: bool) -> Outage:
     ("reported", "due_s", "message"),
     [
         (False, 1.0 + WITHIN_S, "none of its boards reports any more"),
-        (True, 2.0 + WITHIN_S, "has said nothing for 10.0 s"),
+        (True, 2.0 + WITHIN_S, "has been silent for 10.0 s"),
     ],
 )
 def test_a_controller_that_falls_silent_again_is_given_up_when_that_is_due_and_not_before(
