@@ -24,6 +24,7 @@ from typing import Any
 
 from textual.events import Key
 
+from pirate_sm.cli.commands.console import SWITCH_EVERY_S
 from pirate_sm.console.app import Console
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import StopDriver
@@ -46,6 +47,7 @@ def main() -> int:
 def measure_console() -> None:
     """Both are measured and printed."""
     frames = asyncio.run(_frames())
+    sys.setswitchinterval(SWITCH_EVERY_S)  # as `pirate console` does
     idle = asyncio.run(_stops(loaded=False))
     loaded = asyncio.run(_stops(loaded=True))
     columns, rows = SIZE

@@ -23,6 +23,7 @@ from threading import Thread
 from time import perf_counter
 
 from benchmarks.console import SIZE, SLICE_S, Timed, begun_session, busy, drive, spin, wait
+from pirate_sm.cli.commands.console import SWITCH_EVERY_S
 from pirate_sm.console.app import Console
 from pirate_sm.control_panel.panel_companion import PanelCompanion
 from pirate_sm.runtime.loop import MissionRun
@@ -54,8 +55,11 @@ def main() -> int:
     """Both are measured and printed."""
     print(f"stop on a panel, simulator in real time, {os.cpu_count()} cores")
     played = Played()
+    usual_s = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_EVERY_S)  # as `pirate console` does
     for loaded in (False, True):
         _tell("in the console", loaded, asyncio.run(_in_console(played, loaded=loaded)))
+    sys.setswitchinterval(usual_s)
     for loaded in (False, True):
         _tell("in a run", loaded, _in_runs(played, loaded=loaded))
     return 0

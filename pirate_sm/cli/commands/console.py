@@ -32,6 +32,10 @@ if TYPE_CHECKING:
 
 _LOOK_EVERY_S = 0.1
 
+SWITCH_EVERY_S = 0.001
+"""How long a thread of Python may keep the others waiting, in place of 5 ms. A stop on a panel goes
+through two threads, the panel's and the run's, and either waits for the one that draws."""
+
 RECORDING = ".mcap"
 """Files with this suffix are recordings to view, not missions to run."""
 
@@ -53,6 +57,7 @@ def open_console(options: ConsoleOptions) -> int:
     from pirate_sm.console.app import Console
     from pirate_sm.console.terminal_driver import StopDriver
 
+    sys.setswitchinterval(SWITCH_EVERY_S)
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
         app = Console(session, _panel(session, stack), driver_class=StopDriver)
         try:

@@ -174,3 +174,21 @@ def test_a_run_is_led_from_a_panel_until_it_is_pulled_out_and_replays_without_on
     assert last["outcome"] == "fault"
     assert code == 1
     assert "the same came out again" in replayed(pirate, kept)
+
+
+@pytest.mark.parametrize("command", ["run_main", "main"])
+def test_help_imports_nothing_of_panels(command: str) -> None:
+    code = f"""
+import sys
+sys.argv = ["pirate", "--help"]
+from pirate_sm.cli.entry import {command}
+try:
+    {command}()
+except SystemExit:
+    print([each for each in sys.modules if "control_panel" in each or "yaml" in each])
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+    assert "--help" in result.stdout
+    assert result.stdout.splitlines()[-1] == "[]"

@@ -336,7 +336,7 @@ def test_a_signal_cuts_a_paced_sleep_short() -> None:
     result = run(engine, FakeBackend(), clock=clock, factor=1.0, requests=requests)
 
     assert result.exit_code == 130
-    assert clock.time < 1001.0
+    assert clock.time - 1000.5 < 0.005  # s of the wall
 
 
 def test_watchers_look_on_at_a_rate_of_the_walls_clock_even_in_a_long_sleep() -> None:
