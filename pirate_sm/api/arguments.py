@@ -43,6 +43,7 @@ class Options(TypedDict, total=False):
         detector: Name of a detector, in place of the backend's usual one.
         also: A second detector, whose words are logged and do nothing.
         ruler: Whether a simulated ruler measures the robot's speed from outside, for slip.
+        view: Whether MuJoCo's own viewer shows the run; the backend ``physics`` alone has one.
         start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
         port: Where a real robot is, a device or a URL of pyserial; ``baud`` in place of its rate.
     """
@@ -60,6 +61,7 @@ class Options(TypedDict, total=False):
     detector: str | None
     also: str | None
     ruler: bool
+    view: bool
     start_at_m: float | None
     port: str | None
     baud: int | None
@@ -235,6 +237,7 @@ def _refuse_kinds(options: Mapping[str, object]) -> None:
         (_NUMBERS[:3], is_number, "a number"),
         (_NUMBERS[3:], lambda value: value is None or is_number(value), "a number of m"),
         (("detector", "start_phase", "port"), lambda v: isinstance(v, str | None), "a text"),
+        (("ruler", "view"), lambda value: isinstance(value, bool), "True or False"),
         (("backend",), lambda value: isinstance(value, str), "the name of a backend"),
         (("states",), _are_states, "names of states by region"),
         (("defects",), lambda value: isinstance(value, Iterable), "names of defects"),

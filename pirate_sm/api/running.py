@@ -32,7 +32,7 @@ def run(
 
     Args:
         mission: A shipped mission's name, the path of a file, or what :func:`load` has returned.
-        backend: Name of a backend: ``sim``, ``trace``, ``serial``, or another package's.
+        backend: Name of a backend: ``sim``, ``physics``, ``trace``, ``serial``, or another's.
         seed: Of everything random; equal seeds give equal runs.
         record: A file for a recording, which must not exist yet.
         check: Whether a mission in which the check finds errors is refused.

@@ -6,8 +6,8 @@ from typing import Annotated
 
 from pydantic import Field
 
-from pirate_sm.experiments.thesis_rows import ThesisRow
-from pirate_sm.model.base import Format, Frozen, Name
+from pirate_sm.experiments.experiment_setup import MissionSetup
+from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import Angle, Count, Duration, Length, Number, Speed
 
 
@@ -31,30 +31,32 @@ class PostProcessing(Frozen):
     every: Annotated[Count, Field(ge=1)]
 
 
-class StraightPipeSetup(Frozen):
+class FurtherRun(Frozen):
+    """A part of an experiment once more, on another backend and in another pipe.
+
+    Attributes:
+        backend: Name of the backend.
+        pipe: Name of the pipe.
+    """
+
+    backend: Name
+    pipe: Name
+
+
+class StraightPipeSetup(MissionSetup):
     """An experiment that drives up and down a straight pipe.
 
     Attributes:
-        format: Version of this file's format.
-        experiment: Its number in the thesis.
-        title: What it is about.
-        missions: By the parts of the experiment.
-        defects: That the robot had.
         wheels: Those that were measured.
         shown: The part whose figures are drawn.
         processing: How signals are made comparable.
-        rows: The thesis's values and claims.
+        again: Parts that are run once more; the values are named after part and backend.
     """
 
-    format: Format
-    experiment: Count
-    title: str
-    missions: dict[str, Name]
-    defects: tuple[Name, ...] = ()
     wheels: tuple[Name, ...]
     shown: str
     processing: PostProcessing
-    rows: tuple[ThesisRow, ...] = ()
+    again: dict[str, FurtherRun] = {}  # noqa: RUF012 - pydantic copies it
 
 
 class TiltedMission(Frozen):
@@ -89,25 +91,13 @@ class TiltSearch(Frozen):
     slides: Annotated[Length, Field(gt=0)]
 
 
-class BendSetup(Frozen):
+class BendSetup(MissionSetup):
     """An experiment that moves through a bend.
 
     Attributes:
-        format: Version of this file's format.
-        experiment: Its number in the thesis.
-        title: What it is about.
-        missions: By the parts of the experiment.
-        defects: That the robot had.
         snapshots: States that must be seen in this order, each by its region.
         tilts: The search for the largest tilt.
-        rows: The thesis's values and claims.
     """
 
-    format: Format
-    experiment: Count
-    title: str
-    missions: dict[str, Name]
-    defects: tuple[Name, ...] = ()
     snapshots: dict[str, tuple[str, ...]] = {}  # noqa: RUF012 - pydantic copies it
     tilts: TiltSearch
-    rows: tuple[ThesisRow, ...] = ()

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.api import run
+from pirate_sm.api import Run, run
 from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
 from pirate_sm.experiments.mission_setups import StraightPipeSetup
+from pirate_sm.experiments.other_physics import is_missing
 from pirate_sm.experiments.slip_signals import SlipSignals
 from pirate_sm.fitting.slip_curve import fit_slip_curve
 from pirate_sm.fitting.slip_plot import slip_plot
@@ -40,20 +41,43 @@ def repeat_straight_pipe(
     """
     result = ExperimentResult()
     wheels = [wheel for wheel in profile.body.wheels if wheel.name in setup.wheels]
+    further = [part for part in parts if part in setup.again]
     for number, part in enumerate(parts):
-        watch(number / len(parts))
+        watch(number / (len(parts) + len(further)))
         made = run(setup.missions[part], defects=setup.defects)
-        result.notes.append(f"{part}: {made.outcome} after {made.duration_s:.1f} s, {made.message}")
-        signals = SlipSignals(made, setup.processing)
-        for wheel in wheels:
-            values = _wheel_values(signals, wheel)
-            result.values |= {f"{part}.{wheel.name}.{name}": v for name, v in values.items()}
-        for joint in profile.body.joints:
-            torque = float(np.median(np.abs(signals.joint_torque(joint.name))))
-            result.values[f"{part}.{joint.name}.torque_median"] = torque
+        signals = _take_in(result, part, part, made, wheels, setup)
         if part == setup.shown:
             result.figures += _figures(signals, wheels, profile)
+    for number, part in enumerate(further, start=len(parts)):
+        watch(number / (len(parts) + len(further)))
+        backend, pipe = setup.again[part].backend, setup.again[part].pipe
+        title, why = f"{part} on {backend}", is_missing(backend)
+        if why:
+            result.notes.append(f"{title}: not run, {why}")
+            continue
+        made = run(setup.missions[part], backend, pipe=pipe, defects=setup.defects)
+        _take_in(result, f"{part}.{backend}", title, made, wheels, setup)
     return result
+
+
+def _take_in(
+    result: ExperimentResult,
+    name: str,
+    title: str,
+    made: Run,
+    wheels: list[Wheel],
+    setup: StraightPipeSetup,
+) -> SlipSignals:
+    """Add the values of a run by this name, and a note with this title; return its signals."""
+    result.notes.append(f"{title}: {made.outcome} after {made.duration_s:.1f} s, {made.message}")
+    signals = SlipSignals(made, setup.processing)
+    for wheel in wheels:
+        values = _wheel_values(signals, wheel)
+        result.values |= {f"{name}.{wheel.name}.{key}": value for key, value in values.items()}
+    for joint in made.loaded.loaded_robot.profile.body.joints:
+        torque = float(np.median(np.abs(signals.joint_torque(joint.name))))
+        result.values[f"{name}.{joint.name}.torque_median"] = torque
+    return signals
 
 
 def _wheel_values(signals: SlipSignals, wheel: Wheel) -> dict[str, float]:

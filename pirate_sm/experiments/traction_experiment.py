@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from statistics import median
 
@@ -11,6 +11,7 @@ import numpy as np
 from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
+from pirate_sm.experiments.own_loops import repeat_with_loops
 from pirate_sm.experiments.reduced.reduced_traction import TractionRun, run_traction
 from pirate_sm.experiments.traction_setup import NoiseLevel, TractionSetup
 from pirate_sm.fitting.slip_curve import SlipCurve, fit_slip_curve
@@ -51,7 +52,9 @@ def repeat_traction(
     if noise is not None and noise not in levels:
         raise UsageError(f"--noise {noise}: expected {one_of(levels)}")
     levels = [noise] if noise else levels
-    work = _Work(profile, setup, seeds, watch, len(parts) * (len(levels) + 1))
+    # The missions of the loops take about as long as the reduced physics.
+    reduced: Watch = watch if setup.loops is None else lambda share: watch(0.5 * share)
+    work = _Work(profile, setup, seeds, reduced, len(parts) * (len(levels) + 1))
     for part in parts:
         for level in levels:
             work.run(part, level, setup.noise[level])
@@ -60,6 +63,14 @@ def repeat_traction(
     result.figures = [*_places(work, levels), *_errors(work, levels)]
     if setup.curves.of in parts and noise is None:
         _add_curves(profile, setup, result)
+    if setup.loops is not None:
+        made = repeat_with_loops(
+            setup.loops, parts, seeds=seeds, watch=lambda share: watch(0.5 + 0.5 * share)
+        )
+        result.values |= made.values
+        result.values |= _compared_with_partners(setup, parts, setup.loops.backend, result.values)
+        result.notes += made.notes
+        result.figures += made.figures
     return result
 
 
@@ -94,12 +105,21 @@ def _values(work: _Work) -> dict[str, float]:
         found[f"{name}.error"] = work.median(part, level, _error_m)
         found[f"{name}.way"] = work.median(part, level, lambda run: run.way_m)
         found[f"{name}.place"] = work.median(part, level, lambda run: float(run.place_m[-1]))
-    for part, level in work.runs:
-        partner = _uncompensated(work.setup, part)
-        if partner is not None and (partner, level) in work.runs:
-            name, other = f"{part}.{level}", f"{partner}.{level}"
-            found[f"{name}.apart"] = abs(found[f"{name}.error"] - found[f"{other}.error"])
-            found[f"{name}.kept"] = found[f"{name}.place"] - found[f"{other}.place"]
+    for level in dict.fromkeys(level for _, level in work.runs):
+        found |= _compared_with_partners(work.setup, _parts(work), level, found)
+    return found
+
+
+def _compared_with_partners(
+    setup: TractionSetup, parts: Iterable[str], level: str, values: Mapping[str, float]
+) -> dict[str, float]:
+    """Return how each compensated variant differs from the one that is not, at a level."""
+    found: dict[str, float] = {}
+    for part in parts:
+        name, other = f"{part}.{level}", f"{_uncompensated(setup, part)}.{level}"
+        if f"{name}.error" in values and f"{other}.error" in values:
+            found[f"{name}.apart"] = abs(values[f"{name}.error"] - values[f"{other}.error"])
+            found[f"{name}.kept"] = values[f"{name}.place"] - values[f"{other}.place"]
     return found
 
 

@@ -6,12 +6,11 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from pirate_sm.experiments.thesis_rows import ThesisRow
-from pirate_sm.model.base import Format, Frozen, Name
+from pirate_sm.experiments.experiment_setup import ExperimentSetup
+from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import (
     Angle,
     AngularSpeed,
-    Count,
     Damping,
     Duration,
     Flag,
@@ -173,29 +172,37 @@ class SlipCurves(Frozen):
     wheels: tuple[Name, ...]
 
 
-class TractionSetup(Frozen):
+class OwnLoops(Frozen):
+    """The variants as missions, driven by the engine's own loops.
+
+    Attributes:
+        backend: That runs them; their values are named after part and backend.
+        missions: By variant.
+        since: The command with whose first use the way and the odometry begin.
+    """
+
+    backend: Name
+    missions: dict[str, Name]
+    since: Name
+
+
+class TractionSetup(ExperimentSetup):
     """A traction experiment.
 
     Attributes:
-        format: Version of this file's format.
-        experiment: Its number in the thesis.
-        title: What it is about.
         physics: The reduced physics.
         control: The controller.
         timeline: What happens when.
         noise: Levels of noise by name.
         variants: By their names in the thesis.
         curves: Of slip and friction.
-        rows: The thesis's values and claims.
+        loops: The same once more, by the engine's own loops.
     """
 
-    format: Format
-    experiment: Count
-    title: str
     physics: ReducedPhysics
     control: Control
     timeline: Timeline
     noise: dict[Name, NoiseLevel]
     variants: dict[str, Variant]
     curves: SlipCurves
-    rows: tuple[ThesisRow, ...] = ()
+    loops: OwnLoops | None = None

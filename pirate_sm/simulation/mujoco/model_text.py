@@ -11,8 +11,9 @@ from pirate_sm.simulation.mujoco.pipe_model import add_pipe
 from pirate_sm.simulation.mujoco.robot_model import add_robot
 from pirate_sm.simulation.physics import StartPose
 
-# With softer contacts a clamped V toggles through the wall, and wheels that are held creep.
-_CONTACT = {"solref": "0.004 1", "solimp": "0.95 0.99 0.0005"}
+# About the 1e5 N/m of the kinematic simulator; with 1000 N/m a clamped V toggles through the wall.
+# At 0.004, two steps and the least that is stable, a wheel that slides with 1 N hops.
+_CONTACT = {"solref": "0.008 1", "solimp": "0.95 0.99 0.0005"}
 # With MuJoCo's own numbers a joint goes 5 deg beyond its stop at 0.7 Nm, and brakes creep.
 _STIFF_JOINT = {
     "solreflimit": "0.004 1",

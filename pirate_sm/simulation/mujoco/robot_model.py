@@ -24,6 +24,10 @@ from pirate_sm.simulation.mujoco.names import (
 )
 from pirate_sm.simulation.physics import StartPose
 
+GIVES_WAY_M = 1.5e-4
+"""So much earlier a wheel's contact begins to press: by what it gives way under a clamp's usual
+30 N, so that a clamped wheel rolls on its own radius."""
+
 WINDING_RAD = 0.6
 """The motor side of a spring may wind this far beyond the joint's own end stop."""
 _ROLL_STIFFNESS_NM_RAD = 40.0
@@ -145,7 +149,7 @@ def _add_wheel(
     _add_inertia(turning, wheel.mass_kg, 0.0, (axle / 2, axle / 2, axle))
     SubElement(
         turning, "geom", name=f"{WHEEL}{i}", type="sphere", size=numbers(radius), priority="1",
-        contype=WHEEL_BIT, conaffinity="0", rgba="0.2 0.2 0.2 1",
+        contype=WHEEL_BIT, conaffinity="0", margin=numbers(GIVES_WAY_M), rgba="0.2 0.2 0.2 1",
     )  # fmt: skip
     SubElement(actuators, "motor", name=f"{WHEEL}{i}", joint=f"{WHEEL}{i}")
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import copysign, cos, inf, log, pi, sin, sqrt
+from math import copysign, cos, inf, sin
 
 import mujoco
 import numpy as np
@@ -21,8 +21,8 @@ _LYING_WEIGHTS = 2.0
 # The floor takes at most what stops a wheel's share of the mass within so long, as in the kinematic
 # simulator: below 10 mm/s its friction falls with the speed.
 _STOPS_IN_S = 0.002
-# Two motors square to each other drag by this much more than one, as a mean over all directions.
-_SQUARE = 4.0 / pi * log(1.0 + sqrt(2.0))
+# Far less than a wheel moves in a cycle: at rest both motors share the floor's force.
+_AT_REST_M = 1e-9
 _SIDES = (1, 2)
 
 
@@ -61,6 +61,8 @@ class RollInPlane:
         self._masses = np.array([_node_mass(chain, i) for i in range(n)])
         self._radius_m = route.pieces[0].diameter_m / 2
         self._bodies = np.array([model.body(f"{WHEEL}{i}").id for i in range(n)], dtype=np.intp)
+        self._sites = np.array([model.site(f"{WHEEL}{i}").id for i in range(n)], dtype=np.intp)
+        self._before: Floats = np.array(pose.places)
         self._drags = np.array(
             [[model.actuator(f"{name}{i}").id for name in (X_DRAG, Y_DRAG)] for i in range(n)],
             dtype=np.intp,
@@ -101,11 +103,25 @@ class RollInPlane:
             floor = np.array([abs(each[2]) for each in felt])
             more = (np.array(felt) - gravity) * [1.0, 1.0, 0.0]
             self._data.xfrc_applied[self._bodies, :3] = self._masses[:, None] * more
-        most = kinetic * floor * self._masses / _SQUARE
-        drag = np.where(self._press == 0.0, most, 0.0)[:, None]
+        most = np.where(self._press == 0.0, kinetic * floor * self._masses, 0.0)
+        drag = most[:, None] * self._directions()
         model = self._model
         model.actuator_forcerange[self._drags, 0] = -drag
         model.actuator_forcerange[self._drags, 1] = drag
+
+    def _directions(self) -> Floats:
+        """Return the way in which each wheel moves, along its link and across: unit vectors.
+
+        The motors along and across share the floor's force by it, so that the floor drags against
+        the motion, and by the same force whichever way a wheel moves.
+        """
+        data = self._data
+        places = data.xpos[self._bodies].copy()
+        moved, self._before = places - self._before, places
+        axes = data.site_xmat[self._sites].reshape(-1, 3, 3)
+        own = np.abs(np.einsum("ijk,ij->ik", axes, moved)[:, :2]) + _AT_REST_M
+        shares: Floats = own / np.linalg.norm(own, axis=1, keepdims=True)
+        return shares
 
     def gravity_at(self, wheel: int, gravity: Vector, rolls: Sequence[float]) -> Vector:
         """Return what a wheel's part feels of gravity in its own plane and square to it, m/s²."""

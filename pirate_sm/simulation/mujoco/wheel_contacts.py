@@ -67,6 +67,8 @@ class WheelContacts:
         self._threshold_m_s = friction.threshold
         for wheel in range(n):
             self.let_grip(wheel, friction.static, friction.kinetic)
+        # A wheel that slides with little force hops: between two hops it slides on.
+        self._slips = np.zeros(n)
         self._friction: Floats = self.static.copy()
         model.geom_friction[self._geoms, 0] = self.static
 
@@ -77,7 +79,7 @@ class WheelContacts:
     def read(self) -> None:
         """Write press and grip after a cycle, and set each wheel's friction for the next one."""
         n = len(self.static)
-        press, grip, slip, strongest = [0.0] * n, [0.0] * n, [0.0] * n, [0.0] * n
+        press, grip, strongest = [0.0] * n, [0.0] * n, [0.0] * n
         contact, forces = self._data.contact, self._data.efc_force
         motions: list[_Motion] = []
         for (one, other), address, frame in zip(
@@ -100,13 +102,13 @@ class WheelContacts:
                 strongest[wheel] = push
                 # A wheel that sticks creeps a little; it slips where its friction is exhausted.
                 slips = hypot(first_n, second_n) >= _REACHED * self._friction[wheel] * push
-                slip[wheel] = self._slip(motions[wheel], normal) if slips else 0.0
+                self._slips[wheel] = self._slip(motions[wheel], normal) if slips else 0.0
         self._press[:] = press
         self._grip[:] = grip
-        self._set_friction(slip)
+        self._set_friction()
 
-    def _set_friction(self, slip_m_s: list[float]) -> None:
-        beyond = np.array(slip_m_s) / self._threshold_m_s - 1.0
+    def _set_friction(self) -> None:
+        beyond = self._slips / self._threshold_m_s - 1.0
         share = np.clip(beyond / (_FULL_SLIP - 1.0), 0.0, 1.0)
         friction = self.static + share * (self.kinetic - self.static)
         self._friction = friction

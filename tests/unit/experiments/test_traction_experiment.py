@@ -11,7 +11,8 @@ from pirate_sm.loading.robot.loader import load_robot
 
 ROBOT = Path(__file__).parents[3] / "hardware_profiles" / "pirate_ii"
 PROFILE = load_robot(ROBOT).profile
-(SETUP,) = (each for each in load_experiments(ROBOT) if isinstance(each, TractionSetup))
+(SHIPPED,) = (each for each in load_experiments(ROBOT) if isinstance(each, TractionSetup))
+SETUP = SHIPPED.model_copy(update={"loops": None})
 
 
 @pytest.fixture(scope="module")
@@ -57,3 +58,16 @@ def test_the_figures_of_the_thesis_are_drawn(result: ExperimentResult) -> None:
 def test_an_unknown_level_of_noise_is_refused() -> None:
     with pytest.raises(UsageError, match="--noise loud"):
         repeat_traction(PROFILE, SETUP, ("3a",), noise="loud")
+
+
+def test_runs_by_the_engines_own_loops_are_compared_with_their_partners_too() -> None:
+    assert SHIPPED.loops is not None
+    loops = SHIPPED.loops.model_copy(update={"backend": "sim"})
+    setup = SHIPPED.model_copy(update={"loops": loops})
+
+    made = repeat_traction(PROFILE, setup, ("3a", "3b"), noise="clean")
+
+    assert made.values["3b.sim.apart"] < 0.002
+    assert abs(made.values["3b.sim.kept"]) < 0.03
+    assert made.values["3b.clean.kept"] > 0.1
+    assert [note.partition(":")[0] for note in made.notes] == ["3a on sim", "3b on sim"]

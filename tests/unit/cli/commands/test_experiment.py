@@ -3,7 +3,17 @@ from __future__ import annotations
 from pathlib import Path
 from typing import Any
 
+import pytest
+
+from pirate_sm.experiments import other_physics
+
 from ..conftest import NEWT
+
+
+@pytest.fixture(autouse=True)
+def without_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The runs on the backend physics take seconds; they are tested where they are made."""
+    monkeypatch.setattr(other_physics, "find_spec", lambda module: None)
 
 
 def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
@@ -19,6 +29,8 @@ def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
     assert "3a" not in {line.split()[0] for line in told.stdout.splitlines() if line.strip()}
     assert "Fig. 6-11" in page.read_text()
     assert "3c,odometry error with noise,about 2 cm,19.9" in csv.read_text()
+    assert "3c on physics: not run, mujoco is not installed" in told.stdout
+    assert "loops on physics" not in told.stdout
 
 
 def test_that_gravity_compensation_harms_is_not_reproducible_and_the_algebra_is_given(

@@ -1,0 +1,35 @@
+"""What the files of all experiments say."""
+
+from __future__ import annotations
+
+from pirate_sm.experiments.thesis_rows import ThesisRow
+from pirate_sm.model.base import Format, Frozen, Name
+from pirate_sm.model.quantities import Count
+
+
+class ExperimentSetup(Frozen):
+    """An experiment of a thesis.
+
+    Attributes:
+        format: Version of this file's format.
+        experiment: Its number in the thesis.
+        title: What it is about.
+        rows: The thesis's values and claims.
+    """
+
+    format: Format
+    experiment: Count
+    title: str
+    rows: tuple[ThesisRow, ...] = ()
+
+
+class MissionSetup(ExperimentSetup):
+    """An experiment that runs missions in the simulator.
+
+    Attributes:
+        missions: By the parts of the experiment.
+        defects: That the robot had.
+    """
+
+    missions: dict[str, Name]
+    defects: tuple[Name, ...] = ()
