@@ -161,6 +161,8 @@ def _straight_from_fisheye(flat: Floats, k: Floats) -> Floats:
         reached, slope = _polynomial(angle, k)
         step = (reached - radius) / np.where(slope > 1e-3, slope, 1e-3)
         angle = np.clip(angle - step, 0.0, np.pi)
+        if np.abs(step).max(initial=0.0) < 1e-10:
+            break
     reached, slope = _polynomial(angle, k)
     share = np.divide(np.sin(angle), radius, out=np.ones_like(radius), where=radius > 1e-12)
     rays = np.column_stack([flat * share[:, None], np.cos(angle)])
