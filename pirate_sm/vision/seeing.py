@@ -19,8 +19,8 @@ from pirate_sm.vision.marker import MarkerFinder
 from pirate_sm.vision.plane import View, find_view, raised, rms
 from pirate_sm.vision.tags import FoundTag, find_tag_near, find_tags, grayed, tag_corners
 
-_SAMPLE = 16
-"""Every 16th pixel of every 16th line is enough for light and checksum."""
+_SAMPLE = 32
+"""Every 32nd pixel of every 32nd line is enough for light and checksum."""
 
 _SIZE_ERROR = 0.35
 """Of the size of a tag, the largest error; noise makes 10 %, a tag at another height 8 %."""
