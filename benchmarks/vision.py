@@ -7,7 +7,8 @@ run, a picture is drawn of it in one of five lights, with noise, blur and JPEG, 
 errors are those of the places of the wheels (of tags: both ends of each link that is seen) or of
 the marker. False is what is reported more than 25 mm from its place.
 
-finders: four colours of a marker and three finders, each in the same lights. False is here
+finders: colours of a marker (vivid: limits of saturation that leave less room) and three finders,
+each in the same lights. False is here
 whatever is found beside the marker, before the best is chosen.
 
 speed: CPU time of one core for a picture of 1080p. calibrate: a lens from 20 drawn chessboards.
@@ -53,9 +54,11 @@ LIGHTS = {
     "lamps": Lighting(glare=True, uneven=0.4),
 }
 COLOURS = {
-    "orange": ((5, 140, 90), (15, 255, 255)),
+    "orange": ((5, 90, 40), (15, 255, 255)),
+    "orange, vivid": ((5, 140, 90), (15, 255, 255)),
     "green": ((45, 90, 40), (80, 255, 255)),
-    "blue": ((100, 130, 40), (125, 255, 255)),
+    "blue": ((100, 90, 40), (125, 255, 255)),
+    "blue, vivid": ((100, 130, 40), (125, 255, 255)),
     "magenta": ((140, 90, 40), (170, 255, 255)),
 }
 FINDERS = ("components", "blob", "hough")
@@ -223,7 +226,7 @@ def _compare(name: str, camera: Camera, shown: Sequence[ShownScene]) -> None:
     lights = "  ".join(f"{n} {100 * a / max(b, 1):3.0f} %" for n, (a, b) in found.items())
     error = f"{1000 * float(np.mean(errors_m)):4.1f} mm" if errors_m else "      -"
     print(
-        f"{name:<20} {lights}  {error}  {beside / len(shown):5.2f} beside it in a picture"
+        f"{name:<26} {lights}  {error}  {beside / len(shown):5.2f} beside it in a picture"
         f"  {1000 * float(np.median(times_s)):5.1f} ms"
     )
 

@@ -58,7 +58,7 @@ def calibrate(
             _fisheye(boards, board, size) if model == "fisheye" else _brown(boards, board, size)
         )
     except cv2.error:
-        return "no lens fits these boards: are they all of this size, flat and whole?"
+        return "no lens fits these boards: are they flat, of this size, and tilted to each side?"
     tilt_deg = _tilt_deg(turns)
     if tilt_deg < _LEAST_TILT_DEG:
         return (

@@ -29,6 +29,11 @@ class View:
     pose: CameraPose
 
     @cached_property
+    def place(self) -> Floats:
+        """Return where the camera is over the setup, (3,) in m."""
+        return np.array(self.pose.at)
+
+    @cached_property
     def rotation(self) -> Floats:
         """Return the matrix from the axes of the setup to those of the camera."""
         return rotation_of(np.array(self.pose.turn))
@@ -38,7 +43,7 @@ class View:
 
         NaN for what the lens cannot see.
         """
-        return self.lens.project((points - np.array(self.pose.at)) @ self.rotation.T)
+        return self.lens.project((points - self.place) @ self.rotation.T)
 
     def on_plane(self, pixels: Floats, height_m: float) -> Floats:
         """Return where the rays of pixels meet the plane of this height, (N, 2) in m.
@@ -54,7 +59,7 @@ class View:
         with np.errstate(divide="ignore", invalid="ignore"):
             share = down_m / ahead[:, 2]
         share[np.logical_not(share > 0)] = np.nan
-        places: Floats = np.array(self.pose.at[:2]) + ahead[:, :2] * share[:, None]
+        places: Floats = self.place[:2] + ahead[:, :2] * share[:, None]
         return places
 
     def residuals(self, points: Floats, pixels: Floats) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from math import atan2
@@ -16,10 +17,10 @@ from pirate_sm.vision.arrays import Floats, Frame
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.marker import MarkerFinder
 from pirate_sm.vision.plane import View, find_view, raised, rms
-from pirate_sm.vision.tags import FoundTag, find_tags, grayed, tag_corners
+from pirate_sm.vision.tags import FoundTag, find_tag_near, find_tags, grayed, tag_corners
 
-_SAMPLE = 16
-"""Every 16th pixel of every 16th line is enough for light and checksum."""
+_SAMPLE = 32
+"""Every 32nd pixel of every 32nd line is enough for light and checksum."""
 
 _SIZE_ERROR = 0.35
 """Of the size of a tag, the largest error; noise makes 10 %, a tag at another height 8 %."""
@@ -52,11 +53,12 @@ class Eye:
         sample = np.ascontiguousarray(frame[::_SAMPLE, ::_SAMPLE])
         dark, bright = np.percentile(grayed(sample), (5, 95))
         if self._finder is not None:
-            marks, rms_px = _marker(self._finder, frame, near), None
+            marks = _marker(self._finder, frame, near)
+            rms_px = self._moved_px(self._setup_tags(frame))
         else:
             tags = self._tags(frame)
             marks = self._marks(tags)
-            rms_px = self._moved_px(tags)
+            rms_px = self._moved_px(tags.get(self.camera.setup.tags or "", ()))
         return Sighting(captured_s, marks, rms_px, float(bright - dark), crc32(sample.tobytes()))
 
     @cached_property
@@ -89,10 +91,22 @@ class Eye:
                 best[number] = error, _mark(robot.on[number], corners)
         return tuple(best[number][1] for number in robot.on if number in best)
 
-    def _moved_px(self, tags: dict[str, list[FoundTag]]) -> float | None:
-        """Return how far the setup's tags are from where the survey expects them, px."""
+    def _setup_tags(self, frame: Frame) -> Sequence[FoundTag]:
+        """Return the setup's tags that are near their places; from everywhere if hardly any is."""
         setup = self.camera.setup
-        found = [tag for tag in tags.get(setup.tags or "", ()) if str(tag.number) in setup.at]
+        if setup.tags is None:
+            return ()
+        near = [
+            find_tag_near(frame, setup.tags, int(number), self.view.project(corners))
+            for number in setup.at
+            for corners in [setup_tag_points(self.camera, number)]
+        ]
+        found = [tag for tag in near if tag is not None]
+        return found if len(found) >= _FEWEST_SETUP_TAGS else find_tags(grayed(frame), setup.tags)
+
+    def _moved_px(self, tags: Sequence[FoundTag]) -> float | None:
+        """Return how far the setup's tags are from where the survey expects them, px."""
+        found = [tag for tag in tags if str(tag.number) in self.camera.setup.at]
         if len(found) < _FEWEST_SETUP_TAGS:
             return None
         points = np.vstack([setup_tag_points(self.camera, str(tag.number)) for tag in found])

@@ -213,7 +213,7 @@ def test_a_run_may_begin_with_a_later_phase(pirate_run: Any) -> None:
 def test_help_and_version_ask_for_nothing_heavy() -> None:
     code = (
         "import sys, pirate_sm.cli.entry; "
-        "heavy = {'pydantic', 'numpy', 'numba', 'statemachine', 'yaml', 'rich', 'asyncio'}; "
+        "heavy = {'pydantic', 'numpy', 'numba', 'statemachine', 'yaml', 'rich', 'asyncio', 'cv2'}; "
         "print(sorted(heavy & set(sys.modules)))"
     )
     told = subprocess.run(

@@ -14,7 +14,7 @@ from pirate_sm.cli.stored_help import print_stored_help
 
 from .conftest import ROOT
 
-HEAVY = {"numpy", "pydantic", "rich", "statemachine", "yaml"}
+HEAVY = {"cv2", "numpy", "pydantic", "rich", "statemachine", "yaml"}
 CODE = (
     "import sys; bare = set(sys.modules); from pirate_sm.cli.start import {main}; "
     "sys.argv[0] = '{program}'\n"

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.model.camera_source import ImagesSource
+from pirate_sm.model.camera_source import FileSource, ImagesSource
 from pirate_sm.vision.cameras import open_sightings
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.paced_sightings import SyntheticSightings
@@ -115,3 +115,25 @@ def test_a_small_jpeg_of_the_picture_is_for_recordings() -> None:
 
     assert small.shape == (240, 320, 3)
     assert len(seen.jpeg(320)) < 16_000
+
+
+@pytest.mark.parametrize(("name", "codec"), [("seen.avi", "MJPG"), ("seen.mp4", "mp4v")])
+def test_a_compressed_video_shows_what_the_camera_saw(
+    tmp_path: Path, name: str, codec: str
+) -> None:
+    eye, pictures = drawn()
+    video = cv2.VideoWriter(str(tmp_path / name), cv2.VideoWriter_fourcc(*codec), 10.0, SIZE)
+    frames = [pictures.picture(scene(x=0.02 * number), number) for number in range(4)]
+    for frame in frames:
+        video.write(frame)
+    video.release()
+    known = camera().model_copy(update={"source": FileSource(file=name, size=SIZE, rate=10.0)})
+
+    found = open_sightings(known, tmp_path, lambda: 0.0).look(1.0)
+
+    assert captured(found) == [0.0, 0.1, 0.2, 0.3]
+    for seen, frame in zip(found, frames, strict=True):
+        live = eye.see(frame, 0.0).marks
+        assert [mark.on for mark in seen.sighting.marks] == [mark.on for mark in live]
+        for ours, theirs in zip(seen.sighting.marks, live, strict=True):
+            assert ours.place_m == pytest.approx(theirs.place_m, abs=1e-3)

@@ -13,7 +13,7 @@ from pirate_sm.model.sighting import Mark
 from pirate_sm.vision.seeing import eye_of
 from pirate_sm.vision.synthetic.shown_scene import ShownScene
 
-from .small_setup import GREEN, SETUP, camera, drawn, scene
+from .small_setup import GREEN, POSE, SETUP, camera, drawn, scene
 
 
 def error_m(mark: Mark, shown: ShownScene) -> float:
@@ -94,10 +94,14 @@ def test_what_a_hand_covers_is_not_seen() -> None:
     assert [mark.on for mark in eye.see(pictures.picture(scene(), 0), 0.0).marks] == ["tail"]
 
 
-def test_the_setup_tags_fit_the_survey_until_the_camera_is_moved() -> None:
-    eye, pictures = drawn()
-    moved_pose = SETUP["pose"] | {"turn": (3.1, 0.15, 0.12)}  # by 2.2 deg about its axis
-    moved = camera().model_copy(
+@pytest.mark.parametrize("robot", [None, GREEN], ids=["tags", "marker"])
+@pytest.mark.parametrize("moved_rad", [0.02, 0.4])
+def test_the_setup_tags_fit_the_survey_until_the_camera_is_moved(
+    robot: dict[str, Any] | None, moved_rad: float
+) -> None:
+    eye, pictures = drawn(robot)
+    moved_pose = POSE | {"turn": (3.1, 0.15, 0.1 + moved_rad)}
+    moved = camera(robot).model_copy(
         update={"setup": camera().setup.model_validate(SETUP | {"pose": moved_pose})}
     )
     frame = pictures.picture(scene(), 0)
