@@ -13,6 +13,7 @@ import numpy as np
 from pirate_sm.api import Run, load, run
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
 from pirate_sm.experiments.mission_setups import BendSetup, TiltedMission
+from pirate_sm.experiments.needed_extras import is_missing
 
 
 def repeat_bend(
@@ -34,18 +35,19 @@ def repeat_bend(
     tilted = setup.tilts.of in parts
     for number, part in enumerate(parts):
         watch(0.5 * number / len(parts) if tilted else number / len(parts))
-        runs = [
-            run(setup.missions[part], seed=seed, defects=setup.defects) for seed in range(seeds)
-        ]
-        passed = [each for each in runs if each.outcome == "succeeded"]
-        times = [each.duration_s for each in passed]
-        result.values[f"{part}.passed"] = len(passed) / seeds
-        result.values[f"{part}.time"] = float(np.median(times)) if times else nan
-        seen = [_snapshots(each, list(setup.snapshots.values())) for each in passed]
-        result.values[f"{part}.snapshots"] = float(min(seen, default=0))
-        text = f"in {np.median(times):.1f} s (median)" if times else runs[0].message
-        result.notes.append(f"{part}: passed in {len(passed)} of {seeds}, {text}")
+        made = [run(setup.missions[part], seed=n, defects=setup.defects) for n in range(seeds)]
+        _take_in(result, part, part, made, setup)
     _compare_times(result)
+    for part in (each for each in parts if each in setup.seen):
+        title, why = f"{part} by the camera {setup.seen[part]}", is_missing("vision")
+        if why:
+            result.notes.append(f"{title}: not run, {why}")
+            continue
+        mission, detector = setup.missions[part], f"vision:{setup.seen[part]}"
+        made = [
+            run(mission, seed=n, defects=setup.defects, detector=detector) for n in range(seeds)
+        ]
+        _take_in(result, f"{part}.seen", title, made, setup)
     if tilted:
         for name, tilted_mission in setup.tilts.missions.items():
             angle, why = _largest_tilt(
@@ -54,6 +56,20 @@ def repeat_bend(
             result.values[f"{setup.tilts.of}.{name}_tilt"] = angle
             result.notes.append(f"{setup.tilts.of}: {name} up to {degrees(angle):.0f} deg, {why}")
     return result
+
+
+def _take_in(
+    result: ExperimentResult, name: str, title: str, made: Sequence[Run], setup: BendSetup
+) -> None:
+    """Add what came of the runs of a part by this name, and a note with this title."""
+    passed = [each for each in made if each.outcome == "succeeded"]
+    times = [each.duration_s for each in passed]
+    result.values[f"{name}.passed"] = len(passed) / len(made)
+    result.values[f"{name}.time"] = float(np.median(times)) if times else nan
+    seen = [_snapshots(each, list(setup.snapshots.values())) for each in passed]
+    result.values[f"{name}.snapshots"] = float(min(seen, default=0))
+    text = f"in {np.median(times):.1f} s (median)" if times else made[0].message
+    result.notes.append(f"{title}: passed in {len(passed)} of {len(made)}, {text}")
 
 
 def _compare_times(result: ExperimentResult) -> None:

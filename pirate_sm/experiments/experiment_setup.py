@@ -29,7 +29,10 @@ class MissionSetup(ExperimentSetup):
     Attributes:
         missions: By the parts of the experiment.
         defects: That the robot had.
+        seen: Parts that are run once more as a camera sees them, with the name of the camera; the
+            values are named after the part and ``seen``.
     """
 
     missions: dict[str, Name]
     defects: tuple[Name, ...] = ()
+    seen: dict[str, Name] = {}  # noqa: RUF012 - pydantic copies it

@@ -10,7 +10,7 @@ from pirate_sm.api import Run, run
 from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
-from pirate_sm.experiments.other_physics import is_missing
+from pirate_sm.experiments.needed_extras import is_missing
 from pirate_sm.experiments.traction_setup import OwnLoops
 from pirate_sm.fitting.columns import column
 from pirate_sm.simulation.arrays import Floats

@@ -25,10 +25,12 @@ class SlipSignals:
     Attributes:
         run: The run, with true places of its wheels.
         processing: How its signals are made comparable.
+        seen: When a camera saw the robot, and where along the pipe; None: where it truly was.
     """
 
     run: Run
     processing: PostProcessing
+    seen: tuple[Floats, Floats] | None = None
 
     @cached_property
     def _columns(self) -> dict[str, Floats]:
@@ -46,11 +48,13 @@ class SlipSignals:
 
     @cached_property
     def speed_m_s(self) -> Floats:
-        """Of the robot along the pipe, as a camera would see it.
+        """Of the robot along the pipe, as the camera has seen it, or by the truth.
 
         Raises:
             UsageError: Nobody knew where the robot was.
         """
+        if self.seen is not None:
+            return self._rate(*self.seen)
         poses = self.run.poses()
         if poses is None:
             raise UsageError("the backend does not know where the robot is: experiments need it")

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.api import Run, run
+from pirate_sm.api import run
 from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
 from pirate_sm.experiments.mission_setups import StraightPipeSetup
-from pirate_sm.experiments.other_physics import is_missing
+from pirate_sm.experiments.needed_extras import is_missing
+from pirate_sm.experiments.seen_runs import seen_run
 from pirate_sm.experiments.slip_signals import SlipSignals
 from pirate_sm.fitting.slip_curve import fit_slip_curve
 from pirate_sm.fitting.slip_plot import slip_plot
@@ -42,42 +43,49 @@ def repeat_straight_pipe(
     result = ExperimentResult()
     wheels = [wheel for wheel in profile.body.wheels if wheel.name in setup.wheels]
     further = [part for part in parts if part in setup.again]
+    seen = [part for part in parts if part in setup.seen]
+    share = 1 / (len(parts) + len(further) + len(seen))
     for number, part in enumerate(parts):
-        watch(number / (len(parts) + len(further)))
+        watch(number * share)
         made = run(setup.missions[part], defects=setup.defects)
-        signals = _take_in(result, part, part, made, wheels, setup)
+        signals = SlipSignals(made, setup.processing)
+        _take_in(result, part, part, signals, wheels)
         if part == setup.shown:
             result.figures += _figures(signals, wheels, profile)
     for number, part in enumerate(further, start=len(parts)):
-        watch(number / (len(parts) + len(further)))
+        watch(number * share)
         backend, pipe = setup.again[part].backend, setup.again[part].pipe
         title, why = f"{part} on {backend}", is_missing(backend)
         if why:
             result.notes.append(f"{title}: not run, {why}")
             continue
         made = run(setup.missions[part], backend, pipe=pipe, defects=setup.defects)
-        _take_in(result, f"{part}.{backend}", title, made, wheels, setup)
+        signals = SlipSignals(made, setup.processing)
+        _take_in(result, f"{part}.{backend}", title, signals, wheels)
+    for number, part in enumerate(seen, start=len(parts) + len(further)):
+        watch(number * share)
+        title, why = f"{part} by the camera {setup.seen[part]}", is_missing("vision")
+        if why:
+            result.notes.append(f"{title}: not run, {why}")
+            continue
+        made, places = seen_run(setup.missions[part], setup.seen[part], setup.defects)
+        signals = SlipSignals(made, setup.processing, places)
+        _take_in(result, f"{part}.seen", title, signals, wheels)
     return result
 
 
 def _take_in(
-    result: ExperimentResult,
-    name: str,
-    title: str,
-    made: Run,
-    wheels: list[Wheel],
-    setup: StraightPipeSetup,
-) -> SlipSignals:
-    """Add the values of a run by this name, and a note with this title; return its signals."""
+    result: ExperimentResult, name: str, title: str, signals: SlipSignals, wheels: list[Wheel]
+) -> None:
+    """Add the values of a run by this name, and a note with this title."""
+    made = signals.run
     result.notes.append(f"{title}: {made.outcome} after {made.duration_s:.1f} s, {made.message}")
-    signals = SlipSignals(made, setup.processing)
     for wheel in wheels:
         values = _wheel_values(signals, wheel)
         result.values |= {f"{name}.{wheel.name}.{key}": value for key, value in values.items()}
     for joint in made.loaded.loaded_robot.profile.body.joints:
         torque = float(np.median(np.abs(signals.joint_torque(joint.name))))
         result.values[f"{name}.{joint.name}.torque_median"] = torque
-    return signals
 
 
 def _wheel_values(signals: SlipSignals, wheel: Wheel) -> dict[str, float]:

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.experiments import other_physics
+from pirate_sm.experiments import needed_extras
 from pirate_sm.experiments.experiment_files import load_experiments
 from pirate_sm.experiments.experiment_result import ExperimentResult
 from pirate_sm.experiments.own_loops import repeat_with_loops
@@ -40,7 +40,7 @@ def test_what_each_run_came_to_is_told_and_drawn(result: ExperimentResult) -> No
 def test_without_its_backend_nothing_is_run_and_that_is_told(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(other_physics, "find_spec", lambda module: None)
+    monkeypatch.setattr(needed_extras, "find_spec", lambda module: None)
     loops = OwnLoops(backend="physics", missions=MISSIONS, since="DriveBackward")
 
     made = repeat_with_loops(loops, ("3a", "3d"))

@@ -16,11 +16,12 @@ WHEELS = ("wheel_1", "wheel_2", "wheel_5", "wheel_6")
 def result() -> ExperimentResult:
     (setup,) = (each for each in load_experiments(ROBOT) if isinstance(each, StraightPipeSetup))
     again = {"1d": setup.again["1d"].model_copy(update={"backend": "sim"})}
-    once_more = setup.model_copy(update={"again": again})
+    seen = {"1d": str(ROBOT.parents[1] / "tests" / "cameras" / "small_straight.yaml")}
+    once_more = setup.model_copy(update={"again": again, "seen": seen})
     return repeat_straight_pipe(load_robot(ROBOT).profile, once_more, ("1a", "1d"))
 
 
-@pytest.mark.parametrize("part", ["1a", "1d", "1d.sim"])
+@pytest.mark.parametrize("part", ["1a", "1d", "1d.sim", "1d.seen"])
 @pytest.mark.parametrize("wheel", WHEELS)
 def test_while_it_drives_hardly_a_wheel_slips(
     result: ExperimentResult, part: str, wheel: str

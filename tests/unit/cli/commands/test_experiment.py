@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.experiments import other_physics
+from pirate_sm.experiments import needed_extras
 
 from ..conftest import NEWT
 
@@ -13,7 +13,7 @@ from ..conftest import NEWT
 @pytest.fixture(autouse=True)
 def without_mujoco(monkeypatch: pytest.MonkeyPatch) -> None:
     """The runs on the backend physics take seconds; they are tested where they are made."""
-    monkeypatch.setattr(other_physics, "find_spec", lambda module: None)
+    monkeypatch.setattr(needed_extras, "find_spec", lambda module: None)
 
 
 def test_the_thesis_stands_beside_ours_with_a_verdict_and_its_reason(
