@@ -51,8 +51,8 @@ def test_all_shipped_files_are_clean_even_of_warnings(
 
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
-        "1 robot, 1 chart, 17 pipes, 26 missions checked in hardware_profiles, sequences: "
-        "no findings\n"
+        "1 robot, 1 chart, 17 pipes, 1 panel, 26 missions checked in "
+        "hardware_profiles, sequences, panels: no findings\n"
     )
 
 
