@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from pirate_sm.cli.keyboard import Operator
+from pirate_sm.cli.keyboard import AllKeys, Operator
 from pirate_sm.model.effects import Ask, TriggerFired, WaitArmed
 from pirate_sm.model.events import Answer, Event
 
@@ -108,3 +108,11 @@ def test_an_answer_is_kept_with_who_gave_it(operator: Operator, keyboard: Keyboa
     told = operator.look(None, 0.0)
 
     assert [line.message for line in told] == ["answered 'no' (operator)"]
+
+
+def test_several_sources_are_one_keyboard() -> None:
+    keyboard, panel = Keyboard(), Keyboard()
+    both = AllKeys([panel, keyboard])
+    keyboard.keys, panel.keys = "1", "2"
+    assert both.pressed() == "21"
+    assert both.pressed() == ""

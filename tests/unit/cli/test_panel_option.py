@@ -176,6 +176,22 @@ def test_a_run_is_led_from_a_panel_until_it_is_pulled_out_and_replays_without_on
     assert "the same came out again" in replayed(pirate, kept)
 
 
+@pytest.mark.slow  # in real time
+def test_a_question_is_answered_on_a_panel_where_nobody_has_a_keyboard(
+    start: Start, midi: Any, tmp_path: Path
+) -> None:
+    ask = ROOT / "docs" / "examples" / "ask.yaml"
+    panel = f"nanokontrol2:{midi.path}"
+    process = start(ask, "--panel", panel, "--json", "--record", tmp_path / "run.mcap")
+    assert process.stdout is not None
+    for text in process.stdout:
+        last = json.loads(text)
+        if last["type"] == "log" and "people's hands" in last["message"]:
+            midi.press(62)  # MARKER ►, the second answer
+    assert (last["outcome"], last["message"]) == ("failed", "Not now")
+    process.communicate(timeout=60)
+
+
 @pytest.mark.parametrize("command", ["run_main", "main"])
 def test_help_imports_nothing_of_panels(command: str) -> None:
     code = f"""
