@@ -52,7 +52,7 @@ class Desk:
             def notify(self, message: str, **how: Any) -> None:
                 notices.append(message)  # those on the screen vanish with the wall's time
 
-        return lambda session: Telling(session, reader)
+        return lambda session, **how: Telling(session, reader, **how)
 
 
 def trace() -> Prepared:
@@ -164,9 +164,9 @@ def test_the_stop_of_the_panel_reaches_the_robot_while_the_console_is_busy(midi:
         sessions: list[OperatorSession] = []
         reader = PanelReader(PANEL, midi.path, lambda reason: sessions[0].stop())
 
-        def console(session: OperatorSession) -> Console:
+        def console(session: OperatorSession, **how: Any) -> Console:
             sessions.append(session)
-            return Console(session, reader)
+            return Console(session, reader, **how)
 
         with reader:
             async with operator(trace(), size=SMALL, console=console) as me:

@@ -48,7 +48,7 @@ def test_a_run_is_replayed_where_opencv_is_not_installed(recording: Path) -> Non
     )  # fmt: skip
 
     assert done.returncode == 0, done.stderr
-    assert "the same came out again" in done.stdout
+    assert "replayed identically" in done.stdout
 
 
 def test_places_and_pictures_are_recorded(recording: Path) -> None:

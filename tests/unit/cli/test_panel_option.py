@@ -148,7 +148,7 @@ def test_the_stop_of_a_panel_ends_a_run_and_its_replay(
 
     assert (last["outcome"], last["message"]) == ("interrupted", "stopped on the panel")
     assert code == 130
-    assert "the same came out again" in replayed(pirate, kept)
+    assert "replayed identically" in replayed(pirate, kept)
 
 
 @pytest.mark.slow  # in real time
@@ -173,7 +173,7 @@ def test_a_run_is_led_from_a_panel_until_it_is_pulled_out_and_replays_without_on
     assert fault["code"] == "panel.lost"
     assert last["outcome"] == "fault"
     assert code == 1
-    assert "the same came out again" in replayed(pirate, kept)
+    assert "replayed identically" in replayed(pirate, kept)
 
 
 @pytest.mark.slow  # in real time

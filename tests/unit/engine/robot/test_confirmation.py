@@ -130,7 +130,7 @@ def test_an_unknown_signal_is_no_agreement_and_no_contradiction(drive, name):
 
     assert left_open(driver) == {"BendingState"}
     assert driver.ended is None
-    assert "leave it open whether" in driver.of(fx.Log)[-1].message
+    assert "do not show whether" in driver.of(fx.Log)[-1].message
 
 
 def test_a_clamp_that_is_left_open_neither_drives_nor_lets_go(drive):
