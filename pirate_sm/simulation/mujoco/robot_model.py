@@ -25,8 +25,9 @@ from pirate_sm.simulation.mujoco.names import (
 from pirate_sm.simulation.physics import StartPose
 
 GIVES_WAY_M = 1.5e-4
-"""So much earlier a wheel's contact begins to press: by what it gives way under a clamp's usual
-30 N, so that a clamped wheel rolls on its own radius."""
+"""How much earlier a wheel's contact begins to press, in the plane: by what it gives way under a
+clamp's usual 30 N, so that a clamped wheel rolls on its own radius. In space a wheel would press on
+several plates of the wall at once and drive 10 % slower."""
 
 WINDING_RAD = 0.6
 """The motor side of a spring may wind this far beyond the joint's own end stop."""
@@ -47,6 +48,7 @@ def add_robot(
         space: Whether it moves in space, with its roll joint; else in the plane z = 0.
     """
     body = SubElement(world, "body", name=f"{LINK}0")
+    margin_m = 0.0 if space else GIVES_WAY_M
     if space:
         SubElement(body, "freejoint", name="root")
     else:
@@ -55,14 +57,14 @@ def add_robot(
         SubElement(body, "joint", name="heading", type="hinge", axis="0 0 1")
     last = len(chain.links) - 1
     for m, link in enumerate(chain.links):
-        _add_wheel(body, actuators, chain, m, m, 0.0)
+        _add_wheel(body, actuators, chain, m, m, 0.0, margin_m)
         rear_m = -link.length_m
         if space and m == chain.roll_link:
             body = _add_roll_joint(body, actuators, chain, link)
             rear_m = -link.length_m / 2
         else:
             _add_link(body, chain, link)
-        _add_wheel(body, actuators, chain, m, m + 1, rear_m)
+        _add_wheel(body, actuators, chain, m, m + 1, rear_m, margin_m)
         if m < last:
             body = _add_next(body, actuators, chain, pose, m + 1, rear_m)
     for i in range(chain.nodes if not space else 0):
@@ -132,7 +134,13 @@ def _add_next(
 
 
 def _add_wheel(
-    body: Element, actuators: Element, chain: ChainBody, link: int, i: int, along_m: float
+    body: Element,
+    actuators: Element,
+    chain: ChainBody,
+    link: int,
+    i: int,
+    along_m: float,
+    margin_m: float,
 ) -> None:
     """Add a wheel to the body of the link that its motor sits on; on another link do nothing."""
     wheel = chain.wheels[i]
@@ -149,7 +157,7 @@ def _add_wheel(
     _add_inertia(turning, wheel.mass_kg, 0.0, (axle / 2, axle / 2, axle))
     SubElement(
         turning, "geom", name=f"{WHEEL}{i}", type="sphere", size=numbers(radius), priority="1",
-        contype=WHEEL_BIT, conaffinity="0", margin=numbers(GIVES_WAY_M), rgba="0.2 0.2 0.2 1",
+        contype=WHEEL_BIT, conaffinity="0", margin=numbers(margin_m), rgba="0.2 0.2 0.2 1",
     )  # fmt: skip
     SubElement(actuators, "motor", name=f"{WHEEL}{i}", joint=f"{WHEEL}{i}")
 

@@ -18,7 +18,6 @@ from pirate_sm.simulation.mujoco.inertial_unit import InertialUnit
 from pirate_sm.simulation.mujoco.model_text import model_text
 from pirate_sm.simulation.mujoco.motors import Motors
 from pirate_sm.simulation.mujoco.names import OBSTACLE, WHEEL
-from pirate_sm.simulation.mujoco.robot_model import GIVES_WAY_M
 from pirate_sm.simulation.mujoco.roll_in_plane import RollInPlane
 from pirate_sm.simulation.mujoco.roll_in_space import RollInSpace
 from pirate_sm.simulation.mujoco.wheel_contacts import WheelContacts
@@ -168,7 +167,7 @@ def _lying(pose: StartPose, route: Route, chain: ChainBody, gravity: Vector) -> 
     places = [(x, y * c, -y * s) for x, y, _ in pose.places]
     across = (0.0, dot(gravity, frame.side), dot(gravity, frame.normal))
     weight = dot(across, across) ** 0.5
-    room = route.pieces[0].diameter_m / 2 - chain.wheel_radius_m - GIVES_WAY_M
+    room = route.pieces[0].diameter_m / 2 - chain.wheel_radius_m
     fills = max(abs(y) for _, y, _ in pose.places) > room / 2
     if fills or weight < 0.01 * GRAVITY_M_S2:
         return tuple(places)

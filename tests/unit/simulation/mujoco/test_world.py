@@ -71,9 +71,9 @@ def test_a_round_pipe_is_24_plates_and_straight(chain: ChainBody) -> None:
 
 
 def test_a_loose_robot_begins_on_the_wall_that_it_lies_on(chain: ChainBody) -> None:
-    # z of the drawing points down in a pipe that lies flat. Contacts begin MARGIN_M before a wall.
+    # z of the drawing points down in a pipe that lies flat.
     places = np.array(world(chain, "round").places())
-    assert places[:, 2] == pytest.approx([0.06 - 0.024] * 6, abs=0.0002)
+    assert places[:, 2] == pytest.approx([0.06 - 0.024] * 6)
     assert places[:, 1] == pytest.approx([0.0] * 6)
 
 
