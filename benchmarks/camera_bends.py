@@ -34,7 +34,7 @@ LIGHTS = {
     "lamps": "{glare: true, uneven: 0.4}",
 }
 TILTED_BACKWARD = "mitre_90_backward_tilted"
-TILTED = "tilt: 28 deg\nuphill: 90 deg\n"
+TILTED = "tilt: 28 deg\nuphill: 180 deg\n"
 BENDS = (
     ("mitre_bend", "mitre_90"),
     ("mitre_bend", "mitre_90_tilted"),
@@ -88,7 +88,7 @@ def _camera(folder: Path, light: str) -> str:
 
 
 def _pipe(folder: Path, name: str) -> str:
-    """Return a shipped pipe's name, or the path of the same pipe tilted."""
+    """Return a shipped pipe's name, or the path of a pipe tilted so that the robot goes up."""
     if name != TILTED_BACKWARD:
         return name
     level = name.removesuffix("_tilted")

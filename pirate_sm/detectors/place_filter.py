@@ -55,33 +55,38 @@ class Tracker:
         """Return the filtered position of a wheel now, m; NaN if its last position is unknown.
 
         A driven wheel is on the line through its recent positions, whose slope is the median of
-        slopes (Theil and Sen, over pairs half the window apart). A wheel that is not driven stands
-        at the median of its positions, because it does not move by itself.
+        slopes (Theil and Sen, over pairs half the window apart). From the last position on it moves
+        as most wheels do: along the pipe a wheel that cuts a corner goes faster for a moment. A
+        wheel that is not driven stands at the median of its positions, because it does not move by
+        itself.
         """
-        now_s = self._now_s
-        if not self._seen or self._seen[-1][0] < now_s - _OLDEST_S:
+        if not self._fresh or isnan(self._seen[-1][1][wheel]):
             return nan
-        if isnan(self._seen[-1][1][wheel]):
-            return nan
-        seen = [(at, places[wheel]) for at, places in self._seen if not isnan(places[wheel])]
+        latest_s = self._seen[-1][0]
+        seen = self._of(wheel)
         slope = self._slope(seen) if self._driven else 0.0
-        return _median([place + slope * (now_s - at) for at, place in seen])
+        place_m = _median([place + slope * (latest_s - at) for at, place in seen])
+        if not self._driven or latest_s == self._now_s:
+            return place_m
+        return place_m + self._speed() * (self._now_s - latest_s)
 
     def speed(self) -> float:
         """Return the speed of the robot along the pipe in the window, m/s, positive onwards.
 
-        It is the slope of the line through the means of the wheels that are always known; NaN
-        without two positions.
+        It is the median of the slopes of the wheels' lines; NaN without two positions.
         """
-        known = [
-            wheel
-            for wheel in range(len(self._seen[-1][1]) if self._seen else 0)
-            if not any(isnan(places[wheel]) for _, places in self._seen)
-        ]
-        if not known or len(self._seen) < 2 or self._seen[-1][0] < self._now_s - _OLDEST_S:
-            return nan
-        means = [(at, sum(places[w] for w in known) / len(known)) for at, places in self._seen]
-        return self._slope(means)
+        return self._speed() if self._fresh and len(self._seen) > 1 else nan
+
+    @property
+    def _fresh(self) -> bool:
+        return bool(self._seen) and self._seen[-1][0] >= self._now_s - _OLDEST_S
+
+    def _of(self, wheel: int) -> list[tuple[float, float]]:
+        return [(at, places[wheel]) for at, places in self._seen if not isnan(places[wheel])]
+
+    def _speed(self) -> float:
+        lines = [self._of(wheel) for wheel in range(len(self._seen[-1][1]))]
+        return _median([self._slope(line) for line in lines if len(line) > 1])
 
     @staticmethod
     def _slope(seen: Sequence[tuple[float, float]]) -> float:

@@ -43,6 +43,19 @@ def test_white_noise_is_filtered(seed: int) -> None:
     assert max(map(abs, off)) < max(abs(a - b) for a, b in zip(noisy, drive(60), strict=True))
 
 
+def test_a_late_position_is_read_ahead_by_how_most_wheels_move() -> None:
+    tracker = Tracker()
+    for step in range(9):
+        at_s = 0.05 * step
+        # The last wheel cuts a corner: along the pipe it goes three times as fast.
+        places = (1.0 + 0.1 * at_s, 0.9 + 0.1 * at_s, 0.8 + 0.3 * at_s)
+        tracker.see(at_s + 0.2, places, driven=True, seen_s=at_s)
+
+    assert tracker.place(0) == pytest.approx(1.0 + 0.1 * 0.6)
+    assert tracker.place(2) == pytest.approx(0.8 + 0.3 * 0.4 + 0.1 * 0.2)
+    assert tracker.speed() == pytest.approx(0.1)
+
+
 def test_a_standing_robot_is_never_extrapolated() -> None:
     # As if a part settled slowly: on a line it would seem to be farther than it was ever seen.
     places = drive(9)
