@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +30,7 @@ def words(run: pirate_sm.Run) -> list[tuple[str, float]]:
 
 
 @pytest.fixture(scope="module")
-def watched() -> Iterator[tuple[pirate_sm.Run, Frames]]:
+def watched() -> tuple[pirate_sm.Run, Frames]:
     """Return a run that a synthetic camera has watched, and all its pictures."""
     frames: list[np.ndarray[Any, Any]] = []
     patch = pytest.MonkeyPatch()
@@ -43,7 +43,7 @@ def watched() -> Iterator[tuple[pirate_sm.Run, Frames]]:
     patch.setattr(paced_sightings.Gaze, "see", keep)
     run = pirate_sm.run("mitre_bend", detector=f"vision:{SMALL}", seed=4)
     patch.undo()
-    yield run, frames
+    return run, frames
 
 
 def as_mjpg(path: Path, frames: Frames) -> None:
