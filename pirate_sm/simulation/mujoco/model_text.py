@@ -14,6 +14,9 @@ from pirate_sm.simulation.physics import StartPose
 # About the 1e5 N/m of the kinematic simulator; with 1000 N/m a clamped V toggles through the wall.
 # At 0.004, two steps and the least that is stable, a wheel that slides with 1 N hops.
 _CONTACT = {"solref": "0.008 1", "solimp": "0.95 0.99 0.0005"}
+# In space contacts are as stiff as is stable: there a wheel has no margin, and on softer plates it
+# would roll on a radius that is 0.4 % too small.
+_CONTACT_IN_SPACE = {**_CONTACT, "solref": "0.004 1"}
 # With MuJoCo's own numbers a joint goes 5 deg beyond its stop at 0.7 Nm, and brakes creep.
 _STIFF_JOINT = {
     "solreflimit": "0.004 1",
@@ -47,7 +50,11 @@ def model_text(
     # A world that has become unstable must not begin anew by itself.
     SubElement(option, "flag", autoreset="disable")
     default = SubElement(model, "default")
-    SubElement(default, "geom", {"condim": "4" if space else "3", **_CONTACT})
+    SubElement(
+        default,
+        "geom",
+        {"condim": "4", **_CONTACT_IN_SPACE} if space else {"condim": "3", **_CONTACT},
+    )
     SubElement(default, "joint", _STIFF_JOINT)
     world = SubElement(model, "worldbody")
     actuators = Element("actuator")
