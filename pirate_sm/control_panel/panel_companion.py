@@ -87,6 +87,7 @@ class PanelCompanion:
             elif not self._began:
                 continue  # nobody can have meant this run
             elif happening.asks:
+                self._asked = ("", -inf)  # another button takes the first press back
                 self._ask(happening.name, action_text(happening.button))
             else:
                 self._press(happening, state, now_s)

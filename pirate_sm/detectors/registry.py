@@ -35,6 +35,9 @@ TOKEN_VARIABLE = "PIRATE_SM_TOKEN"
 
 _TOKEN_BYTES = 12
 
+_COUNTING = ("odometry", "vision")
+"""The detectors that count, from a place that the user may name."""
+
 
 class Places(NamedTuple):
     """What a backend knows of true positions along the pipe, m.
@@ -118,16 +121,21 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
     """
     name, colon, rest = (usual if text is None else text).partition(":")
     make = DETECTORS.find(name)
-    if asked.first_wheel_m is not None and name not in {"odometry", "vision"}:
+    if asked.first_wheel_m is not None and not counts(name):
         raise UsageError(
-            "only the detector odometry takes a place where it begins to count",
+            "only the detectors odometry and vision take a place where they begin to count",
             hint=Hint(
-                ": --start-at goes with --detector odometry",
-                ": start_at_m goes with detector='odometry'",
+                ": --start-at goes with --detector odometry or vision:CAMERA",
+                ": start_at_m goes with detector='odometry' or 'vision:CAMERA'",
             ),
         )
     argument = rest if colon else None
     return make(replace(asked, by_name=text is not None, argument=argument))
+
+
+def counts(text: str) -> bool:
+    """Return whether the detector of this text counts from a place that the user may name."""
+    return text.partition(":")[0] in _COUNTING
 
 
 def _refuse_argument(name: str, asked: Asked) -> None:

@@ -28,12 +28,18 @@ class Seen(NamedTuple):
     """Where the wheels were at the time of a sighting; NaN is unknown.
 
     Attributes:
-        places_m: Position of each wheel along the pipe.
+        places_m: Position of each wheel along the pipe; NaN also for one outside of it.
         points: The same positions in the plane of the pipe.
     """
 
     places_m: tuple[float, ...]
     points: tuple[Place, ...]
+
+    @property
+    def outside(self) -> bool:
+        """Return whether a wheel was seen outside of the pipe, where none can be."""
+        pairs = zip(self.places_m, self.points, strict=True)
+        return any(isnan(place) and not isnan(x + y) for place, (x, y) in pairs)
 
 
 class Placing(Protocol):
@@ -149,5 +155,16 @@ def _nowhere(wheels: int) -> Seen:
 
 
 def _along(route: Route, points: Sequence[Place]) -> Seen:
-    places = tuple(nan if isnan(x + y) else route.arc_of((x, y, 0.0)) for x, y in points)
-    return Seen(places, tuple(points))
+    return Seen(tuple(_arc(route, point) for point in points), tuple(points))
+
+
+def _arc(route: Route, point: Place) -> float:
+    """Return where a point is along the pipe; NaN if it is unknown or outside of the pipe.
+
+    In the outer corner of a square mitre the wall is 0.71 of the diameter from the centre line, so
+    a whole diameter allows for errors, and for no other pipe [decided].
+    """
+    if isnan(sum(point)):
+        return nan
+    arc_m, away_m = route.nearest((*point, 0.0))
+    return arc_m if away_m < route.piece_at(arc_m).diameter_m else nan

@@ -123,6 +123,7 @@ class Sight:
         self._detector = Detector(words, errors, route.crossings_m, valid_for_s, self._tracker)
         self._believed_s, self._believed_m = -inf, (0.0,) * len(robot.body.joints)
         self._apart = False
+        self._inside_s, self._outside_s = inf, 0.0
         self._events: list[Event] = []
 
     def __enter__(self) -> Self:
@@ -163,7 +164,9 @@ class Sight:
         for picture in self._source.look(now_s):
             self.newest = picture
             self._watch.take(picture.sighting, now_s)
-            if (places := self._believed(picture.sighting, angles)) is not None:
+            places, outside = self._believed(picture.sighting, angles)
+            logs += self._wrong_pipe(picture.sighting.captured_s, outside=outside)
+            if places is not None:
                 self._detector.see(now_s, places, travel, picture.sighting.captured_s)
                 self._measure(places, now_s - picture.sighting.captured_s)
                 logs += self._second_opinion(places)
@@ -199,8 +202,13 @@ class Sight:
             return None
         return Truth(self.seen.points, self._radius_m, self._walls, self.seen.places_m[0])
 
-    def _believed(self, sighting: Sighting, angles: Sequence[float]) -> tuple[float, ...] | None:
-        """Return the positions in a sighting; None if the robot cannot have moved that far."""
+    def _believed(
+        self, sighting: Sighting, angles: Sequence[float]
+    ) -> tuple[tuple[float, ...] | None, bool]:
+        """Return the positions in a sighting, and whether a wheel is outside of the pipe.
+
+        The positions are None if the robot cannot have moved that far.
+        """
         seen = self._placing.place(sighting, angles)
         passed_s = sighting.captured_s - self._believed_s
         limit_m = _FASTEST_M_S * passed_s + _SLACK_M
@@ -208,17 +216,28 @@ class Sight:
             abs(now - before) for now, before in zip(seen.places_m, self._believed_m, strict=True)
         ]
         if passed_s <= _DOUBTED_S and any(each > limit_m for each in moved_m):  # false for NaN
-            return None
+            return None, seen.outside
         if not all(map(isnan, seen.places_m)):
             self._believed_s, self._believed_m = sighting.captured_s, seen.places_m
             self.seen = seen
-        return seen.places_m
+        return seen.places_m, seen.outside
+
+    def _wrong_pipe(self, captured_s: float, *, outside: bool) -> Sequence[Log]:
+        """Return, once, a warning that the robot is seen outside of the pipe all the time."""
+        if not outside or self._inside_s == inf:
+            self._inside_s = captured_s
+        before_s, self._outside_s = self._outside_s, captured_s - self._inside_s
+        if not before_s < _DOUBTED_S <= self._outside_s:
+            return ()
+        message = "the camera sees wheels outside of the pipe, whose positions count as unknown"
+        return (Log("warning", f"{message}: is it this pipe, and hangs the camera where it did?"),)
 
     def _measure(self, places_m: Sequence[float], age_s: float) -> None:
         """Report the mean speed in the window that ended ``age_s`` ago, positive ahead."""
         speed_m_s = self._tracker.speed()
-        if self._measures and not isnan(speed_m_s):
-            ahead = -1.0 if places_m[0] < places_m[-1] else 1.0
+        known_m = [place for place in places_m if not isnan(place)]
+        if self._measures and len(known_m) > 1 and not isnan(speed_m_s):
+            ahead = -1.0 if known_m[0] < known_m[-1] else 1.0
             self._events.append(OutsideNumber(self._measures, ahead * speed_m_s, age_s))
 
     def _second_opinion(self, places_m: Sequence[float]) -> Sequence[Log]:

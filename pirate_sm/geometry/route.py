@@ -93,6 +93,10 @@ class Route:
 
     def arc_of(self, point: Vector) -> float:
         """Return the arc length of the nearest point of the centre line, m."""
+        return self.nearest(point)[0]
+
+    def nearest(self, point: Vector) -> tuple[float, float]:
+        """Return the arc length of the nearest point of the centre line, and its distance, m."""
         nearest, found, last = inf, 0.0, len(self.pieces) - 1
         for number, piece in enumerate(self.pieces):
             along = piece.beyond_m(point)
@@ -103,7 +107,7 @@ class Route:
             away = dist(point, piece.frame.point(along))
             if away < nearest:
                 nearest, found = away, piece.arc_m + along
-        return found
+        return found, nearest
 
 
 class _Heading(NamedTuple):

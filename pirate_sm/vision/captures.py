@@ -11,6 +11,7 @@ from pirate_sm.model.camera_source import (
     CameraSource,
     DeviceSource,
     FileSource,
+    FrameSize,
     ImagesSource,
     SyntheticSource,
     UrlSource,
@@ -26,7 +27,12 @@ class Capture(Protocol):
     """An opened source of pictures."""
 
     def read(self) -> Frame | None:
-        """Return the next picture, waiting for it; None if there is none any more."""
+        """Return the next picture, waiting for it; None if there is none any more.
+
+        Raises:
+            UsageError: The next file is no picture, or has another size than the camera's file
+                says.
+        """
 
     def close(self) -> None:
         """Give the camera or the file back."""
@@ -79,11 +85,22 @@ class ImageCapture:
             raise UsageError(f"there are no pictures '{source.images}' in {folder}")
         self._left = iter(self.names)
         self._folder = folder
+        self._size = source.size
 
     def read(self) -> Frame | None:
-        """Return the next picture; None behind the last, and for a file that is none."""
+        """Return the next picture; None behind the last.
+
+        Raises:
+            UsageError: The next file is no picture, or has another size than the camera's file
+                says.
+        """
         name = next(self._left, None)
-        frame: Frame | None = None if name is None else cv2.imread(str(self._folder / name))
+        if name is None:
+            return None
+        frame: Frame | None = cv2.imread(str(self._folder / name))
+        if frame is None:
+            raise UsageError(f"'{name}' is no picture that can be read")
+        _check_size(frame, self._size, f"'{name}' has")
         return frame
 
     def close(self) -> None:
@@ -118,11 +135,16 @@ def first_frame(capture: Capture, source: CameraSource) -> Frame:
     frame = capture.read()
     if frame is None:
         raise UsageError("the camera gives no picture")
-    height, width = frame.shape[:2]
-    if (width, height) != source.size:
-        wanted = "{} × {}".format(*source.size)
-        raise UsageError(f"the pictures have {width} × {height} pixels, the camera's file {wanted}")
+    _check_size(frame, source.size, "the pictures have")
     return frame
+
+
+def _check_size(frame: Frame, size: FrameSize, what: str) -> None:
+    """Raise UsageError for a picture of another size, for which the lens is not valid."""
+    height, width = frame.shape[:2]
+    if (width, height) != size:
+        wanted = "{} × {}".format(*size)
+        raise UsageError(f"{what} {width} × {height} pixels, the camera's file {wanted}")
 
 
 def _device(source: DeviceSource) -> Any:

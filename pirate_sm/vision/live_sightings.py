@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from contextlib import suppress
 from threading import Event, Lock, Thread
 
+from pirate_sm.errors import UsageError
 from pirate_sm.model.camera_source import CameraSource
 from pirate_sm.vision.captures import Capture, first_frame
 from pirate_sm.vision.seeing import Eye
@@ -90,6 +91,8 @@ class LiveSightings:
                 self.fault = ""
                 self._read(capture)
                 self.fault = "the camera gives no more pictures"
+            except UsageError as error:
+                self.fault = str(error)
             except Exception as error:  # whatever happens in here, the loop goes on
                 self.fault = f"{type(error).__name__}: {error}"
             if capture is not None:

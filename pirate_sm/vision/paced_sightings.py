@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from math import inf
 from random import Random
 
+from pirate_sm.errors import UsageError
 from pirate_sm.model.camera_source import CameraSource
 from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.captures import Capture, first_frame
@@ -50,11 +51,22 @@ class RecordedSightings:
         while self._next is not None and self.due_s <= now_s + _EARLY_S:
             found.append(self._gaze.see(self._next, self._number * self._period_s))
             self._number += 1
-            self._next = self._capture.read()
+            self._next = self._read()
             self.due_s = self._number * self._period_s + self._latency_s
         if self._next is None:
-            self.due_s, self.fault = inf, "the video is over"
+            self.due_s = inf
         return found
+
+    def _read(self) -> Frame | None:
+        """Return the next picture; None, with the reason in ``fault``, if there is none."""
+        try:
+            frame = self._capture.read()
+        except UsageError as error:
+            self.fault = str(error)
+            return None
+        if frame is None:
+            self.fault = "the video is over"
+        return frame
 
     def close(self) -> None:
         """Close the video."""

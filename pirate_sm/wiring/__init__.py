@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 from pirate_sm.detectors.beside import Beside
-from pirate_sm.detectors.registry import Asked, Detecting, detecting
+from pirate_sm.detectors.registry import Asked, Detecting, counts, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
@@ -113,7 +113,8 @@ def _with_another(found: Detecting, also: str, asked: Asked) -> Detecting:
     Raises:
         UsageError: The second one is the operator, or cannot be made.
     """
-    other = detecting(also, also, replace(asked, first_wheel_m=None))
+    start_m = asked.first_wheel_m if counts(also) else None
+    other = detecting(also, also, replace(asked, first_wheel_m=start_m))
     if other.kind == "operator":
         raise UsageError("the operator's keys are for the mission; name another second detector")
     beside = tuple(Beside(other.kind, each) for each in other.companions)

@@ -132,6 +132,13 @@ def test_another_press_takes_the_question_back() -> None:
     assert desk.press("F")[0] == []
 
 
+def test_another_button_that_asks_takes_the_question_back_too() -> None:
+    desk = Desk()
+    desk.press("F")
+    desk.hear([Press("I", PANEL.buttons["I"], asks=True)])
+    assert desk.press("F")[0] == []
+
+
 def test_where_nothing_holds_nothing_is_asked() -> None:
     desk = Desk()
     desk.configuration = FREE

@@ -50,6 +50,16 @@ def test_who_waits_for_a_key_cannot_stand_beside() -> None:
         prepare(Order("mitre_bend", also="operator"))
 
 
+def test_both_count_from_the_place_that_the_user_names() -> None:
+    ready = prepare(
+        Order("mitre_bend", detector="odometry", also="odometry", start_at_m=0.7125, seed=1)
+    )
+    assert [notice for notice in ready.notices if "712.5 mm" in notice] == [
+        "detector: odometry, counted from the first wheel at 712.5 mm of the pipe",
+        "also detector: odometry, counted from the first wheel at 712.5 mm of the pipe",
+    ]
+
+
 def test_the_log_of_a_run_from_python_shows_it() -> None:
     run = pirate_sm.run("mitre_bend", also="odometry", seed=1)
 

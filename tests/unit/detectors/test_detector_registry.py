@@ -60,8 +60,8 @@ def test_the_place_is_told() -> None:
         ("odometry:3", {}, "takes no argument"),
         ("sim", {}, "only the backend sim knows"),
         ("odometry", {"piped": False}, "needs to know the pipe"),
-        ("operator", {"first_wheel_m": 0.7}, "only the detector odometry"),
-        (None, {"first_wheel_m": 0.7}, "only the detector odometry"),
+        ("operator", {"first_wheel_m": 0.7}, "only the detectors odometry and vision"),
+        (None, {"first_wheel_m": 0.7}, "only the detectors odometry and vision"),
     ],
 )
 def test_a_wish_that_cannot_be_met_is_refused(text, options, why) -> None:

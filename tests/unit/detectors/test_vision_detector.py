@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import atan2
+from math import atan2, pi
 from random import Random
 from typing import NamedTuple
 
@@ -16,7 +16,7 @@ from pirate_sm.detectors.seen_places import OneMarker, Tags
 from pirate_sm.detectors.vision_detector import Sight
 from pirate_sm.geometry.plane import inner_corner
 from pirate_sm.model.effects import Detected, Log
-from pirate_sm.model.events import FaultReport
+from pirate_sm.model.events import FaultReport, OutsideNumber
 from pirate_sm.model.sighting import Mark, Sighting
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -216,3 +216,60 @@ def test_a_fault_is_reported_within_its_time_and_once_and_words_come_back() -> N
     assert [code for _, code in reports] == ["vision.silent"]
     assert 2.0 < reports[0][0] <= 2.7
     assert [log.message for log in logs] == ["the camera sees the robot again"]
+
+
+def test_a_robot_beside_the_pipe_is_nowhere_in_it() -> None:
+    ready, eye = setting()
+    eye.change = lambda seen: moved(seen, aside_m=-0.3)
+
+    outcome, _, effects = execute(ready, tags(ready, eye))
+
+    assert outcome == "failed"
+    assert not [each for each in effects if isinstance(each, Detected) and each.word]
+
+
+def test_a_robot_beside_the_pipe_is_warned_of_once() -> None:
+    ready, eye = setting()
+    state, _ = ready.engine.start()
+    ready.backend.open()
+    eye.change = lambda seen: moved(seen, aside_m=-0.3)
+    with tags(ready, eye) as sight:
+        logs = [log for turn in range(60) for log in sight.look(state, 0.05 * turn)]
+
+    assert len(logs) == 1
+    assert "the camera sees wheels outside of the pipe" in logs[0].message
+
+
+@pytest.mark.parametrize("hidden", [None, 0, 4])
+def test_the_speed_of_a_robot_that_faces_back_is_negative(hidden: int | None) -> None:
+    ready, eye = setting()
+    state, _ = ready.engine.start()
+    ready.backend.open()
+    eye.links = tuple(link for link in range(5) if link != hidden)
+    eye.change = lambda seen: turned_round(moved(seen, along_m=0.1 * seen.captured_s))
+    with tags(ready, eye, measures="camera") as sight:
+        speeds = []
+        for turn in range(40):
+            sight.look(state, 0.05 * turn)
+            events = sight.speak(0.05 * turn)
+            speeds += [each.value for each in events if isinstance(each, OutsideNumber)]
+
+    assert speeds == pytest.approx([-0.1] * len(speeds), abs=0.02)
+    assert len(speeds) > 10
+
+
+def moved(seen: Sighting, *, along_m: float = 0.0, aside_m: float = 0.0) -> Sighting:
+    marks = (
+        Mark(mark.on, (mark.place_m[0] + along_m, mark.place_m[1] + aside_m), mark.heading_rad)
+        for mark in seen.marks
+    )
+    return replace(seen, marks=tuple(marks))
+
+
+def turned_round(seen: Sighting) -> Sighting:
+    """Return it as if the robot stood in the pipe the other way round."""
+    marks = []
+    for mark in seen.marks:
+        assert mark.heading_rad is not None
+        marks.append(Mark(str(4 - int(mark.on)), mark.place_m, mark.heading_rad + pi))
+    return replace(seen, marks=tuple(marks))

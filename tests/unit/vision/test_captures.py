@@ -83,9 +83,19 @@ def test_pictures_of_another_size_are_refused(tmp_path: Path) -> None:
         first_frame(open_capture(source, tmp_path), source)
 
 
-def test_a_file_that_is_no_picture_ends_the_pictures(tmp_path: Path) -> None:
+def test_a_file_that_is_no_picture_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_text("no picture", encoding="utf-8")
     source = ImagesSource(images="a.png", size=SIZE)
 
-    with pytest.raises(UsageError, match="gives no picture"):
+    with pytest.raises(UsageError, match=r"'a\.png' is no picture"):
         first_frame(open_capture(source, tmp_path), source)
+
+
+def test_a_later_picture_of_another_size_is_refused_too(tmp_path: Path) -> None:
+    cv2.imwrite(str(tmp_path / "a.png"), frame(0))
+    cv2.imwrite(str(tmp_path / "b.png"), np.zeros((64, 48, 3), np.uint8))
+    capture = open_capture(ImagesSource(images="*.png", size=SIZE), tmp_path)
+    capture.read()
+
+    with pytest.raises(UsageError, match=r"'b\.png' has 48 × 64 pixels, the camera's file 64 × 48"):
+        capture.read()

@@ -134,6 +134,7 @@ def test_a_camera_that_comes_back_with_another_size_stays_a_fault(started) -> No
     reopen.set()
 
     until(lambda: "128 × 96" in live.fault)
+    assert live.fault.startswith("the pictures have")
     assert live.look(0.0) == ()
 
 

@@ -40,6 +40,20 @@ def test_a_recorded_picture_arrives_when_its_time_and_latency_have_passed(tmp_pa
     sightings.close()
 
 
+def test_a_picture_of_another_size_ends_the_sightings_with_the_reason(tmp_path: Path) -> None:
+    _, pictures = drawn()
+    cv2.imwrite(str(tmp_path / "0.png"), pictures.picture(scene(), 0))
+    cv2.imwrite(str(tmp_path / "1.png"), np.zeros((48, 64, 3), np.uint8))
+    known = camera().model_copy(
+        update={"source": ImagesSource(images="*.png", size=SIZE, rate=10.0), "latency_s": 0.0}
+    )
+    sightings = open_sightings(known, tmp_path, lambda: 0.0)
+
+    assert captured(sightings.look(1.0)) == [0.0]
+    assert "'1.png' has 64 × 48 pixels" in sightings.fault
+    assert sightings.due_s == inf
+
+
 def synthetic(
     latency_s: float = 0.1, rate: float = 10.0, seed: int = 0, **looks
 ) -> SyntheticSightings:
