@@ -26,7 +26,8 @@ class HeldPart(Frozen):
     Attributes:
         loaded: Joints that bear the torque of the clamp.
         torque: Smallest torque of each loaded joint of a part that holds.
-        slack: A part does not hold if all its loaded joints bear less than this.
+        slack: A part does not hold if all its loaded joints bear less than this. A part that spans
+            a known pipe and presses by this much at its apex may hold, even where none should.
         still: The speed below which a joint stands still.
         span: Largest relative difference from the pipe's diameter.
         span_off: Smallest relative difference at which the part does not hold in this pipe.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 import pytest
 
 from benchmarks.campaign import run
@@ -35,3 +37,27 @@ def test_a_round_pipe_is_driven_in_space_and_in_its_plane_alike() -> None:
     assert space.outcome == plane.outcome == flat.outcome == "succeeded"
     assert space.time_s == pytest.approx(plane.time_s, rel=0.05)
     assert space.distance_m == pytest.approx(plane.distance_m, abs=0.03)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    ("roll", "outcome", "message"),
+    [
+        ("-90 deg", "succeeded", "Both parts in the horizontal plane and driving"),
+        ("0 deg", "failed", "Holding, both parts clamped, in a plane that is not horizontal"),
+    ],
+    ids=["upright", "lying"],
+)
+def test_both_parts_turn_by_a_quarter_in_a_round_pipe(
+    tmp_path: Path, roll: str, outcome: str, message: str
+) -> None:
+    """In space the apex opens by up to 18 deg while the slack posture is taken."""
+    pipe = tmp_path / "tube.yaml"
+    pipe.write_text(
+        f"format: 1\npipe: tube\ndiameter: 120 mm\nsection: round\nroll: {roll}\n"
+        "segments: [{straight: 1.135 m}]\nstart: {at: 500 mm}\n"
+    )
+
+    entered = run(Order("enter_3d", "physics", pipe=str(pipe)))
+
+    assert (entered.outcome, entered.message) == (outcome, message)

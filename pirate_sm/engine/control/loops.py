@@ -33,13 +33,7 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
     """
     match write.how:
         case "seek":
-            if slot.position is None:
-                return None
-            share = 1.0 if write.share_of < 0 else numbers[write.share_of]
-            target_rad = write.value * share
-            return PositionLoop(
-                write.slot, slot.angle, slot.rate, slot.torque, slot.position, target_rad
-            )
+            return _seeking(write, slot, numbers, running)
         case "turn":
             if slot.velocity is None:
                 return None
@@ -50,6 +44,25 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
             return _bearing(write, slot, numbers, running)
         case "set" | "keep":
             return None
+
+
+def _seeking(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:
+    """Return the position loop of a write; None for a slot without one.
+
+    The running loop continues while its angle is the one wanted now to within its threshold: the
+    loop tells no smaller difference, and a joint that moves the other one would chase its own
+    angle. It also continues while the other joint's angle is unknown.
+    """
+    if slot.position is None:
+        return None
+    share = 1.0 if write.share_of < 0 else numbers[write.share_of]
+    new = PositionLoop(
+        write.slot, slot.angle, slot.rate, slot.torque, slot.position, write.value * share
+    )
+    if not isinstance(running, PositionLoop) or running[:-1] != new[:-1]:
+        return new
+    away_rad = abs(new.target_rad - running.target_rad)
+    return new if away_rad > new.spec.threshold_rad else running
 
 
 def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:

@@ -56,6 +56,22 @@ def stage_array(
     return tuple(values), tuple(loops.values())
 
 
+def followed(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> RobotState:
+    """Return the state; in a posture, with each share of a joint's angle taken anew.
+
+    A joint that the posture moves may open the apex whose angle the posture names.
+    """
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return state
+    shares = {write.slot: write for write in posture.writes if write.share_of >= 0}
+    loops = list(state.loops)
+    for at, loop in enumerate(loops):
+        if write := shares.get(loop.slot):
+            loops[at] = begun(write, robot.slots[loop.slot], sensing.numbers, loop) or loop
+    return state if tuple(loops) == state.loops else state._replace(loops=tuple(loops))
+
+
 def switched_array(
     robot: RobotSpec, state: RobotState, sensing: Sensing, control: int
 ) -> tuple[Numbers, Loops]:

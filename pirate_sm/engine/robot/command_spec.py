@@ -146,8 +146,8 @@ class Write(NamedTuple):
             velocity loop. ``bear`` a torque by a torque loop. ``keep`` what is in force: a
             value, or the loop of another state.
         value: The value, the angle in rad, the speed in rad/s, or the torque in Nm.
-        share_of: Number index of the angle that ``value`` is multiplied by when the stage begins;
-            -1 where ``value`` is the angle itself.
+        share_of: Number index of the angle that ``value`` is multiplied by, when the stage begins
+            and as that angle changes; -1 where ``value`` is the angle itself.
         assist_nm: Torque by which the wheel would bear its share of the robot's weight in an
             upright pipe; 0 without gravity compensation.
         grip: What the size of the torque of a ``bear`` follows from; None: ``value`` itself.

@@ -14,6 +14,7 @@ from types import MappingProxyType
 from pirate_sm.engine.control.loops import Loops, ends_with_command
 from pirate_sm.engine.control.sending import overtaken_result, send, send_if_new
 from pirate_sm.engine.control.stages import (
+    followed,
     is_done,
     looped_values,
     stage_array,
@@ -135,12 +136,14 @@ def watch(
     if motion is None or isnan(motion.accepted_s):
         return state, None
     spec = moment.robot.commands[motion.command]
-    free, seekers = state.awaited is None, state.seekers
+    free = state.awaited is None
     if moment.nominal:
         if free and has_come(moment.now_s, motion.accepted_s + spec.nominal_s):
             return _complete(moment, state, sensing, "nominal duration has passed")
         return state, None
-    since_s, done = motion.since_s, criterion_of(moment.robot, motion)
+    state = followed(moment.robot, state, motion, sensing)
+    since_s, seekers = motion.since_s, state.seekers
+    done = criterion_of(moment.robot, motion)
     why_not = _why_not_clamped(state, motion, denied) if denied else ""
     if not why_not and is_done(moment.robot, state, motion, done, sensing):
         since_s = moment.now_s if isnan(since_s) else since_s

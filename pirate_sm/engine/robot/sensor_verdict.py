@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import degrees, inf, isnan, nan
+from math import copysign, degrees, inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.confirmation_spec import (
@@ -88,21 +88,62 @@ def _gripping(
     """
     if mark.kind != "region" or robot.held[body.configuration]:
         return None
+    declared = spec_of(robot, states_of(robot, body), mark)
     for part, spec in enumerate(robot.sight.parts):
         if spec is None or mark.which not in robot.part_regions[part]:
             continue
-        torques = [abs(numbers[joint.torque]) for joint in spec.joints]
-        standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
+        if any(not abs(numbers[joint.rate]) < spec.still for joint in spec.joints):
+            continue
         off, _ = _span(robot, body, spec, numbers, diameter_m)
-        bears = all(torque >= spec.torque for torque in torques)
-        if bears and standing and not off > spec.span_off:
-            shown = ", ".join(str(round(torque * 1000)) for torque in torques)
-            told = (
-                f"the {robot.parts[part]} part bears {shown} mNm like one that holds, "
-                f"limit {spec.torque * 1000:.0f} mNm"
-            )
-            return SensorVerdict(False, told, spec.for_s)
+        told = _like_a_clamp(spec, numbers, off)
+        if not told and diameter_m is not None and not _as_declared(declared, spec, numbers):
+            told = _like_a_grip(robot, spec, numbers, off)
+        if told:
+            return SensorVerdict(False, f"the {robot.parts[part]} part {told}", spec.for_s)
     return None
+
+
+def _like_a_clamp(spec: HeldSpec, numbers: Numbers, off: float) -> str:
+    """Return what a part shows whose loaded joints all bear the torque of a clamp; else empty."""
+    torques = [abs(numbers[joint.torque]) for joint in spec.joints]
+    if off > spec.span_off or not all(torque >= spec.torque for torque in torques):
+        return ""
+    shown = ", ".join(str(round(torque * 1000)) for torque in torques)
+    return f"bears {shown} mNm like one that holds, limit {spec.torque * 1000:.0f} mNm"
+
+
+def _as_declared(declared: SeenSpec | HeldSpec | None, spec: HeldSpec, numbers: Numbers) -> bool:
+    """Return whether the apex of the part has the angle of a state that holds nothing."""
+    return isinstance(declared, AnglesSpec) and any(
+        angle == spec.apex and abs(numbers[angle] - target) <= declared.within
+        for angle, target in declared.targets
+    )
+
+
+def _like_a_grip(robot: RobotSpec, spec: HeldSpec, numbers: Numbers, off: float) -> str:
+    """Return what a part shows that spans the pipe and presses by its apex alone; else empty.
+
+    Controls may hold by so much. Only from the apex does a force reach the outer wheel. The other
+    joint says nothing: it may bear the weight of a whole loose part.
+
+    Args:
+        robot: The robot.
+        spec: The criterion of the part. Below its ``slack`` the part does not hold.
+        numbers: Signals in SI.
+        off: Relative error of the part's diameter; NaN where it is unknown.
+    """
+    if not off <= spec.span_off:
+        return ""
+    for joint in spec.joints:
+        if robot.slots[joint.slot].angle != spec.apex:
+            continue
+        pressed = copysign(1.0, numbers[spec.apex]) * numbers[joint.torque]
+        if pressed >= spec.slack:
+            return (
+                f"bears {pressed * 1000:.0f} mNm at {robot.vocabulary.numbers[spec.apex]}, "
+                f"with which it may hold, limit {spec.slack * 1000:.0f} mNm"
+            )
+    return ""
 
 
 def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> SensorVerdict:

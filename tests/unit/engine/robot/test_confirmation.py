@@ -103,6 +103,79 @@ def test_a_robot_that_holds_is_not_taken_for_one_that_holds_nothing_and_reset(dr
     assert "the front part bears 600, 600 mNm like one that holds" in driver.ended.message
 
 
+SPANNING = held(120, borne=0.0)
+"""A part stands in the pipe like one that holds, and bears nothing."""
+
+IN_PIPE = "pipe: {diameter: 120 mm, segments: [{straight: 1 m}]}\n"
+
+
+@pytest.mark.parametrize("borne", [0.12, 0.35])
+@pytest.mark.parametrize(("apex", "way", "part"), [(1, -1, "front"), (4, 1, "rear")])
+def test_a_robot_that_a_grip_holds_is_not_taken_for_one_that_holds_nothing(
+    drive, borne, apex, way, part
+):
+    # The controls of experiment 3 hold by the apex alone, `careful` by no less than 150 - 30 mNm.
+    shown = SPANNING | {f"bend_torque_{apex}": way * borne}
+    driver = declared(drive, IN_PIPE + RESET, NOTHING_HELD, **shown)
+
+    driver.run(3.2)
+
+    assert driver.of(fx.Setpoints) == []
+    assert driver.faults == [("start.contradicted", "stop")]
+    told = f"the {part} part bears {borne * 1000:.0f} mNm at gamma_{apex}, with which it may hold"
+    assert told in driver.ended.message
+    assert "limit 100 mNm" in driver.ended.message
+
+
+WEIGHT = {"bend_torque_1": -0.075, "bend_torque_4": 0.075}
+"""What the outer links of a loose robot weigh at their joints, held out level: 75 mNm."""
+
+
+@pytest.mark.parametrize(
+    "shown",
+    [
+        pytest.param(SPANNING | WEIGHT, id="the weight of its outer links"),
+        pytest.param(SPANNING | {"bend_torque_2": 0.3, "bend_torque_3": -0.3}, id="of a part"),
+        pytest.param(SPANNING | {"bend_torque_1": 0.3, "bend_torque_4": -0.3}, id="it hangs"),
+        pytest.param({"bend_torque_1": -0.3, "bend_torque_4": 0.3}, id="straight"),
+        pytest.param(held(60, 0.3), id="smaller than the pipe"),
+        pytest.param(held(120, 0.3) | {"gamma_1": math.nan, "gamma_4": math.nan}, id="no angle"),
+        pytest.param(
+            held(120, 0.3) | {"bend_torque_1": math.nan, "bend_torque_4": math.nan}, id="no torque"
+        ),
+    ],
+)
+def test_a_loose_robot_that_bears_its_own_weight_is_not_taken_for_one_that_holds(drive, shown):
+    driver = declared(drive, IN_PIPE + RESET, NOTHING_HELD, **shown)
+
+    driver.run(3.2)
+
+    assert driver.ended is None
+    assert ("Reset", "sent") in driver.statuses
+
+
+@pytest.mark.parametrize("pipe", ["", IN_PIPE.replace("120", "55")], ids=["bench", "narrow pipe"])
+def test_a_straight_part_bears_the_weight_of_a_robot_that_lies_on_its_ends(drive, pipe):
+    # In the simulator 237 mNm, upright, with the apex 5 deg off.
+    bent = {"gamma_1": -0.1, "gamma_2": 0.3, "bend_torque_1": -0.3}
+    driver = declared(drive, pipe + RESET, NOTHING_HELD, **bent)
+
+    driver.run(3.2)
+
+    assert driver.faults == []
+    assert ("Reset", "sent") in driver.statuses
+
+
+def test_where_no_pipe_is_known_a_bent_part_that_bears_a_little_leaves_it_open(drive):
+    # A robot on a bench that stands on its outer wheels like a bridge shows the same.
+    driver = declared(drive, RESET, NOTHING_HELD, **SPANNING | {"bend_torque_1": -0.3})
+
+    driver.run(3.2)
+
+    assert driver.faults == []
+    assert "BendingState" in driver.unconfirmed
+
+
 def test_a_robot_on_the_bench_may_have_bent_joints(drive):
     bent = {name: value / 2 for name, value in held().items() if name.startswith("gamma")}
     driver = declared(drive, RESET, NOTHING_HELD, **bent)

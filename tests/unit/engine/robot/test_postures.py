@@ -118,6 +118,42 @@ def test_a_joint_that_stands_still_just_short_of_its_angle_counts(drive):
     assert driver.array["rotate"] == near(QUARTER)
 
 
+OPENED = APEX + math.radians(10)
+"""The apex after the other joint of its part has let it open further (in a round pipe)."""
+
+
+@pytest.mark.parametrize(("polarity", "sign"), [("normal", 1), ("mirrored", -1)])
+def test_half_the_apexs_angle_follows_the_apex_while_it_opens(drive, polarity, sign):
+    driver = held_by_the_rear(drive, f"polarity: {polarity}\n{IDLE}", sign=sign)
+
+    opened = {"gamma_4": OPENED, "gamma_3": -OPENED / 2 - math.radians(2)}
+    show(driver, **turned(LYING | opened, sign))
+
+    assert driver.array["rotate"] == near(QUARTER)
+
+
+def test_half_the_angle_that_the_apex_had_before_is_not_the_posture(drive):
+    driver = held_by_the_rear(drive)
+
+    show(driver, **LYING | {"gamma_4": OPENED, "gamma_3": -APEX / 2 + math.radians(2)})
+
+    assert driver.array["rotate"] == 0.0
+    assert driver.array["bend_3"] == pytest.approx(-4.0 * math.radians(7), abs=1e-3)
+    show(driver, 21.0)
+    assert driver.last_status.reason.endswith("within 20 s: gamma_3 not at the angle")
+
+
+@pytest.mark.parametrize("apex", [APEX + math.radians(5), math.nan])
+def test_an_apex_that_hardly_moves_or_is_not_known_leaves_the_angle_as_it_was(drive, apex):
+    mission = f"on_fault: [{{fault: sensor.silent, then: continue}}]\n{IDLE}"
+    driver = held_by_the_rear(drive, mission)
+    before = driver.state.robot.loops
+
+    show(driver, **LYING | {"gamma_2": math.radians(10), "gamma_4": apex})
+
+    assert driver.state.robot.loops == before
+
+
 def test_an_unknown_angle_fails_the_command_before_anything_moves(drive):
     driver = drive(IDLE, states=REAR_CLAMPED)
     driver.show(0.1, gamma_1=-1.8, gamma_2=1.7, gamma_3=-1.7)
