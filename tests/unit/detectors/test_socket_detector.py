@@ -125,7 +125,9 @@ def test_who_does_not_read_the_answers_is_let_go(outside: OutsideWords) -> None:
 
 def test_more_than_sixteen_are_turned_away(outside: OutsideWords) -> None:
     links = [connect(outside) for _ in range(17)]
-    hear(outside, 10)
+    _, logs = hear(outside)
+    assert "16 programs are connected already" in logs[0].message
+    assert b"16 programs are connected already" in links[16].recv(100)
     assert links[16].recv(10) == b""
     links[15].sendall(CLOSE)
     assert hear(outside)[0] == [DetectorWord("close", 2.0)]
