@@ -223,6 +223,8 @@ def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
         return OutsideWords(address, accepted), f"that write to {address}"
     token = os.environ.get(TOKEN_VARIABLE, "")
     shown = f"with the token in {TOKEN_VARIABLE}"
+    if any("\ud800" <= letter <= "\udfff" for letter in token):
+        raise UsageError(f"{TOKEN_VARIABLE} holds bytes that are no text in UTF-8")
     if not token:
         token = secrets.token_urlsafe(_TOKEN_BYTES)
         shown = json.dumps({"token": token})

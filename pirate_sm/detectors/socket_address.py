@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import socket
-import stat
 from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
@@ -73,8 +73,17 @@ def open_socket(address: Address) -> tuple[socket.socket, Address]:
             return _unix_socket(Path(address.path)), address
         listening = _tcp_socket(address)
     except OSError as error:
-        raise UsageError(f"socket:{address}: {error.strerror or error}") from None
+        raise UsageError(f"socket:{address}: {_reason(address, error)}") from None
     return listening, Address(address.host, listening.getsockname()[1])
+
+
+def _reason(address: Address, error: OSError) -> str:
+    """Return why an address cannot be used."""
+    if error.errno != errno.EADDRINUSE:
+        return error.strerror or str(error)
+    if address.path and not Path(address.path).is_socket():
+        return "this is no socket, and is left alone; name a file that does not exist"
+    return "a run or another program listens here already; end it, or name another address"
 
 
 def _tcp_socket(address: Address) -> socket.socket:
@@ -95,7 +104,7 @@ def _unix_socket(path: Path) -> socket.socket:
     """Return a socket whose file only this user can write to; replace an unused file."""
     listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
     try:
-        if path.exists() and stat.S_ISSOCK(path.stat().st_mode) and not _answers(path):
+        if path.is_socket() and not _answers(path):
             path.unlink()
         listening.bind(str(path))
         path.chmod(0o600)  # nobody can connect before it listens

@@ -115,6 +115,8 @@ class Listener:
             if len(self._clients) < _MOST_CLIENTS:
                 self._clients.append(_Client(link, trusted=not self._token))
             else:
+                turned_away = _Client(link, trusted=False)
+                self._refuse(turned_away, f"{_MOST_CLIENTS} programs are connected already")
                 link.close()
 
     def _make_room(self) -> None:

@@ -69,6 +69,12 @@ def test_a_wish_that_cannot_be_met_is_refused(text, options, why) -> None:
         choose(text, **options)
 
 
+def test_a_token_that_no_line_can_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PIRATE_SM_TOKEN", "a\udcff")
+    with pytest.raises(UsageError, match="PIRATE_SM_TOKEN holds bytes that are no text"):
+        choose("socket:127.0.0.1:5005")
+
+
 def test_a_robot_without_an_odometer_cannot_reckon() -> None:
     robot = replace(load(Order("mitre_bend")).robot, odometry=-1)
     with pytest.raises(UsageError, match="odometry_of"):

@@ -125,7 +125,9 @@ def test_who_does_not_read_the_answers_is_let_go(outside: OutsideWords) -> None:
 
 def test_more_than_sixteen_are_turned_away(outside: OutsideWords) -> None:
     links = [connect(outside) for _ in range(17)]
-    hear(outside, 10)
+    _, logs = hear(outside)
+    assert "16 programs are connected already" in logs[0].message
+    assert b"16 programs are connected already" in links[16].recv(100)
     assert links[16].recv(10) == b""
     links[15].sendall(CLOSE)
     assert hear(outside)[0] == [DetectorWord("close", 2.0)]
@@ -156,7 +158,7 @@ def test_a_unix_socket_is_the_users_own_and_gone_afterwards(tmp_path: Path) -> N
             link.connect(str(path))
             link.sendall(CLOSE)
             assert hear(companion)[0] == [DetectorWord("close", 2.0)]
-        with pytest.raises(UsageError, match="in use"):
+        with pytest.raises(UsageError, match="a run or another program listens here already"):
             OutsideWords(Address(path=str(path)), ACCEPTED).__enter__()
         assert path.exists()
     assert not path.exists()
@@ -169,13 +171,15 @@ def test_a_socket_that_a_dead_run_left_is_replaced_and_a_file_is_not(tmp_path: P
     file.write_text("keep me", "utf-8")
     with OutsideWords(Address(path=str(left)), ACCEPTED):
         pass
-    with pytest.raises(UsageError):
+    with pytest.raises(UsageError, match="this is no socket, and is left alone"):
         OutsideWords(Address(path=str(file)), ACCEPTED).__enter__()
     assert file.read_text("utf-8") == "keep me"
 
 
 def test_a_port_in_use_is_reported(outside: OutsideWords) -> None:
-    with pytest.raises(UsageError, match=f"socket:127.0.0.1:{outside.address.port}: .*in use"):
+    with pytest.raises(
+        UsageError, match=f"socket:127.0.0.1:{outside.address.port}: .*listens here"
+    ):
         OutsideWords(outside.address, ACCEPTED).__enter__()
 
 
