@@ -26,7 +26,7 @@ from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 from itertools import cycle, islice
-from math import degrees, nan, radians
+from math import copysign, degrees, nan, radians
 from pathlib import Path
 from random import Random
 from statistics import median
@@ -61,7 +61,7 @@ SETTLES_S = 0.5
 """How long what the wheels have pushed takes to settle after they were stopped."""
 
 MOST_RAD = radians(10)
-"""No clamped joint may move more, whatever moved it."""
+"""No clamped joint may be pushed open by more, whatever pushes it."""
 
 STILL_RAD, HELD_RAD = 0.02, 0.05
 """A joint that moved less in a second of the same duty clamped; one that moved less since held."""
@@ -237,9 +237,9 @@ def _judge_truth(case: Case, acted_s: float) -> None:
     """Wheels stand, and joints that clamped stay where they are once the last wheel has stopped.
 
     Wheels that are driven until then move joints, too, and what they pushed settles. A joint that
-    kept its duty was not let go of, however it moved, and opening the port resets the bay: then
-    every duty is zero until the last array is sent again. Such a joint may move by
-    ``MOST_RAD``.
+    keeps its duty is not let go of: it may close further, which completes a clamp that had not
+    ended, and may be pushed open by ``MOST_RAD``. Opening the port resets the bay: then every duty
+    is zero until the last array is sent again. From another duty on it may move by ``HELD_RAD``.
     """
     samples = list(samples_of(case.port.link))
     before = [sample for sample in samples if sample.at_s <= acted_s]
@@ -255,21 +255,23 @@ def _judge_truth(case: Case, acted_s: float) -> None:
     if driven:
         stood = next((each for each in after if each.at_s > driven[-1] + SETTLES_S), after[-1])
     second = before[max(0, len(before) - round(1.0 / SAMPLE_EVERY_S)) :]
-    moved = {
-        at: abs(after[-1].bends_rad[at] - stood.bends_rad[at])
+    clamped = {
+        at: duty
         for at, duty in enumerate(before[-1].joints)
         if duty
         and all(sample.joints[at] == duty for sample in second)
         and abs(before[-1].bends_rad[at] - second[0].bends_rad[at]) < STILL_RAD
     }
-    if moved:
-        joint = max(moved, key=lambda at: moved[at])
-        case.moved_deg = degrees(moved[joint])
-        duty = before[-1].joints[joint]
-        let_go = any(sample.joints[joint] != duty and any(sample.joints) for sample in after)
-        if moved[joint] > (HELD_RAD if let_go else MOST_RAD):
+    for joint, duty in clamped.items():
+        changed = [each for each in after if each.joints[joint] != duty and any(each.joints)]
+        until = changed[0] if changed else after[-1]
+        pushed = copysign(1.0, duty) * (stood.bends_rad[joint] - until.bends_rad[joint])
+        let_go = abs(after[-1].bends_rad[joint] - until.bends_rad[joint])
+        case.moved_deg = max(case.moved_deg or 0.0, degrees(pushed), degrees(let_go))
+        if pushed > MOST_RAD or let_go > HELD_RAD:
             duties = _course(joint, [before[-1], *after], acted_s)
-            case.broken.append(f"clamped joint {joint} moved by {case.moved_deg:.0f} deg: {duties}")
+            moved_deg = degrees(max(pushed, let_go))
+            case.broken.append(f"clamped joint {joint} moved by {moved_deg:.0f} deg: {duties}")
 
 
 def _course(joint: int, samples: list[Sample], acted_s: float) -> str:

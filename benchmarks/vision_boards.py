@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.model.camera import CameraPose, Lens
-from pirate_sm.vision.arrays import Floats
 from pirate_sm.vision.calibration import calibrate
 from pirate_sm.vision.chessboard import Board, find_board
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats
 from pirate_sm.vision.plane import View, rotation_of, turn_of
 from pirate_sm.vision.synthetic.drawn_board import draw_board
 

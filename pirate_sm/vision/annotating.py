@@ -7,8 +7,8 @@ from math import cos, sin
 import numpy as np
 
 from pirate_sm.model.sighting import Mark, Sighting
-from pirate_sm.vision.arrays import Floats, Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats, Frame
 from pirate_sm.vision.plane import raised
 from pirate_sm.vision.seeing import Eye, setup_tag_points
 

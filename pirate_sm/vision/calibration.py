@@ -10,10 +10,10 @@ import numpy as np
 
 from pirate_sm.model.camera import Lens
 from pirate_sm.model.camera_source import FrameSize
-from pirate_sm.vision.arrays import Floats
 from pirate_sm.vision.chessboard import Board
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats
 from pirate_sm.vision.plane import find_view, rms
 
 FEWEST_BOARDS = 15

@@ -16,8 +16,8 @@ from pirate_sm.model.camera_source import (
     SyntheticSource,
     UrlSource,
 )
-from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Frame
 
 _OPEN_MS, _READ_MS = 4000, 2000
 """How long a camera in the network is waited for; OpenCV's own limits are 30 s."""

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pirate_sm.vision.arrays import Floats, Gray
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats, Gray
 
 _BLURRED_PX = 3.5
 """Width of the edges of a blurred board; OpenCV recommends at most 3."""

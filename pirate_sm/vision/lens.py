@@ -15,8 +15,8 @@ import numpy as np
 
 from pirate_sm.model.camera import Lens
 from pirate_sm.model.camera_source import FrameSize
-from pirate_sm.vision.arrays import Flags, Floats, Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Flags, Floats, Frame
 
 _TABLE = 8192
 """Angles in the table of a fisheye: between them it is right to 1e-8, after one step to 1e-15."""

@@ -16,9 +16,9 @@ import numpy as np
 
 from pirate_sm.model.camera import Marker
 from pirate_sm.model.camera_source import FrameSize
-from pirate_sm.vision.arrays import Floats, Frame, Gray
 from pirate_sm.vision.lens import UndistortedView
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats, Frame, Gray
 from pirate_sm.vision.plane import View, raised
 
 WINDOW_PX = 60

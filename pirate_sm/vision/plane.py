@@ -8,9 +8,9 @@ from functools import cached_property
 import numpy as np
 
 from pirate_sm.model.camera import CameraPose
-from pirate_sm.vision.arrays import Floats
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats
 
 _SWINGS = 20
 """Steps of the refinement; it converges in four to six."""

@@ -13,9 +13,9 @@ import numpy as np
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import Camera, MarkedRobot, RobotTags
 from pirate_sm.model.sighting import Mark, Sighting
-from pirate_sm.vision.arrays import Floats, Frame
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.marker import MarkerFinder
+from pirate_sm.vision.picture_arrays import Floats, Frame
 from pirate_sm.vision.plane import View, find_view, raised, rms
 from pirate_sm.vision.tags import FoundTag, find_tag_near, find_tags, grayed, tag_corners
 

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from pirate_sm.model.sighting import Sighting
-from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Frame
 from pirate_sm.vision.seeing import Eye
 
 _JPEG_QUALITY = 70

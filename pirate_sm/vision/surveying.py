@@ -9,8 +9,8 @@ from itertools import combinations
 import numpy as np
 
 from pirate_sm.model.camera import FEWEST_POINTS, Camera, CameraPose
-from pirate_sm.vision.arrays import Floats, Frame
 from pirate_sm.vision.lens import LensModel
+from pirate_sm.vision.picture_arrays import Floats, Frame
 from pirate_sm.vision.plane import find_view, rms
 from pirate_sm.vision.seeing import setup_tag_points
 from pirate_sm.vision.tags import find_tags, grayed

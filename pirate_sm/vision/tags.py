@@ -10,8 +10,8 @@ from typing import Any, Final
 import numpy as np
 
 from pirate_sm.model.camera import TagFamily
-from pirate_sm.vision.arrays import Floats, Frame, Gray
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats, Frame, Gray
 
 _DICTIONARIES: Final[Mapping[TagFamily, int]] = {
     "aruco_4x4_50": cv2.aruco.DICT_4X4_50,

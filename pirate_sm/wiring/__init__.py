@@ -12,7 +12,7 @@ from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.registry import Registry
-from pirate_sm.wiring.panel import choose_panel
+from pirate_sm.wiring.chosen_panel import choose_panel
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
 from pirate_sm.wiring.run_order import Order
 

@@ -12,7 +12,7 @@ from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.true_position import Truth
-from pirate_sm.wiring.panel import ChosenPanel
+from pirate_sm.wiring.chosen_panel import ChosenPanel
 from pirate_sm.wiring.run_order import Order
 
 if TYPE_CHECKING:

@@ -15,9 +15,9 @@ from pirate_sm.loading.camera_text import lens_line, with_lens
 from pirate_sm.model.camera import Camera
 from pirate_sm.model.camera_source import SyntheticSource
 from pirate_sm.visible import visible
-from pirate_sm.vision.arrays import Floats, Frame
 from pirate_sm.vision.calibration import calibrate
 from pirate_sm.vision.chessboard import Board, find_board, is_another, is_sharp
+from pirate_sm.vision.picture_arrays import Floats, Frame
 from pirate_sm.vision.tags import grayed
 
 UNKNOWN = 1

@@ -13,8 +13,8 @@ from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.camera import Camera
 from pirate_sm.model.camera_source import DeviceSource, ImagesSource, SyntheticSource
-from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.captures import Capture, first_frame, open_capture
+from pirate_sm.vision.picture_arrays import Frame
 from pirate_sm.vision.seeing import eye_of
 from pirate_sm.vision.synthetic.picture import SyntheticPictures
 from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe

@@ -18,7 +18,7 @@ from pirate_sm.loading.panel_file import read_panel
 from pirate_sm.model.panel import Panel
 from pirate_sm.runtime.outcome import BACKEND, SUCCEEDED
 from pirate_sm.visible import visible
-from pirate_sm.wiring.panel import panel_and_device
+from pirate_sm.wiring.chosen_panel import panel_and_device
 
 
 def show_panel(options: PanelOptions) -> int:

@@ -10,8 +10,8 @@ from typing import TypeAlias
 import numpy as np
 
 from pirate_sm.model.camera import TagFamily
-from pirate_sm.vision.arrays import Floats, Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Floats, Frame
 from pirate_sm.vision.plane import View, raised
 from pirate_sm.vision.tags import tag_cells, tag_corners
 

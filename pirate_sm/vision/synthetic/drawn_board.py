@@ -7,9 +7,9 @@ from functools import lru_cache
 import numpy as np
 
 from pirate_sm.model.camera_source import FrameSize
-from pirate_sm.vision.arrays import Floats, Gray
 from pirate_sm.vision.chessboard import Board
 from pirate_sm.vision.lens import LensModel
+from pirate_sm.vision.picture_arrays import Floats, Gray
 from pirate_sm.vision.plane import View
 
 _DARK, _BRIGHT, _ROOM = 35.0, 215.0, 90.0

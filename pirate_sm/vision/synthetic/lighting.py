@@ -11,8 +11,8 @@ import numpy as np
 
 from pirate_sm.model.camera_source import FrameSize
 from pirate_sm.model.synthetic_camera import Imperfections, LampColour, Lighting
-from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Frame
 
 _LAMPS: Final[Mapping[LampColour, tuple[float, float, float]]] = {
     "neutral": (1.0, 1.0, 1.0),

@@ -11,8 +11,8 @@ import numpy as np
 
 from pirate_sm.model.camera import Camera, Marker, RobotTags
 from pirate_sm.model.synthetic_camera import SyntheticView
-from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.opencv import cv2
+from pirate_sm.vision.picture_arrays import Frame
 from pirate_sm.vision.plane import View
 from pirate_sm.vision.synthetic.brush import Brush, Colour
 from pirate_sm.vision.synthetic.lighting import Sensor

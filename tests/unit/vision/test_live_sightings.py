@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.vision.arrays import Frame
 from pirate_sm.vision.live_sightings import LiveSightings
+from pirate_sm.vision.picture_arrays import Frame
 
 from .small_setup import drawn, scene
 
