@@ -7,7 +7,7 @@ from typing import Any
 
 from pirate_sm.errors import UsageError
 
-# It reads this when it is imported. Without it, a camera that is missing prints ten lines.
+# It reads these when it is imported. Without them, a camera that is missing prints ten lines.
 os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
 os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 
@@ -19,5 +19,8 @@ except ImportError:
     ) from None
 
 cv2: Any = _cv2
+# Somebody else may have imported it before, as in a notebook.
+if os.environ["OPENCV_LOG_LEVEL"] == "SILENT":
+    cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 # The control loop runs beside it: one core is enough (docs/measurements.md).
 cv2.setNumThreads(1)
