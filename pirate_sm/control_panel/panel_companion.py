@@ -85,7 +85,7 @@ class PanelCompanion:
             if isinstance(happening, Connection):
                 self._connection(happening)
             elif not self._began:
-                continue  # nobody can have meant this run
+                continue  # it was pressed before this run
             elif happening.asks:
                 self._asked = ("", -inf)  # another button takes the first press back
                 self._ask(happening.name, action_text(happening.button))

@@ -111,7 +111,7 @@ class Tags:
     def _hung(
         self, wheel: int, link: int, ends: tuple[Place, Place], angles: Sequence[float]
     ) -> Place:
-        """Return a wheel that hangs on a link that is seen, by the joint angles in between."""
+        """Return a wheel's place from a link that is seen and the joint angles in between."""
         (ax, ay), (bx, by) = ends
         headings = self._body.headings(angles, link)
         length = self._body.lengths_m[link]

@@ -77,7 +77,7 @@ def read_object(line: bytes, example: str) -> dict[str, object]:
     """Return the JSON object in a line.
 
     Raises:
-        LineError: It is none, or too long.
+        LineError: It is not a JSON object, or too long.
     """
     if len(line) > LONGEST_LINE:
         raise LineError(f"a line has at most {LONGEST_LINE} bytes")

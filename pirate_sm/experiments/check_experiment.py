@@ -81,7 +81,7 @@ def _robot(path: Path, problems: Problems) -> LoadedRobot | None:
     """Return the robot that the experiment is of; None if its own files have faults."""
     folder = path.resolve().parent.parent
     if not (folder / PROFILE_FILE).is_file():
-        message = f"an experiment stands in a folder beside the {PROFILE_FILE} of its robot"
+        message = f"an experiment belongs in a folder beside the {PROFILE_FILE} of its robot"
         problems.add("experiment.robot", ("experiment",), message, key=True)
         return None
     try:

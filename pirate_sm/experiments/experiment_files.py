@@ -33,7 +33,7 @@ def load_experiments(robot: Path) -> tuple[Setup, ...]:
 
 
 def read_setup(document: Document) -> Setup:
-    """Return what the file says; its keys tell which kind of experiment it is.
+    """Return what the file says; its keys determine the kind of experiment.
 
     Raises:
         LoadError: Everything that is wrong with the file.

@@ -20,7 +20,7 @@ class PostProcessing(Frozen):
         still_below: Below this speed of the robot the slip ratio is unknown.
         driving_above: Above this speed of the robot it drives.
         most_ratio: A slip ratio beyond this, either way, does not count in the first statistic.
-        every: One point of so many is used for fits.
+        every: Each point of this number is used for fits: 10 is every tenth.
     """
 
     step: Annotated[Duration, Field(gt=0)]

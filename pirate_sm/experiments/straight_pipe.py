@@ -18,7 +18,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.arrays import Floats
 
 _DRAWN = 5
-"""One step of so many is drawn."""
+"""Every fifth step is drawn."""
 
 
 def repeat_straight_pipe(

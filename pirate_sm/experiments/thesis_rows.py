@@ -24,9 +24,9 @@ class ThesisRow(Frozen):
     Attributes:
         of: The part of the experiment, such as 3c.
         what: What it is.
-        place: Where it stands in the thesis.
+        place: Its section, table or figure in the thesis.
         thesis: Its value, as it is printed.
-        ours: Name of the value of ours that stands beside it; empty where there is none.
+        ours: Name of our value for it; empty without one.
         unit: Of our value.
         between: Our value within these reproduces it, in ``unit``.
         shape: Our value within these has the shape alone, in ``unit``.

@@ -23,7 +23,7 @@ _STICKING = "sticking"
 """Level of values where friction sticks, with the noise of the last level that is run."""
 
 _DRAWN = 20
-"""One tick of so many is drawn."""
+"""Every twentieth tick is drawn."""
 
 
 def repeat_traction(

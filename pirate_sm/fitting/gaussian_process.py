@@ -16,7 +16,7 @@ from pirate_sm.simulation.arrays import Floats
 
 _MOST_STEPS = 300
 _FLAT = 1e-6
-"""A gradient of the log likelihood below this is none."""
+"""The search ends where the gradient of the log likelihood is below this."""
 
 _LEAST_NOISE = 1e-10
 """Variance added for the sake of the arithmetic, over that of the curve."""

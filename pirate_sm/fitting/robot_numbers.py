@@ -43,7 +43,7 @@ _LEAST = 15
 
 _DRAWS, _BLOCKS = 200, 20
 _MOST_WIDTH = 0.5
-"""A 95 % interval that is wider, as a share of the value, tells that the data do not know it."""
+"""If a 95 % interval is a larger share of the value, the data do not determine it."""
 
 
 @dataclass(frozen=True)

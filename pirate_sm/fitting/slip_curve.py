@@ -33,7 +33,7 @@ _LEAST_POINTS = 20
 _MAGIC_BINS, _PROCESS_BINS = 60, 170
 _LEAST_BINS = 12
 _BLOCKS, _DRAWS = 20, 200
-"""Intervals come from this many draws of so many stretches of the run: neighbours are alike."""
+"""Numbers of stretches of the run and of draws for intervals: neighbours are alike."""
 
 _SURE = 1.96
 
@@ -130,7 +130,7 @@ def fit_slip_curve(slip: Floats, friction: Floats, threshold: float | None = Non
 
 
 def medians(slip: Floats, friction: Floats, count: int) -> tuple[Floats, Floats]:
-    """Return medians of slip and friction in at most so many bins, equally wide in log slip.
+    """Return medians of slip and friction in at most this number of bins, equally wide in log slip.
 
     What is below a thousandth of the highest slip is left out: it is rest, not slip.
     """

@@ -247,7 +247,7 @@ class OutsideSignal(Frozen):
     Attributes:
         unit: Its unit, such as ``m/s``; it is reported in SI.
         valid_for: How long a value counts unless a newer one comes; then it is unknown.
-        averages: A value is the mean over so long a time before it comes; 0 s is that of a moment.
+        averages: The time over which a value is the mean, up to its arrival; 0 s for a moment.
     """
 
     unit: str

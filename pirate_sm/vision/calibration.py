@@ -42,7 +42,7 @@ class Calibration:
 def calibrate(
     boards: Sequence[Floats], board: Board, size: FrameSize, model: Literal["fisheye", "brown"]
 ) -> Calibration | str:
-    """Return the lens that fits the boards best, or why these boards do not tell it.
+    """Return the lens that fits the boards best, or why these boards are not enough.
 
     Args:
         boards: The corners of the board in each picture, (N, 2) in px.
@@ -63,7 +63,7 @@ def calibrate(
     if tilt_deg < _LEAST_TILT_DEG:
         return (
             f"all boards lie at nearly the same angle, within {tilt_deg:.0f} deg: tilt the board by"
-            " 30 deg to each side, else focal length and distance cannot be told apart"
+            " 30 deg to each side, else focal length and distance cannot be separated"
         )
     rms_px = _rms_px(LensModel(lens), boards, board)
     limit_px = LARGEST_RMS_PX[model]

@@ -69,7 +69,7 @@ def known_tags(camera: Camera, frame: Frame) -> dict[str, KnownPlace]:
 
 
 def survey(lens: LensModel, known: Mapping[str, KnownPlace]) -> Survey | str:
-    """Return where the camera hangs, or why these places do not tell it."""
+    """Return where the camera hangs, or why these places are not enough."""
     if len(known) < FEWEST_POINTS:
         seen = ", ".join(known) or "nothing"
         return f"of the setup's known places {seen} is seen: at least {FEWEST_POINTS} are needed"

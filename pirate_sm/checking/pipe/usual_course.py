@@ -78,7 +78,7 @@ class Bends:
 
     In a bend, joints of a part that is not held have target angles to one side, while another part
     is held. A negative angle turns the body on both sides of the joint to side A. What a state is,
-    its usual actuation tells: no control seeks an angle.
+    its usual actuation says: no control seeks an angle.
     """
 
     def __init__(self, robot: RobotSpec, profile: Profile) -> None:

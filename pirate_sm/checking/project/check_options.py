@@ -28,7 +28,7 @@ class Wishes:
         counterexamples: The folder for counterexamples; None to write none.
         rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.
-        experiment: Checks the file of an experiment; None where nobody knows experiments.
+        experiment: Checks the file of an experiment; None if experiments are not checked.
     """
 
     robot: str | None = None

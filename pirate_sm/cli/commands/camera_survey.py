@@ -47,7 +47,7 @@ def survey_camera(options: SurveyOptions) -> int:
 
 
 def _known(camera: Camera, path: Path, images: str | None) -> dict[str, KnownPlace]:
-    """Return the known places of the setup; where points are seen stands in the camera's file."""
+    """Return the known places of the setup; the camera's file says where points are seen."""
     if camera.setup.tags is None:
         return known_points(camera)
     if isinstance(camera.source, SyntheticSource) and images is None:

@@ -46,7 +46,7 @@ class CalibrateCameraOptions:
 
     It wants at least 15 sharp boards in all parts of the picture, tilted to each side.
 
-    Exit codes: 0 measured, 1 these boards do not tell it, 2 invalid files or arguments.
+    Exit codes: 0 measured, 1 these boards are not enough, 2 invalid files or arguments.
     """
 
     camera: Camera

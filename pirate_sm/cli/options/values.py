@@ -76,7 +76,7 @@ def read_slip_speed(option: str, text: str | None) -> float | None:
     """Return the speed that an option gives, m/s.
 
     Raises:
-        UsageError: It is none, or none above zero.
+        UsageError: It is not a number above zero.
     """
     speed_m_s = _read(option, text, SPEED)
     if speed_m_s is not None and speed_m_s <= 0.0:

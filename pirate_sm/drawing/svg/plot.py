@@ -1,4 +1,4 @@
-"""A plot of curves and points as one SVG, in the colours of the page that it stands in."""
+"""A plot of curves and points as one SVG, in the colours of its page."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 12.0, 26.0, 44.0
 _TICKS = 6
 _COLOURS = 8
 _MOST_POINTS = 1500
-"""More points of a series cannot be told apart in a picture of this width."""
+"""More points of a series cannot be distinguished in a picture of this width."""
 
 
 @dataclass(frozen=True)

@@ -50,7 +50,7 @@ def _seeking(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | Non
     """Return the position loop of a write; None for a slot without one.
 
     The running loop continues while its angle is the one wanted now to within its threshold: the
-    loop tells no smaller difference, and a joint that moves the other one would chase its own
+    loop sees no smaller difference, and a joint that moves the other one would chase its own
     angle. It also continues while the other joint's angle is unknown.
     """
     if slot.position is None:

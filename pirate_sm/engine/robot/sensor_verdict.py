@@ -123,8 +123,8 @@ def _as_declared(declared: SeenSpec | HeldSpec | None, spec: HeldSpec, numbers: 
 def _like_a_grip(robot: RobotSpec, spec: HeldSpec, numbers: Numbers, off: float) -> str:
     """Return what a part shows that spans the pipe and presses by its apex alone; else empty.
 
-    Controls may hold by so much. Only from the apex does a force reach the outer wheel. The other
-    joint says nothing: it may bear the weight of a whole loose part.
+    Controls may hold with that torque. Only from the apex does a force reach the outer wheel. The
+    other joint says nothing: it may bear the weight of a whole loose part.
 
     Args:
         robot: The robot.

@@ -4,7 +4,7 @@ A wheel's speed is a mean between two frames, that of the body a mean over what 
 averages. While the robot starts or stops the two differ without any slip. What is compared are
 therefore the readings that end between two frames of the wheel with the wheel's speeds in all
 the time that those readings are made of: a wheel that rolls has had the body's speed among them.
-Frames come up to a delay after what they tell of.
+Frames come up to a delay after the motion that they report.
 """
 
 from __future__ import annotations
@@ -49,7 +49,7 @@ def lengthened(
     Args:
         stretches: Oldest first.
         m_s: The mean speed.
-        now_s: When it was told.
+        now_s: When it was reported.
         since_s: When it begins; by default where the last one ends.
     """
     if isnan(m_s):

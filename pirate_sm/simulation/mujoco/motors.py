@@ -107,7 +107,7 @@ class Motors:
         self._hold[wheel] = drag_nm
 
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
-        """Give the joint at a wheel so much dry friction."""
+        """Set the dry friction of the joint at a wheel."""
         at = self._bend_dof[self._at == wheel]
         self._model.dof_frictionloss[at] = friction_nm
 

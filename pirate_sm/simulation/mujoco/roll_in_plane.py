@@ -18,8 +18,8 @@ from pirate_sm.simulation.physics import QuantityLayout, StartPose
 # A part that lies in the pipe presses with up to its weight; one that was clamped and is relaxed
 # presses with at least 4 weights.
 _LYING_WEIGHTS = 2.0
-# The floor takes at most what stops a wheel's share of the mass within so long, as in the kinematic
-# simulator: below 10 mm/s its friction falls with the speed.
+# The floor takes at most what stops a wheel's share of the mass within this time, as in the
+# kinematic simulator: below 10 mm/s its friction falls with the speed.
 _STOPS_IN_S = 0.002
 # Far less than a wheel moves in a cycle: at rest both motors share the floor's force.
 _AT_REST_M = 1e-9

@@ -16,7 +16,7 @@ from pirate_sm.simulation.mujoco.names import LINK, OBSTACLE, WHEEL
 from pirate_sm.simulation.physics import QuantityLayout
 
 _FULL_SLIP = 1.5
-"""From so many times the threshold speed on the kinetic coefficient holds; the thesis's fig. 4-3
+"""From this multiple of the threshold speed on the kinetic coefficient holds; the thesis's fig. 4-3
 gives no number."""
 
 _REACHED = 0.99

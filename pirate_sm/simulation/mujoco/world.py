@@ -139,7 +139,7 @@ class World:
         self._motors.disable_wheel(wheel, drag_nm)
 
     def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
-        """Give the joint at a wheel so much dry friction."""
+        """Set the dry friction of the joint at a wheel."""
         self._motors.stiffen_joint(wheel, friction_nm)
 
     def _read(self) -> None:
