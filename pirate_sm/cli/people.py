@@ -76,9 +76,7 @@ def people_of(
     panel = _panel(prepared, reader)
     by_keys = prepared.detector == "operator" and present and on_terminal
     if prepared.detector == "operator" and not by_keys and not (panel and panel.says_words):
-        raise UsageError(
-            "--detector operator needs a terminal to show the run and read keys"
-        )
+        raise UsageError("--detector operator needs a terminal to show the run and read keys")
     answering = present or (panel is not None and panel.answers)
     asked = answering and not options.yes and not prepared.attended
     if not (asked or by_keys):
