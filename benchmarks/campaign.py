@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
-from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field, replace
 from functools import cache, partial
 from math import nan
@@ -13,6 +12,7 @@ from os import cpu_count
 from time import perf_counter
 from typing import TYPE_CHECKING, TypeAlias
 
+from pirate_sm.companion import entered
 from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.model.effects import Detected, Effect, Fault, Setpoints, StateChange
 
@@ -137,10 +137,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         prepared.engine, prepared.backend, observers=[notes],
         companions=(*prepared.companions, FirstChoice()),
     )  # fmt: skip
-    with ExitStack() as opened:
-        for companion in prepared.companions:
-            if isinstance(companion, AbstractContextManager):
-                opened.enter_context(companion)
+    with entered(prepared.companions):
         result = run_.execute()
     took_s = perf_counter() - began
     assert run_.state is not None

@@ -5,7 +5,8 @@ Every companion implements :class:`Companion`; the other protocols are optional.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from typing import Protocol, runtime_checkable
 
 from pirate_sm.engine.engine import Engine
@@ -63,3 +64,17 @@ class Following(Protocol):
 
     def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
         """Use this source of the run's state from now on; it returns None before the start."""
+
+
+@contextmanager
+def entered(companions: Iterable[Companion]) -> Iterator[None]:
+    """Enter those companions that are context managers, such as sockets and cameras.
+
+    Raises:
+        UsageError: One of them cannot be opened.
+    """
+    with ExitStack() as stack:
+        for companion in companions:
+            if isinstance(companion, AbstractContextManager):
+                stack.enter_context(companion)
+        yield

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import ExitStack
 from os import PathLike
 from typing import Unpack
 
 from pirate_sm.api.arguments import Mission, Options, prepared
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import noted
+from pirate_sm.companion import entered
 from pirate_sm.errors import BackendError
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -49,9 +50,7 @@ def run(
     ready = prepared(mission, backend, seed, check=check, yes=yes, **options)
     with ExitStack() as stack:
         notes = stack.enter_context(noted(ready, record, lambda: mission_run.state))
-        for companion in ready.companions:
-            if isinstance(companion, AbstractContextManager):
-                stack.enter_context(companion)
+        stack.enter_context(entered(ready.companions))
         nobody = [] if ready.attended else [FirstChoice("nobody is asked")]
         companions = (*ready.companions, *nobody)
         mission_run = MissionRun(ready.engine, ready.backend, companions=companions, tap=notes)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import ExitStack
 from math import inf
 from os import PathLike
 from types import TracebackType
@@ -13,6 +13,7 @@ from pirate_sm.api.arguments import Mission, Options, is_number, prepared
 from pirate_sm.api.guarded_pump import AbandonOnError
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import Notes, noted
+from pirate_sm.companion import entered
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
@@ -68,9 +69,7 @@ class Session:
         ready = self._ready
         with self._stack as stack:
             self._notes = stack.enter_context(noted(ready, self._record, lambda: pump.state))
-            for companion in ready.companions:
-                if isinstance(companion, AbstractContextManager):
-                    stack.enter_context(companion)
+            stack.enter_context(entered(ready.companions))
             self._pump = pump = Pump(
                 ready.engine,
                 ready.backend,

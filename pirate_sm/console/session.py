@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import AbstractContextManager
 from threading import Thread
 
+from pirate_sm.companion import entered
 from pirate_sm.console.command_series import RUN_OVER, Giver
 from pirate_sm.console.quitting import Quitting
 from pirate_sm.console.recording_hooks import RunKeeper, unkept
@@ -121,10 +122,7 @@ class OperatorSession:
 
     def _work(self) -> None:
         try:
-            with ExitStack() as stack:
-                for companion in self.prepared.companions:
-                    if isinstance(companion, AbstractContextManager):
-                        stack.enter_context(companion)
+            with entered(self.prepared.companions):
                 self._run_all()
         except Exception as error:
             message = f"a fault in this program: {type(error).__name__}: {error}"

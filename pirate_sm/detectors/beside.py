@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, ExitStack
+from contextlib import ExitStack
 from math import inf
 from typing import Self
 
-from pirate_sm.companion import Companion, Counting, Onlooker
+from pirate_sm.companion import Companion, Counting, Onlooker, entered
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
@@ -42,8 +42,7 @@ class Beside:
 
     def __enter__(self) -> Self:
         """Open the detector."""
-        if isinstance(self._companion, AbstractContextManager):
-            self._entered.enter_context(self._companion)
+        self._entered.enter_context(entered([self._companion]))
         return self
 
     def __exit__(self, *_: object) -> None:

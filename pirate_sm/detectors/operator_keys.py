@@ -7,13 +7,12 @@ from math import inf
 from string import ascii_lowercase
 from typing import Protocol
 
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.events import DetectorWord, Event
 
 LETTERS = ascii_lowercase
 """The keys, in order; digits answer questions."""
-
-_LOOK_EVERY_S = 0.05
 
 
 def offer(words: Sequence[str]) -> str:
@@ -55,6 +54,6 @@ class WordKeys:
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the words of the pressed keys, oldest first."""
-        self.due_s = now_s + _LOOK_EVERY_S
+        self.due_s = now_s + LOOK_EVERY_S
         said = (self._words.get(key.lower()) for key in self._keys.pressed())
         return tuple(DetectorWord(word, self._valid_for_s) for word in said if word)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from contextlib import AbstractContextManager, ExitStack
 from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
 
-from pirate_sm.companion import Companion, Counting, Onlooker
+from pirate_sm.companion import Companion, Counting, Onlooker, entered
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
@@ -147,10 +146,7 @@ def heard(subject: Subject, ready: Prepared, found: Detecting) -> list[Event]:
     """Return the events of the detector in the run."""
     words = subject.mission.robot.detector_words
     watched = [_Heard(companion, words) for companion in found.companions]
-    with ExitStack() as stack:
-        for companion in found.companions:
-            if isinstance(companion, AbstractContextManager):
-                stack.enter_context(companion)
+    with entered(found.companions):
         companions: list[Companion] = [*watched, FirstChoice()]
         run = MissionRun(ready.engine, ready.backend, companions=companions, clock=_NoTime())
         result = run.execute()

@@ -20,7 +20,7 @@ from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.people import People, open_panel, people_of
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
-from pirate_sm.companion import Companion
+from pirate_sm.companion import Companion, entered
 from pirate_sm.errors import UsageError
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -94,9 +94,7 @@ def _shown(
             recorded(prepared, recording, manner.factor, quiet=options.quiet)
         )
         observed = ObservedRun(kept.prepared)
-        for companion in prepared.companions:
-            if isinstance(companion, AbstractContextManager):
-                stack.enter_context(companion)
+        stack.enter_context(entered(prepared.companions))
         on_terminal, live = manner.on_terminal, manner.live
         people = people_of(prepared, options, panel, stack, on_terminal=on_terminal, live=live)
         output = _output(observed, options, manner, people)

@@ -4,32 +4,15 @@ from __future__ import annotations
 
 import gc
 import sys
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco.viewer
 import pytest
+from viewer_window import Window
 
 import pirate_sm
 
 from .conftest import PATROL
-
-
-class Window:
-    """Stands in for MuJoCo's window."""
-
-    def __init__(self) -> None:
-        self.cam = SimpleNamespace(lookat=[0.0] * 3, distance=0.0, elevation=0.0)
-        self.shown, self.open = 0, True
-
-    def is_running(self) -> bool:
-        return self.open
-
-    def sync(self) -> None:
-        self.shown += 1
-
-    def close(self) -> None:
-        self.open = False
 
 
 @pytest.fixture

@@ -1,10 +1,10 @@
 from __future__ import annotations
 
-from types import SimpleNamespace
 from typing import Any
 
 import mujoco.viewer
 import pytest
+from viewer_window import Window
 
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.route import Route
@@ -14,23 +14,6 @@ from pirate_sm.simulation.mujoco.viewer import WatchedWorld
 from pirate_sm.simulation.start_pose import stand
 
 from ..conftest import CYCLE_S, straight
-
-
-class Window:
-    """Stands in for MuJoCo's window."""
-
-    def __init__(self) -> None:
-        self.cam = SimpleNamespace(lookat=[0.0] * 3, distance=0.0, elevation=0.0)
-        self.shown, self.open = 0, True
-
-    def is_running(self) -> bool:
-        return self.open
-
-    def sync(self) -> None:
-        self.shown += 1
-
-    def close(self) -> None:
-        self.open = False
 
 
 def watched(chain: ChainBody) -> WatchedWorld:
