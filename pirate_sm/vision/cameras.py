@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 
+from pirate_sm.detectors.vision_detector import SightingSource
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import Camera
 from pirate_sm.model.camera_source import (
@@ -19,7 +20,6 @@ from pirate_sm.vision.captures import open_capture
 from pirate_sm.vision.live_sightings import LiveSightings
 from pirate_sm.vision.paced_sightings import RecordedSightings, SyntheticSightings
 from pirate_sm.vision.seeing import eye_of
-from pirate_sm.vision.sources import SightingSource
 from pirate_sm.vision.synthetic.picture import SyntheticPictures
 from pirate_sm.vision.synthetic.shown_scene import ShownScene
 
@@ -27,7 +27,6 @@ from pirate_sm.vision.synthetic.shown_scene import ShownScene
 def open_sightings(
     camera: Camera,
     folder: Path,
-    clock: Callable[[], float],
     scene: Callable[[], ShownScene] | None = None,
     seed: int = 0,
 ) -> SightingSource:
@@ -36,7 +35,6 @@ def open_sightings(
     Args:
         camera: What its file says.
         folder: The folder of the file, to which its paths refer.
-        clock: Returns the mission time; for live cameras.
         scene: Returns the simulated robot as it is now; for synthetic cameras.
         seed: Of the errors of a synthetic camera.
 
@@ -48,7 +46,7 @@ def open_sightings(
     match source:
         case DeviceSource() | UrlSource():
             opened = partial(open_capture, source, folder)
-            return LiveSightings(source, eye, camera.latency_s, clock, opened)
+            return LiveSightings(source, eye, camera.latency_s, opened)
         case FileSource() | ImagesSource():
             capture = open_capture(source, folder)
             return RecordedSightings(source, eye, camera.latency_s, capture)

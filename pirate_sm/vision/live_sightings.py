@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from threading import Event, Lock, Thread
@@ -9,8 +10,8 @@ from threading import Event, Lock, Thread
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera_source import CameraSource
 from pirate_sm.vision.captures import Capture, first_frame
+from pirate_sm.vision.gaze import Gaze, Seen
 from pirate_sm.vision.seeing import Eye
-from pirate_sm.vision.sources import Gaze, Seen
 
 REOPEN_S = 1.0
 """How long after a failure the camera is opened again."""
@@ -29,10 +30,10 @@ class LiveSightings:
         source: What the camera's file says of the pictures.
         eye: Sees the robot in them.
         latency_s: How late a picture arrives.
-        clock: Returns the mission time.
         opened: Opens the camera.
         wait: Waits for a time, s, or until it is closed; returns whether it is closed. By default
             in real time.
+        clock: Returns a time that never leaps, s; each look relates it to the mission's.
 
     Raises:
         UsageError: The camera cannot be opened now, or its pictures have another size.
@@ -43,15 +44,16 @@ class LiveSightings:
         source: CameraSource,
         eye: Eye,
         latency_s: float,
-        clock: Callable[[], float],
         opened: Callable[[], Capture],
         wait: Callable[[float], bool] | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         self.due_s = 0.0
         self.fault = ""
         self._source = source
         self._latency_s = latency_s
         self._clock = clock
+        self._ahead_s = -clock()  # mission time less that of the clock
         self._opened = opened
         self._gaze = Gaze(eye)
         self._lock = Lock()
@@ -64,7 +66,7 @@ class LiveSightings:
 
     def look(self, now_s: float) -> Sequence[Seen]:
         """Return the newest sighting if it has not been handed out yet."""
-        self.due_s = now_s + _LOOK_S
+        self.due_s, self._ahead_s = now_s + _LOOK_S, now_s - self._clock()
         with self._lock:
             newest, self._newest = self._newest, None
         return () if newest is None else (newest,)
@@ -108,6 +110,6 @@ class LiveSightings:
             frame = capture.read()
             if frame is None:
                 return
-            seen = self._gaze.see(frame, self._clock() - self._latency_s)
+            seen = self._gaze.see(frame, self._clock() + self._ahead_s - self._latency_s)
             with self._lock:
                 self._newest = seen

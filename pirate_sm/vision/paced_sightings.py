@@ -13,9 +13,9 @@ from random import Random
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera_source import CameraSource
 from pirate_sm.vision.captures import Capture, first_frame
+from pirate_sm.vision.gaze import Gaze, Seen
 from pirate_sm.vision.picture_arrays import Frame
 from pirate_sm.vision.seeing import Eye
-from pirate_sm.vision.sources import Gaze, Seen
 from pirate_sm.vision.synthetic.picture import SyntheticPictures
 from pirate_sm.vision.synthetic.shown_scene import ShownScene
 

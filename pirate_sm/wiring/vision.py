@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
-import time
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
+from functools import partial
 from pathlib import Path
 
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.detectors.seen_places import OneMarker, Placing, Tags
-from pirate_sm.detectors.vision_detector import Picture, Sight, SightingSource
+from pirate_sm.detectors.vision_detector import Sight, SightingSource
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.camera_file import load_camera
@@ -124,59 +124,7 @@ def _opening(
         assert wheels is not None, "only synthetic cameras ask for it"
         return scene_in_pipe(wheels(), body, route)
 
-    clock = MissionClock()
-    return lambda: Clocked(open_sightings(camera, folder, clock, scene, asked.seed), clock)
-
-
-class MissionClock:
-    """Returns the mission time between the looks of a run, for the thread of a live camera.
-
-    Args:
-        monotonic: Returns a time that never leaps, s.
-    """
-
-    def __init__(self, monotonic: Callable[[], float] = time.monotonic) -> None:
-        self._monotonic = monotonic
-        self._ahead_s = -monotonic()
-
-    def __call__(self) -> float:
-        """Return the mission time, s."""
-        return self._monotonic() + self._ahead_s
-
-    def set(self, now_s: float) -> None:
-        """Take the mission time from the run."""
-        self._ahead_s = now_s - self._monotonic()
-
-
-class Clocked:
-    """Sightings whose clock is set at each look.
-
-    Args:
-        source: Hands out the sightings.
-        clock: Its clock.
-    """
-
-    def __init__(self, source: SightingSource, clock: MissionClock) -> None:
-        self._source, self._clock = source, clock
-
-    @property
-    def due_s(self) -> float:
-        """Return the mission time at which the source wants to be asked again."""
-        return self._source.due_s
-
-    @property
-    def fault(self) -> str:
-        """Return why there are no pictures now."""
-        return self._source.fault
-
-    def look(self, now_s: float) -> Sequence[Picture]:
-        """Return what has arrived since the last look."""
-        self._clock.set(now_s)
-        return self._source.look(now_s)
-
-    def close(self) -> None:
-        """Close the camera."""
-        self._source.close()
+    return partial(open_sightings, camera, folder, scene, asked.seed)
 
 
 DETECTOR: Plugin[MakeDetector] = Plugin("a camera over the setup: vision:NAME", make)

@@ -69,7 +69,7 @@ def started(frame: Frame) -> Callable[..., tuple[FakeCamera, LiveSightings, Even
             reopen.clear()
             return False
 
-        live = LiveSightings(eye.camera.source, eye, 0.1, clock, camera, wait)
+        live = LiveSightings(eye.camera.source, eye, 0.1, camera, wait, clock)
         return camera, live, reopen
 
     return start
@@ -93,10 +93,14 @@ def test_only_the_newest_picture_is_handed_out_and_only_once(started, frame: Fra
 
     (seen,) = live.look(0.0)
 
-    assert seen.sighting.captured_s == pytest.approx(1.9)  # it came at 2.0, 0.1 late
+    assert seen.sighting.captured_s == pytest.approx(-0.1)  # it came with the mission, 0.1 late
     assert (seen.frame >= frame).all()
     assert (seen.frame > frame).any()
-    assert live.look(0.01) == ()
+    assert live.look(5.0) == ()
+    camera.waiting.put(frame)
+    camera.settle()
+    (later,) = live.look(5.0)
+    assert later.sighting.captured_s == pytest.approx(4.9)
     camera.waiting.put(None)
 
 
@@ -151,7 +155,7 @@ def test_it_is_refused_before_anything_moves(frame: Frame) -> None:
     camera.waiting.put(None)
 
     with pytest.raises(UsageError, match="gives no picture"):
-        LiveSightings(eye.camera.source, eye, 0.0, lambda: 0.0, camera)
+        LiveSightings(eye.camera.source, eye, 0.0, camera)
     assert camera.closed == 1
 
 

@@ -28,7 +28,7 @@ def test_a_recorded_picture_arrives_when_its_time_and_latency_have_passed(tmp_pa
     known = camera().model_copy(
         update={"source": ImagesSource(images="*.png", size=SIZE, rate=10.0), "latency_s": 0.25}
     )
-    sightings = open_sightings(known, tmp_path, lambda: 0.0)
+    sightings = open_sightings(known, tmp_path)
 
     assert sightings.due_s == pytest.approx(0.25)
     assert sightings.look(0.2) == []
@@ -47,7 +47,7 @@ def test_a_picture_of_another_size_ends_the_sightings_with_the_reason(tmp_path: 
     known = camera().model_copy(
         update={"source": ImagesSource(images="*.png", size=SIZE, rate=10.0), "latency_s": 0.0}
     )
-    sightings = open_sightings(known, tmp_path, lambda: 0.0)
+    sightings = open_sightings(known, tmp_path)
 
     assert captured(sightings.look(1.0)) == [0.0]
     assert "'1.png' has 64 × 48 pixels" in sightings.fault
@@ -64,7 +64,7 @@ def synthetic(
             "latency_s": latency_s,
         }
     )
-    sightings = open_sightings(known, Path(), lambda: 0.0, scene, seed)
+    sightings = open_sightings(known, Path(), scene, seed)
     assert isinstance(sightings, SyntheticSightings)
     return sightings
 
@@ -91,7 +91,7 @@ def test_the_robot_is_where_it_was_when_the_picture_was_taken() -> None:
     known = known.model_copy(
         update={"source": known.source.model_copy(update={"rate": 10.0}), "latency_s": 0.05}
     )
-    moving = open_sightings(known, Path(), lambda: 0.0, lambda: scene(x=next(places)))
+    moving = open_sightings(known, Path(), lambda: scene(x=next(places)))
     assert moving.look(0.0) == []
     (first,) = moving.look(0.05)
     assert moving.look(0.1) == []
@@ -120,7 +120,7 @@ def test_lost_pictures_never_arrive() -> None:
 
 def test_a_synthetic_camera_needs_a_simulated_robot() -> None:
     with pytest.raises(UsageError, match="it sees a simulated robot only"):
-        open_sightings(camera(), Path(), lambda: 0.0)
+        open_sightings(camera(), Path())
 
 
 def test_a_small_jpeg_of_the_picture_is_for_recordings() -> None:
@@ -143,7 +143,7 @@ def test_a_compressed_video_shows_what_the_camera_saw(
     video.release()
     known = camera().model_copy(update={"source": FileSource(file=name, size=SIZE, rate=10.0)})
 
-    found = open_sightings(known, tmp_path, lambda: 0.0).look(1.0)
+    found = open_sightings(known, tmp_path).look(1.0)
 
     assert captured(found) == [0.0, 0.1, 0.2, 0.3]
     for seen, frame in zip(found, frames, strict=True):

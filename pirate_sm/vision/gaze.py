@@ -1,10 +1,8 @@
-"""What hands out sightings: its protocol, and the picture that belongs to each."""
+"""A sighting with its picture, and an eye that remembers where the marker was."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Protocol
 
 from pirate_sm.model.sighting import Sighting
 from pirate_sm.vision.opencv import cv2
@@ -32,24 +30,6 @@ class Seen:
         small = cv2.resize(self.frame, (width, height), interpolation=cv2.INTER_AREA)
         coded = cv2.imencode(".jpg", small, [cv2.IMWRITE_JPEG_QUALITY, _JPEG_QUALITY])[1]
         return bytes(coded.tobytes())
-
-
-class SightingSource(Protocol):
-    """Hands out sightings as the mission goes on.
-
-    Attributes:
-        due_s: Mission time at which it wants to be asked again.
-        fault: Why there are no pictures now; empty if there are.
-    """
-
-    due_s: float
-    fault: str
-
-    def look(self, now_s: float) -> Sequence[Seen]:
-        """Return what has arrived since it was asked last, oldest first; never waits."""
-
-    def close(self) -> None:
-        """Give the camera back."""
 
 
 class Gaze:
