@@ -6,8 +6,10 @@ import re
 import socket
 import stat
 from collections.abc import Iterator
+from contextlib import suppress
 from math import inf
 from pathlib import Path
+from random import Random
 from select import select
 from typing import Any
 
@@ -337,3 +339,35 @@ def test_the_usual_address_is_the_users_own(
     monkeypatch.delenv("XDG_RUNTIME_DIR")
     with pytest.raises(UsageError, match="socket:/PATH"):
         read_address("")
+
+
+def test_a_million_random_bytes_say_no_word(outside: OutsideWords) -> None:
+    chance, sent = Random(1), 0
+    while sent < 1_000_000:
+        with connect(outside) as link:
+            link.settimeout(0.0)
+            while sent < 1_000_000:
+                try:
+                    sent += link.send(chance.randbytes(2 * LONGEST_LINE))
+                except OSError:  # it has been dropped, or does not read its answers
+                    break
+                assert hear(outside, 1)[0] == []
+    with connect(outside) as honest:
+        honest.sendall(CLOSE)
+        assert hear(outside)[0] == [DetectorWord("close", 2.0)]
+
+
+def test_two_hundred_that_flood_stall_and_lie_say_no_word(guarded: OutsideWords) -> None:
+    sends = (CLOSE * 200, b"", b'{"token": "abd"}\n' + CLOSE, TOKEN[:-3], b"\xff" * LONGEST_LINE)
+    crowd: list[socket.socket] = []
+    for number in range(200):
+        crowd.append(connect(guarded))
+        with suppress(OSError):
+            crowd[-1].sendall(sends[number % len(sends)])
+        assert hear(guarded, 1)[0] == []
+
+    with connect(guarded) as honest:
+        honest.sendall(TOKEN + CLOSE)
+        assert hear(guarded)[0] == [DetectorWord("close", 2.0)]
+    for each in crowd:
+        each.close()
