@@ -22,8 +22,9 @@ from math import isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.sensing.body_spec import WHOLE, BodySpec, known
+from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.plane import flat, turned
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place
 
 _UNKNOWN: Place = (nan, nan)

@@ -10,7 +10,8 @@ from itertools import combinations, pairwise
 from math import cos, sin
 from typing import TypeAlias
 
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.piece import Piece
+from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place, Vector
 
 Walls: TypeAlias = tuple[tuple[Place, ...], tuple[Place, ...]]

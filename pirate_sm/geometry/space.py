@@ -6,7 +6,7 @@ z perpendicular to both. In a horizontal pipe side A is on the right, so z point
 
 from __future__ import annotations
 
-from math import cos, sin
+from math import atan2, cos, sin
 from typing import NamedTuple, TypeAlias
 
 Vector: TypeAlias = tuple[float, float, float]
@@ -14,6 +14,7 @@ Place: TypeAlias = tuple[float, float]
 """A point in a plane, m."""
 
 GRAVITY_M_S2 = 9.81
+_PARALLEL = 1e-12
 
 
 class Frame(NamedTuple):
@@ -50,9 +51,57 @@ class Frame(NamedTuple):
         return self._replace(ahead=ahead, side=side)
 
     def rolled(self, angle_rad: float) -> Frame:
-        """Return the frame rolled about ``ahead``; a positive angle rolls side A to the normal."""
-        side, normal = _turned(self.side, self.normal, angle_rad)
+        """Return the frame rolled about ``ahead``; a positive angle rolls side A off the normal.
+
+        So side A goes up by a positive angle where the pipe lies flat.
+        """
+        side, normal = _turned(self.side, self.normal, -angle_rad)
         return self._replace(side=side, normal=normal)
+
+    def towards(self, roll_rad: float) -> Vector:
+        """Return the unit vector across ``ahead`` at this roll; 0 is towards side A."""
+        return self.rolled(roll_rad).side
+
+    def roll_of(self, direction: Vector) -> float:
+        """Return the roll of a direction across ``ahead``; the inverse of :meth:`towards`."""
+        return atan2(-dot(direction, self.normal), dot(direction, self.side))
+
+    def bent(self, towards: Vector, angle_rad: float) -> Frame:
+        """Return the frame turned by an angle towards a unit vector across ``ahead``."""
+        c, s = cos(angle_rad), sin(angle_rad)
+
+        def turned(v: Vector) -> Vector:
+            along, across = dot(v, self.ahead), dot(v, towards)
+            forward = (c - 1.0) * along - s * across
+            aside = s * along + (c - 1.0) * across
+            return combined((1.0, v), (forward, self.ahead), (aside, towards))
+
+        return Frame(self.origin, turned(self.ahead), turned(self.side), turned(self.normal))
+
+    def reversed(self) -> Frame:
+        """Return the frame of the same point for who comes the other way."""
+        return self._replace(ahead=scaled(-1.0, self.ahead), side=scaled(-1.0, self.side))
+
+    def led_to(self, ahead: Vector) -> Frame:
+        """Return the frame turned to another direction of travel, without twist."""
+        along = min(1.0, max(-1.0, dot(self.ahead, ahead)))
+        across = combined((1.0, ahead), (-along, self.ahead))
+        length = dot(across, across) ** 0.5
+        if length < _PARALLEL:
+            return self
+        return self.bent(scaled(1.0 / length, across), atan2(length, along))
+
+    def carried(self, before: Frame, after: Frame) -> Frame:
+        """Return the frame moved as a body that takes the frame ``before`` to ``after``."""
+
+        def moved(v: Vector) -> Vector:
+            return combined(
+                *((dot(v, old), new) for old, new in zip(before[1:], after[1:], strict=True))
+            )
+
+        offset = moved(between(before.origin, self.origin))
+        origin = combined((1.0, after.origin), (1.0, offset))
+        return Frame(origin, moved(self.ahead), moved(self.side), moved(self.normal))
 
 
 DRAWING = Frame((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
@@ -62,6 +111,25 @@ DRAWING = Frame((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.
 def dot(one: Vector, other: Vector) -> float:
     """Return the scalar product of two vectors."""
     return one[0] * other[0] + one[1] * other[1] + one[2] * other[2]
+
+
+def combined(*terms: tuple[float, Vector]) -> Vector:
+    """Return the sum of vectors, each times its factor."""
+    return (
+        sum(factor * v[0] for factor, v in terms),
+        sum(factor * v[1] for factor, v in terms),
+        sum(factor * v[2] for factor, v in terms),
+    )
+
+
+def scaled(factor: float, vector: Vector) -> Vector:
+    """Return a vector times a factor."""
+    return factor * vector[0], factor * vector[1], factor * vector[2]
+
+
+def between(one: Vector, other: Vector) -> Vector:
+    """Return the vector from one point to the other."""
+    return other[0] - one[0], other[1] - one[1], other[2] - one[2]
 
 
 def _turned(first: Vector, second: Vector, angle_rad: float) -> tuple[Vector, Vector]:

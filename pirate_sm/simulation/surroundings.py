@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from pirate_sm.errors import UsageError
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.piece import Piece
+from pirate_sm.geometry.route import Route
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction

@@ -18,7 +18,7 @@ from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.companion import Companion
 from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
-from pirate_sm.geometry.route import Piece
+from pirate_sm.geometry.piece import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect, Ended, Environment
 from pirate_sm.model.pipe import Pipe

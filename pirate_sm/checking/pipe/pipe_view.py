@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.usual_course import UsualCourse
-from pirate_sm.geometry.route import Piece
+from pirate_sm.geometry.piece import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
 from pirate_sm.loading.yaml.document import Document

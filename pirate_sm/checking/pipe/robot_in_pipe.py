@@ -14,7 +14,8 @@ from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.geometry.clamping import WHEELS_SHARE, press_n, span_m
 from pirate_sm.geometry.network import tilted_up
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.piece import Piece
+from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
 from pirate_sm.model.body import Link
 from pirate_sm.model.pipe import Pipe

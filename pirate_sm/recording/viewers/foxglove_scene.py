@@ -7,8 +7,8 @@ from itertools import pairwise
 from math import atan2, cos, hypot, sin
 from typing import Any
 
+from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.plane import flat, walls
-from pirate_sm.geometry.route import Piece
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.recording.viewers.transforms import PIPE

@@ -122,9 +122,9 @@ def test_a_bend_rolled_by_a_quarter_turn_leaves_the_plane() -> None:
     quarter = Mitre(pi / 2, pi / 2)
     _, away, along = route((Straight(1.0), quarter, Straight(2.0), quarter, Straight(1.0))).pieces
 
-    assert away.frame.ahead == pytest.approx((0.0, 0.0, 1.0))
+    assert away.frame.ahead == pytest.approx((0.0, 0.0, -1.0)), "up, against the normal"
     assert away.frame.side == pytest.approx((0.0, 1.0, 0.0)), "carried along without twist"
-    assert along.frame.origin == pytest.approx((1.0, 0.0, 2.0))
+    assert along.frame.origin == pytest.approx((1.0, 0.0, -2.0))
     assert along.frame.ahead == pytest.approx((-1.0, 0.0, 0.0))
 
 
@@ -163,5 +163,5 @@ def test_a_route_leads_through_several_runs() -> None:
 
 
 def test_runs_of_a_route_must_meet() -> None:
-    with pytest.raises(ValueError, match="run 'field' begins at 'ditch', not at 'step'"):
+    with pytest.raises(ValueError, match="run 'field' does not begin or end at 'step'"):
         Route(NETWORK, "lost")

@@ -49,8 +49,8 @@ def test_a_quarter_turn_leads_towards_side_a() -> None:
     assert DRAWING.turned(pi / 2).ahead == pytest.approx((0.0, 1.0, 0.0))
 
 
-def test_a_quarter_roll_brings_side_a_to_the_normal() -> None:
-    assert DRAWING.rolled(pi / 2).side == pytest.approx((0.0, 0.0, 1.0))
+def test_a_quarter_roll_brings_side_a_up_where_the_normal_points_down() -> None:
+    assert DRAWING.rolled(pi / 2).side == pytest.approx((0.0, 0.0, -1.0))
 
 
 def test_a_point_lies_ahead_and_to_side_a() -> None:
