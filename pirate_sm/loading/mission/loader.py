@@ -215,7 +215,7 @@ def _along(pipe: Pipe | None, mission: Mission, problems: Problems) -> Pipe | No
         return pipe
     if route in pipe.ways:
         return pipe.along(route)
-    problems.unknown("mission.route", ("route",), "route", route, pipe.ways)
+    problems.add_unknown("mission.route", ("route",), "route", route, pipe.ways)
     return pipe
 
 

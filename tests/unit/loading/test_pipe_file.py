@@ -213,7 +213,7 @@ def test_a_network_is_read_and_followed(tmp_path):
         ("[{straight: 2 m}]", "[{straight: 2 m}, {reducer: 60 mm, to: 120 mm}, {straight: 1 m}]",
          "6:81: the pipe has 120 mm already"),
         ("[{straight: 2 m}]", "[{straight: 0.2 m}, {mitre: 120 deg}, {straight: 1 m}]",
-         "7:57: this runs into segment 1 of the run 'past'"),
+         "7:68: this runs into segment 3 of the run 'past'"),
         ("runs:", "segments: [{straight: 1 m}]\nruns:", "1:1: a pipe has either"),
     ],
 )  # fmt: skip
