@@ -77,10 +77,10 @@ ROWS = (
     Row("115 mm", "mitre_bend", "mitre_90_115mm"),
     Row("105 mm", "mitre_bend", "mitre_90_105mm", bar=0.90),
     Row("wheels 3, 4 dead", "mitre_bend", defects=("wheels_3_4_dead",)),
-    Row("from below", "mitre_bend_upright", "mitre_90_from_below", snapshots=False, holding=True),
-    Row("from above", "mitre_bend_upright", "mitre_90_from_above", snapshots=False, holding=True),
-    Row("upwards", "mitre_bend_upright", "mitre_90_up", snapshots=False, holding=True),
-    Row("downwards", "mitre_bend_upright", "mitre_90_down", snapshots=False, holding=True),
+    Row("from below", "take_bend", "mitre_90_from_below", snapshots=False, holding=True),
+    Row("from above", "take_bend", "mitre_90_from_above", snapshots=False, holding=True),
+    Row("upwards", "take_bend", "mitre_90_up", snapshots=False, holding=True),
+    Row("downwards", "take_bend", "mitre_90_down", snapshots=False, holding=True),
     Row("hold 50/50 mNm", "mitre_bend", bar=0.0, motors=_SOFT),
 )
 _AGREEING = 8

@@ -18,7 +18,7 @@ HELD = Outcome(
     held_at_end=True, torques=(0.0, -0.7, 0.7, -0.7, 0.7, 0.0), slid_m=0.0, short_m=nan, late_m=(),
 )  # fmt: skip
 FLAT = Row("flat", "mitre_bend")
-UPRIGHT = Row("upright", "mitre_bend_upright", holding=True, snapshots=False)
+UPRIGHT = Row("upright", "take_bend", holding=True, snapshots=False)
 
 
 def test_a_run_that_ends_beyond_the_bend_has_passed():

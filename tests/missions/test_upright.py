@@ -17,7 +17,7 @@ JITTER = {"start_jitter_m": 0.02, "friction_jitter": 0.2, "diameter_jitter_m": 0
 @pytest.mark.parametrize("pipe", UPRIGHT)
 @pytest.mark.parametrize("seed", [1, 2, 10])
 def test_the_bend_is_passed_from_and_to_an_upright_leg(run, pipe, seed):
-    record = run("mitre_bend_upright", backend="sim", pipe=pipe, seed=seed, **JITTER)
+    record = run("take_bend", backend="sim", pipe=pipe, seed=seed, **JITTER)
     assert record.ended.outcome == "succeeded", record.ended.message
     assert min(record.prepared.backend.truth.arcs_m) > CROSSING_M
     assert record.of(Fault) == []
@@ -26,10 +26,10 @@ def test_the_bend_is_passed_from_and_to_an_upright_leg(run, pipe, seed):
 @pytest.fixture
 def late(tmp_path):
     """The mission for an upright leg that moves its clamping too late, so that it slides."""
-    for name in ("prepare_bend", "pass_bend", "mitre_bend_upright"):
+    for name in ("prepare_bend", "pass_bend", "take_bend"):
         shutil.copy(library.find_mission(name), tmp_path)
     shutil.copytree(library.find_pipe("mitre_90").parent, tmp_path / "pipes")
-    path = tmp_path / "mitre_bend_upright.yaml"
+    path = tmp_path / "take_bend.yaml"
     text = path.read_text("utf-8")
     right = "when: gamma_2 < -2 deg and gamma_2 > -30 deg,"
     assert right in text
