@@ -197,7 +197,7 @@ def _in_the_pipe(
     loaded: LoadedMission, seed: int, kinetic: float, heads_down: bool
 ) -> LoadedMission:
     """Return the mission in a pipe with this friction, and half of it on a patch."""
-    from pirate_sm.model.pipe import Patch
+    from pirate_sm.model.pipe_runs import Patch
     from pirate_sm.model.simulation import Friction
 
     begins_m = Random(f"patch {seed}").uniform(*PATCH_BEGINS_M)

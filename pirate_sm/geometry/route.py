@@ -38,11 +38,12 @@ class Route:
     def __init__(self, network: Network, name: str = "") -> None:
         runs = network.routes[name or next(iter(network.routes))]
         self.network, self.placement = network, place(network)
-        passages = tuple(_passages(network, runs))
+        passages = passages_of(network, runs)
         self.pieces = tuple(_carried(self._strung(passages)))
         self.joints = tuple(joints_of(self.pieces, passages, self.placement.tees))
         self.crossings_m = tuple(joint.arc_m for joint in self.joints if joint.turn_rad)
         self.length_m = self.pieces[-1].ends_m
+        self._begins = dict(self._run_begins(passages))
         self.up = network.up
 
     def piece_at(self, arc_m: float) -> Piece:
@@ -56,6 +57,11 @@ class Route:
     def diameter_at(self, arc_m: float) -> float:
         """Return the inner diameter at an arc length, m."""
         return self.piece_at(arc_m).diameter_at(arc_m)
+
+    def arc_in(self, run: str, along_m: float) -> float:
+        """Return the arc length of a place in a run of the route, m from the run's beginning."""
+        begin, forward = self._begins[run]
+        return begin + along_m if forward else begin - along_m
 
     def arc_of(self, point: Vector) -> float:
         """Return the arc length of the nearest point of the centre line, m."""
@@ -72,6 +78,12 @@ class Route:
                 nearest, found = away, piece.arc_m + along
         return found, nearest
 
+    def _run_begins(self, passages: Sequence[Passage]) -> Iterator[tuple[str, tuple[float, bool]]]:
+        """Yield for each run the arc length of its beginning, and whether it is passed forward."""
+        for name, forward, _, _ in passages:
+            own = [piece for piece in self.pieces if piece.run == name]
+            yield name, (own[0].arc_m if forward else own[-1].ends_m, forward)
+
     def _strung(self, passages: Sequence[Passage]) -> Iterator[Piece]:
         """Yield the pieces of the runs in order, with arc lengths of the route."""
         arc_m = 0.0
@@ -79,6 +91,15 @@ class Route:
             for piece in _directed(self.placement.runs[passage.run], passage.forward):
                 yield piece._replace(arc_m=arc_m)
                 arc_m += piece.length_m
+
+
+def passages_of(network: Network, runs: Sequence[str]) -> tuple[Passage, ...]:
+    """Return the runs of a route with their directions.
+
+    Raises:
+        ValueError: Two runs that follow each other do not meet.
+    """
+    return tuple(_passages(network, runs))
 
 
 def _passages(network: Network, runs: Sequence[str]) -> Iterator[Passage]:

@@ -330,6 +330,7 @@ class Mission(Frozen):
         description: One-line description.
         robot: Name of a shipped robot, or the path of a robot's folder.
         pipe: Name of a pipe, a path, or an inline pipe.
+        route: The route through the pipe; by default its first.
         polarity: Which sides the wheels touch; by default the caller's, or ``normal``.
         parameters: Parameters by name; constant during a run.
         starts_in: The state that each region must be in at the start and at a call.
@@ -349,6 +350,7 @@ class Mission(Frozen):
     description: str = ""
     robot: str
     pipe: Annotated[str | Pipe | None, Field(union_mode="left_to_right")] = None
+    route: Name | None = None
     polarity: Literal["normal", "mirrored"] | None = None
     parameters: dict[Name, ParameterDefinition] = {}
     starts_in: dict[Name, Name] | None = None

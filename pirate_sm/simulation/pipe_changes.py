@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 from pirate_sm.geometry.network import tilted_up
+from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector
 from pirate_sm.model.pipe import Pipe, Turns
 from pirate_sm.model.simulation import Friction
@@ -33,18 +34,25 @@ class PipeChanges:
         physics: Moves the robot.
         wheels: How many it has.
         pipe: Where it is.
+        route: Its way through the pipe.
         friction: Of the wall outside its patches.
         scale: What the coefficients of the patches are multiplied by.
     """
 
     def __init__(
-        self, physics: Physics, wheels: int, pipe: Pipe, friction: Friction, scale: float
+        self,
+        physics: Physics,
+        wheels: int,
+        pipe: Pipe,
+        route: Route,
+        friction: Friction,
+        scale: float,
     ) -> None:
         self._physics = physics
         self._arcs = physics.quantities[QuantityLayout(wheels).block("arc")]
         self._stretches = [
-            (each.from_m, each.to, (each.static * scale, each.kinetic * scale))
-            for each in pipe.patches
+            (each.from_m, each.to_m, (each.friction.static * scale, each.friction.kinetic * scale))
+            for each in pipe.stretches(route)
         ]
         self._usual = (friction.static, friction.kinetic)
         self._given = [self._usual] * wheels

@@ -106,7 +106,8 @@ class SimulatedRobot:
         self._effects = put_to_work(at_work, self.electronics)
         self._obstacles = Obstacles(self._physics, chain, around.route, around.obstacles)
         self._changes = PipeChanges(
-            self._physics, chain.nodes, pipe, around.friction, around.friction_scale
+            *(self._physics, chain.nodes, pipe, around.route),
+            *(around.friction, around.friction_scale),
         )
         self._cycles = 0
         self._time_s = 0.0

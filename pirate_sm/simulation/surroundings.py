@@ -80,7 +80,7 @@ def surroundings_of(
         UsageError: The robot does not fit into the pipe, or the pipe intersects itself.
     """
     start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
-    route = Route(pipe.network(pipe.diameter + diameter * jitter.diameter_m))
+    route = Route(pipe.network(diameter * jitter.diameter_m))
     _check(route.pieces)
     coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
     scale = 1.0 + friction * jitter.friction

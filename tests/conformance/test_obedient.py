@@ -9,7 +9,8 @@ import numpy as np
 import pytest
 
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.pipe import Blockage, Pipe, Straight
+from pirate_sm.model.pipe import Blockage, Pipe
+from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 

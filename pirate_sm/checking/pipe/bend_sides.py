@@ -11,7 +11,7 @@ from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.usual_course import Bends
 from pirate_sm.engine.mission.program import Do
 from pirate_sm.loading.problems import Place
-from pirate_sm.model.pipe import Mitre
+from pirate_sm.model.pipe_segments import Mitre
 
 MOST_ROLL_RAD = pi / 18
 """Smallest roll of a part relative to a bend that it cannot pass (docs/simulator.md)."""
@@ -21,7 +21,7 @@ def bends_to_the_inner_wall(view: PipeView) -> Iterator[Finding]:
     """Report parts that are not bent towards the inner wall, in the plane of the bend."""
     mitres = [
         (number, each.mitre)
-        for number, each in enumerate(view.pipe.segments)
+        for number, each in enumerate(view.pipe.segments or ())
         if isinstance(each, Mitre)
     ]
     if not mitres:

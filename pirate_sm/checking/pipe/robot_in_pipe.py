@@ -18,7 +18,7 @@ from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
 from pirate_sm.model.body import Link
-from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe import Pipe, Stretch
 from pirate_sm.model.profile import Profile
 
 _NEAR_M = 1e-6
@@ -47,7 +47,8 @@ class Fit:
     @property
     def height_m(self) -> float:
         """Return the height h of a clamped V, m (eq. 3-2)."""
-        return self.pipe.diameter - 2 * self.profile.body.wheel_radius
+        diameter_m = self.pipe.diameter_at_start(self.stretched_m)
+        return diameter_m - 2 * self.profile.body.wheel_radius
 
     @property
     def stretched_m(self) -> float:
@@ -147,7 +148,7 @@ class Fit:
             For each place one friction for each part.
         """
         behind = [0.0, *accumulate(span_m(each.length, self.height_m) for each in self._links)]
-        edges = {edge for patch in self.pipe.patches for edge in (patch.from_m, patch.to)}
+        edges = {edge for patch in self._patches for edge in (patch.from_m, patch.to_m)}
         low, high = firsts
         near = {
             edge + way + back for edge in edges for way in (-_NEAR_M, _NEAR_M) for back in behind
@@ -155,6 +156,10 @@ class Fit:
         places = [low, high, *(each for each in sorted(near) if low < each < high)]
         apexes = [self._apex_wheel(part) for part in parts]
         return [[self._mean_friction(place, behind, apex) for apex in apexes] for place in places]
+
+    @cached_property
+    def _patches(self) -> tuple[Stretch, ...]:
+        return self.pipe.stretches(self.route)
 
     @property
     def _links(self) -> tuple[Link, ...]:
@@ -172,7 +177,7 @@ class Fit:
         return (before + 2 * at + after) / WHEELS_SHARE
 
     def _friction_at(self, place_m: float) -> float:
-        for patch in self.pipe.patches:
-            if patch.from_m <= place_m < patch.to:
-                return patch.static
+        for patch in self._patches:
+            if patch.from_m <= place_m < patch.to_m:
+                return patch.friction.static
         return self.friction

@@ -25,7 +25,8 @@ from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
-from pirate_sm.loading.pipe_file import check_pipe, load_pipe
+from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.robot.calibration_files import load_calibration

@@ -121,6 +121,7 @@ def read_mission(
     loaded = _robot(robot, mission, folder, problems)
     shadow = "" if robot is not None else _shadowing(mission, loaded, problems)
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
+    chosen = _along(chosen, mission, problems)
     if chosen is not None:
         check_fit(chosen, loaded.profile, pipe_document, problems)
     values = _values(mission, settings or {}, problems, assumed=bool(tolerated))
@@ -133,7 +134,8 @@ def read_mission(
     )
     problems.raise_errors(tolerated)
     if chosen is not None:
-        program = replace(program, diameter_m=chosen.diameter)
+        length_m = sum(link.length for link in loaded.profile.body.links)
+        program = replace(program, diameter_m=chosen.diameter_at_start(length_m))
     documents = (document, *loaded.documents, *called, pipe_document)
     hashes = {each.name: _hash(each) for each in documents}
     texts = {name: value.text for name, value in values.items()}
@@ -204,6 +206,17 @@ def _pipe(
         references.tell(error, file, references.PIPE, ("pipe",), problems)
         return None, mission.pipe, document
     return found, found.pipe or mission.pipe, source
+
+
+def _along(pipe: Pipe | None, mission: Mission, problems: Problems) -> Pipe | None:
+    """Return the pipe with the mission's route, and report a route that it does not have."""
+    route = mission.route
+    if pipe is None or route is None:
+        return pipe
+    if route in pipe.ways:
+        return pipe.along(route)
+    problems.add_unknown("mission.route", ("route",), "route", route, pipe.ways)
+    return pipe
 
 
 def _values(

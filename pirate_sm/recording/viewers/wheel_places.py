@@ -10,7 +10,8 @@ from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.body import Body
-from pirate_sm.model.pipe import Pipe, Straight
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
 
 _PATIENCE_S = 1.0

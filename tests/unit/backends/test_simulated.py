@@ -15,7 +15,8 @@ from pirate_sm.model.events import (
     SensorFrame,
     SubmitResult,
 )
-from pirate_sm.model.pipe import Blockage, Mitre, Pipe, Start, Straight
+from pirate_sm.model.pipe import Blockage, Pipe, Start
+from pirate_sm.model.pipe_segments import Mitre, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.surroundings import Jitter

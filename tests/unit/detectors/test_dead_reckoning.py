@@ -7,7 +7,8 @@ import pytest
 
 from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.engine.sensing.body_spec import BodySpec, Vee
-from pirate_sm.model.pipe import Mitre, Pipe, Straight
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe_segments import Mitre, Straight
 
 LINK, ASIDE = 0.1, 0.035
 ODOMETER, FIRST, SECOND, THIRD, FOURTH = range(5)

@@ -8,7 +8,8 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.loading.pipe_file import load_pipe, reach
-from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.pipe_shape import check_pipe
+from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot import load_robot
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -94,7 +95,7 @@ def test_a_pipe_from_a_file_is_told_with_its_own_place(faults):
         ("segments: [{straight: 1 m}, {mitre: 90 deg}, {straight: 50 mm}]",
          "4:82: the walls of its mitres meet in a straight of 50 mm"),
         ("segments: [{straight: 0 m}]", "4:48: expected more than 0 m"),
-        ("segments: [{strait: 1 m}]", "4:37: expected a segment, {straight: 1.0 m} or"),
+        ("segments: [{strait: 1 m}]", "4:37: expected a segment, {straight: 1.0 m},"),
         (f"{STRAIGHT}, start: {{at: 2 m}}", "4:67: 2.0 m is beyond the end of the pipe"),
         (f"{STRAIGHT}, start: {{at: -1 m}}", "4:67: expected at least 0 m"),
         (f"{STRAIGHT}, blockages: [{{at: 2 m, lasting: 1 s}}]", "4:72: 2.0 m is beyond the end"),
@@ -158,3 +159,127 @@ def test_a_pipe_that_runs_into_itself_is_refused(faults, segments, into):
 )
 def test_a_pipe_that_keeps_clear_of_itself_is_taken(faults, segments):
     assert faults(mission(bends(*segments))) == []
+
+
+HOUSE = """format: 1
+diameter: 120 mm
+section: round
+runs:
+  main: {from: entry, to: t1, segments: [{straight: 1 m}]}
+  past: {from: t1.on, to: cap, segments: [{straight: 2 m}]}
+  branch: {from: t1.branch, to: exit, diameter: 110 mm, segments: [{straight: 1 m}]}
+junctions: {t1: {tee: 90 deg}}
+ends: {entry: open, cap: closed, exit: open}
+routes: {house: [main, branch], past: [main, past]}
+start: {run: main, at: 600 mm}
+"""
+
+
+def test_a_network_is_read_and_followed(tmp_path):
+    path = tmp_path / "house.yaml"
+    path.write_text(HOUSE, "utf-8")
+
+    pipe, _ = load_pipe(path)
+
+    assert pipe.route().crossings_m == (1.0,)
+    assert pipe.along("past").route().crossings_m == ()
+    assert pipe.network().closed == {"cap"}
+    assert pipe.start_of(0.458) == 0.6
+    assert pipe.diameter_at_start(0.458) == 0.12
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "fault"),
+    [
+        ("from: t1.on", "from: t2.on", "6:16: there is no junction or end 't2'"),
+        ("from: t1.on", "from: t1.branch", "7:18: more than one run begins or ends at 't1.branch'"),
+        ("from: t1.on", "from: t1.off", "6:16: the text 't1.off' does not fit"),
+        ("to: cap, ", "to: nowhere, ", "6:27: there is no junction or end 'nowhere'"),
+        ("cap: closed, ", "cap: shut, ", "9:26: expected one of"),
+        ("cap: closed, ", "cap: closed, lid: open, ", "9:34: no run begins or ends at 'lid'"),
+        ("tee: 90 deg", "tee: 45 deg", "8:23: expected 90 deg, got 45 deg"),
+        ("[main, branch]", "[main, brnch]", "10:24: there is no run 'brnch'"),
+        ("[main, branch]", "[branch, past, main]", "10:17: run 'main' does not begin or end at"),
+        ("[main, branch]", "[main, main]", "10:24: the route passes the run 'main' twice"),
+        ("run: main", "run: past", "11:14: the first route does not lead through 'past'"),
+        ("at: 600 mm", "at: 1.2 m", "11:24: 1.2 m is beyond the end of the pipe"),
+        ("110 mm", "125 mm", "7:18: 125 mm here is wider than the run of the tee 't1'"),
+        ("to: cap, ", "to: cap, diameter: 110 mm, ", "6:16: 110 mm here has another diameter"),
+        ("section: round\n", "", "4:3: a network of runs needs a round pipe"),
+        ("routes: {house: [main, branch], past: [main, past]}\n", "",
+         "4:1: a network of several runs needs a route"),
+        ("[{straight: 2 m}]", "[{straight: 2 m}, {elbow: 90 deg, radius: 50 mm}, {straight: 1 m}]",
+         "6:84: the inner wall of this elbow folds"),
+        ("[{straight: 2 m}]", "[{straight: 2 m}, {reducer: 60 mm, to: 120 mm}, {straight: 1 m}]",
+         "6:81: the pipe has 120 mm already"),
+        ("[{straight: 2 m}]", "[{straight: 0.2 m}, {mitre: 120 deg}, {straight: 1 m}]",
+         "7:68: this runs into segment 3 of the run 'past'"),
+        ("runs:", "segments: [{straight: 1 m}]\nruns:", "1:1: a pipe has either"),
+    ],
+)  # fmt: skip
+def test_a_network_that_cannot_be_built_is_refused_with_its_place(tmp_path, old, new, fault):
+    assert old in HOUSE
+    path = tmp_path / "house.yaml"
+    path.write_text(HOUSE.replace(old, new, 1), "utf-8")
+    try:
+        pipe, document = load_pipe(path)
+    except LoadError as error:
+        found = [str(each) for each in error.problems]
+    else:
+        problems = Problems(document)
+        check_pipe(pipe, document, problems)
+        found = [str(each) for each in problems.errors]
+
+    assert any(f"house.yaml:{fault}" in each for each in found), found
+
+
+@pytest.mark.parametrize(
+    "segment",
+    ["{elbow: 90 deg, radius: 180 mm}", "{reducer: 60 mm, to: 100 mm}",
+     "{mitre: 90 deg, roll: 1 deg}", "{tee: 90 deg, take: on}"],
+)  # fmt: skip
+def test_what_leaves_the_plane_needs_a_round_pipe(faults, segment):
+    pipe = f"{{diameter: 120 mm, segments: [{{straight: 1 m}}, {segment}, {{straight: 1 m}}]"
+
+    (said,) = faults(mission(pipe + "}"))
+    assert "needs a round pipe: add `section: round`" in said
+    assert faults(mission(pipe + ", section: round}")) == []
+
+
+def test_a_tee_in_a_list_of_segments_is_a_network(tmp_path):
+    path = tmp_path / "t.yaml"
+    text = (
+        "diameter: 120 mm\nsection: round\n"
+        "segments: [{straight: 1 m}, {reducer: 60 mm, to: 100 mm},"
+        " {straight: 1 m}, {tee: 90 deg, roll: 90 deg, take: branch, stub: 0.4 m, diameter: 80 mm},"
+        " {straight: 1 m}, {tee: 90 deg, take: on}, {straight: 1 m}]\n"
+    )
+    path.write_text(text, "utf-8")
+
+    route = load_pipe(path)[0].route()
+
+    assert [joint.kind for joint in route.joints] == ["reducer", "tee", "tee"]
+    assert route.crossings_m == pytest.approx((2.06,))
+    assert [route.diameter_at(arc) for arc in (0.5, 1.5, 2.5, 3.5)] == [0.12, 0.1, 0.08, 0.08]
+    assert route.network.closed == {"cap_1", "cap_2"}
+    assert route.network.runs["stub_1"].segments[0].length_m == 0.4
+
+
+def test_segments_and_patches_have_friction_along_the_route(tmp_path):
+    path = tmp_path / "h.yaml"
+    text = HOUSE.replace(
+        "[{straight: 1 m}]}\njunc",
+        "[{straight: 1 m, friction: {static: 0.3, kinetic: 0.2}}], patches: []}\njunc",
+    ).replace(
+        "[{straight: 1 m}]}\n  past",
+        "[{straight: 1 m}],"
+        " patches: [{from: 0.1 m, to: 0.2 m, static: 0.4, kinetic: 0.2}]}\n  past",
+    )
+    path.write_text(text, "utf-8")
+    pipe, _ = load_pipe(path)
+
+    found = [
+        (each.from_m, each.to_m, each.friction.static) for each in pipe.stretches(pipe.route())
+    ]
+
+    assert found == [(0.1, 0.2, 0.4), (1.0, 2.0, 0.3)]

@@ -13,8 +13,8 @@ from pirate_sm.schemas.schema_files import KINDS
 from .shipped import ROOT
 
 PAGES = {
-    "mission": ["missions.md", "simulator.md"],
-    "pipe": ["simulator.md"],
+    "mission": ["missions.md", "pipes.md"],
+    "pipe": ["pipes.md"],
     "profile": ["robots.md", "connecting.md", "serial.md", "simulator.md", "traction.md"],
     "chart": ["robots.md"],
     "camera": ["camera.md"],

@@ -8,7 +8,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.model.pipe import Patch, Pipe, Straight, Turns
+from pirate_sm.model.pipe import Pipe, Turns
+from pirate_sm.model.pipe_runs import Patch
+from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.mujoco.world import World as MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics

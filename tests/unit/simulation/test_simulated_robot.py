@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pirate_sm.model.pipe import Pipe, Start, Straight
+from pirate_sm.model.pipe import Pipe, Start
+from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.model.pipe import Blockage, Mitre, Pipe, Start, Straight
+from pirate_sm.model.pipe import Blockage, Pipe, Start
+from pirate_sm.model.pipe_segments import Mitre, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody

@@ -1,0 +1,188 @@
+"""Check that a pipe can be built: its runs, where they meet, and what lies along them."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+from pirate_sm.geometry.clearance import crossings
+from pirate_sm.geometry.network import Network, Run
+from pirate_sm.geometry.piece import Piece
+from pirate_sm.geometry.placement import place
+from pirate_sm.geometry.plane import crossing
+from pirate_sm.geometry.route import Route
+from pirate_sm.loading.pipe_junctions import check_junctions
+from pirate_sm.loading.problems import Path as At
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import Document
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe_runs import Patch, Written
+from pirate_sm.model.pipe_segments import Elbow, InlineTee, Mitre, Reducer, Segment, Straight
+from pirate_sm.units import LENGTH, format_quantity
+
+
+def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
+    """Report why a pipe cannot be built."""
+    at, about = part_of(document), problems.about(document)
+    before = len(problems.errors)
+    if pipe.section == "bars":
+        _check_flat(pipe, at, about)
+    runs = pipe.network().runs
+    for name, written in pipe.written.items():
+        _check_shape(runs[name], written, at, about)
+    check_junctions(pipe, at, about)
+    if len(problems.errors) == before:  # otherwise the pieces have no positions
+        _check_space(pipe, at, about)
+    if len(problems.errors) == before:
+        _check_places(pipe, at, about)
+
+
+def part_of(document: Document) -> At:
+    """Return the path of the pipe in its document, which may be a mission."""
+    return ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
+
+
+def mm(length_m: float) -> str:
+    """Return a length for messages."""
+    if length_m < 1:
+        return f"{length_m * 1000:.4g} mm"
+    return format_quantity(length_m, LENGTH)
+
+
+def _check_flat(pipe: Pipe, at: At, problems: Problems) -> None:
+    """Report what only a round pipe can have."""
+
+    def leaves(what: str, *path: str | int) -> None:
+        message = f"{what} needs a round pipe: add `section: round`"
+        problems.add("pipe.section", (*at, *path), message)
+
+    if pipe.runs is not None:
+        leaves("a network of runs", "runs")
+    if pipe.frame is not None:
+        leaves("a frame in space", "frame")
+    if pipe.start is not None and pipe.start.roll:
+        leaves("a roll at the start", "start", "roll")
+    for number, segment in enumerate(pipe.segments or ()):
+        if isinstance(segment, Elbow | Reducer | InlineTee):
+            kind = {Elbow: "an elbow", Reducer: "a reducer", InlineTee: "a tee"}[type(segment)]
+            leaves(kind, "segments", number)
+        elif isinstance(segment, Mitre) and segment.roll:
+            leaves("a bend out of the plane", "segments", number, "roll")
+
+
+def _check_shape(run: Run, written: Written, at: At, problems: Problems) -> None:
+    """Report fittings without a straight beside them, and fittings that cannot be built."""
+    segments, path = written.run.segments, (*at, *written.at)
+    if isinstance(written.at[-1], int):  # a stub, whose length stands in its tee
+        return
+    if not segments:
+        behind = (*path, max(written.first - 1, 0))
+        problems.add("pipe.segment", behind, "before and behind a tee there is a straight")
+    for number in dict.fromkeys((0, len(segments) - 1)) if segments else ():
+        if not isinstance(segments[number], Straight):
+            message = "a pipe begins and ends with a straight"
+            problems.add("pipe.segment", (*path, written.first + number), message)
+    for number, (before, after) in enumerate(pairwise(segments), start=1):
+        if _touch(before, after):
+            message = "between two mitres there is a straight"
+            if not (isinstance(before, Mitre) and isinstance(after, Mitre)):
+                message = "on either side of a mitre there is a straight"
+            problems.add("pipe.segment", (*path, written.first + number), message)
+    for number, segment in enumerate(segments):
+        cut_m = sum(run.taken_m[max(number - 1, 0) : number + 2])
+        for key, message, expected in _unsound(segment, run.diameters_m[number], cut_m):
+            where = (*path, written.first + number, key)
+            problems.add("pipe.segment", where, message, expected=expected)
+
+
+def _unsound(segment: Segment, diameter_m: float, cut_m: float) -> Iterator[tuple[str, str, str]]:
+    """Yield the key, what is wrong, and what is expected, of a segment that cannot be built."""
+    match segment:
+        case Straight(straight=length_m) if length_m <= cut_m:
+            message = f"the walls of its mitres meet in a straight of {mm(length_m)}"
+            yield "straight", message, f"more than {mm(cut_m)}"
+        case Mitre(mitre=0):
+            yield "mitre", "a mitre turns by more than 0 deg", ""
+        case Elbow(elbow=0):
+            yield "elbow", "an elbow turns by more than 0 deg", ""
+        case Elbow(radius=radius_m) if radius_m < diameter_m / 2:
+            least = f"at least {mm(diameter_m / 2)}, half the diameter"
+            yield "radius", "the inner wall of this elbow folds", least
+        case Reducer(to=to_m) if to_m == diameter_m:
+            yield "to", f"the pipe has {mm(diameter_m)} already", "another diameter"
+
+
+def _touch(before: Segment, after: Segment) -> bool:
+    """Return whether two neighbours need a straight between them: a mitre cuts into straights."""
+    one, other = isinstance(before, Mitre), isinstance(after, Mitre)
+    return (one and not isinstance(after, Straight)) or (other and not isinstance(before, Straight))
+
+
+def _check_space(pipe: Pipe, at: At, problems: Problems) -> None:
+    """Report runs that miss their junctions, and pieces of the pipe that overlap."""
+    network = pipe.network()
+    placement = place(network)
+    for name, begins, message in placement.misfits:
+        key = "from" if begins else "to"
+        path = ("runs", name, key) if pipe.runs is not None else pipe.written[name].at
+        problems.add("pipe.junction", (*at, *path), message)
+    if placement.misfits:
+        return
+    for one, other in _overlaps(pipe, network):
+        problems.add(
+            "pipe.crossing",
+            (*at, *pipe.path_of(other)),
+            f"this runs into {_named(pipe, one)} of the same pipe",
+            expected="a pipe that keeps clear of itself",
+        )
+
+
+def _overlaps(pipe: Pipe, network: Network) -> Iterator[tuple[Piece, Piece]]:
+    if pipe.section == "round":
+        yield from crossings(network, place(network))
+    elif (found := crossing(Route(network))) is not None:
+        yield found
+
+
+def _named(pipe: Pipe, piece: Piece) -> str:
+    *_, number = pipe.path_of(piece)
+    in_run = f" of the run '{piece.run}'" if pipe.runs is not None else ""
+    return f"segment {int(number) + 1}{in_run}"
+
+
+def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
+    """Report what lies beyond the end of the pipe, and patches that overlap."""
+    length = pipe.route().length_m
+    places = [
+        ((*at, "blockages", n, "at"), each.at, length) for n, each in enumerate(pipe.blockages)
+    ]
+    if pipe.start is not None:
+        run = pipe.start.run
+        most = length if run is None else _length_m(pipe, run)
+        places.append(((*at, "start", "at"), pipe.start.at, most))
+    for name, (run_, _, _) in pipe.written.items():
+        prefix = (*at, "runs", name, "patches") if pipe.runs is not None else (*at, "patches")
+        most = _length_m(pipe, name)
+        places += [((*prefix, n, "to"), each.to, most) for n, each in enumerate(run_.patches)]
+        _check_patches(run_.patches, prefix, problems)
+    for path, found, most in places:
+        if found > most:
+            message = f"{mm(found)} is beyond the end of the pipe"
+            problems.add("pipe.place", path, message, expected=f"at most {mm(most)}")
+
+
+def _length_m(pipe: Pipe, run: str) -> float:
+    """Return the length of a run, m."""
+    return place(pipe.network()).runs[run][-1].ends_m
+
+
+def _check_patches(patches: Sequence[Patch], prefix: At, problems: Problems) -> None:
+    """Report patches that overlap or end before they begin."""
+    free_from = 0.0
+    for n, patch in sorted(enumerate(patches), key=lambda each: each[1].from_m):
+        path = (*prefix, n, "to" if patch.to <= patch.from_m else "from")
+        if patch.to <= patch.from_m:
+            problems.add("pipe.place", path, f"the patch ends at or before {mm(patch.from_m)}")
+        elif patch.from_m < free_from:
+            problems.add("pipe.place", path, f"{mm(patch.from_m)} lies in another patch")
+        free_from = max(free_from, patch.to)
