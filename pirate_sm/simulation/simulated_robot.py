@@ -233,10 +233,24 @@ class SimulatedRobot:
         arcs = self.arcs_m
         return sum(arcs) / len(arcs)
 
+    def _is_outside(self) -> bool:
+        """Return whether every wheel is far from the pipe."""
+        if self._route.pieces[0].section == "bars":
+            arcs = self.arcs_m
+            return max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
+        if any(self.values("press")):
+            return False
+        # It may fall past an open end, or be in a pipe that is not on its route.
+        pieces = [piece for run in self._route.placement.runs.values() for piece in run]
+        return all(
+            piece.nearest(place, 0.0, piece.length_m)[0] >= _GONE_M
+            for place in self._physics.places()
+            for piece in pieces
+        )
+
     def _look_whether_gone(self) -> None:
         """Bring a robot that is far outside the pipe to rest, with zero torques and speeds."""
-        arcs = self.arcs_m
-        self.gone = max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
+        self.gone = self._is_outside()
         if self.gone:
             # It lies on the floor: the accelerometer measures its weight, in any pose.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):

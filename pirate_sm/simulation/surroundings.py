@@ -86,11 +86,12 @@ def surroundings_of(
     scale = 1.0 + friction * jitter.friction
     scaled = {"static": coefficients.static * scale, "kinetic": coefficients.kinetic * scale}
     arc_m = pipe.start_of(chain.length_m) + start * jitter.start_m
+    roll = (pipe.start.roll if pipe.start else 0.0) - pipe.roll
     return Surroundings(
         route,
         coefficients.model_copy(update=scaled),
         scale,
-        stand(chain, route, arc_m, duties, -pipe.roll),
+        stand(chain, route, arc_m, duties, roll),
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
     )
 
@@ -98,7 +99,7 @@ def surroundings_of(
 def _check(pieces: Sequence[Piece]) -> None:
     for number, piece in enumerate(pieces, start=1):
         least_m = sum(piece.taken_m)
-        if piece.length_m <= least_m:
+        if 0.0 < least_m >= piece.length_m:
             raise UsageError(
                 f"straight {number} is {piece.length_m * 1000:.0f} mm long; the walls of its mitres"
                 f" meet unless it is longer than {least_m * 1000:.0f} mm"
