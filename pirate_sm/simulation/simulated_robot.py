@@ -70,6 +70,7 @@ class SimulatedRobot:
 
     Attributes:
         electronics: Its boards.
+        physics: What moves it.
         gone: Whether it has left the pipe for good.
 
     Raises:
@@ -97,16 +98,16 @@ class SimulatedRobot:
         around = surroundings_of(profile, chain, pipe, duties=duties, jitter=jitter, rng=rng)
         self._route, self._chain = around.route, chain
         self._cycle_s = profile.link.cycle
-        self._physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
+        self.physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
         self._layout = QuantityLayout(chain.nodes)
-        self._arcs = self._physics.quantities[self._layout.block("arc")]
+        self._arcs = self.physics.quantities[self._layout.block("arc")]
         noise_seed = int(rng.integers(2**63))
-        self.electronics = Electronics(chain, routes, sensors, self._physics, noise_seed)
+        self.electronics = Electronics(chain, routes, sensors, self.physics, noise_seed)
         at_work = [*named(defects, profile.simulation.defects, seed), *more_defects]
         self._effects = put_to_work(at_work, self.electronics)
-        self._obstacles = Obstacles(self._physics, chain, around.route, around.obstacles)
+        self._obstacles = Obstacles(self.physics, chain, around.route, around.obstacles)
         self._changes = PipeChanges(
-            *(self._physics, chain.nodes, pipe, around.route),
+            *(self.physics, chain.nodes, pipe, around.route),
             *(around.friction, around.friction_scale),
         )
         self._cycles = 0
@@ -117,7 +118,7 @@ class SimulatedRobot:
     def hold(self) -> None:
         """Drive the joints with the duties of the start pose."""
         for motor, duty in self._start_duties.items():
-            self._physics.duties[motor] = duty
+            self.physics.duties[motor] = duty
 
     def turns(self, one_value: bool) -> tuple[Turn, ...]:
         """Return the turns of the cycles: a board each, or one value each."""
@@ -134,7 +135,7 @@ class SimulatedRobot:
         self._time_s += self._cycle_s
         if not self.gone:
             self._changes.step(self._time_s)
-            self._physics.advance()
+            self.physics.advance()
         self.electronics.read(turn.first, turn.last)
         return self.strike(now_s) if self._effects else ()
 
@@ -196,7 +197,7 @@ class SimulatedRobot:
             walls=plane.walls(self._route),
             distance_m=self._middle() - self._start_m,
             touching=tuple(press > _TOUCHING_N for press in self.values("press")),
-            rolls_rad=tuple(self._physics.rolls()),
+            rolls_rad=tuple(self.physics.rolls()),
             arcs_m=tuple(self.arcs_m),
             bends_rad=tuple(self.values("bend")),
             torques_nm=tuple(self.values("bend_torque")),
@@ -206,7 +207,7 @@ class SimulatedRobot:
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
-        return tuple((x, y) for x, y, _ in self._physics.places())
+        return tuple((x, y) for x, y, _ in self.physics.places())
 
     @property
     def arcs_m(self) -> list[float]:
@@ -222,11 +223,11 @@ class SimulatedRobot:
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties in force: of the joints at each wheel, then of the wheels."""
-        return tuple(self._physics.duties.tolist())
+        return tuple(self.physics.duties.tolist())
 
     def values(self, quantity: str) -> list[float]:
         """Return a quantity of every wheel after the last cycle; see `physics.QuantityLayout`."""
-        found: list[float] = self._physics.quantities[self._layout.block(quantity)].tolist()
+        found: list[float] = self.physics.quantities[self._layout.block(quantity)].tolist()
         return found
 
     def _middle(self) -> float:
@@ -244,7 +245,7 @@ class SimulatedRobot:
         pieces = [piece for run in self._route.placement.runs.values() for piece in run]
         return all(
             piece.nearest(place, 0.0, piece.length_m)[0] >= _GONE_M
-            for place in self._physics.places()
+            for place in self.physics.places()
             for piece in pieces
         )
 
@@ -254,7 +255,7 @@ class SimulatedRobot:
         if self.gone:
             # It lies on the floor: the accelerometer measures its weight, in any pose.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):
-                self._physics.quantities[self._layout.at(axis)] = value
+                self.physics.quantities[self._layout.at(axis)] = value
 
 
 def _joint_duties(

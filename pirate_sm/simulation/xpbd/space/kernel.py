@@ -77,7 +77,7 @@ R_RATE, R_ANGLE, R_MOTOR = 6, 8, 9
 ROLL_ENTRIES = 10
 
 # `out` has a block for each of `physics.PER_WHEEL`, the entries `physics.SINGLE`, then the kernel's
-# own: the rolls of the two parts, and how deep a wheel or link has been in a wall, m.
+# own: the rolls of the two parts, and how deep a wheel or link has been in a wall so far, m.
 OUT_PER_WHEEL = 9
 OUT_SINGLE = 8
 OUT_ROLL_FRONT, OUT_ROLL_REAR, OUT_DEEPEST = range(3)
@@ -1487,7 +1487,8 @@ def advance(
         out[8 * n + i] = tally[i, T_GRIP] * per_step
     out[OUT_PER_WHEEL * n] = roll[R_ANGLE]
     out[OUT_PER_WHEEL * n + 1] = current / steps
-    out[OUT_PER_WHEEL * n + OUT_SINGLE + OUT_DEEPEST] = -deepest
+    k = OUT_PER_WHEEL * n + OUT_SINGLE + OUT_DEEPEST
+    out[k] = max(out[k], -deepest)
     _feel(
         n,
         pos,

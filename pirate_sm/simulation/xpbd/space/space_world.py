@@ -85,7 +85,7 @@ class SpaceWorld:
 
     @property
     def deepest_m(self) -> float:
-        """Return how deep a wheel or link was in a wall during the last cycle, m."""
+        """Return how deep a wheel or link has been in a wall so far, m."""
         return float(self._own[kernel.OUT_DEEPEST])
 
     def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
