@@ -169,7 +169,7 @@ def _short_m(prepared: Prepared, name: str, travel: int, arcs_m: Sequence[float]
     return min(
         (
             point.passed_m - travel * (arcs_m[point.wheel] - crossing)
-            for crossing in prepared.backend.crossings_m  # type: ignore[attr-defined]
+            for crossing, _ in prepared.backend.bends  # type: ignore[attr-defined]
         ),
         key=abs,
         default=nan,

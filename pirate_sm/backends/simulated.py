@@ -13,6 +13,7 @@ from typing import NamedTuple
 
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.errors import BackendError
+from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
@@ -136,9 +137,9 @@ class SimulatorBackend:
         return self._cycles * self._cycle_s
 
     @property
-    def crossings_m(self) -> tuple[float, ...]:
-        """Where the axes of the pipe cross, m along the pipe."""
-        return self.robot.crossings_m
+    def bends(self) -> tuple[Bend, ...]:
+        """Where the pipe turns."""
+        return self.robot.bends
 
     def open(self) -> Sequence[Event]:
         """Return the first report of every board."""

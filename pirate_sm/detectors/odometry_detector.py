@@ -64,7 +64,7 @@ class Odometry:
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
-        self._detector = Detector(words, errors, route.crossings_m, profile.detector.valid_for)
+        self._detector = Detector(words, errors, route.bends, profile.detector.valid_for)
         self._word: DetectorWord | None = None
 
     def _take(self, robot: RobotSpec) -> None:

@@ -25,6 +25,7 @@ from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
+from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
@@ -43,11 +44,11 @@ class Places(NamedTuple):
     """What a backend knows of true positions along the pipe, m.
 
     Attributes:
-        bends_m: Positions of the bends.
+        bends: The bends.
         wheels_m: Returns the present position of each wheel.
     """
 
-    bends_m: Sequence[float]
+    bends: Sequence[Bend]
     wheels_m: Callable[[], Sequence[float]]
 
 
@@ -149,8 +150,8 @@ def _true_places(asked: Asked) -> Detecting:
         raise UsageError("detector sim: only the backend sim knows where the robot really is")
     if not words_of(asked.profile):
         return _without_points("sim", asked)
-    bends_m, wheels_m = asked.places
-    sees = TruePlaces(asked.profile, asked.robot, bends_m, wheels_m, asked.seed)
+    bends, wheels_m = asked.places
+    sees = TruePlaces(asked.profile, asked.robot, bends, wheels_m, asked.seed)
     return Detecting("sim", (sees,))
 
 

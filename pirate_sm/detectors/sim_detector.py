@@ -8,6 +8,7 @@ from random import Random
 from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.profile import Profile
@@ -19,7 +20,7 @@ class TruePlaces:
     Args:
         profile: The robot's profile, with its detector words.
         robot: The robot as the engine knows it.
-        crossings_m: Positions of the bends along the pipe.
+        bends: The bends along the pipe.
         places_m: Returns the position of each wheel along the pipe.
         seed: Seed of the words' errors.
     """
@@ -30,7 +31,7 @@ class TruePlaces:
         self,
         profile: Profile,
         robot: RobotSpec,
-        crossings_m: Sequence[float],
+        bends: Sequence[Bend],
         places_m: Callable[[], Sequence[float]],
         seed: int,
     ) -> None:
@@ -39,7 +40,7 @@ class TruePlaces:
         self._places_m = places_m
         words, chance = words_of(profile), Random(seed)
         errors = [chance.gauss(0.0, profile.simulation.noise.detector) for _ in words]
-        self._detector = Detector(words, errors, crossings_m, profile.detector.valid_for)
+        self._detector = Detector(words, errors, bends, profile.detector.valid_for)
         self._word: DetectorWord | None = None
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:

@@ -120,7 +120,7 @@ class Sight:
         self._watch = CameraWatch(profile.detector.valid_for)
         words, valid_for_s = words_of(profile), profile.detector.valid_for
         self._tracker, errors = Tracker(), (0.0,) * len(words)
-        self._detector = Detector(words, errors, route.crossings_m, valid_for_s, self._tracker)
+        self._detector = Detector(words, errors, route.bends, valid_for_s, self._tracker)
         self._believed_s, self._believed_m = -inf, (0.0,) * len(robot.body.joints)
         self._apart = False
         self._inside_s, self._outside_s = inf, 0.0

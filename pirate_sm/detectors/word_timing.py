@@ -7,6 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from pirate_sm.detectors.place_filter import Tracker
+from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.model.profile import Profile
 
@@ -88,7 +89,8 @@ class Detector:
     Args:
         words: The words, in the order in which a robot reaches them at a bend.
         errors_m: Error of each word's points, fixed for a run.
-        crossings_m: Positions of the bends along the pipe.
+        bends: The bends along the pipe. A mitre's words count from the crossing of its axes. In an
+            elbow the first word counts from where it begins, the others from where it ends.
         valid_for_s: How long a word is valid.
         tracker: Filters the positions; by default one of its own.
     """
@@ -97,12 +99,12 @@ class Detector:
         self,
         words: Sequence[Word],
         errors_m: Sequence[float],
-        crossings_m: Sequence[float],
+        bends: Sequence[Bend],
         valid_for_s: float,
         tracker: Tracker | None = None,
     ) -> None:
         self._words = tuple(zip(words, errors_m, strict=True))[::-1]
-        self._crossings = tuple(crossings_m)
+        self._bends = tuple(bends)
         self._repeater = Repeater(valid_for_s)
         self._tracker = tracker or Tracker()
         self._direction = 0
@@ -135,11 +137,12 @@ class Detector:
     def _holding(self) -> str:
         if self._direction == 0:
             return ""
-        for crossing in self._crossings:
-            for word, error in self._words:  # the farthest first
+        for crossing, reach in self._bends:
+            for number, (word, error) in enumerate(self._words, start=1):  # the farthest first
                 point = word.forward if self._direction > 0 else word.backward
                 passed = self._direction * (self._tracker.place(point.wheel) - crossing)
                 passed += error - point.passed_m
+                passed += reach if number == len(self._words) else -reach
                 if math.isnan(passed):
                     return ""
                 if passed >= (-_SLACK_M if word.name == self._word else 0.0):

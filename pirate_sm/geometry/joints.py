@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from itertools import pairwise
-from math import nan, pi
+from math import nan, pi, tan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.geometry.network import BRANCH, port_of
@@ -35,6 +35,27 @@ class Joint(NamedTuple):
     turn_rad: float = 0.0
     towards_rad: float = nan
     junction: str = ""
+
+
+class Bend(NamedTuple):
+    """Where a route turns, as detectors count it.
+
+    Attributes:
+        crossing_m: Where the axes intersect; of an elbow its middle.
+        reach_m: How far from there the crossings are of two mitres that take as much wall as the
+            elbow's beginning and its end; 0 for a mitre and for a tee.
+    """
+
+    crossing_m: float
+    reach_m: float = 0.0
+
+
+def bend_at(joint: Joint, diameter_m: float) -> Bend:
+    """Return a joint that turns as detectors count it, in a pipe of this diameter."""
+    if joint.kind != "elbow":
+        return Bend(joint.arc_m)
+    half_turn = min(joint.turn_rad / 2, pi / 4)
+    return Bend(joint.arc_m, max(joint.behind_m - diameter_m / 2 * tan(half_turn), 0.0))
 
 
 class Passage(NamedTuple):

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import inf
 
-from pirate_sm.geometry.joints import Passage, joints_of
+from pirate_sm.geometry.joints import Passage, bend_at, joints_of
 from pirate_sm.geometry.network import Network, port_of
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.placement import place
@@ -28,6 +28,7 @@ class Route:
         pieces: The pieces in order.
         joints: The fittings and junctions in order.
         crossings_m: Arc lengths at which it turns in a fitting or a junction.
+        bends: The same places, with how far elbows reach.
         length_m: Length of the route.
         up: The unit vector opposite to gravity.
 
@@ -41,10 +42,12 @@ class Route:
         passages = passages_of(network, runs)
         self.pieces = tuple(_carried(self._strung(passages)))
         self.joints = tuple(joints_of(self.pieces, passages, self.placement.tees))
-        self.crossings_m = tuple(joint.arc_m for joint in self.joints if joint.turn_rad)
+        turning = [joint for joint in self.joints if joint.turn_rad]
+        self.crossings_m = tuple(joint.arc_m for joint in turning)
         self.length_m = self.pieces[-1].ends_m
         self._begins = dict(self._run_begins(passages))
         self.up = network.up
+        self.bends = tuple(bend_at(each, self.diameter_at(each.arc_m)) for each in turning)
 
     def piece_at(self, arc_m: float) -> Piece:
         """Return the piece at an arc length; the first and the last extend without limit."""

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.geometry import plane
+from pirate_sm.geometry.joints import Bend
 from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.pipe import Pipe
@@ -216,9 +217,9 @@ class SimulatedRobot:
         return found
 
     @property
-    def crossings_m(self) -> tuple[float, ...]:
-        """Where the axes of the pipe cross, m along the pipe."""
-        return self._route.crossings_m
+    def bends(self) -> tuple[Bend, ...]:
+        """Where the pipe turns."""
+        return self._route.bends
 
     @property
     def duties(self) -> tuple[float, ...]:

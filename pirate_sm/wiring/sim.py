@@ -89,7 +89,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         backend=backend,
         companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
         usual_detector="sim",
-        places=Places(backend.crossings_m, lambda: backend.arcs_m),
+        places=Places(backend.bends, lambda: backend.arcs_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
     )

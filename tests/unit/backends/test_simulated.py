@@ -140,7 +140,7 @@ def test_it_drives_to_the_bend(profile: Profile) -> None:
     pass_time(backend, 4.0)
     assert backend.truth.distance_m > 0.2
     assert backend.arcs_m == list(backend.truth.arcs_m)
-    assert backend.arcs_m[0] > backend.crossings_m[0]
+    assert backend.arcs_m[0] > backend.bends[0].crossing_m
     assert len(backend.truth.wheels) == len(profile.body.wheels)
     assert any(backend.truth.touching)
 

@@ -9,6 +9,7 @@ from pirate_sm.companion import Counting, Onlooker
 from pirate_sm.detectors.sim_detector import TruePlaces
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.joints import Bend
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.wiring import Order, load
 
@@ -47,18 +48,18 @@ def test_the_words_follow_the_setpoints_in_force_in_either_polarity(
 ) -> None:
     places = [0.0] * 6
     robot = loaded.loaded_robot.oriented(polarity)
-    sees = TruePlaces(loaded.loaded_robot.profile, robot, (1.0,), lambda: places, seed=1)
+    sees = TruePlaces(loaded.loaded_robot.profile, robot, (Bend(1.0),), lambda: places, seed=1)
     there = [0.7 + 0.005 * step for step in range(160)]
     words = ["close", "in", "past"]
     assert say(sees, places, driven(loaded, polarity, 1), there) == words
-    sees = TruePlaces(loaded.loaded_robot.profile, robot, (1.0,), lambda: places, seed=1)
+    sees = TruePlaces(loaded.loaded_robot.profile, robot, (Bend(1.0),), lambda: places, seed=1)
     assert say(sees, places, driven(loaded, polarity, -1), [p + 0.2 for p in there[::-1]]) == words
 
 
 def test_the_next_mission_may_have_another_polarity(loaded: LoadedMission) -> None:
     places = [0.0] * 6
     both = loaded.loaded_robot
-    sees = TruePlaces(both.profile, both.normal, (1.0,), lambda: places, seed=1)
+    sees = TruePlaces(both.profile, both.normal, (Bend(1.0),), lambda: places, seed=1)
     assert isinstance(sees, Counting)
     assert isinstance(sees, Onlooker)
     sees.restart(both.mirrored)
@@ -70,7 +71,7 @@ def test_its_errors_are_those_of_the_seed(loaded: LoadedMission) -> None:
     def first_word(seed: int) -> float:
         places = [0.0] * 6
         both = loaded.loaded_robot
-        sees = TruePlaces(both.profile, both.normal, (1.0,), lambda: places, seed)
+        sees = TruePlaces(both.profile, both.normal, (Bend(1.0),), lambda: places, seed)
         state = driven(loaded, "normal", 1)
         for step in range(3000):
             places[:] = [0.7 + 0.0002 * step - 0.06 * wheel for wheel in range(6)]

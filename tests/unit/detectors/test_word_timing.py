@@ -8,6 +8,7 @@ from math import nan
 import pytest
 
 from pirate_sm.detectors.word_timing import Detector, Point, Word
+from pirate_sm.geometry.joints import Bend
 
 WORDS = (
     Word("near", Point(0, -0.06), Point(2, -0.06)),
@@ -18,7 +19,7 @@ LENGTHS = (0.0, 0.1, 0.2)
 
 
 def detector(errors: tuple[float, ...] = (0.0, 0.0, 0.0), valid_for_s: float = 1e9) -> Detector:
-    return Detector(WORDS, errors, (1.0,), valid_for_s)
+    return Detector(WORDS, errors, (Bend(1.0),), valid_for_s)
 
 
 def say(
