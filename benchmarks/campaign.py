@@ -75,7 +75,7 @@ class Outcome:
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
         short_m: How far the wheel of the detector's last word is short of the place that the word
             means, by the truth; NaN where none was said, negative where the wheel is beyond it.
-        deepest_m: How deep a wheel or link was in a wall, at most; NaN where the physics cannot say.
+        deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
         late_m: Each word that was reported, and how far its wheel was beyond the word's point then,
             by the truth; negative: the word came too early.
         took_s: How long the run has taken, without what was looked at afterwards.

@@ -83,17 +83,16 @@ OUT_SINGLE = 8
 OUT_ROLL_FRONT, OUT_ROLL_REAR, OUT_DEEPEST = range(3)
 OUT_OWN = 3
 
-# Scratch columns per wheel: place at the start of the substep, levers of the link behind it in the
-# plane of its front and of its rear end, gradients of its joint, and what is constant in a call.
-X0, Y0, Z0, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(9)
+# Scratch columns per wheel: the link behind it, its levers in the planes of its two ends, gradients
+# of its joint, and what is constant in a call.
+D_X, D_Y, D_Z, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(9)
 GA_X, GA_Y, GA_Z, GM_X, GM_Y, GM_Z, GB_X, GB_Y, GB_Z = range(9, 18)
 J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(18, 26)
 SPIN, FORCE, SLOPE, LINK_SCALE = range(26, 30)
-D_X, D_Y, D_Z = range(30, 33)
 # Coplanarity of the link behind the wheel: value, share of the roll link's tilt, of the roll,
 # inverse mass, impulse.
-P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(33, 38)
-_NODE_COLUMNS = 38
+P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(30, 35)
+_NODE_COLUMNS = 35
 # Scratch of the two parts: normal, `n x e`, roll in this substep, inverse inertia.
 N_X, N_Y, N_Z, N_BX, N_BY, N_BZ, N_ROLL, N_INV_I = range(8)
 _PART_COLUMNS = 8
@@ -576,33 +575,32 @@ def _prepare_contacts(
 
 
 @compiled
-def _rolled(c: int, i: int, o: int, pos: Floats, w: Floats, con: Floats) -> float:
+def _rolled(c: int, i: int, o: int, mov: Floats, con: Floats) -> float:
     """Return how far a wheel without its motor would have rolled along the wall."""
-    own = con[c, GI_X] * (pos[i, 0] - w[i, X0])
-    own += con[c, GI_Y] * (pos[i, 1] - w[i, Y0])
-    own += con[c, GI_Z] * (pos[i, 2] - w[i, Z0])
-    other = con[c, GO_X] * (pos[o, 0] - w[o, X0])
-    other += con[c, GO_Y] * (pos[o, 1] - w[o, Y0])
-    other += con[c, GO_Z] * (pos[o, 2] - w[o, Z0])
+    own = con[c, GI_X] * mov[i, 0]
+    own += con[c, GI_Y] * mov[i, 1]
+    own += con[c, GI_Z] * mov[i, 2]
+    other = con[c, GO_X] * mov[o, 0]
+    other += con[c, GO_Y] * mov[o, 1]
+    other += con[c, GO_Z] * mov[o, 2]
     return float(own + other)
 
 
 @compiled
-def _slid(c: int, i: int, pos: Floats, w: Floats, parts: Floats, con: Floats, p: int) -> float:
+def _slid(c: int, i: int, mov: Floats, parts: Floats, con: Floats, p: int) -> float:
     """Return how far a wheel has slid along its axle."""
-    slid = con[c, SX] * (pos[i, 0] - w[i, X0])
-    slid += con[c, SY] * (pos[i, 1] - w[i, Y0])
-    slid += con[c, SZ] * (pos[i, 2] - w[i, Z0])
+    slid = con[c, SX] * mov[i, 0]
+    slid += con[c, SY] * mov[i, 1]
+    slid += con[c, SZ] * mov[i, 2]
     return float(slid + con[c, S_TURN] * parts[p, N_ROLL])
 
 
 @compiled
 def _solve_contacts(
     count: int,
-    pos: Floats,
+    mov: Floats,
     body: Floats,
     compliance: float,
-    w: Floats,
     parts: Floats,
     con: Floats,
     who: Ints,
@@ -611,27 +609,36 @@ def _solve_contacts(
     for c in range(count):
         i = who[c, NODE]
         inv = body[i, MASS_INV]
-        gap = con[c, GAP] + con[c, NX] * (pos[i, 0] - w[i, X0])
-        gap += con[c, NY] * (pos[i, 1] - w[i, Y0])
-        gap += con[c, NZ] * (pos[i, 2] - w[i, Z0])
-        new = max(0.0, con[c, PUSH] - (gap + compliance * con[c, PUSH]) * con[c, PUSH_INV])
-        step = inv * (new - con[c, PUSH])
+        # What a wheel moves stays in registers until it is known.
+        x = mov[i, 0]
+        y = mov[i, 1]
+        z = mov[i, 2]
+        push = con[c, PUSH]
+        gap = con[c, GAP] + con[c, NX] * x + con[c, NY] * y + con[c, NZ] * z
+        new = max(0.0, push - (gap + compliance * push) * con[c, PUSH_INV])
+        step = inv * (new - push)
         con[c, PUSH] = new
-        pos[i, 0] += step * con[c, NX]
-        pos[i, 1] += step * con[c, NY]
-        pos[i, 2] += step * con[c, NZ]
+        x += step * con[c, NX]
+        y += step * con[c, NY]
+        z += step * con[c, NZ]
         limit = con[c, K_MU] * new
         drive = con[c, DRIVE]
         side = con[c, SIDE]
         if con[c, K_MU] == 0.0 or (limit == 0.0 and drive == 0.0 and side == 0.0):
+            mov[i, 0] = x
+            mov[i, 1] = y
+            mov[i, 2] = z
             continue
         o = who[c, OTHER]
         p = who[c, PART]
-        left = con[c, TARGET] - _rolled(c, i, o, pos, w, con) - con[c, K_SLOPE] * drive
+        rolled = con[c, GI_X] * x + con[c, GI_Y] * y + con[c, GI_Z] * z
+        rolled += con[c, GO_X] * mov[o, 0] + con[c, GO_Y] * mov[o, 1] + con[c, GO_Z] * mov[o, 2]
+        slid = con[c, SX] * x + con[c, SY] * y + con[c, SZ] * z
+        slid += con[c, S_TURN] * parts[p, N_ROLL]
+        left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
         to_drive = drive + left * con[c, DRIVE_INV]
         to_drive = min(max(to_drive, -con[c, K_FORCE]), con[c, K_FORCE])
-        left = con[c, S_TARGET] - _slid(c, i, pos, w, parts, con, p)
-        to_side = side + left * con[c, SIDE_INV]
+        to_side = side + (con[c, S_TARGET] - slid) * con[c, SIDE_INV]
         both2 = to_drive * to_drive + to_side * to_side
         if both2 > limit * limit:
             share = limit / np.sqrt(both2)
@@ -641,14 +648,14 @@ def _solve_contacts(
         con[c, SIDE] = to_side
         drive = to_drive - drive
         side = to_side - side
-        pos[i, 0] += inv * (drive * con[c, GI_X] + side * con[c, SX])
-        pos[i, 1] += inv * (drive * con[c, GI_Y] + side * con[c, SY])
-        pos[i, 2] += inv * (drive * con[c, GI_Z] + side * con[c, SZ])
+        mov[i, 0] = x + inv * (drive * con[c, GI_X] + side * con[c, SX])
+        mov[i, 1] = y + inv * (drive * con[c, GI_Y] + side * con[c, SY])
+        mov[i, 2] = z + inv * (drive * con[c, GI_Z] + side * con[c, SZ])
         parts[p, N_ROLL] += parts[p, N_INV_I] * con[c, S_TURN] * side
         step = body[o, MASS_INV] * drive
-        pos[o, 0] += step * con[c, GO_X]
-        pos[o, 1] += step * con[c, GO_Y]
-        pos[o, 2] += step * con[c, GO_Z]
+        mov[o, 0] += step * con[c, GO_X]
+        mov[o, 1] += step * con[c, GO_Y]
+        mov[o, 2] += step * con[c, GO_Z]
 
 
 @compiled
@@ -790,7 +797,7 @@ def _find_leaning(
 
 @compiled
 def _solve_leaning(
-    count: int, pos: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
+    count: int, mov: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
 ) -> None:
     """Push each link that leans on something clear of it once."""
     for c in range(count):
@@ -798,23 +805,23 @@ def _solve_leaning(
         behind = cor[c, K_SHARE]
         ahead = 1.0 - behind
         gap = cor[c, K_GAP]
-        gap += cor[c, K_NX] * ahead * (pos[m, 0] - w[m, X0])
-        gap += cor[c, K_NY] * ahead * (pos[m, 1] - w[m, Y0])
-        gap += cor[c, K_NZ] * ahead * (pos[m, 2] - w[m, Z0])
-        gap += cor[c, K_NX] * behind * (pos[m + 1, 0] - w[m + 1, X0])
-        gap += cor[c, K_NY] * behind * (pos[m + 1, 1] - w[m + 1, Y0])
-        gap += cor[c, K_NZ] * behind * (pos[m + 1, 2] - w[m + 1, Z0])
+        gap += cor[c, K_NX] * ahead * mov[m, 0]
+        gap += cor[c, K_NY] * ahead * mov[m, 1]
+        gap += cor[c, K_NZ] * ahead * mov[m, 2]
+        gap += cor[c, K_NX] * behind * mov[m + 1, 0]
+        gap += cor[c, K_NY] * behind * mov[m + 1, 1]
+        gap += cor[c, K_NZ] * behind * mov[m + 1, 2]
         new = max(0.0, cor[c, K_PUSH] - (gap + compliance * cor[c, K_PUSH]) * cor[c, K_INV])
         delta = new - cor[c, K_PUSH]
         cor[c, K_PUSH] = new
         step = body[m, MASS_INV] * ahead * delta
-        pos[m, 0] += step * cor[c, K_NX]
-        pos[m, 1] += step * cor[c, K_NY]
-        pos[m, 2] += step * cor[c, K_NZ]
+        mov[m, 0] += step * cor[c, K_NX]
+        mov[m, 1] += step * cor[c, K_NY]
+        mov[m, 2] += step * cor[c, K_NZ]
         step = body[m + 1, MASS_INV] * behind * delta
-        pos[m + 1, 0] += step * cor[c, K_NX]
-        pos[m + 1, 1] += step * cor[c, K_NY]
-        pos[m + 1, 2] += step * cor[c, K_NZ]
+        mov[m + 1, 0] += step * cor[c, K_NX]
+        mov[m + 1, 1] += step * cor[c, K_NY]
+        mov[m + 1, 2] += step * cor[c, K_NZ]
 
 
 @compiled
@@ -921,45 +928,41 @@ def _lie_in_planes(n: int, body: Floats, world: Floats, w: Floats, parts: Floats
 
 @compiled
 def _solve_planes(
-    n: int, pos: Floats, body: Floats, world: Floats, w: Floats, parts: Floats
+    n: int, mov: Floats, body: Floats, world: Floats, w: Floats, parts: Floats, off: Floats
 ) -> None:
-    """Bring each link into the plane of its part once."""
+    """Bring each link into the plane of its part once.
+
+    `off` has two rows: how far each wheel has moved out of the plane, and before this.
+    """
     r = int(world[ROLL_LINK])
     compliance = _PLANE_COMPLIANCE_M_N / (world[DT] * world[DT])
-    for m in range(n - 1):
-        if m == r:
-            continue
-        p = 0 if m < r else 1
+    for p in range(2):
+        first = 0 if p == 0 else r
+        last = r + 1 if p == 0 else n - 1
         nx = parts[p, N_X]
         ny = parts[p, N_Y]
         nz = parts[p, N_Z]
-        tilt = w[m, P_TILT]
-        ahead = nx * (pos[m, 0] - w[m, X0] - pos[m + 1, 0] + w[m + 1, X0])
-        ahead += ny * (pos[m, 1] - w[m, Y0] - pos[m + 1, 1] + w[m + 1, Y0])
-        ahead += nz * (pos[m, 2] - w[m, Z0] - pos[m + 1, 2] + w[m + 1, Z0])
-        tilted = nx * (pos[r, 0] - w[r, X0] - pos[r + 1, 0] + w[r + 1, X0])
-        tilted += ny * (pos[r, 1] - w[r, Y0] - pos[r + 1, 1] + w[r + 1, Y0])
-        tilted += nz * (pos[r, 2] - w[r, Z0] - pos[r + 1, 2] + w[r + 1, Z0])
-        value = w[m, P_C] + ahead - tilt * tilted + w[m, P_ROLL] * parts[p, N_ROLL]
-        delta = -(value + compliance * w[m, P_LAM]) * w[m, P_INV]
-        w[m, P_LAM] += delta
-        step = body[m, MASS_INV] * delta
-        pos[m, 0] += step * nx
-        pos[m, 1] += step * ny
-        pos[m, 2] += step * nz
-        step = body[m + 1, MASS_INV] * delta
-        pos[m + 1, 0] -= step * nx
-        pos[m + 1, 1] -= step * ny
-        pos[m + 1, 2] -= step * nz
-        step = body[r, MASS_INV] * delta * tilt
-        pos[r, 0] -= step * nx
-        pos[r, 1] -= step * ny
-        pos[r, 2] -= step * nz
-        step = body[r + 1, MASS_INV] * delta * tilt
-        pos[r + 1, 0] += step * nx
-        pos[r + 1, 1] += step * ny
-        pos[r + 1, 2] += step * nz
-        parts[p, N_ROLL] += parts[p, N_INV_I] * w[m, P_ROLL] * delta
+        for i in range(first, last + 1):
+            off[0, i] = nx * mov[i, 0] + ny * mov[i, 1] + nz * mov[i, 2]
+            off[1, i] = off[0, i]
+        for m in range(first, last):
+            if m == r:
+                continue
+            tilt = w[m, P_TILT]
+            value = w[m, P_C] + off[0, m] - off[0, m + 1]
+            value += w[m, P_ROLL] * parts[p, N_ROLL] - tilt * (off[0, r] - off[0, r + 1])
+            delta = -(value + compliance * w[m, P_LAM]) * w[m, P_INV]
+            w[m, P_LAM] += delta
+            off[0, m] += body[m, MASS_INV] * delta
+            off[0, m + 1] -= body[m + 1, MASS_INV] * delta
+            off[0, r] -= body[r, MASS_INV] * delta * tilt
+            off[0, r + 1] += body[r + 1, MASS_INV] * delta * tilt
+            parts[p, N_ROLL] += parts[p, N_INV_I] * w[m, P_ROLL] * delta
+        for i in range(first, last + 1):
+            step = off[0, i] - off[1, i]
+            mov[i, 0] += step * nx
+            mov[i, 1] += step * ny
+            mov[i, 2] += step * nz
 
 
 @compiled
@@ -993,12 +996,7 @@ def _begin(
     """
     dt = world[DT]
     r = int(world[ROLL_LINK])
-    for i in range(n):
-        w[i, X0] = pos[i, 0]
-        w[i, Y0] = pos[i, 1]
-        w[i, Z0] = pos[i, 2]
-        if i == n - 1:
-            break
+    for i in range(n - 1):
         dx = pos[i, 0] - pos[i + 1, 0]
         dy = pos[i, 1] - pos[i + 1, 1]
         dz = pos[i, 2] - pos[i + 1, 2]
@@ -1059,13 +1057,13 @@ def _begin(
 
 
 @compiled
-def _predict(n: int, pos: Floats, vel: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
+def _predict(n: int, mov: Floats, vel: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
     """Move the wheels as gravity alone would, and roll the parts on."""
     dt = world[DT]
     for i in range(n):
-        pos[i, 0] += dt * (vel[i, 0] + dt * world[G_X])
-        pos[i, 1] += dt * (vel[i, 1] + dt * world[G_Y])
-        pos[i, 2] += dt * (vel[i, 2] + dt * world[G_Z])
+        mov[i, 0] = dt * (vel[i, 0] + dt * world[G_X])
+        mov[i, 1] = dt * (vel[i, 1] + dt * world[G_Y])
+        mov[i, 2] = dt * (vel[i, 2] + dt * world[G_Z])
     for p in range(2):
         parts[p, N_ROLL] = dt * roll[R_RATE + p]
 
@@ -1090,20 +1088,20 @@ def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Flo
 
 @compiled
 def _solve_joints(
-    n: int, pos: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
+    n: int, mov: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
 ) -> None:
     """Pull each joint once towards its motor-side angle through its spring."""
     for i in range(1, n - 1):
         # Three short sums, because one long sum would wait for each of its terms in turn.
-        ahead = w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
-        ahead += w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
-        ahead += w[i, GA_Z] * (pos[i - 1, 2] - w[i - 1, Z0])
-        middle = w[i, GM_X] * (pos[i, 0] - w[i, X0])
-        middle += w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
-        middle += w[i, GM_Z] * (pos[i, 2] - w[i, Z0])
-        behind = w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
-        behind += w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
-        behind += w[i, GB_Z] * (pos[i + 1, 2] - w[i + 1, Z0])
+        ahead = w[i, GA_X] * mov[i - 1, 0]
+        ahead += w[i, GA_Y] * mov[i - 1, 1]
+        ahead += w[i, GA_Z] * mov[i - 1, 2]
+        middle = w[i, GM_X] * mov[i, 0]
+        middle += w[i, GM_Y] * mov[i, 1]
+        middle += w[i, GM_Z] * mov[i, 2]
+        behind = w[i, GB_X] * mov[i + 1, 0]
+        behind += w[i, GB_Y] * mov[i + 1, 1]
+        behind += w[i, GB_Z] * mov[i + 1, 2]
         turned = behind + middle + ahead
         left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
         delta = left * w[i, J_INV]
@@ -1112,37 +1110,37 @@ def _solve_joints(
         if w[i, J_RESISTS] != 0.0:
             delta += _resist(i, turned, bend[i], body, dt2, w)
         step = body[i - 1, MASS_INV] * delta
-        pos[i - 1, 0] += step * w[i, GA_X]
-        pos[i - 1, 1] += step * w[i, GA_Y]
-        pos[i - 1, 2] += step * w[i, GA_Z]
+        mov[i - 1, 0] += step * w[i, GA_X]
+        mov[i - 1, 1] += step * w[i, GA_Y]
+        mov[i - 1, 2] += step * w[i, GA_Z]
         step = body[i, MASS_INV] * delta
-        pos[i, 0] += step * w[i, GM_X]
-        pos[i, 1] += step * w[i, GM_Y]
-        pos[i, 2] += step * w[i, GM_Z]
+        mov[i, 0] += step * w[i, GM_X]
+        mov[i, 1] += step * w[i, GM_Y]
+        mov[i, 2] += step * w[i, GM_Z]
         step = body[i + 1, MASS_INV] * delta
-        pos[i + 1, 0] += step * w[i, GB_X]
-        pos[i + 1, 1] += step * w[i, GB_Y]
-        pos[i + 1, 2] += step * w[i, GB_Z]
+        mov[i + 1, 0] += step * w[i, GB_X]
+        mov[i + 1, 1] += step * w[i, GB_Y]
+        mov[i + 1, 2] += step * w[i, GB_Z]
 
 
 @compiled
-def _solve_links(n: int, pos: Floats, body: Floats, w: Floats) -> None:
+def _solve_links(n: int, mov: Floats, body: Floats, w: Floats) -> None:
     """Bring each link back to its length once."""
     for m in range(n - 1):
-        dx = pos[m, 0] - pos[m + 1, 0]
-        dy = pos[m, 1] - pos[m + 1, 1]
-        dz = pos[m, 2] - pos[m + 1, 2]
+        dx = w[m, D_X] + mov[m, 0] - mov[m + 1, 0]
+        dy = w[m, D_Y] + mov[m, 1] - mov[m + 1, 1]
+        dz = w[m, D_Z] + mov[m, 2] - mov[m + 1, 2]
         # (d^2 - l^2) / 2l has the same root as d - l and needs no square root.
         scale = body[m, LINK_LENGTH] ** 2 - dx * dx - dy * dy - dz * dz
         scale *= w[m, LINK_SCALE]
         ahead = scale * body[m, MASS_INV]
         behind = scale * body[m + 1, MASS_INV]
-        pos[m, 0] += ahead * dx
-        pos[m, 1] += ahead * dy
-        pos[m, 2] += ahead * dz
-        pos[m + 1, 0] -= behind * dx
-        pos[m + 1, 1] -= behind * dy
-        pos[m + 1, 2] -= behind * dz
+        mov[m, 0] += ahead * dx
+        mov[m, 1] += ahead * dy
+        mov[m, 2] += ahead * dz
+        mov[m + 1, 0] -= behind * dx
+        mov[m + 1, 1] -= behind * dy
+        mov[m + 1, 2] -= behind * dz
 
 
 @compiled
@@ -1162,7 +1160,7 @@ def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: F
 def _turn_wheels(
     n: int,
     count: int,
-    pos: Floats,
+    mov: Floats,
     wheel: Floats,
     anchor: Floats,
     world: Floats,
@@ -1187,9 +1185,9 @@ def _turn_wheels(
         i = who[c, NODE]
         drive = con[c, DRIVE]
         side = con[c, SIDE]
-        rolled = _rolled(c, i, who[c, OTHER], pos, w, con)
+        rolled = _rolled(c, i, who[c, OTHER], mov, con)
         left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
-        aside = con[c, S_TARGET] - _slid(c, i, pos, w, parts, con, who[c, PART])
+        aside = con[c, S_TARGET] - _slid(c, i, mov, parts, con, who[c, PART])
         tally[i, T_DRIVE] += abs(drive) * con[c, K_RADIUS]
         tally[i, T_GRIP] += drive
         friction = con[c, K_MU] * con[c, PUSH]
@@ -1409,6 +1407,8 @@ def advance(
     read = state[S_READ * n : S_ROLL * n]
     roll = state[S_ROLL * n : S_ROLL * n + ROLL_ENTRIES]
     w = np.zeros((n, _NODE_COLUMNS))
+    mov = np.zeros((n, 3))
+    off = np.empty((2, n))
     parts = np.zeros((2, _PART_COLUMNS))
     tally = np.zeros((n, _T_COLUMNS))
     con = np.empty((_CONTACTS_EACH * n, _CONTACT_COLUMNS))
@@ -1455,21 +1455,24 @@ def advance(
             deepest = min(deepest, con[c, GAP])
         for c in range(leans):
             deepest = min(deepest, cor[c, K_GAP])
-        _predict(n, pos, vel, roll, world, parts)
+        _predict(n, mov, vel, roll, world, parts)
         twist = 0.0
         for _ in range(int(world[ITERATIONS])):
-            _solve_joints(n, pos, bend, motor, body, dt * dt, w)
-            _solve_planes(n, pos, body, world, w, parts)
+            _solve_joints(n, mov, bend, motor, body, dt * dt, w)
+            _solve_planes(n, mov, body, world, w, parts, off)
             twist = _solve_twist(roll, parts, dt, twist)
-            _solve_contacts(count, pos, body, compliance, w, parts, con, who)
-            _solve_leaning(leans, pos, body, compliance, w, cor, leaning)
-            _solve_links(n, pos, body, w)
+            _solve_contacts(count, mov, body, compliance, parts, con, who)
+            _solve_leaning(leans, mov, body, compliance, w, cor, leaning)
+            _solve_links(n, mov, body, w)
         for i in range(n):
-            vel[i, 0] = (pos[i, 0] - w[i, X0]) / dt
-            vel[i, 1] = (pos[i, 1] - w[i, Y0]) / dt
-            vel[i, 2] = (pos[i, 2] - w[i, Z0]) / dt
+            vel[i, 0] = mov[i, 0] / dt
+            pos[i, 0] += mov[i, 0]
+            vel[i, 1] = mov[i, 1] / dt
+            pos[i, 1] += mov[i, 1]
+            vel[i, 2] = mov[i, 2] / dt
+            pos[i, 2] += mov[i, 2]
             tally[i, T_TORQUE] += body[i, JOINT_K] * (motor[i] - bend[i])
-        _turn_wheels(n, count, pos, wheel, anchor, world, w, parts, con, who, touch, tally)
+        _turn_wheels(n, count, mov, wheel, anchor, world, w, parts, con, who, touch, tally)
         _keep(roll, parts, dt)
     _stand(pos, roll, world, parts)
     _project(n, pos, legs, world, parts, spot, out)
