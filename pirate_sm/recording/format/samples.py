@@ -8,9 +8,11 @@ so that the messages can be made later as they would have been made then.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from functools import cache
 from itertools import chain
+from math import isfinite
 from typing import Any, Final, NamedTuple
+
+from pydantic_core import to_json
 
 from pirate_sm.geometry.space import Place
 from pirate_sm.recording.format.engine_topics import DIALECT, ENGINE
@@ -52,46 +54,39 @@ class Placed(NamedTuple):
     wheels: Sequence[Place]
 
 
-class SampleText(NamedTuple):
-    """A sample as it is written.
+class PlacesSample(NamedTuple):
+    """A sample as it is kept until it is written.
 
     Attributes:
         at_s: Its time, s.
         known: As in :class:`Placed`.
-        places: Its entry in the column ``places_m``.
+        places_m: Its entry in the column of this name.
     """
 
     at_s: float
     known: bool
-    places: str
+    places_m: tuple[float, ...]
 
 
-def rounded(wheels: Sequence[Place]) -> tuple[Place, ...]:
-    """Return the positions with nine digits, as a recording has them."""
-    return tuple((float(f"{x:.9g}"), float(f"{y:.9g}")) for x, y in wheels)
+def places_sample(at_s: float, known: bool, wheels: Sequence[Place]) -> PlacesSample:
+    """Return the sample of these positions."""
+    return PlacesSample(at_s, known, tuple(chain.from_iterable(wheels)))
 
 
-def sample_text(at_s: float, known: bool, wheels: Sequence[Place]) -> SampleText:
-    """Return the sample as it is written; positions have nine digits."""
-    text = _layout(len(wheels)) % (*chain.from_iterable(wheels),)
-    return SampleText(at_s, known, "[]" if "n" in text else text)  # JSON has no nan and no inf
-
-
-@cache
-def _layout(wheels: int) -> str:
-    return f"[{','.join(['%.9g,%.9g'] * wheels)}]"
-
-
-def encode_samples(samples: Sequence[SampleText]) -> bytes:
-    """Return a batch of samples as JSON."""
-    times = ",".join([repr(each.at_s) for each in samples])
-    known = ",".join(["true" if each.known else "false" for each in samples])
-    places = ",".join([each.places for each in samples])
-    return f'{{"t_s":[{times}],"known":[{known}],"places_m":[{places}]}}'.encode()
+def encode_samples(samples: Sequence[PlacesSample]) -> bytes:
+    """Return a batch of samples as JSON; a position that is no number is unknown."""
+    times_s, known, places_m = zip(*samples, strict=True)
+    finite = [each if isfinite(sum(each)) else () for each in places_m]
+    return to_json({"t_s": times_s, "known": known, "places_m": finite})
 
 
 def decode_samples(batch: dict[str, Any]) -> Iterator[Placed]:
     """Yield the samples of a batch."""
     for at_s, known, places in zip(batch["t_s"], batch["known"], batch["places_m"], strict=True):
         values = iter(places)
-        yield Placed(at_s, known, tuple(zip(values, values, strict=True)))
+        yield Placed(at_s, known, rounded(tuple(zip(values, values, strict=True))))
+
+
+def rounded(wheels: Sequence[Place]) -> tuple[Place, ...]:
+    """Return the positions with nine digits, as viewers are shown them."""
+    return tuple((float(f"{x:.9g}"), float(f"{y:.9g}")) for x, y in wheels)

@@ -76,7 +76,8 @@ class _Tables:
     def places(self, it: Placed) -> None:
         """Add the position of each wheel; ``known`` is 1 if a simulator knew the true one."""
         columns = [f"{wheel.name}_{axis}_m" for wheel in self._wheels for axis in "xy"]
-        row = (it.at_s, int(it.known), *chain.from_iterable(it.wheels))
+        places = (f"{value:.9g}" for value in chain.from_iterable(it.wheels))
+        row = (it.at_s, int(it.known), *places)
         self.add(TableRow("places", (TIME, "known", *columns), row))
 
     def add(self, row: TableRow) -> None:

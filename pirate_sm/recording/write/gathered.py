@@ -16,7 +16,7 @@ from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.recording.format.engine_topics import Input
-from pirate_sm.recording.format.samples import SampleText
+from pirate_sm.recording.format.samples import PlacesSample
 from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
 
@@ -38,11 +38,11 @@ class Sample(NamedTuple):
 class Pictured(NamedTuple):
     """A sample of a run that a camera watches."""
 
-    sample: SampleText
+    sample: PlacesSample
     camera: CameraView
 
 
-Told: TypeAlias = Caused | Sample | SampleText | Pictured
+Told: TypeAlias = Caused | Sample | PlacesSample | Pictured
 
 
 class Gathered:

@@ -8,9 +8,9 @@ from pirate_sm.recording.format.samples import (
     SAMPLES,
     SCHEMA,
     SCHEMA_NAME,
-    SampleText,
+    PlacesSample,
     encode_samples,
-    sample_text,
+    places_sample,
 )
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
@@ -20,10 +20,10 @@ from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.recording.write.sampler import Sampler
 
 
-class KeptSamples(Sampler[SampleText | Pictured]):
+class KeptSamples(Sampler[PlacesSample | Pictured]):
     """Samples the run at intervals, and keeps only what its inputs do not give again.
 
-    A sample is text at once: one that held the engine's state would keep it in memory.
+    A sample is numbers at once: one that held the engine's state would keep that in memory.
 
     Args:
         placing: Reckons where the wheels are, if nobody knows.
@@ -31,7 +31,7 @@ class KeptSamples(Sampler[SampleText | Pictured]):
     """
 
     def __init__(self, placing: Placing, camera: CameraMessages | None) -> None:
-        super().__init__(self._text)
+        super().__init__(self._kept)
         self._placing = placing
         self._camera = camera
 
@@ -42,14 +42,14 @@ class KeptSamples(Sampler[SampleText | Pictured]):
             if isinstance(each, Pictured):
                 self._show(file, each)
                 samples.append(each.sample)
-            elif isinstance(each, SampleText):
+            elif isinstance(each, PlacesSample):
                 samples.append(each)
         if samples:
             file.add(SAMPLES, samples[0].at_s, encode_samples(samples), SCHEMA, SCHEMA_NAME)
 
-    def _text(self, at_s: float, it: ViewerSnapshot) -> SampleText | Pictured:
+    def _kept(self, at_s: float, it: ViewerSnapshot) -> PlacesSample | Pictured:
         wheels = it.wheels or self._placing.look(it.state, at_s) or ()
-        sample = sample_text(at_s, it.known, wheels)
+        sample = places_sample(at_s, it.known, wheels)
         return sample if it.camera is None else Pictured(sample, it.camera)
 
     def _show(self, file: RecordingFile, it: Pictured) -> None:

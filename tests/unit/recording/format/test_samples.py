@@ -14,26 +14,25 @@ from pirate_sm.recording.format.samples import (
     Placed,
     decode_samples,
     encode_samples,
+    places_sample,
     rounded,
-    sample_text,
 )
 
-NUMBERS = st.floats(allow_nan=False, allow_infinity=False)
-PLACED = st.builds(
-    Placed, NUMBERS, st.booleans(), st.lists(st.tuples(NUMBERS, NUMBERS), max_size=6)
-)
+NUMBERS = st.floats(-1e3, 1e3)
+WHEELS = st.lists(st.tuples(NUMBERS, NUMBERS), max_size=6)
+PLACED = st.builds(Placed, NUMBERS, st.booleans(), WHEELS)
 
 
-@given(st.lists(PLACED, max_size=4))
+@given(st.lists(PLACED, min_size=1, max_size=4))
 def test_samples_come_back_rounded(samples: list[Placed]) -> None:
-    written = json.loads(encode_samples([sample_text(*each) for each in samples]))
+    written = json.loads(encode_samples([places_sample(*each) for each in samples]))
 
     jsonschema.validate(written, SCHEMA)
     expected = [each._replace(wheels=rounded(each.wheels)) for each in samples]
     assert list(decode_samples(written)) == expected
 
 
-@given(st.lists(st.tuples(NUMBERS, NUMBERS), min_size=1))
+@given(WHEELS)
 def test_rounding_twice_changes_nothing(wheels: list[tuple[float, float]]) -> None:
     once = rounded(wheels)
 
@@ -44,8 +43,8 @@ def test_rounding_twice_changes_nothing(wheels: list[tuple[float, float]]) -> No
 
 def test_a_place_that_is_no_number_is_unknown() -> None:
     for wrong in (nan, inf, -inf):
-        text = sample_text(1.5, True, [(0.0, 1.0), (wrong, 2.0)])
+        sample = places_sample(1.5, True, [(0.0, 1.0), (wrong, 2.0)])
 
-        (placed,) = decode_samples(json.loads(encode_samples([text])))
+        (placed,) = decode_samples(json.loads(encode_samples([sample])))
 
         assert placed == Placed(1.5, True, ())
