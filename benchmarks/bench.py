@@ -25,7 +25,7 @@ from typing import Any
 
 from benchmarks.campaign import run
 from benchmarks.console import measure_console
-from benchmarks.recording import measure_recording
+from benchmarks.recording import measure_commands, measure_recording, measure_short
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
@@ -43,6 +43,8 @@ def main() -> int:
     _simulator()
     print("recording")
     measure_recording()
+    measure_short()
+    measure_commands()
     measure_console()
     _processes()
     return 0

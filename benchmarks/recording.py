@@ -7,6 +7,10 @@ The same mission, up and down a straight pipe for ten minutes, with and without 
 fast as it goes, and for a while in real time, where the share of one processor counts. Processor
 time is that of the whole process, with the thread that writes.
 
+Then a short mission as fast as it goes, in turn without a recording, with one, and with one that
+has messages for viewers: what the recording adds to the user's processor time of the mission, from
+its beginning to the closed file, and to that of the whole command.
+
 With ``--hours`` so much mission time is recorded and then read by the commands that read
 recordings, each as a process of its own: time on the wall, processor time, most memory. A file
 named by ``--keep`` is made once and used again.
@@ -36,6 +40,14 @@ from pirate_sm.wiring import Order, prepare
 MISSION = Path(__file__).with_name("ten_minutes.yaml")
 REPEATS = 5
 REAL_TIME_S = 20.0
+BEND = "mitre_bend"
+BENDS = 20
+"""Number of short missions of each kind."""
+
+COMMANDS = 5
+PACED = 1e6
+"""A speed at which nothing waits, but at which messages for viewers are recorded."""
+
 TEN_MINUTES_S = 600.0
 
 
@@ -45,13 +57,14 @@ class Cost:
 
     Attributes:
         wall_s: On the wall.
-        processor_s: On processors.
+        processor_s: On processors; ``user_s`` of it outside of the operating system.
         run_s: Mission time.
         size: Of the recording, bytes; ``beginning`` of what does not grow with time.
     """
 
     wall_s: float
     processor_s: float
+    user_s: float
     run_s: float
     size: int
     beginning: int
@@ -104,6 +117,47 @@ def measure_recording() -> None:
     print(f"        ten minutes: {real.size_of(TEN_MINUTES_S) / 1e6:.1f} MB")
 
 
+def measure_short() -> None:
+    """What a recording adds to a short mission is printed."""
+    kinds: dict[str, tuple[bool, float]] = {
+        "without": (False, inf),
+        "with": (True, inf),
+        "for viewers": (True, PACED),
+    }
+    spent: dict[str, list[float]] = {kind: [] for kind in kinds}
+    sizes: dict[str, int] = {}
+    with tempfile.TemporaryDirectory() as name:
+        for number in range(BENDS + 1):
+            for kind, (kept, factor) in kinds.items():  # in turn: see above
+                path = Path(name) / f"{kind}_{number}.mcap" if kept else None
+                cost = _run(path, factor, inf, BEND)
+                sizes[kind] = cost.size
+                if number:  # the first is slower
+                    spent[kind].append(cost.user_s)
+    print(f"    {BEND}, as fast as it goes, user's processor time, {BENDS} runs of each in turn")
+    base = median(spent["without"])
+    print(f"        without a recording {base * 1e3:.1f} ms")
+    for kind in ("with", "for viewers"):
+        pairs = zip(spent[kind], spent["without"], strict=True)
+        added = median(one / other - 1 for one, other in pairs)
+        at = f"{median(spent[kind]) * 1e3:.1f} ms"
+        print(f"        {kind:17} {at}, {added:+.0%}; {sizes[kind] / 1e3:.0f} kB")
+
+
+def measure_commands() -> None:
+    """What a recording adds to the whole command is printed."""
+    spent: dict[str, list[float]] = {"--no-record": [], "--record": []}
+    with tempfile.TemporaryDirectory() as name:
+        for number in range(COMMANDS + 1):
+            for option, found in spent.items():
+                file = [Path(name) / f"{number}.mcap"] if option == "--record" else []
+                used = _used("run", BEND, "--speed", "max", "-q", option, *file)
+                if number:
+                    found.append(used.ru_utime)
+    without, kept = (median(found) for found in spent.values())
+    print(f"        the command {without:.2f} s without, {kept:.2f} s with a recording")
+
+
 def _share(cost: Cost) -> str:
     return f"{cost.processor_s / cost.wall_s:.2%} of a processor"
 
@@ -112,11 +166,11 @@ def _median(costs: list[Cost], of: Callable[[Cost], float]) -> float:
     return median(map(of, costs))
 
 
-def _run(path: Path | None, factor: float, until_s: float) -> Cost:
-    prepared = prepare(Order(str(MISSION)))
+def _run(path: Path | None, factor: float, until_s: float, mission: str = str(MISSION)) -> Cost:
+    prepared = prepare(Order(mission))
     wishes = RecordingOptions(record=str(path) if path else None, off=path is None)
     requests = StopRequests()
-    began_s, spent_s = perf_counter(), process_time()
+    began_s, spent_s, user_s = perf_counter(), process_time(), _user_s()
     with recorded(prepared, wishes, factor) as kept:
         run = MissionRun(
             prepared.engine, prepared.backend, tap=kept.tap, requests=requests, factor=factor,
@@ -129,7 +183,11 @@ def _run(path: Path | None, factor: float, until_s: float) -> Cost:
         result = run.execute()
     wall_s, processor_s = perf_counter() - began_s, process_time() - spent_s
     size = path.stat().st_size if path else 0
-    return Cost(wall_s, processor_s, result.now_s, size, beginning)
+    return Cost(wall_s, processor_s, _user_s() - user_s, result.now_s, size, beginning)
+
+
+def _user_s() -> float:
+    return resource.getrusage(resource.RUSAGE_SELF).ru_utime
 
 
 def measure_long(hours: float, kept: Path | None) -> None:
@@ -159,18 +217,29 @@ def measure_long(hours: float, kept: Path | None) -> None:
 def _command(*arguments: object) -> None:
     """The command has been run; what it took is printed."""
     words = [str(each) for each in arguments]
-    code = "from pirate_sm.cli.entry import main; main()"
     began_s = perf_counter()
-    child = subprocess.Popen(
-        [sys.executable, "-c", code, *words], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
-    _, status, used = os.wait4(child.pid, 0)
-    child.returncode = os.waitstatus_to_exitcode(status)
+    used = _used(*words)
     what = " ".join(word for word in words if "/" not in word)
     print(
         f"        {what:<46} {perf_counter() - began_s:6.1f} s, {_processor_s(used):6.1f} s of "
-        f"processors, {used.ru_maxrss / 1e3:5.0f} MB, exit code {child.returncode}"
+        f"processors, {used.ru_maxrss / 1e3:5.0f} MB"
     )
+
+
+def _used(*arguments: object) -> resource.struct_rusage:
+    """Return what the command has used.
+
+    Raises:
+        RuntimeError: It has failed.
+    """
+    code = "from pirate_sm.cli.entry import main; main()"
+    words = [sys.executable, "-c", code, *map(str, arguments)]
+    child = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    _, status, used = os.wait4(child.pid, 0)
+    child.returncode = os.waitstatus_to_exitcode(status)
+    if child.returncode:
+        raise RuntimeError(f"{words[3:]} ended with exit code {child.returncode}")
+    return used
 
 
 def _processor_s(used: resource.struct_rusage) -> float:
@@ -186,4 +255,6 @@ if __name__ == "__main__":
         measure_long(given.hours, given.keep)
     else:
         measure_recording()
+        measure_short()
+        measure_commands()
     sys.exit(0)

@@ -17,10 +17,12 @@ from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
+from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.report.poses import EVERY_S, Poses
+from pirate_sm.runtime.observers import Wheels
 from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.run_recorder import RunRecorder, requested_recording, run_header
 
@@ -44,6 +46,9 @@ class Notes:
         prepared: The run.
         header: What was run.
         recorder: Who else keeps the steps.
+
+    Attributes:
+        stepwise: Whether the recorder looks at the run after each step.
     """
 
     def __init__(self, prepared: Prepared, header: RunHeader, recorder: Recorder | None) -> None:
@@ -53,6 +58,7 @@ class Notes:
         self._steps: list[Step] = []
         self._poses = Poses(true=True)
         self._pose_s = 0.0
+        self.stepwise = recorder is not None and recorder.stepwise
 
     def start(
         self,
@@ -78,6 +84,19 @@ class Notes:
             self._recorder.take(event, now_s, effects)
         self._steps.append(Step(len(self._steps), now_s, event, tuple(effects), "engine"))
         self._pose(now_s)
+
+    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
+        """Note many steps of the engine at once."""
+        if self._recorder is not None:
+            self._recorder.take_block(block, wheels)
+        number = len(self._steps)
+        for index, (at_s, frame) in enumerate(block.frames()):
+            self._steps.append(Step(number + index, at_s, frame, (), "engine"))
+            if wheels is not None and at_s >= self._pose_s:
+                self._pose_s = at_s + EVERY_S
+                self._poses.add(at_s, wheels(index))
+        if wheels is None:
+            self._pose(block.times_s[-1])
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note what was done past the engine."""

@@ -98,7 +98,7 @@ def recorded(
     if path is None and not options.live:
         yield Kept(prepared)
         return
-    header = run_header(prepared, factor, began)
+    header = run_header(prepared, factor, began, live=options.live)
     with ExitStack() as stack:
         live, served = _live(options, stack)
         file: RecordingFile | None = None

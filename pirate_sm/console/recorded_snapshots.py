@@ -13,8 +13,10 @@ from pirate_sm.geometry.plane import walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.true_position import Truth
+from pirate_sm.recording.format.samples import Placed
+from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Checkpoint, Shown, with_own_times
+from pirate_sm.recording.read.steps import Checkpoint, with_own_times
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import engine_of, rerun
 from pirate_sm.showing.live_snapshots import Trends
@@ -30,8 +32,6 @@ FINEST_S = 0.1
 
 _MOST_WINDOWS = 8
 """The most stretches between checkpoints whose snapshots are in memory."""
-
-_PLACES = "/places"
 
 
 class RecordedSnapshots:
@@ -150,31 +150,27 @@ def _frames(
 
 
 class _RecordedPlaces:
-    """Reads the robot's positions from the recording's messages for viewers."""
+    """Reads the robot's positions from the recording."""
 
     def __init__(self, recording: Recording, loaded: LoadedMission) -> None:
-        body = loaded.loaded_robot.profile.body
-        names = [wheel.name for wheel in body.wheels]
-        self._radius_m = body.wheel_radius
+        self._body = loaded.loaded_robot.profile.body
         pipe = loaded.pipe
         self._walls = walls(pipe.route()) if pipe is not None else ()
-        self._names = names
-        self._shown: Iterator[Shown] = iter(())
+        self._places: Iterator[Placed] = iter(())
         self._recording = recording
-        self._next: Shown | None = None
+        self._next: Placed | None = None
         self._newest: tuple[Place, ...] = ()
         self.known = False
 
     def begin(self, since_s: float) -> None:
         """Begin to read positions at this time."""
-        self._shown = self._recording.shown(_PLACES, since_s=since_s)
-        self._next = next(self._shown, None)
+        self._places = recorded_places(self._recording, self._body, since_s)
+        self._next = next(self._places, None)
 
     def at(self, time_s: float) -> Truth | None:
         """Return the newest position by this time, in order of time; None if none is recorded."""
         while self._next is not None and self._next.at_s <= time_s:
-            content = self._next.content
-            self.known = bool(content.get("known"))
-            self._newest = tuple((content[f"{n}_x_m"], content[f"{n}_y_m"]) for n in self._names)
-            self._next = next(self._shown, None)
-        return Truth(self._newest, self._radius_m, self._walls, 0.0) if self._newest else None
+            self.known, self._newest = self._next.known, tuple(self._next.wheels)
+            self._next = next(self._places, None)
+        radius_m = self._body.wheel_radius
+        return Truth(self._newest, radius_m, self._walls, 0.0) if self._newest else None

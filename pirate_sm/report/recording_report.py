@@ -8,10 +8,10 @@ from dataclasses import replace
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.recording.format.header import RunHeader
+from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import rerun
-from pirate_sm.recording.viewers.viewer_messages import PLACES
 from pirate_sm.report.contents import Fact, Report
 from pirate_sm.report.poses import Poses
 from pirate_sm.report.report_builder import About, gather
@@ -68,12 +68,10 @@ def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] =
 
 def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
     """Return the robot's true positions from a simulator; None if they are unknown."""
-    names = [wheel.name for wheel in loaded.loaded_robot.profile.body.wheels]
     poses = Poses(true=True)
-    for shown in recording.shown(PLACES):
-        if shown.content.get("known"):
-            x, y = ([shown.content[f"{name}_{axis}_m"] for name in names] for axis in "xy")
-            poses.add(shown.at_s, list(zip(x, y, strict=True)))
+    for placed in recorded_places(recording, loaded.loaded_robot.profile.body):
+        if placed.known:
+            poses.add(placed.at_s, placed.wheels)
     return poses if poses.times_s else None
 
 

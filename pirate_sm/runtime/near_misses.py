@@ -14,6 +14,7 @@ from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
+from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.runtime.near_miss_kinds import (
     CommandTimes,
     EngineStep,
@@ -23,6 +24,7 @@ from pirate_sm.runtime.near_miss_kinds import (
     WaitTimes,
     WordTimes,
 )
+from pirate_sm.runtime.observers import Wheels
 
 
 class NearMisses:
@@ -32,6 +34,8 @@ class NearMisses:
         robot: The robot with the fault rules.
         program: The mission with the limits.
     """
+
+    stepwise = True
 
     def __init__(self, robot: RobotSpec, program: Program) -> None:
         self._robot = robot
@@ -65,6 +69,11 @@ class NearMisses:
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Look at a step."""
         self._look(event, now_s, effects)
+
+    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
+        """Look at each step of a block."""
+        for now_s, frame in block.frames():
+            self.take(frame, now_s, ())
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Do nothing: actions past the engine do not count."""

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from pirate_sm.recording.format.header import RunHeader
     from pirate_sm.recording.viewers.live_server import Live
     from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
+    from pirate_sm.recording.write.kept_samples import KeptSamples
     from pirate_sm.recording.write.recorder import Recorder
     from pirate_sm.recording.write.recording_file import RecordingFile
     from pirate_sm.recording.write.side_channel import SideChannel
@@ -26,13 +27,18 @@ LIVE_S = 0.1
 """Interval at which connected viewers get new data."""
 
 
-def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
+def run_header(
+    prepared: Prepared, factor: float, began: datetime, *, live: bool = False
+) -> RunHeader:
     """Return the header of a run's recording.
+
+    A run as fast as possible has no messages for viewers, which cost more than all the rest.
 
     Args:
         prepared: The run.
         factor: Mission seconds per second of the wall clock.
         began: When the run began.
+        live: Whether viewers are connected during the run.
     """
     from pydantic_core import to_jsonable_python
 
@@ -47,21 +53,37 @@ def run_header(prepared: Prepared, factor: float, began: datetime) -> RunHeader:
         detector=prepared.detector,
         options=options,
         began=began,
+        viewers=live or prepared.backend.real_time or not isinf(factor),
     )
 
 
-def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSnapshot | None:
-    """Return the present state for viewers; None before the engine has started."""
+def looking(
+    prepared: Prepared, state: Callable[[], EngineState | None], *, signals: bool
+) -> Callable[[], ViewerSnapshot | None]:
+    """Return a function that returns the present state; None before the engine has started.
+
+    Args:
+        prepared: The run.
+        state: Returns the engine's state.
+        signals: Whether its signals are wanted.
+    """
     from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
-    if state is None:
-        return None
-    numbers = prepared.engine.numbers(state)
-    camera = prepared.camera() if prepared.camera else None
-    if prepared.wheels is not None:
-        return ViewerSnapshot(state, numbers, prepared.wheels(), True, camera)
-    taken = prepared.reckoned() if prepared.reckoned else None
-    return ViewerSnapshot(state, numbers, taken.wheels if taken else None, False, camera)
+    wheels, reckoned, seen = prepared.wheels, prepared.reckoned, prepared.camera
+    numbers = prepared.engine.numbers
+
+    def look() -> ViewerSnapshot | None:
+        now = state()
+        if now is None:
+            return None
+        given = numbers(now) if signals else ()
+        camera = seen() if seen else None
+        if wheels is not None:
+            return ViewerSnapshot(now, given, wheels(), True, camera)
+        taken = reckoned() if reckoned else None
+        return ViewerSnapshot(now, given, taken.wheels if taken else None, False, camera)
+
+    return look
 
 
 class RunRecorder:
@@ -75,7 +97,7 @@ class RunRecorder:
 
     Attributes:
         recorder: The tap that records every step.
-        side: The channel to viewers.
+        side: The channel to viewers, or what keeps the samples.
     """
 
     def __init__(
@@ -85,13 +107,12 @@ class RunRecorder:
         file: RecordingFile | None,
         live: Live | None = None,
     ) -> None:
-        from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
         from pirate_sm.recording.write.recorder import COMMIT_S, Recorder
         from pirate_sm.recording.write.recording_file import Nowhere, RecordingFile
-        from pirate_sm.recording.write.side_channel import SideChannel
 
-        self.side: SideChannel = SideChannel(
-            ViewerMessages(prepared.loaded, prepared.order.start_at_m), live
+        self._viewers = header.viewers
+        self.side: SideChannel | KeptSamples = (
+            _side_channel(prepared, live) if header.viewers else _kept_samples(prepared)
         )
         self.recorder: Recorder = Recorder(
             file or RecordingFile(Nowhere(), header),
@@ -104,7 +125,7 @@ class RunRecorder:
     def follow(self, prepared: Prepared, state: Callable[[], EngineState | None]) -> None:
         """Show a run to viewers, and record its state at intervals."""
         self.recorder.follow(state)
-        self.side.follow(lambda: shown_to_viewers(prepared, state()))
+        self.side.follow(looking(prepared, state, signals=self._viewers))
 
     def close(self, path: Path | None, *, wanted: bool = True) -> None:
         """Finish the recording; remove its file if it is empty or not wanted."""
@@ -112,6 +133,26 @@ class RunRecorder:
         if path is not None and not (self.recorder.begun and wanted):
             with suppress(OSError):
                 path.unlink()
+
+
+def _side_channel(prepared: Prepared, live: Live | None) -> SideChannel:
+    """Return what makes the messages for viewers."""
+    from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
+    from pirate_sm.recording.write.side_channel import SideChannel
+
+    return SideChannel(ViewerMessages(prepared.loaded, prepared.order.start_at_m), live)
+
+
+def _kept_samples(prepared: Prepared) -> KeptSamples:
+    """Return what keeps the samples from which messages for viewers can be made."""
+    from pirate_sm.recording.viewers.camera_messages import CameraMessages
+    from pirate_sm.recording.viewers.wheel_places import Placing
+    from pirate_sm.recording.write.kept_samples import KeptSamples
+
+    loaded, profile = prepared.loaded, prepared.loaded.loaded_robot.profile
+    placing = Placing(profile, loaded.robot, loaded.pipe, prepared.order.start_at_m)
+    wheels = [wheel.name for wheel in profile.body.wheels]
+    return KeptSamples(placing, CameraMessages(wheels) if prepared.camera else None)
 
 
 def new_recording(path: Path, header: RunHeader) -> RecordingFile:

@@ -61,6 +61,10 @@ class ExportOptions:
     csv: Annotated[
         str | None, typer.Option(metavar="DIR", help="One table for each topic, SI units.")
     ] = None
+    viewers: Annotated[
+        str | None,
+        typer.Option(metavar="OUT.mcap", help="The recording with all that viewers can show."),
+    ] = None
     urdf: Annotated[
         str | None, typer.Option(metavar="FILE", help="The robot, from its profile.")
     ] = None

@@ -13,9 +13,12 @@ from __future__ import annotations
 import inspect
 import json
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any, Final, NamedTuple, TypeAlias, get_args, get_type_hints
+
+from pydantic_core import to_json
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events
@@ -146,6 +149,28 @@ class Topic:
         if self.spread >= 0:
             name = self.fields[self.spread][0]
             columns[name] = dict(zip(self.names, zip(*columns[name], strict=True), strict=True))
+        return self._encoded(columns)
+
+    def encode_frames(
+        self, steps: Sequence[int], times_s: Sequence[float], channels: Sequence[Sequence[float]]
+    ) -> bytes:
+        """Return a batch of a board's frames as JSON, as :meth:`encode` does.
+
+        Args:
+            steps: Number of the step of each frame.
+            times_s: Time of each frame, s.
+            channels: For each channel the values in all frames.
+        """
+        (board, _), (values, _) = self.fields
+        named = dict(zip(self.names, channels, strict=True))
+        boards = [self.board] * len(steps)
+        return self._encoded({"step": steps, "t_s": times_s, board: boards, values: named})
+
+    def _encoded(self, columns: dict[str, Any]) -> bytes:
+        with suppress(ValueError):  # text that is no Unicode
+            data = to_json(columns)  # three times as fast as the standard library
+            if b"NaN" not in data and b"Infinity" not in data:
+                return data
         try:
             return _json(columns)
         except ValueError:  # JSON has neither NaN nor infinities
@@ -207,13 +232,26 @@ class Topics:
         ours = (*self._inputs.values(), *self._frames.values(), *self._effects.values())
         self.by_name = {topic.name: topic for topic in (*ours, self._setpoints)}
 
+    @property
+    def channels(self) -> dict[int, int]:
+        """Return the number of channels of each board whose frames have a topic of their own."""
+        return {board: len(topic.names) for board, topic in self._frames.items()}
+
     def of_input(self, event: Input) -> Topic:
         """Return the topic of an event."""
-        if isinstance(event, events.SensorFrame):
+        if type(event) is events.SensorFrame:
             named = self._frames.get(event.board)
             if named is not None and len(named.names) == len(event.values):
                 return named
         return self._inputs[type(event)]
+
+    def of_frames(self, board: int) -> Topic:
+        """Return the topic of a board's frames.
+
+        Raises:
+            KeyError: The robot has no such board, or it has no channels.
+        """
+        return self._frames[board]
 
     def of_effect(self, effect: fx.Effect) -> Topic:
         """Return the topic of an effect."""

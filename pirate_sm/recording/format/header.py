@@ -16,8 +16,11 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.recording.format.engine_topics import WireLayout
 
-FORMAT = 1
+FORMAT = 2
 """Incremented when readers of recordings must change."""
+
+READABLE_FORMATS = (1, 2)
+"""Recordings of these are read: those of 1 all have messages for viewers."""
 
 PROFILE = "pirate_sm"
 """The profile in the MCAP header of our recordings."""
@@ -74,6 +77,8 @@ class RunHeader:
         boards: Names of channels by the number of the board.
         slots: Name and unit of each setpoint.
         files: The texts.
+        viewers: Whether it has messages for viewers; if not, it has samples, from which they can be
+            made.
     """
 
     began: str
@@ -91,6 +96,7 @@ class RunHeader:
     boards: dict[int, tuple[str, ...]]
     slots: tuple[tuple[str, str], ...]
     files: tuple[RecordedFile, ...]
+    viewers: bool = True
     format: int = FORMAT
     alphabet: int = ALPHABET_VERSION
     version: str = __version__
@@ -132,6 +138,7 @@ def header_of(
     detector: str,
     options: Mapping[str, Any],
     began: datetime,
+    viewers: bool = True,
 ) -> RunHeader:
     """Return the header of a recording of this mission; arguments as in :class:`RunHeader`."""
     robot, names = loaded.robot, loaded.robot.vocabulary.numbers
@@ -155,6 +162,7 @@ def header_of(
         },
         slots=tuple((slot.name, slot.unit) for slot in robot.slots),
         files=_files(loaded),
+        viewers=viewers,
     )
 
 

@@ -11,7 +11,13 @@ from mcap.records import Attachment
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.events import ALPHABET_VERSION, READABLE_ALPHABETS
-from pirate_sm.recording.format.header import FORMAT, RUN, RunHeader, header_from_json
+from pirate_sm.recording.format.header import (
+    FORMAT,
+    READABLE_FORMATS,
+    RUN,
+    RunHeader,
+    header_from_json,
+)
 from pirate_sm.recording.read.mcap_content import Content
 
 
@@ -53,7 +59,7 @@ def _check_versions(path: Path, data: bytes) -> None:
         version = str(plain["version"])
     except (ValueError, KeyError, TypeError):
         raise damaged(path, f"{RUN} has unexpected content") from None
-    if found[0] != FORMAT or found[1] not in READABLE_ALPHABETS:
+    if found[0] not in READABLE_FORMATS or found[1] not in READABLE_ALPHABETS:
         raise RecordingError(
             f"{shown(path)} was recorded by version {version} "
             f"(format {found[0]}, alphabet {found[1]}), "

@@ -186,16 +186,22 @@ class Recording:
                 yield each._replace(effects=with_own_times(each.effects, self.origin_s))
 
     def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
-        """Yield the messages for viewers, in order: of these topics, or of all.
+        """Yield the messages beside the engine's: of these topics, or all for viewers, in order.
 
         Args:
             topics: Their names.
             since_s: Messages before this time may be left out.
         """
+        for topic, time_ns, data in self.messages(*topics, since_s=since_s):
+            yield Shown(topic, self._time_s(time_ns), json.loads(data))
+
+    def messages(self, *topics: str, since_s: float = -inf) -> Iterator[Message]:
+        """Yield messages as they were written; arguments as for :meth:`shown`."""
         for _, messages in self._pieces(max(bisect_right(self.starts_s, since_s) - 2, 0)):
-            for topic, time_ns, data in messages:
+            for message in messages:
+                topic = message.topic
                 if topic in topics if topics else not topic.startswith(ENGINE):
-                    yield Shown(topic, self._time_s(time_ns), json.loads(data))
+                    yield message
 
     @cached_property
     def _reader(self) -> PieceReader:

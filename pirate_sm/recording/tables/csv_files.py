@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import csv
 from contextlib import ExitStack, suppress
-from math import nan
+from itertools import chain
 from pathlib import Path
 from typing import Any, TextIO
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.recording.format.samples import Placed
+from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Shown
 from pirate_sm.recording.replay.replay import rerun
 from pirate_sm.recording.tables.table_rows import TIME, TableRow, rows_of
-from pirate_sm.recording.viewers.viewer_messages import PLACES
 
 
 def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:
@@ -48,8 +48,8 @@ def _fill(tables: _Tables, recording: Recording, loaded: LoadedMission) -> None:
     again = rerun(recording, loaded, every_signal=True)
     for row in rows_of(loaded.robot, again, recording.origin_s):
         tables.add(row)
-    for place in recording.shown(PLACES):
-        tables.places(place)
+    for placed in recorded_places(recording, loaded.loaded_robot.profile.body):
+        tables.places(placed)
 
 
 class _Tables:
@@ -73,11 +73,11 @@ class _Tables:
                 path.unlink()
             self._folder.rmdir()
 
-    def places(self, it: Shown) -> None:
+    def places(self, it: Placed) -> None:
         """Add the position of each wheel; ``known`` is 1 if a simulator knew the true one."""
-        names = [wheel.name for wheel in self._wheels]
-        columns = [f"{name}_{axis}_m" for name in names for axis in "xy"]
-        row = (it.at_s, int(it.content["known"]), *(it.content.get(name, nan) for name in columns))
+        columns = [f"{wheel.name}_{axis}_m" for wheel in self._wheels for axis in "xy"]
+        places = (f"{value:.9g}" for value in chain.from_iterable(it.wheels))
+        row = (it.at_s, int(it.known), *places)
         self.add(TableRow("places", (TIME, "known", *columns), row))
 
     def add(self, row: TableRow) -> None:

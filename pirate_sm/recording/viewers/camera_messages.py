@@ -8,7 +8,14 @@ from collections.abc import Iterator, Sequence
 from math import isfinite
 
 from pirate_sm.detectors.vision_detector import CameraView
-from pirate_sm.recording.viewers.viewer_channel import NUMBER, Message, flat, foxglove, stamp
+from pirate_sm.recording.viewers.viewer_channel import (
+    NUMBER,
+    Message,
+    ViewerChannel,
+    flat,
+    foxglove,
+    stamp,
+)
 
 PICTURES = "/camera"
 """The topic with the camera's pictures."""
@@ -26,6 +33,11 @@ class CameraMessages:
         columns = (*self._names, "marks", "rms_px", "gray_spread", "age_s")
         self._seen = flat("/vision", dict.fromkeys(columns, NUMBER))
         self._pictures = foxglove(PICTURES, "CompressedImage")
+
+    @property
+    def channels(self) -> dict[str, ViewerChannel]:
+        """Return the topics by their names."""
+        return {channel.topic: channel for channel in (self._seen, self._pictures)}
 
     def of(self, at_s: float, time_ns: int, view: CameraView) -> Iterator[Message]:
         """Yield where the camera sees the wheels along the pipe, and its picture if there is one.

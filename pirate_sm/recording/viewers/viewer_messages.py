@@ -1,8 +1,8 @@
 """Messages for viewers: Foxglove's own message types, and flat topics that can be plotted.
 
 Times, frames, scene, joint states and log have Foxglove's published types, so Foxglove, Lichtblick
-and PlotJuggler need no set-up. The rest are plain numbers and words by name. All of it can be made
-again from the engine's inputs, and only viewers read it.
+and PlotJuggler need no set-up. The rest are plain numbers and words by name. All of it but the true
+positions and the camera's messages can be made again from the engine's inputs.
 """
 
 from __future__ import annotations
@@ -21,6 +21,7 @@ from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.column_names import signal_names, slot_names
+from pirate_sm.recording.format.samples import rounded
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
@@ -107,6 +108,7 @@ class ViewerMessages:
         numbers = dict(zip(self._numbers, shown, strict=True))
         points = it.wheels or self._placing.look(it.state, at_s)
         if points is not None:
+            points = rounded(points)
             yield self._tf, self._transforms.message(now, link_poses(points), numbers)
             known = '"known":true' if it.known else '"known":false'
             values = tuple(value for point in points for value in point)

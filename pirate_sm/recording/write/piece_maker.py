@@ -1,105 +1,79 @@
-"""Makes messages of a run's notes, and pieces of the file of the messages."""
+"""Makes messages of what a run has noted, and pieces of the file of the messages."""
 
 from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, Protocol
 
-from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Effect
 from pirate_sm.recording.format.engine_state_text import state_to_text
-from pirate_sm.recording.format.engine_topics import STATE, Input, Remembered, Topic, Topics
+from pirate_sm.recording.format.engine_topics import STATE, Remembered, Topic, Topics
+from pirate_sm.recording.write.frame_batches import batches_of_blocks, batches_of_frames
+from pirate_sm.recording.write.gathered import Caused, Gathered, Told
 from pirate_sm.recording.write.recording_file import RecordingFile
-from pirate_sm.recording.write.side_channel import Sample, SideChannel
-
-_BATCH_S = 2.0
-"""The longest mission time in one message, s."""
-
-
-class StepNote(NamedTuple):
-    """An input of the engine and its effects, as noted by the run."""
-
-    event: Input
-    at_s: float
-    effects: Sequence[Effect]
-
-
-class StateNote(NamedTuple):
-    """The engine's state after the previous note."""
-
-    at_s: float
-    state: EngineState
 
 
 class WrittenPiece(NamedTuple):
-    """Bytes to write at once; ``until_s`` is the time of the last note in them."""
+    """Bytes to write at once; ``until_s`` is the time of the last step in them."""
 
     data: bytes
     until_s: float | None
 
 
+class Beside(Protocol):
+    """Writes what a recording holds beside the engine's topics."""
+
+    def tell(self, file: RecordingFile, told: Sequence[Told]) -> None:
+        """Add messages about these effects and samples to the file; never raise."""
+
+
 class PieceMaker:
-    """Turns notes into messages, and messages into pieces of the file.
+    """Turns what was gathered into messages, and messages into pieces of the file.
 
     Two threads must not use it at the same time.
 
     Args:
         file: Receives the messages.
         topics: Topics of the engine's inputs and effects.
-        side: Makes the messages for viewers.
+        beside: Writes what the file holds beside these topics.
 
     Attributes:
         steps: Number of steps of the engine in the next piece.
     """
 
-    def __init__(self, file: RecordingFile, topics: Topics, side: SideChannel | None) -> None:
+    def __init__(self, file: RecordingFile, topics: Topics, beside: Beside | None) -> None:
         self.steps = 0
         self._file = file
         self._topics = topics
-        self._side = side
-        self._step = 0
-        self._since_s = 0.0
+        self._beside = beside
         self._until_s: float | None = None
-        self._rows: dict[Topic, list[tuple[Any, ...]]] = defaultdict(list)
 
-    def take(self, note: StepNote | Sample | StateNote) -> None:
-        """Add the note to the next piece."""
-        match note:
-            case StepNote():
-                self._add(note)
-            case StateNote(at_s, state):
-                row = (self._step - 1, at_s, Remembered(state_to_text(state)))
-                self._rows[STATE].append(row)
-            case Sample() if self._side is not None:
-                self._side.show(self._file, note)
-            case Sample():
-                pass
+    def take(self, gathered: Gathered) -> None:
+        """Add what was gathered to the next piece, in one batch for each topic."""
+        self.steps += gathered.steps
+        self._until_s = gathered.until_s
+        topics, rows = self._topics, defaultdict[Topic, list[tuple[Any, ...]]](list)
+        for row in gathered.inputs:
+            rows[topics.of_input(row[2])].append(row)
+        for each in gathered.told:
+            if isinstance(each, Caused):
+                for place, effect in enumerate(each.effects):
+                    rows[topics.of_effect(effect)].append((each.step, each.at_s, place, effect))
+        for step, at_s, state in gathered.states:
+            rows[STATE].append((step, at_s, Remembered(state_to_text(state))))
+        for topic, some in rows.items():
+            self._put(topic, some[0][1], topic.encode(some))
+        for topic, at_s, data in batches_of_frames(topics, gathered.frames):
+            self._put(topic, at_s, data)
+        for topic, at_s, data in batches_of_blocks(topics, gathered.blocks):
+            self._put(topic, at_s, data)
+        if self._beside is not None:
+            self._beside.tell(self._file, gathered.told)
 
     def cut(self) -> WrittenPiece:
         """Return everything since the last cut as bytes; empty if there is nothing."""
-        self._batch()
         self.steps = 0
         return WrittenPiece(self._file.cut(), self._until_s)
 
-    def _add(self, note: StepNote) -> None:
-        if note.at_s >= self._since_s + _BATCH_S:
-            self._batch()
-            self._since_s = note.at_s
-        step, at_s, rows, topics = self._step, note.at_s, self._rows, self._topics
-        self._until_s = at_s
-        self._step = step + 1
-        self.steps += 1
-        rows[topics.of_input(note.event)].append((step, at_s, note.event))
-        for place, effect in enumerate(note.effects):
-            row = (step, at_s, place, effect)
-            rows[topics.of_effect(effect)].append(row)
-        if note.effects and self._side is not None:
-            self._side.show_effects(self._file, note.at_s, note.effects)
-
-    def _batch(self) -> None:
-        """Make messages of the rows gathered so far."""
-        for topic, rows in self._rows.items():
-            data = topic.encode(rows)
-            self._file.add(topic.name, rows[0][1], data, topic.schema, topic.schema_name)
-        self._rows.clear()
+    def _put(self, topic: Topic, at_s: float, data: bytes) -> None:
+        self._file.add(topic.name, at_s, data, topic.schema, topic.schema_name)

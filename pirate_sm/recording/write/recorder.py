@@ -7,20 +7,27 @@ there ends the recording, not the run; ``failure`` gives the reason.
 from __future__ import annotations
 
 import threading
+from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable, Sequence
+from math import inf
 from time import perf_counter
 
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.space import Place
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.recording.format.engine_topics import Abandoned, Started, Topics
+from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.format.robot_state_text import body_to_text
-from pirate_sm.recording.write.piece_maker import PieceMaker, StateNote, StepNote, WrittenPiece
+from pirate_sm.recording.write.gathered import Gathered
+from pirate_sm.recording.write.kept_samples import KeptSamples
+from pirate_sm.recording.write.piece_maker import PieceMaker, WrittenPiece
 from pirate_sm.recording.write.recording_file import RecordingFile
-from pirate_sm.recording.write.side_channel import Sample, SideChannel
+from pirate_sm.recording.write.side_channel import SideChannel
+from pirate_sm.runtime.observers import Wheels
 
 COMMIT_S = 0.25
 """Interval at which notes are written to disk, s; the documentation promises half a second."""
@@ -35,10 +42,10 @@ _MOST_STEPS = 20_000
 """The most steps in one commit."""
 
 _HELP_AT = 2_000
-"""A run without a robot encodes notes itself when more than this many wait."""
+"""A run without a robot encodes its steps itself when more than this many wait."""
 
-_MOST_NOTES = 200_000
-"""The most notes that may wait for the thread while a robot is connected."""
+_MOST_WAITING = 200_000
+"""The most steps that may wait for the thread while a robot is connected."""
 
 _MOST_BYTES = 1 << 28
 """The most bytes that may wait for the disk."""
@@ -55,13 +62,14 @@ class Recorder:
         header: Its header.
         real_time: Whether a robot waits for the run. If none does, the run helps to encode when it
             is faster than the thread, because two threads of one interpreter hinder each other.
-        side: Makes the messages for viewers.
+        side: Makes the messages for viewers, or keeps the samples that they can be made from.
         commit_s: Interval of the wall clock at which everything is written to disk.
 
     Attributes:
         failure: Why recording has stopped; empty if it has not.
         kept_s: Mission time up to which everything is in the file; None before the first commit.
         begun: Whether anything has been noted.
+        stepwise: Whether it looks at the run after each step: for messages for viewers.
     """
 
     def __init__(
@@ -70,20 +78,25 @@ class Recorder:
         header: RunHeader,
         *,
         real_time: bool,
-        side: SideChannel | None = None,
+        side: SideChannel | KeptSamples | None = None,
         commit_s: float = COMMIT_S,
     ) -> None:
         self.failure = ""
         self.kept_s: float | None = None
         self.begun = False
+        self.stepwise = isinstance(side, SideChannel)
         self._file = file
-        self._pieces = PieceMaker(file, Topics(header.layout), side)
+        topics = Topics(header.layout)
+        self._pieces = PieceMaker(file, topics, side)
+        self._gathered = Gathered(0, topics.channels)
+        self._gathering = threading.Lock()
         self._real_time = real_time
+        self._due_s = -inf
         self._side = side
         self._commit_s = commit_s
-        self._notes: deque[StepNote | Sample | StateNote] = deque()
+        self._hand_over()
         self._look: Callable[[], EngineState | None] = lambda: None
-        self._checkpoint_s: float | None = None
+        self._checkpoint_s = -inf
         self._cut_s = perf_counter()
         self._making = threading.Lock()
         self._unwritten: deque[WrittenPiece] = deque()
@@ -110,19 +123,36 @@ class Recorder:
         """Note the start of the engine, with its inputs."""
         self.begun = True
         for event in seen:
-            self._note(StepNote(event, now_s, ()))
-        self._note(StepNote(Started(paused, body_to_text(body)), now_s, effects))
+            self._note(event, now_s, ())
+        self._note(Started(paused, body_to_text(body)), now_s, effects)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Note one step of the engine."""
-        self._note(StepNote(event, now_s, effects))
-        if self._checkpoint_s is None or now_s >= self._checkpoint_s:
-            self._remember(now_s)
+        with self._gathering:
+            step = self._gathered.add(event, now_s, effects)
+        if now_s >= self._due_s or step >= self._full:
+            self._attend(now_s)
+
+    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
+        """Note many steps of the engine at once.
+
+        Args:
+            block: Their frames.
+            wheels: Where the wheels were; None: a sample is taken after the block only.
+        """
+        times_s, side = block.times_s, self._side
+        with self._gathering:
+            step = self._gathered.add_block(block)
+        while side is not None and wheels is not None and times_s[-1] >= side.due_s:
+            index = bisect_left(times_s, side.due_s)
+            self._sample(side, times_s[index], wheels(index))
+        if times_s[-1] >= self._due_s or step >= self._full:
+            self._attend(times_s[-1])
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note effects of actions past the engine."""
         self.begun = True
-        self._note(StepNote(Abandoned(), now_s, effects))
+        self._note(Abandoned(), now_s, effects)
 
     def close(self) -> None:
         """Write the rest and close the file; if that fails, ``failure`` gives the reason."""
@@ -132,27 +162,44 @@ class Recorder:
         if self._thread.is_alive():
             self._fail("the disk does not answer")
 
-    def _note(self, note: StepNote) -> None:
-        if self.failure:
-            return
-        self._notes.append(note)
+    def _note(self, event: Input, now_s: float, effects: Sequence[Effect]) -> None:
+        with self._gathering:
+            self._gathered.add(event, now_s, effects)
+        if self._side is not None and now_s >= self._side.due_s:
+            self._sample(self._side, now_s)
+
+    def _attend(self, now_s: float) -> None:
+        """Do what is due after a step: a sample, a checkpoint, help for the thread."""
         side = self._side
-        if side is not None and note.at_s >= side.due_s:
-            sample = side.look(note.at_s)
-            if sample is not None:
-                self._notes.append(sample)
-        if len(self._notes) > (_MOST_NOTES if self._real_time else _HELP_AT):
+        if self.failure:
+            self._hand_over()
+            return
+        if side is not None and now_s >= side.due_s:
+            self._sample(side, now_s)
+        if now_s >= self._checkpoint_s:
+            self._remember(now_s)
+        self._due_s = min(self._checkpoint_s, inf if side is None else side.due_s)
+        if self._gathered.step >= self._full:
             self._lend_a_hand()
+
+    def _sample(
+        self, side: SideChannel | KeptSamples, now_s: float, wheels: Sequence[Place] | None = None
+    ) -> None:
+        sample = side.look(now_s, wheels)
+        if sample is not None:
+            with self._gathering:
+                self._gathered.told.append(sample)
 
     def _remember(self, now_s: float) -> None:
         """Note the engine's state when a checkpoint is due, except after the first step."""
-        state = self._look() if self._checkpoint_s is not None else None
+        state = self._look() if self._checkpoint_s > -inf else None
         self._checkpoint_s = now_s + CHECKPOINT_S
-        if state is not None and not self.failure:
-            self._notes.append(StateNote(now_s, state))
+        if state is not None:
+            with self._gathering:
+                self._gathered.remember(now_s, state)
 
     def _lend_a_hand(self) -> None:
-        """Encode notes in the run itself, or end a recording that is too slow."""
+        """Encode the steps in the run itself, or end a recording that is too slow."""
         if self._real_time or sum(len(each.data) for each in self._unwritten) > _MOST_BYTES:
             self._fail("the disk is too slow")
             return
@@ -167,7 +214,7 @@ class Recorder:
 
     def _fail(self, why: str) -> None:
         self.failure = self.failure or why
-        self._notes.clear()
+        self._hand_over()
 
     # --- the thread's side ------------------------------------------------------------------
 
@@ -207,16 +254,18 @@ class Recorder:
     # --- either side, one at a time -----------------------------------------------------------
 
     def _make(self) -> None:
-        """Make messages of the notes."""
-        notes = self._notes
-        for _ in range(len(notes)):
-            try:
-                note = notes.popleft()
-            except IndexError:  # the recording has ended meanwhile
-                return
-            self._pieces.take(note)
+        """Make messages of what was noted."""
+        self._pieces.take(self._hand_over())
         if self._pieces.steps >= _MOST_STEPS:
             self._cut()
+
+    def _hand_over(self) -> Gathered:
+        """Return what was noted since the last call."""
+        with self._gathering:
+            noted = self._gathered
+            self._gathered = noted.next()
+            self._full = noted.step + (_MOST_WAITING if self._real_time else _HELP_AT)
+        return noted
 
     def _cut(self) -> None:
         """Encode the messages so far as a piece, which waits for the disk."""

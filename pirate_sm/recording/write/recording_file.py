@@ -210,10 +210,16 @@ class RecordingFile(Pieces):
             schema: JSON Schema of the topic; used when the topic comes first.
             schema_name: Name of the schema.
         """
+        self.add_at(topic, self.time_ns(at_s), data, schema, schema_name)
+
+    def add_at(
+        self, topic: str, time_ns: int, data: bytes, schema: Mapping[str, Any], schema_name: str
+    ) -> None:
+        """Add the message to the next cut, with its time in ns since 1970; see :meth:`add`."""
         number = self._topics.get(topic)
         if number is None:
             number = self._topics[topic] = self.topic(topic, schema_name, _json(schema))
-        self.message(number, self.time_ns(at_s), data)
+        self.message(number, time_ns, data)
 
 
 def _json(data: Mapping[str, Any]) -> bytes:

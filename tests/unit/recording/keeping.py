@@ -21,7 +21,7 @@ def mission() -> LoadedMission:
     return load_mission(library.find_mission("mitre_bend"))
 
 
-def header() -> RunHeader:
+def header(*, viewers: bool = True) -> RunHeader:
     return header_of(
         mission(),
         began=datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC),
@@ -29,6 +29,7 @@ def header() -> RunHeader:
         nominal=False,
         detector="sim",
         options={"seed": 5},
+        viewers=viewers,
     )
 
 

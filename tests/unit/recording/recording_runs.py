@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from dataclasses import replace
 from datetime import UTC, datetime
-from math import inf
 from pathlib import Path
 
 from benchmarks.virtual_port import VirtualPort
@@ -14,6 +15,7 @@ from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
 from pirate_sm.detectors.registry import Asked, detecting
+from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.recording.format.header import header_of
@@ -26,6 +28,9 @@ from pirate_sm.wiring import Order, prepare
 from pirate_sm.wiring.sim import start_values
 
 ROOT = Path(__file__).resolve().parents[3]
+
+_PACED = 1e6
+"""A speed at which nothing waits, but at which messages for viewers are recorded."""
 
 
 def record(path: Path, order: Order) -> Recording:
@@ -53,10 +58,22 @@ def record(path: Path, order: Order) -> Recording:
 
 def record_with_viewers(path: Path, order: Order) -> Kept:
     """Run the mission with a recording as the command line makes it, messages for viewers too."""
-    prepared = prepare(order)
-    with recorded(prepared, RecordingOptions(record=str(path)), inf) as kept:
+    return record_as_asked(path, order, _PACED)
+
+
+def record_as_asked(
+    path: Path,
+    order: Order,
+    factor: float,
+    camera: Callable[[], CameraView | None] | None = None,
+) -> Kept:
+    """Run the mission at this speed with a recording as the command line makes it."""
+    prepared = replace(prepare(order), camera=camera)
+    with recorded(prepared, RecordingOptions(record=str(path)), factor) as kept:
         companions = [*prepared.companions, *kept.companions, FirstChoice()]
-        run = MissionRun(prepared.engine, prepared.backend, tap=kept.tap, companions=companions)
+        run = MissionRun(
+            prepared.engine, prepared.backend, tap=kept.tap, companions=companions, factor=factor
+        )
         kept.follow(run)
         run.execute()
     return kept

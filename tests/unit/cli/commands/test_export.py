@@ -35,11 +35,27 @@ def test_everything_that_is_asked_for_is_written_and_named(
     assert ElementTree.parse(files["plotjuggler"]).getroot().tag == "root"
 
 
+def test_the_recording_for_viewers_is_a_new_file(pirate: Any, run: Path, tmp_path: Path) -> None:
+    place, other = tmp_path / "all.mcap", tmp_path / "other.mcap"
+    other.write_text("mine")
+
+    done = pirate("export", run, "--viewers", place)
+    refused = pirate("export", run, "--viewers", other)
+
+    assert (done.exit_code, done.stdout.splitlines()[-1]) == (0, str(place))
+    assert read_recording(place).header.viewers
+    assert any(True for _ in read_recording(place).shown("/signals"))
+    assert refused.exit_code == 2
+    assert "exists already" in refused.stderr
+    assert other.read_text() == "mine"
+
+
 def test_to_ask_for_nothing_is_refused_with_what_there_is(pirate: Any, run: Path) -> None:
     result = pirate("export", run)
 
     assert result.exit_code == 2
-    assert "--csv DIR, --urdf, --lichtblick, --plotjuggler FILE" in result.stderr
+    asked = "--csv DIR, --viewers OUT.mcap, --urdf, --lichtblick, --plotjuggler FILE"
+    assert asked in result.stderr
 
 
 @pytest.mark.parametrize("option", ["--urdf", "--lichtblick", "--plotjuggler"])
@@ -52,7 +68,9 @@ def test_a_file_that_cannot_be_written_is_told(
     assert "cannot be written" in result.stderr
 
 
-@pytest.mark.parametrize("option", ["--csv", "--urdf", "--lichtblick", "--plotjuggler"])
+@pytest.mark.parametrize(
+    "option", ["--csv", "--viewers", "--urdf", "--lichtblick", "--plotjuggler"]
+)
 @pytest.mark.parametrize("linked", [False, True])
 def test_no_recording_is_overwritten(
     pirate: Any, run: Path, tmp_path: Path, option: str, linked: bool

@@ -80,7 +80,10 @@ def test_a_recording_cut_off_anywhere_is_read_up_to_there(whole: bytes, tmp_path
 
         assert steps >= before
         assert (steps > 0) == (length >= chunks[0][1])
-        assert ("all that was recorded is there" in notices[0]) == (steps == STEPS + 2)
+        over = any(
+            text in notices[0] for text in ("all that was recorded is there", "the run had ended")
+        )
+        assert over == (steps == STEPS + 2)
         assert ("ends early" in notices[0]) == (steps < STEPS + 2)
         before = steps
     assert before == STEPS + 2

@@ -22,7 +22,7 @@ from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.viewers.live_server import Live
 from pirate_sm.recording.viewers.log_lines import log_line
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages, ViewerSnapshot
-from pirate_sm.recording.write.side_channel import EVERY_S
+from pirate_sm.recording.write.sampler import EVERY_S
 from pirate_sm.wiring import Order, prepare
 
 NEWT = ROOT / "tests" / "robots" / "newt"

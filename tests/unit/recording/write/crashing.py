@@ -39,6 +39,10 @@ class Witness:
         self._tap.take(*arguments)
         self._remember()
 
+    @property
+    def stepwise(self) -> bool:
+        return True  # so that each step is told
+
     def abandon(self, *arguments: Any) -> None:
         self._tap.abandon(*arguments)
 

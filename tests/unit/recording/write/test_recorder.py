@@ -128,7 +128,7 @@ def test_a_disk_full_from_the_beginning_is_told_at_once() -> None:
 def test_a_run_with_a_robot_never_waits_for_a_disk_that_hangs(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr(module, "_MOST_NOTES", 100)
+    monkeypatch.setattr(module, "_MOST_WAITING", 100)
     monkeypatch.setattr(module, "_PATIENCE_S", 0.0)
     hang, begun = threading.Event(), threading.Event()
     memory = Memory()
@@ -154,7 +154,7 @@ def test_a_run_without_a_robot_makes_bytes_itself_when_it_is_ahead(
     one = recorder(memory)
     tell(one, told)
 
-    assert len(one._notes) <= 10
+    assert one._gathered.steps <= 10
     one.close()
     steps = list(read(memory, tmp_path).steps())
     assert [(step.event, step.at_s, step.effects) for step in steps[1:]] == told

@@ -1,0 +1,49 @@
+"""Makes one message for each board of the frames that a run has noted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, TypeAlias
+
+from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.recording.format.engine_topics import Topic, Topics
+
+Batch: TypeAlias = tuple[Topic, float, bytes]
+"""The topic of a board, the time of the first frame in s, and the frames as JSON."""
+
+
+def batches_of_frames(topics: Topics, frames: Mapping[int, Sequence[Any]]) -> Iterator[Batch]:
+    """Yield a batch for each board that has frames.
+
+    Args:
+        topics: The topics of the robot.
+        frames: See :class:`pirate_sm.recording.write.gathered.Gathered`.
+    """
+    for board, flat in frames.items():
+        if flat:
+            topic = topics.of_frames(board)
+            width = len(topic.names) + 2
+            steps, times_s, *channels = (flat[column::width] for column in range(width))
+            yield topic, times_s[0], topic.encode_frames(steps, times_s, channels)
+
+
+def batches_of_blocks(topics: Topics, blocks: Sequence[tuple[int, FrameBlock]]) -> Iterator[Batch]:
+    """Yield a batch for each board that has frames in these blocks.
+
+    Args:
+        topics: The topics of the robot.
+        blocks: The blocks, each with the number of its first step.
+    """
+    if not blocks:
+        return
+    import numpy as np  # noqa: PLC0415 - only a compiled simulator hands over blocks
+
+    steps = np.concatenate([np.arange(first, first + len(it)) for first, it in blocks])
+    times_s = np.concatenate([it.times_s for _, it in blocks])
+    boards = np.concatenate([it.boards for _, it in blocks])
+    values = np.concatenate([it.values for _, it in blocks])
+    for board in np.unique(boards).tolist():
+        mine, topic = boards == board, topics.of_frames(board)
+        at_s = times_s[mine].tolist()
+        channels = values[mine, : len(topic.names)].T.tolist()
+        yield topic, at_s[0], topic.encode_frames(steps[mine].tolist(), at_s, channels)

@@ -1,0 +1,63 @@
+"""Samples of a run beside the engine's topics, in a recording without messages for viewers."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from pirate_sm.recording.format.samples import (
+    SAMPLES,
+    SCHEMA,
+    SCHEMA_NAME,
+    PlacesSample,
+    encode_samples,
+    places_sample,
+)
+from pirate_sm.recording.viewers.camera_messages import CameraMessages
+from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
+from pirate_sm.recording.viewers.wheel_places import Placing
+from pirate_sm.recording.write.gathered import Pictured, Told
+from pirate_sm.recording.write.recording_file import RecordingFile
+from pirate_sm.recording.write.sampler import Sampler
+
+
+class KeptSamples(Sampler[PlacesSample | Pictured]):
+    """Samples the run at intervals, and keeps only what its inputs do not give again.
+
+    A sample is numbers at once: one that held the engine's state would keep that in memory.
+
+    Args:
+        placing: Reckons where the wheels are, if nobody knows.
+        camera: Makes the messages about a detector's camera; None without one.
+    """
+
+    def __init__(self, placing: Placing, camera: CameraMessages | None) -> None:
+        super().__init__(self._kept)
+        self._placing = placing
+        self._camera = camera
+
+    def tell(self, file: RecordingFile, told: Sequence[Told]) -> None:
+        """Add one batch of the samples to the file, and what the camera saw."""
+        samples = []
+        for each in told:
+            if isinstance(each, Pictured):
+                self._show(file, each)
+                samples.append(each.sample)
+            elif isinstance(each, PlacesSample):
+                samples.append(each)
+        if samples:
+            file.add(SAMPLES, samples[0].at_s, encode_samples(samples), SCHEMA, SCHEMA_NAME)
+
+    def _kept(self, at_s: float, it: ViewerSnapshot) -> PlacesSample | Pictured:
+        wheels = it.wheels or self._placing.look(it.state, at_s) or ()
+        sample = places_sample(at_s, it.known, wheels)
+        return sample if it.camera is None else Pictured(sample, it.camera)
+
+    def _show(self, file: RecordingFile, it: Pictured) -> None:
+        at_s = it.sample.at_s
+        if self._camera is None or self.failure:
+            return
+        try:
+            for channel, data in self._camera.of(at_s, file.time_ns(at_s), it.camera):
+                file.add(channel.topic, at_s, data, channel.schema, channel.schema_name)
+        except Exception as error:
+            self.fail(error)
