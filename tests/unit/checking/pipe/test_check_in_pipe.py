@@ -465,12 +465,12 @@ def test_forces_are_those_of_the_thesis() -> None:
     fit = Fit(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
     configuration = loaded.program.start_configuration
 
-    gamma = 2 * asin(fit.height_m / 0.09)  # eq. 3-2
+    gamma = 2 * asin(fit.height_m(0.12) / 0.09)  # eq. 3-2
     expected = 4 * 0.7 * 1.01 / (0.09 * cos(gamma / 2))  # eq. 3-3, sqrt(l^2 - h^2) = l cos(gamma/2)
     for part in (0, 1):
-        usual_nm, most_nm = fit.torques_nm(part, Actuated(configuration))
+        usual_nm, most_nm = fit.torques_nm(part, Actuated(configuration), 0.12)
         assert usual_nm == most_nm
-        assert fit.press_n(part, usual_nm) == pytest.approx(expected)
+        assert fit.press_n(part, usual_nm, 0.12) == pytest.approx(expected)
     assert fit.weight_n == pytest.approx(0.79 * 9.81)
     # docs: a vertical pipe needs about 0.21 Nm with one part at a friction of 0.5.
     assert expected * 0.21 / 0.707 * 0.5 == pytest.approx(fit.weight_n, rel=0.02)
