@@ -36,6 +36,11 @@ class _Missed(NamedTuple):
     off_rad: float
 
     @property
+    def passage(self) -> tuple[int, int]:
+        """Return into which bend it bends, and which part leads."""
+        return self.bending.joint, self.bending.point.bent[0]
+
+    @property
     def quarters(self) -> int:
         """Return how many quarter turns are missing, within ±2."""
         return round(self.off_rad / QUARTER_RAD)
@@ -50,11 +55,11 @@ def bends_in_the_plane(view: PipeView) -> Iterator[Finding]:
     """Report for each bend the first part that is never bent in its plane, to its inner wall."""
     if view.pipe.section != "round":
         return
-    told = set[int]()
+    told = set[tuple[int, int]]()
     for each in _missed(view):
-        if each.bending.joint in told:
+        if each.passage in told:
             continue
-        told.add(each.bending.joint)
+        told.add(each.passage)
         away = abs(each.quarters) == 2 and not each.askew
         yield _away(view, each) if away else _aside(view, each)
 
@@ -63,12 +68,12 @@ def _missed(view: PipeView) -> Iterator[_Missed]:
     """Yield the parts that miss a bend each time that they bend into it."""
     looked = [found for each in view.course.bends if (found := _looked_at(view, each)) is not None]
     right = {
-        (each.bending.joint, each.bending.bend.part)
+        (each.passage, each.bending.bend.part)
         for each in looked
         if abs(each.off_rad) < MOST_ROLL_RAD
     }
     for each in looked:
-        if (each.bending.joint, each.bending.bend.part) not in right:
+        if (each.passage, each.bending.bend.part) not in right:
             yield each
 
 
