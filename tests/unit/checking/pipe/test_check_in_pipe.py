@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.actuation_in_force import Actuated
-from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
+from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.loading import library
-from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.mission import load_mission
 
 from ..robots import NEWT, PIRATE, ROOT, changed, told
+from .small_missions_in_pipes import findings, found_in, mission, pipe
 
 MISSIONS = [
     *library.missions(),
@@ -25,29 +25,6 @@ MISSIONS = [
 BENT = "[{straight: 1 m}, {mitre: 90 deg}, {straight: 1 m}], start: {at: 700 mm}"
 ROUND = "[ClampFront, ClampRear, RelaxFront, BendInto, ClampFront, RelaxRear, BendBack, ClampRear]"
 BACK = "[ClampFront, ClampRear, RelaxRear, BendInto, ClampRear, RelaxFront, BendBack, ClampFront]"
-
-
-def mission(do: str, pipe: str, *lines: str) -> str:
-    return "\n".join(
-        (
-            "format: 1", "mission: m", "robot: pirate_ii", f"pipe: {pipe}", *lines, "start: a",
-            "phases:", f"  a: {{do: {do}, go: e}}", "ends: {e: {succeed: ok}}",
-        )
-    )  # fmt: skip
-
-
-def pipe(segments: str, rest: str = "") -> str:
-    return f"{{diameter: 120 mm, segments: {segments}{rest}}}"
-
-
-def found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
-    return tuple(sorted(pipe_findings(loaded), key=lambda each: each.order))
-
-
-def findings(folder: Path, text: str, **options: str) -> tuple[Finding, ...]:
-    file = folder / "m.yaml"
-    file.write_text(text, encoding="utf-8")
-    return found_in(load_mission(file, **options))
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
