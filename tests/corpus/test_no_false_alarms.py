@@ -130,7 +130,10 @@ def snippets() -> Iterator[tuple[str, str]]:
     for page in [*sorted((ROOT / "docs").rglob("*.md")), ROOT / "README.md"]:
         text = page.read_text("utf-8")
         for number, match in enumerate(re.finditer(r"^```yaml\n(.*?)^```", text, re.S | re.M)):
-            if re.search(r"^(phases|segments|boards):", match[1], re.M) and "…" not in match[1]:
+            if (
+                re.search(r"^(phases|segments|runs|boards):", match[1], re.M)
+                and "…" not in match[1]
+            ):
                 yield f"{page.name}-{number}", match[1]
 
 

@@ -1,33 +1,34 @@
-"""Rules about bends: parts bend towards the inner wall, in the plane of the bend."""
+"""Rules about bends: parts bend where there is a bend, and between bars to its inner wall."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import copysign, degrees, pi, remainder
+from math import cos, degrees, pi, remainder
 
-from pirate_sm.checking.actuation_in_force import InForce
 from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
+from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.pipe_view import PipeView
-from pirate_sm.checking.pipe.usual_course import Bends
 from pirate_sm.engine.mission.program import Do
+from pirate_sm.geometry.joints import Joint
 from pirate_sm.loading.problems import Place
-from pirate_sm.model.pipe_segments import Mitre
-
-MOST_ROLL_RAD = pi / 18
-"""Smallest roll of a part relative to a bend that it cannot pass (docs/simulator.md)."""
 
 
 def bends_to_the_inner_wall(view: PipeView) -> Iterator[Finding]:
-    """Report parts that are not bent towards the inner wall, in the plane of the bend."""
-    mitres = [
-        (number, each.mitre)
-        for number, each in enumerate(view.pipe.segments or ())
-        if isinstance(each, Mitre)
-    ]
-    if not mitres:
+    """Report parts that are bent without a bend, or between bars not towards the inner wall."""
+    if not view.bends:
         yield from _bent_in_vain(view)
-    if not mitres or not view.course.bends or _turns(view):
-        return
+    elif view.pipe.section == "bars" and view.course.bends and not _turns(view):
+        yield from _in_the_plane(view)
+
+
+def _turns(view: PipeView) -> bool:
+    """Return whether the mission rolls a part, which no bend between bars lets pass."""
+    return any(view.roll_joint.aim(each.configuration) for each in view.course.situations)
+
+
+def _in_the_plane(view: PipeView) -> Iterator[Finding]:
+    """Report the same of a pipe between bars, in which all bends lie in one plane."""
     if abs(remainder(view.pipe.roll, 2 * pi)) >= MOST_ROLL_RAD:
         message = (
             f"the bend lies {degrees(view.pipe.roll):.4g} deg out of the robot's plane, and the"
@@ -35,10 +36,16 @@ def bends_to_the_inner_wall(view: PipeView) -> Iterator[Finding]:
         )
         yield view.finding_in_pipe(("roll",), "geometry.out_of_plane", message)
         return
-    inner = {int(copysign(1, mitre)) for _, mitre in mitres}
-    wrong = [(bend, place) for bend, place in view.course.bends if bend.side not in inner]
+    inner = {side_of(joint) for joint in view.bends}
+    wrong = [each for each in view.course.bends if each.bend.side not in inner]
     if wrong:
-        yield _wrong_side(view, wrong[0][0].part, [place for _, place in wrong], mitres[0])
+        places = list(dict.fromkeys(each.point.place for each in wrong))
+        yield _wrong_side(view, wrong[0].bend.part, places)
+
+
+def side_of(joint: Joint) -> int:
+    """Return to which side a bend in the plane of the drawing turns: 1 is side A, -1 side B."""
+    return 1 if cos(joint.towards_rad) > 0 else -1
 
 
 def _bent_in_vain(view: PipeView) -> Iterator[Finding]:
@@ -61,7 +68,7 @@ def _bent_in_vain(view: PipeView) -> Iterator[Finding]:
 
 def _bending(view: PipeView) -> dict[str, frozenset[int]]:
     """Return the parts by the places of the steps that bend them, including handlers."""
-    found = {where: frozenset({bend.part}) for bend, where in view.course.bends}
+    found = {each.point.place: frozenset({each.bend.part}) for each in view.course.bends}
     bends = Bends(view.loaded.robot, view.loaded.loaded_robot.profile)
     for each in view.loaded.program.instructions:
         if isinstance(each, Do) and each.place not in found:
@@ -71,32 +78,20 @@ def _bending(view: PipeView) -> dict[str, frozenset[int]]:
     return found
 
 
-def _wrong_side(view: PipeView, part: int, places: list[str], mitre: tuple[int, float]) -> Finding:
+def _wrong_side(view: PipeView, part: int, places: list[str]) -> Finding:
     polarity = view.fit.robot.polarity
     other = "normal" if polarity == "mirrored" else "mirrored"
-    number, angle = mitre
+    joint = view.bends[0]
+    angle = degrees(joint.turn_rad) * side_of(joint)
     name = view.fit.robot.parts[part]
     message = (
         f"in {polarity} polarity '{name}' is bent away from the inner wall of the mitre of"
-        f" {degrees(angle):.4g} deg"
+        f" {angle:.4g} deg"
     )
     related = [(place, "this bends it") for place in map(view.place_of_step, places) if place.line]
-    document, prefix = view.pipe_document
-    related.append((document.place_of((*prefix, "segments", number)), "into this"))
+    related.append((view.place_in_pipe(view.path_of(joint)), "into this"))
     key = "polarity" if view.loaded.mission.polarity is not None else "pipe"
     mission = view.loaded.documents[0]
     place, code = mission.place_of((key,)), "geometry.polarity"
     mend = f"write `polarity: {other}`, or take a pipe that turns to the other side"
     return at(mission, place, code, message, mend=mend, related=related)
-
-
-def _turns(view: PipeView) -> bool:
-    """Return whether the mission rolls a part, which makes the directions of its sides unknown."""
-    robot = view.fit.robot
-    rolls = {n for n, slot in enumerate(view.fit.profile.slots) if slot.roll is not None}
-    force = InForce(view.fit.profile, robot)
-    return any(
-        write.slot in rolls and write.how == "set" and write.value != 0
-        for here in {each.actuated for each in view.course.situations}
-        for write in force.writes(here)
-    )

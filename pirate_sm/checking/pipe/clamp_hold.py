@@ -19,6 +19,7 @@ class _Hold(NamedTuple):
     """How the clamped parts hold in one piece of the pipe, with gravity in one direction.
 
     Attributes:
+        piece: The piece of the pipe.
         torques_nm: Of each held part's apex; ``press_n`` is the sum of their normal forces.
         least_n: What friction holds at the worst place; ``most_n`` at the best one, with the grip
             raised as far as it may be and the weight resting on the walls.
@@ -26,6 +27,7 @@ class _Hold(NamedTuple):
         turned: Whether the pipe has turned before.
     """
 
+    piece: Piece
     torques_nm: tuple[float, ...]
     press_n: float
     least_n: float
@@ -45,7 +47,7 @@ def clamps_bear_the_weight(view: PipeView) -> Iterator[Finding]:
     every, certain = True, False
     seen: set[tuple[object, ...]] = set()
     for situation in view.course.situations:
-        key = situation.actuated, situation.driven, situation.bent[:1]
+        key = situation.actuated, situation.driven, situation.bent[:1], situation.passed
         holds = list(_holds(view, situation)) if _held(view, situation) and key not in seen else []
         seen.add(key)
         every = every and all(hold.share < 1 for hold in holds)
@@ -67,16 +69,17 @@ def _holds(view: PipeView, situation: CoursePoint) -> Iterator[_Hold]:
 def _hold(
     view: PipeView, situation: CoursePoint, piece: Piece, up: Vector, *, turned: bool
 ) -> _Hold:
-    fit, parts = view.fit, sorted(_held(view, situation))
+    fit, parts, diameter_m = view.fit, sorted(_held(view, situation)), piece.diameter_m
     slope = abs(dot(up, piece.frame.ahead))
-    torques = [fit.torques_nm(part, situation.actuated, slope) for part in parts]
+    torques = [fit.torques_nm(part, situation.actuated, diameter_m, slope) for part in parts]
     presses, most = (
-        [fit.press_n(part, torque) for part, torque in zip(parts, each, strict=True)]
+        [fit.press_n(part, torque, diameter_m) for part, torque in zip(parts, each, strict=True)]
         for each in zip(*torques, strict=True)
     )
-    frictions = fit.frictions(parts, _firsts(view, situation, piece))
+    frictions = fit.frictions(parts, _firsts(view, situation, piece), diameter_m)
     pull, rests = fit.pull_n(piece, up)
     return _Hold(
+        piece,
         tuple(torque for torque, _ in torques),
         sum(presses),
         min(_sum(presses, each) for each in frictions),
@@ -96,12 +99,13 @@ def _firsts(view: PipeView, situation: CoursePoint, piece: Piece) -> tuple[float
     Until wheels are driven it is where the robot begins; a robot that clamps there grows shorter.
     """
     fit = view.fit
+    clamped_m = fit.clamped_m(piece.diameter_m)
     if situation.driven or situation.bent or piece != view.first_piece:
         low, high = piece.clear_m
-        return min(low + fit.clamped_m, high), high
+        return min(low + clamped_m, high), high
     first = view.pipe.start_of(fit.stretched_m)
     begins_clamped = bool(fit.robot.held[view.course.situations[0].configuration])
-    return first - (0.0 if begins_clamped else fit.stretched_m - fit.clamped_m), first
+    return first - (0.0 if begins_clamped else fit.stretched_m - clamped_m), first
 
 
 def _weak(
@@ -127,7 +131,9 @@ def _weak(
         inline: Path = ("pipe", "tilt") if isinstance(view.loaded.mission.pipe, Pipe) else ()
         place = mission.place_of(inline or ("pipe",))
     document = view.document(place.file)
-    return at(document, place, "geometry.clamp_torque", message, severity=severity)
+    spatial = view.pipe.section == "round"
+    related = [(view.place_in_pipe(view.pipe.path_of(hold.piece)), "in this")] if spatial else []
+    return at(document, place, "geometry.clamp_torque", message, severity=severity, related=related)
 
 
 def _held(view: PipeView, situation: CoursePoint) -> frozenset[int]:
@@ -135,6 +141,10 @@ def _held(view: PipeView, situation: CoursePoint) -> frozenset[int]:
 
 
 def _stands_in(view: PipeView, situation: CoursePoint) -> list[Piece]:
-    """Return the pieces in which the robot can be: the first, and the one behind a passed bend."""
-    behind = view.piece_behind(situation.bent[0]) if situation.bent else None
-    return [view.first_piece] if behind is None else [view.first_piece, behind]
+    """Return the pieces in which the robot can be: those before and behind its present bend."""
+    if not situation.driven and not situation.bent and not situation.passed:
+        return [view.first_piece]
+    found = list(view.stretch(situation.passed))
+    if situation.bent:
+        found += view.stretch(situation.passed + view.course.leads[situation.bent[0]])
+    return found or [view.first_piece]

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
+from pirate_sm.checking.pipe.roll_joint import RollJoint
 from pirate_sm.checking.pipe.usual_course import UsualCourse
+from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
@@ -30,23 +33,76 @@ class PipeView:
     course: UsualCourse
     fit: Fit
 
-    def piece_behind(self, leading: int) -> Piece | None:
-        """Return the piece behind the first bend for a robot with this leading part."""
-        wheels, pieces = self.fit.profile.body.wheels, self.fit.route.pieces
-        part, first = self.fit.robot.parts[leading], pieces.index(self.first_piece)
-        step = 1 if part == wheels[0].part else -1 if part == wheels[-1].part else 0
-        return pieces[first + step] if step and 0 <= first + step < len(pieces) else None
+    @cached_property
+    def roll_joint(self) -> RollJoint:
+        """Return the roll joint of the robot."""
+        return RollJoint(self.fit.robot, self.fit.profile)
 
     @property
+    def start_roll_rad(self) -> float:
+        """Return the roll of the robot as it starts, against the frame of the route."""
+        start = self.pipe.start
+        return (start.roll if start is not None else 0.0) - self.pipe.roll
+
+    @cached_property
+    def bends(self) -> tuple[Joint, ...]:
+        """Return the joints in which the route turns."""
+        return tuple(joint for joint in self.fit.route.joints if joint.turn_rad)
+
+    @cached_property
+    def bends_behind_start(self) -> int:
+        """Return how many bends are behind the robot as it starts."""
+        return sum(bend.arc_m < self._middle_m for bend in self.bends)
+
+    def bend(self, number: int) -> Joint | None:
+        """Return a bend, counted from the robot's start as the course counts them."""
+        index = self.bends_behind_start + number
+        return self.bends[index] if 0 <= index < len(self.bends) else None
+
+    def arcs(self, number: int) -> tuple[float, float] | None:
+        """Return between which arc lengths the route does not turn, m.
+
+        Args:
+            number: Which stretch, counted from that in which the robot starts; None if the pipe
+                has no such stretch.
+        """
+        before, behind = self.bend(number - 1), self.bend(number)
+        if not 0 <= self.bends_behind_start + number <= len(self.bends):
+            return None
+        return before.arc_m if before else 0.0, behind.arc_m if behind else self.fit.route.length_m
+
+    def stretch(self, number: int) -> tuple[Piece, ...]:
+        """Return the straight pieces of one diameter in a stretch in which the route does not turn.
+
+        Args:
+            number: Which stretch, counted from that in which the robot starts.
+        """
+        arcs = self.arcs(number)
+        if arcs is None:
+            return ()
+        return tuple(
+            piece
+            for piece in self.fit.route.pieces
+            if piece.arc is None
+            and piece.ends_with_m == piece.diameter_m
+            and arcs[0] < (piece.arc_m + piece.ends_m) / 2 < arcs[1]
+        )
+
+    @cached_property
     def first_piece(self) -> Piece:
         """Return the piece in which the robot starts."""
-        middle = self.pipe.start_of(self.fit.stretched_m) - self.fit.stretched_m / 2
-        return self.fit.route.piece_at(middle)
+        return self.fit.route.piece_at(self._middle_m)
+
+    @property
+    def _middle_m(self) -> float:
+        return self.pipe.start_of(self.fit.stretched_m) - self.fit.stretched_m / 2
 
     @property
     def start_path(self) -> Path:
         """Return the path of the robot's start position in the pipe, or of the first piece."""
-        return ("start", "at") if self.pipe.start is not None else ("segments", 0)
+        if self.pipe.start is not None:
+            return ("start", "at")
+        return self.pipe.path_of(self.fit.route.pieces[0])
 
     @property
     def pipe_document(self) -> tuple[Document, Path]:
@@ -58,9 +114,25 @@ class PipeView:
 
     def finding_in_pipe(self, path: Path, code: str, message: str) -> Finding:
         """Return a finding at a part of the pipe's description."""
+        document, _ = self.pipe_document
+        return at(document, self.place_in_pipe(path), code, message)
+
+    def place_in_pipe(self, path: Path) -> Place:
+        """Return the place of a part of the pipe's description."""
         document, prefix = self.pipe_document
-        place = document.place_of((*prefix, *path))
-        return at(document, place, code, message)
+        return document.place_of((*prefix, *path))
+
+    def path_of(self, joint: Joint) -> Path:
+        """Return the path of a joint in the pipe: of its tee, or of its fitting."""
+        if joint.junction and self.pipe.runs is not None:
+            return ("junctions", joint.junction)
+        pieces = self.fit.route.pieces
+        own = [each for each in pieces if each.arc_m <= joint.arc_m <= each.ends_m]
+        for piece in own:
+            if piece.arc is not None or piece.ends_with_m != piece.diameter_m:
+                return self.pipe.path_of(piece)
+        *at, number = self.pipe.path_of(max(own, key=lambda piece: (piece.run, piece.segment)))
+        return (*at, int(number) - 1) if joint.kind in ("mitre", "tee") else (*at, number)
 
     def place_of_step(self, text: str) -> Place:
         """Return the place of a step, from `file:line:col`."""

@@ -44,10 +44,8 @@ class Fit:
         """Return the route through the pipe."""
         return self.pipe.route()
 
-    @property
-    def height_m(self) -> float:
-        """Return the height h of a clamped V, m (eq. 3-2)."""
-        diameter_m = self.pipe.diameter_at_start(self.stretched_m)
+    def height_m(self, diameter_m: float) -> float:
+        """Return the height h of a V that is clamped in an inner diameter, m (eq. 3-2)."""
         return diameter_m - 2 * self.profile.body.wheel_radius
 
     @property
@@ -55,11 +53,10 @@ class Fit:
         """Return the length of the straight robot from the first wheel to the last, m."""
         return sum(link.length for link in self.profile.body.links)
 
-    @property
-    def clamped_m(self) -> float:
+    def clamped_m(self, diameter_m: float) -> float:
         """Return the length of the robot with adjacent wheels on opposite walls, m."""
-        lengths = [link.length for link in self.profile.body.links]
-        return sum(span_m(length, self.height_m) for length in lengths)
+        height_m = self.height_m(diameter_m)
+        return sum(span_m(link.length, height_m) for link in self._links)
 
     @property
     def weight_n(self) -> float:
@@ -97,7 +94,9 @@ class Fit:
         slope = dot(up or self.route.up, piece.frame.ahead)
         return abs(slope) * self.weight_n, sqrt(max(1 - slope**2, 0.0)) * self.weight_n
 
-    def torques_nm(self, part: int, at: Actuated, slope: float = 0.0) -> tuple[float, float]:
+    def torques_nm(
+        self, part: int, at: Actuated, diameter_m: float, slope: float = 0.0
+    ) -> tuple[float, float]:
         """Return with which torque a held part's apex presses, and how much it may be raised to.
 
         Both are infinite if the states set none. They differ where the control has a grip, which
@@ -106,6 +105,7 @@ class Fit:
         Args:
             part: Index of the part.
             at: What is in force.
+            diameter_m: Inner diameter of the pipe there.
             slope: Sine of the pipe's tilt there.
         """
         joint = self.profile.body.parts[self.robot.parts[part]].apex
@@ -116,25 +116,27 @@ class Fit:
             if slot.joint == joint and write.how == "set" and stall is not None:
                 found.append((abs(write.value) * stall, abs(write.value) * stall))
             elif slot.joint == joint and write.how == "bear":
-                found.append(self._borne_nm(write, slope))
+                found.append(self._borne_nm(write, diameter_m, slope))
         return min(found)
 
-    def _borne_nm(self, write: Write, slope: float) -> tuple[float, float]:
+    def _borne_nm(self, write: Write, diameter_m: float, slope: float) -> tuple[float, float]:
         """Return the same for an apex that is kept at a torque."""
         grip = write.grip
         if grip is None:
             return abs(write.value), abs(write.value)
         friction = self.friction if isnan(grip.friction) else grip.friction
-        apex_rad = 2 * asin(min(self.height_m / grip.leg_m, 1.0))
+        apex_rad = 2 * asin(min(self.height_m(diameter_m) / grip.leg_m, 1.0))
         needed = torque_nm(grip, friction, apex_rad, asin(slope))
         return min(max(needed, grip.at_least_nm), grip.at_most_nm), grip.at_most_nm
 
-    def press_n(self, part: int, torque_nm: float) -> float:
+    def press_n(self, part: int, torque_nm: float, diameter_m: float) -> float:
         """Return the sum of the normal forces of a held part whose apex bears a torque, N."""
         leg_m = min(self.profile.body.legs_m(self.robot.parts[part]))
-        return press_n(torque_nm, leg_m, self.height_m)
+        return press_n(torque_nm, leg_m, self.height_m(diameter_m))
 
-    def frictions(self, parts: Iterable[int], firsts: tuple[float, float]) -> list[list[float]]:
+    def frictions(
+        self, parts: Iterable[int], firsts: tuple[float, float], diameter_m: float
+    ) -> list[list[float]]:
         """Return the static friction that each held part finds, at all places that matter.
 
         A part's apex presses twice as hard as the wheels beside it (eq. 3-3), and each wheel has
@@ -143,11 +145,13 @@ class Fit:
         Args:
             parts: Indexes of the held parts.
             firsts: Between which arc lengths the first wheel of the clamped robot may stand.
+            diameter_m: Inner diameter of the pipe there.
 
         Returns:
             For each place one friction for each part.
         """
-        behind = [0.0, *accumulate(span_m(each.length, self.height_m) for each in self._links)]
+        height_m = self.height_m(diameter_m)
+        behind = [0.0, *accumulate(span_m(each.length, height_m) for each in self._links)]
         edges = {edge for patch in self._patches for edge in (patch.from_m, patch.to_m)}
         low, high = firsts
         near = {

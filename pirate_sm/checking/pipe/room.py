@@ -6,50 +6,81 @@ from collections.abc import Iterator
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.geometry.joints import Joint
 
 
 def starts_clear_of_bends(view: PipeView) -> Iterator[Finding]:
-    """Report a robot that does not start within one piece of the pipe, clear of every bend."""
+    """Report a robot that does not start in a plain piece of the pipe, clear of every joint."""
+    fit = view.fit
     if view.course.situations[0].bent:
         return  # it starts in the bend
-    clamped = bool(view.fit.robot.held[view.course.situations[0].configuration])
-    length = view.fit.clamped_m if clamped else view.fit.stretched_m
-    first = view.pipe.start_of(view.fit.stretched_m)
+    clamped = bool(fit.robot.held[view.course.situations[0].configuration])
+    first = view.pipe.start_of(fit.stretched_m)
+    length = fit.clamped_m(fit.route.diameter_at(first)) if clamped else fit.stretched_m
     last = first - length
     how = f"the robot, {mm(length)} long there, with its first wheel at {mm(first)}"
-    if last < 0 or first > view.fit.route.pieces[-1].ends_m:
+    if last < 0 or first > fit.route.length_m:
         end = "beginning" if last < 0 else "end"
         yield view.finding_in_pipe(
             view.start_path, "geometry.too_close", f"{how} juts out of the {end}"
         )
         return
-    for before in view.fit.route.pieces[:-1]:
-        crossing = before.ends_m
-        taken = before.taken_m[1]
-        if last < crossing + taken and first > crossing - taken:
-            where = f"the bend at {mm(crossing)}, which begins {mm(taken)} before"
-            message = f"{how} stands in {where} the crossing of the axes"
+    for joint in fit.route.joints:
+        if last < joint.arc_m + joint.behind_m and first > joint.arc_m - joint.before_m:
+            message = f"{how} stands in {_described(joint)}"
             yield view.finding_in_pipe(view.start_path, "geometry.too_close", message)
             return
 
 
+def _described(joint: Joint) -> str:
+    """Return a joint with its place."""
+    at, begins = mm(joint.arc_m), mm(joint.arc_m - joint.before_m)
+    match joint.kind:
+        case "mitre":
+            before = mm(joint.before_m)
+            return f"the bend at {at}, which begins {before} before the crossing of the axes"
+        case "elbow":
+            return f"the elbow from {begins} to {mm(joint.arc_m + joint.behind_m)}"
+        case "reducer":
+            return f"the reducer that begins at {at}"
+        case "tee":
+            return f"the tee '{joint.junction}' at {at}, whose opening begins at {begins}"
+
+
 def holds_behind_the_bend(view: PipeView) -> Iterator[Finding]:
-    """Report a piece behind the bend that is too short for the clamped robot."""
+    """Report a straight behind a bend that is too short for the clamped robot."""
     everything = frozenset(range(len(view.fit.robot.parts)))
     round_it = [
         each
         for each in view.course.situations
         if view.fit.robot.held[each.configuration] == everything and everything <= set(each.bent)
     ]
-    piece = view.piece_behind(round_it[0].bent[0]) if round_it else None
-    if piece is None:
+    leads = view.course.leads
+    stretches = [each.passed + way for each in round_it if (way := leads[each.bent[0]])]
+    for number in dict.fromkeys(stretches):
+        yield from _too_short(view, number)
+
+
+def _too_short(view: PipeView, number: int) -> Iterator[Finding]:
+    """Report a stretch between two bends in which the clamped robot has no room.
+
+    A tee that the route passes straight on is an opening in its wall. A reducer is none: the robot
+    stands in it as it drives through.
+    """
+    arcs, pieces = view.arcs(number), view.stretch(number)
+    if arcs is None or not pieces:
         return
-    low, high = piece.clear_m
-    if high - low < view.fit.clamped_m:
-        room, need = mm(high - low), mm(view.fit.clamped_m)
+    free_m, rooms = arcs[0], []
+    for joint in view.fit.route.joints:
+        if arcs[0] <= joint.arc_m <= arcs[1] and joint.kind != "reducer":
+            rooms.append(joint.arc_m - joint.before_m - free_m)
+            free_m = joint.arc_m + joint.behind_m
+    room_m = max((*rooms, arcs[1] - free_m))
+    need_m = min(view.fit.clamped_m(piece.diameter_m) for piece in pieces)
+    if room_m < need_m:
         message = (
-            f"there are {room} of straight walls here, and the clamped robot, which the mission"
-            f" brings here, is {need} long"
+            f"there are {mm(room_m)} of straight walls here, and the clamped robot, which the"
+            f" mission brings here, is {mm(need_m)} long"
         )
-        path = ("segments", piece.segment, "straight")
+        path = (*view.pipe.path_of(pieces[0]), "straight")
         yield view.finding_in_pipe(path, "geometry.too_short", message)

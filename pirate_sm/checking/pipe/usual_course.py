@@ -7,12 +7,13 @@ time out are ignored. The geometry is checked against this intended course;
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from math import copysign
 from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated
+from pirate_sm.checking.pipe.bends import Bend, Bends
+from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
 from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -22,27 +23,20 @@ MOST_SITUATIONS = 100_000
 """Largest number of situations; a larger mission is not checked in its pipe."""
 
 
-class Bend(NamedTuple):
-    """A part that is bent while another one holds.
-
-    Attributes:
-        part: Index of the part.
-        side: 1 towards side A in normal polarity, -1 away from it.
-    """
-
-    part: int
-    side: int
-
-
 class CoursePoint(NamedTuple):
     """A point in the course of a mission.
 
     Attributes:
         at: Index of the next instruction.
         configuration: Index into the chart's table.
-        bent: Parts that have been bent so far, in order.
+        bent: Parts that have been bent into the present bend so far, in order.
         control: Index of the control in force.
         driven: Whether wheels have been driven so far.
+        way: Direction in which they were driven last, 1 forward, -1 backward; 0 if unknown.
+        passed: How many bends the robot has passed forward, less those backward; without the
+            present one.
+        rolls: How the parts are rolled; None if nobody can know.
+        wound: Parts that are relaxed with their worms wound.
         place: Place of the step that led to the configuration or to the control; empty at the
             start.
     """
@@ -52,6 +46,10 @@ class CoursePoint(NamedTuple):
     bent: tuple[int, ...]
     control: int = 0
     driven: bool = False
+    way: int = 0
+    passed: int = 0
+    rolls: Rolls | None = Rolls()
+    wound: frozenset[int] = frozenset()
     place: str = ""
 
     @property
@@ -60,62 +58,66 @@ class CoursePoint(NamedTuple):
         return Actuated(self.configuration, self.control)
 
 
+class Change(NamedTuple):
+    """A command that changes the configuration.
+
+    Attributes:
+        command: Index of the command.
+        before: The point before it.
+        after: The point after it, whose place is that of the step.
+    """
+
+    command: int
+    before: CoursePoint
+    after: CoursePoint
+
+
+class Bending(NamedTuple):
+    """A part that is bent into a bend of the pipe.
+
+    Attributes:
+        bend: Which part, and to which side.
+        point: The point at which it is bent; its place is empty for a bend at the start.
+        joint: Into which bend, counted from the robot's start: 0 is the first ahead of it, -1 the
+            first behind it.
+        roll: Roll of the part in quarter turns; None if nobody can know.
+    """
+
+    bend: Bend
+    point: CoursePoint
+    joint: int
+    roll: float | None
+
+
 @dataclass(frozen=True)
 class UsualCourse:
     """The course of a mission without failures.
 
     Attributes:
         situations: All points of the course, in breadth-first order.
-        bends: Bends with the places of their steps; "" for a bend at the start.
+        bends: The distinct bends.
+        turns: The commands that turn the roll joint, each from a point of its own.
+        came: The point from which each point was reached first.
+        leads: Of each part the direction in which it leads: 1 forward, -1 backward, 0 in neither.
     """
 
     situations: tuple[CoursePoint, ...]
-    bends: tuple[tuple[Bend, str], ...]
+    bends: tuple[Bending, ...]
+    turns: tuple[Change, ...]
+    came: Mapping[CoursePoint, CoursePoint]
+    leads: tuple[int, ...]
 
-
-class Bends:
-    """Finds the configurations of a robot, in one polarity, that bend a part.
-
-    In a bend, joints of a part that is not held have target angles to one side, while another part
-    is held. A negative angle turns the body on both sides of the joint to side A. What a state is,
-    its usual actuation says: no control seeks an angle.
-    """
-
-    def __init__(self, robot: RobotSpec, profile: Profile) -> None:
-        self._robot = robot
-        parts = {joint.name: robot.parts.index(joint.part) for joint in profile.body.joints}
-        self._parts = {
-            slot: parts[each.joint] for slot, each in enumerate(profile.slots) if each.joint
-        }
-        self._found: dict[int, Bend | None] = {}
-        self._always: dict[int, frozenset[int]] = {}
-
-    def of(self, configuration: int) -> Bend | None:
-        """Return the bend of a configuration; None without one."""
-        if configuration not in self._found:
-            self._found[configuration] = self._look(configuration)
-        return self._found[configuration]
-
-    def always(self, command: int) -> frozenset[int]:
-        """Return the parts that a command bends, if it bends one in every case; else none."""
-        if command not in self._always:
-            table = self._robot.table
-            led = {row[command] for n, row in enumerate(table.following) if row[command] != n}
-            made = [self.of(each) for each in led]
-            parts = frozenset(bend.part for bend in made if bend is not None)
-            self._always[command] = parts if None not in made else frozenset()
-        return self._always[command]
-
-    def _look(self, configuration: int) -> Bend | None:
-        held = self._robot.held[configuration]
-        sought = {
-            Bend(self._parts[write.slot], -int(copysign(1, write.value)))
-            for region, state in enumerate(self._robot.table.configurations[configuration])
-            for stage in self._robot.actuation[region][state]
-            for write in stage
-            if write.how == "seek" and write.value and self._parts.get(write.slot) not in held
-        }
-        return sought.pop() if held and len(sought) == 1 else None
+    def way_to(self, point: CoursePoint) -> tuple[CoursePoint, ...]:
+        """Return the points with a step of their own that lead to a point, in order."""
+        found = [point]
+        while found[-1] in self.came:
+            found.append(self.came[found[-1]])
+        steps = [
+            after
+            for before, after in zip(found[1:], found, strict=False)
+            if after.place != before.place
+        ]
+        return tuple(reversed(steps))
 
 
 @dataclass(frozen=True)
@@ -123,13 +125,21 @@ class _Follower:
     """Follows a mission from one point to the next.
 
     Attributes:
-        made: The distinct bends with the places of their steps.
+        joints: How many bends the pipe has; more are not counted.
+        ways: Directions of configurations that were looked up.
+        made: The distinct bends.
+        turned: The changes that turn the roll joint.
     """
 
     robot: RobotSpec
     program: Program
     bends: Bends
-    made: dict[tuple[Bend, str], None] = field(default_factory=dict)
+    roll_joint: RollJoint
+    leads: tuple[int, ...]
+    joints: int
+    ways: dict[int, int] = field(default_factory=dict)
+    made: dict[tuple[Bend, str, int, float | None], Bending] = field(default_factory=dict)
+    turned: list[Change] = field(default_factory=list)
 
     def after(self, now: CoursePoint) -> Iterator[CoursePoint]:
         """Yield the possible next points."""
@@ -150,21 +160,61 @@ class _Follower:
             if step.skip_unneeded and self.robot.unneeded[after][step.command]:
                 yield now._replace(at=step.next)
             return
-        bend = self.bends.of(after)
-        if bend is not None and bend != self.bends.of(now.configuration):
-            self.made.setdefault((bend, step.place))
-        yield now._replace(
+        bent, passed = self.bent(now, after)
+        was, joint = now.configuration, self.roll_joint
+        found = now._replace(
             at=step.next,
             configuration=after,
-            bent=self.bent(after, now.bent),
+            bent=bent,
             driven=now.driven or bool(self.robot.driven[after]),
+            way=self.way(after) or now.way,
+            passed=passed,
+            rolls=joint.after(now.rolls, was, after),
+            wound=joint.wound(now.wound, was, step.command, after),
             place=step.place,
         )
+        self.note(found, was)
+        if joint.turns(was, after):
+            self.turned.append(Change(step.command, now, found))
+        yield found
 
-    def bent(self, configuration: int, before: tuple[int, ...]) -> tuple[int, ...]:
-        """Return the bent parts, including that of the configuration."""
-        bend = self.bends.of(configuration)
-        return before if bend is None or bend.part in before else (*before, bend.part)
+    def note(self, point: CoursePoint, before: int | None = None) -> None:
+        """Note a bend that a point makes, unless the configuration before it made the same."""
+        bend = self.bends.of(point.configuration)
+        if bend is None or (before is not None and bend == self.bends.of(before)):
+            return
+        back = self.leads[point.bent[0]] < 0
+        roll = None if point.rolls is None else self.roll_joint.roll(point.rolls, bend.part)
+        found = Bending(bend, point, point.passed - back, roll)
+        self.made.setdefault((bend, point.place, found.joint, roll), found)
+
+    def bent(self, now: CoursePoint, after: int) -> tuple[tuple[int, ...], int]:
+        """Return the parts that are bent in the present bend, and how many bends are passed.
+
+        Once all parts have been bent, a part that leads in the direction of the last drive bends
+        into the next bend.
+        """
+        bend = self.bends.of(after)
+        if bend is None or bend.part not in now.bent:
+            return now.bent if bend is None else (*now.bent, bend.part), now.passed
+        complete = len(now.bent) == len(self.robot.parts)
+        if bend == self.bends.of(now.configuration) or not complete:
+            return now.bent, now.passed
+        if self.leads[bend.part] != now.way or not now.way:
+            return now.bent, now.passed
+        passed = now.passed + self.leads[now.bent[0]]
+        return (bend.part,), min(max(passed, -self.joints), self.joints)
+
+    def way(self, configuration: int) -> int:
+        """Return the direction in which a configuration drives the robot; 0 if it does not."""
+        if configuration in self.ways:
+            return self.ways[configuration]
+        values = [0.0] * len(self.robot.slots)
+        for region, state in enumerate(self.robot.table.configurations[configuration]):
+            for write in self.robot.actuation[region][state][-1]:
+                if write.turns:
+                    values[write.slot] = write.value
+        return self.ways.setdefault(configuration, self.robot.travel(values))
 
     def _targets(self, step: steps.Instruction, configuration: int) -> tuple[int, ...]:
         match step:
@@ -194,23 +244,50 @@ class _Follower:
         return (step.if_true,) if true else (step.if_false,)
 
 
-def course_of(robot: RobotSpec, program: Program, profile: Profile) -> UsualCourse | None:
-    """Return the course of the mission without failures; None if it is too large."""
-    bends = Bends(robot, profile)
-    follower = _Follower(robot, program, bends)
-    configuration = program.start_configuration
-    driven = bool(robot.driven[configuration])
-    bent = follower.bent(configuration, ())
-    first = CoursePoint(program.start, configuration, bent, driven=driven)
-    found = {first[:-1]: first}
-    order = [first]
+def course_of(
+    robot: RobotSpec, program: Program, profile: Profile, joints: int = 0
+) -> UsualCourse | None:
+    """Return the course of the mission without failures; None if it is too large.
+
+    Args:
+        robot: The engine's specification of the robot, in the polarity of the mission.
+        program: The mission.
+        profile: The robot.
+        joints: How many bends its pipe has.
+    """
+    wheels = profile.body.wheels
+    leads = tuple(
+        1 if part == wheels[0].part else -1 if part == wheels[-1].part else 0
+        for part in robot.parts
+    )
+    joint = RollJoint(robot, profile)
+    follower = _Follower(robot, program, Bends(robot, profile), joint, leads, joints)
+    order, came = [_first(follower)], dict[CoursePoint, CoursePoint]()
+    follower.note(order[0])
+    found = {order[0][:-1]}
     for now in order:
         for after in follower.after(now):
+            if after != order[0]:
+                came.setdefault(after, now)
             if after[:-1] not in found:
-                found[after[:-1]] = after
+                found.add(after[:-1])
                 order.append(after)
                 if len(order) > MOST_SITUATIONS:
                     return None
-    begun = bends.of(configuration)
-    made = [(begun, "")] if begun is not None else []
-    return UsualCourse(tuple(order), (*made, *follower.made))
+    made = tuple(follower.made.values())
+    return UsualCourse(tuple(order), made, tuple(follower.turned), came, leads)
+
+
+def _first(follower: _Follower) -> CoursePoint:
+    """Return the point at which the mission begins."""
+    robot, program = follower.robot, follower.program
+    configuration = program.start_configuration
+    point = CoursePoint(
+        program.start,
+        configuration,
+        (),
+        driven=bool(robot.driven[configuration]),
+        way=follower.way(configuration),
+        rolls=None if follower.roll_joint.aim(configuration) else Rolls(),
+    )
+    return point._replace(bent=follower.bent(point, configuration)[0])

@@ -8,13 +8,13 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.actuation_in_force import Actuated
-from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
+from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.loading import library
-from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.mission import load_mission
 
 from ..robots import NEWT, PIRATE, ROOT, changed, told
+from .small_missions_in_pipes import findings, found_in, mission, pipe
 
 MISSIONS = [
     *library.missions(),
@@ -25,29 +25,6 @@ MISSIONS = [
 BENT = "[{straight: 1 m}, {mitre: 90 deg}, {straight: 1 m}], start: {at: 700 mm}"
 ROUND = "[ClampFront, ClampRear, RelaxFront, BendInto, ClampFront, RelaxRear, BendBack, ClampRear]"
 BACK = "[ClampFront, ClampRear, RelaxRear, BendInto, ClampRear, RelaxFront, BendBack, ClampFront]"
-
-
-def mission(do: str, pipe: str, *lines: str) -> str:
-    return "\n".join(
-        (
-            "format: 1", "mission: m", "robot: pirate_ii", f"pipe: {pipe}", *lines, "start: a",
-            "phases:", f"  a: {{do: {do}, go: e}}", "ends: {e: {succeed: ok}}",
-        )
-    )  # fmt: skip
-
-
-def pipe(segments: str, rest: str = "") -> str:
-    return f"{{diameter: 120 mm, segments: {segments}{rest}}}"
-
-
-def found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
-    return tuple(sorted(pipe_findings(loaded), key=lambda each: each.order))
-
-
-def findings(folder: Path, text: str, **options: str) -> tuple[Finding, ...]:
-    file = folder / "m.yaml"
-    file.write_text(text, encoding="utf-8")
-    return found_in(load_mission(file, **options))
 
 
 @pytest.mark.parametrize("path", MISSIONS, ids=lambda path: path.stem)
@@ -465,12 +442,12 @@ def test_forces_are_those_of_the_thesis() -> None:
     fit = Fit(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
     configuration = loaded.program.start_configuration
 
-    gamma = 2 * asin(fit.height_m / 0.09)  # eq. 3-2
+    gamma = 2 * asin(fit.height_m(0.12) / 0.09)  # eq. 3-2
     expected = 4 * 0.7 * 1.01 / (0.09 * cos(gamma / 2))  # eq. 3-3, sqrt(l^2 - h^2) = l cos(gamma/2)
     for part in (0, 1):
-        usual_nm, most_nm = fit.torques_nm(part, Actuated(configuration))
+        usual_nm, most_nm = fit.torques_nm(part, Actuated(configuration), 0.12)
         assert usual_nm == most_nm
-        assert fit.press_n(part, usual_nm) == pytest.approx(expected)
+        assert fit.press_n(part, usual_nm, 0.12) == pytest.approx(expected)
     assert fit.weight_n == pytest.approx(0.79 * 9.81)
     # docs: a vertical pipe needs about 0.21 Nm with one part at a friction of 0.5.
     assert expected * 0.21 / 0.707 * 0.5 == pytest.approx(fit.weight_n, rel=0.02)

@@ -1,0 +1,168 @@
+"""Follow how a robot's roll joint turns its parts, and which relaxed parts stay wound."""
+
+from __future__ import annotations
+
+from math import isnan, nan, pi, remainder
+from typing import NamedTuple
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.model.profile import Profile
+
+QUARTER_RAD = pi / 2
+_DIGITS = 6
+
+
+class Rolls(NamedTuple):
+    """By how many quarter turns the parts are rolled against the robot as it starts.
+
+    The sense is that of rolls in a pipe: a positive one turns side A up where the pipe is flat.
+
+    Attributes:
+        ahead: The parts ahead of the roll joint.
+        behind: The parts behind it.
+    """
+
+    ahead: float = 0.0
+    behind: float = 0.0
+
+    @property
+    def joint(self) -> float:
+        """Return the angle of the roll joint in quarter turns, within ±2."""
+        return remainder(self.ahead - self.behind, 4.0)
+
+    def turned(self, quarters: float, *, ahead: bool) -> Rolls:
+        """Return the rolls after the joint has turned, and with it the parts ahead or behind."""
+        if ahead:
+            return self._replace(ahead=round(remainder(self.ahead + quarters, 4.0), _DIGITS))
+        return self._replace(behind=round(remainder(self.behind - quarters, 4.0), _DIGITS))
+
+
+class RollJoint:
+    """The roll joint of a robot.
+
+    A positive angle of the joint rolls what is ahead of it like a positive roll in a pipe, against
+    what is behind: so do the simulators, and the profile's 90 deg for a turn to the right.
+
+    Attributes:
+        link: Index of the link that it turns; -1 without a roll joint.
+    """
+
+    def __init__(self, robot: RobotSpec, profile: Profile) -> None:
+        self._robot = robot
+        body = profile.body
+        rolls = [number for number, link in enumerate(body.links) if link.roll is not None]
+        self.link = rolls[0] if len(rolls) == 1 else -1
+        self._slots = {n for n, slot in enumerate(profile.slots) if slot.roll is not None}
+        self._ahead = frozenset(
+            robot.parts.index(wheel.part)
+            for number, wheel in enumerate(body.wheels)
+            if number <= self.link
+        )
+        self._aims: dict[int, float | None] = {}
+        joints = {joint.name: robot.parts.index(joint.part) for joint in body.joints}
+        self._joints = {
+            slot: joints[each.joint] for slot, each in enumerate(profile.slots) if each.joint
+        }
+
+    def is_ahead(self, part: int) -> bool:
+        """Return whether a part is ahead of the joint."""
+        return part in self._ahead
+
+    def roll(self, rolls: Rolls, part: int) -> float:
+        """Return the roll of a part in quarter turns."""
+        return rolls.ahead if self.is_ahead(part) else rolls.behind
+
+    def aim(self, configuration: int) -> float | None:
+        """Return the angle that a configuration asks for, in quarter turns.
+
+        None: the joint keeps its angle. NaN: one that nobody knows before the mission runs.
+        """
+        if configuration not in self._aims:
+            self._aims[configuration] = self._aim(configuration)
+        return self._aims[configuration]
+
+    def _aim(self, configuration: int) -> float | None:
+        for region, state in enumerate(self._robot.table.configurations[configuration]):
+            for write in self._robot.actuation[region][state][-1]:
+                if write.slot in self._slots and write.how != "keep":
+                    plain = write.how == "set" and write.share_of < 0
+                    return round(write.value / QUARTER_RAD, _DIGITS) if plain else nan
+        return None
+
+    def commands_to(self, joint: float) -> tuple[str, ...]:
+        """Return the commands that turn the joint to an angle, in quarter turns, in every case."""
+        table = self._robot.table
+        led: dict[str, set[float | None]] = {}
+        for before, row in enumerate(table.following):
+            for command, after in enumerate(row):
+                if after != before:
+                    aim = self.aim(after) if self.turns(before, after) else None
+                    led.setdefault(table.commands[command], set()).add(aim)
+        return tuple(name for name, aims in led.items() if aims == {joint})
+
+    def turns(self, before: int, after: int) -> bool:
+        """Return whether the joint is asked for another angle after a command than before."""
+        aim = self.aim(after)
+        return aim is not None and aim != self.aim(before)
+
+    def turning(self, configuration: int) -> frozenset[int]:
+        """Return the parts that turn if the joint turns: those on the side that does not hold.
+
+        None turn where both sides hold or neither does.
+        """
+        held, parts = self._robot.held[configuration], range(len(self._robot.parts))
+        ahead = frozenset(part for part in parts if self.is_ahead(part))
+        behind = frozenset(parts) - ahead
+        if held & behind and not held & ahead:
+            return ahead
+        return behind if held & ahead and not held & behind else frozenset()
+
+    def after(self, rolls: Rolls | None, before: int, after: int) -> Rolls | None:
+        """Return the rolls after a command; None if nobody can know them.
+
+        Args:
+            rolls: Those before it.
+            before: The configuration before it.
+            after: The configuration after it.
+        """
+        aim, held = self.aim(after), self._robot.held
+        if rolls is None or (held[before] and not held[after]):
+            return None  # a loose robot rolls in a round pipe as it likes
+        if aim is None or aim == rolls.joint:
+            return rolls
+        turning = self.turning(after)
+        if isnan(aim) or not turning:
+            return None
+        return rolls.turned(aim - rolls.joint, ahead=min(turning) in self._ahead)
+
+    def wound(self, wound: frozenset[int], before: int, command: int, after: int) -> frozenset[int]:
+        """Return the parts that are relaxed with their worms wound, after a command.
+
+        A self-locking worm that is not driven any more stays as it is: the part goes on pressing on
+        the walls until its joints are brought to an angle, or clamp again.
+
+        Args:
+            wound: Those before it.
+            before: The configuration before it.
+            command: Index of the command.
+            after: The configuration after it.
+        """
+        held = self._robot.held
+        left = {part for part in held[before] - held[after] if self._locks(part)}
+        if not wound and not left:
+            return wound
+        posture = self._robot.commands[command].posture(after)
+        stages = [
+            stage
+            for region, state in enumerate(self._robot.table.configurations[after])
+            for stage in self._robot.actuation[region][state]
+        ]
+        if posture is not None:
+            stages.append(posture.writes)
+        writes = (write for stage in stages for write in stage if write.how == "seek")
+        sought = {self._joints[write.slot] for write in writes if write.slot in self._joints}
+        return frozenset((wound | left) - held[after] - sought)
+
+    def _locks(self, part: int) -> bool:
+        own = (slot for slot, its in self._joints.items() if its == part)
+        return any(self._robot.slots[slot].self_locking for slot in own)

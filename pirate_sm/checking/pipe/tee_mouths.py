@@ -1,0 +1,94 @@
+"""A rule about tees that a route passes straight on: no wheel drives over the branch's mouth."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import pi, remainder, sin, sqrt
+
+from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.pipe.course_story import story_of
+from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, Rolls
+from pirate_sm.checking.pipe.usual_course import CoursePoint
+from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.network import BRANCH, port_of
+
+
+def keeps_off_the_mouths(view: PipeView) -> Iterator[Finding]:
+    """Report tees that are passed straight on while a part's wheels stand over the mouth."""
+    bends = view.bends_behind_start
+    for joint in view.fit.route.joints:
+        if joint.kind != "tee" or joint.turn_rad:
+            continue
+        number = sum(bend.arc_m < joint.arc_m for bend in view.bends) - bends
+        driven = [each for each in view.course.situations if _drives_at(view, each, joint, number)]
+        gaps = [_gaps_m(view, joint, each.rolls) for each in driven if each.rolls is not None]
+        if driven and len(gaps) == len(driven) and all(_too_wide(view, each) for each in gaps):
+            yield _finding(view, joint, driven[0], gaps[0], number)
+
+
+def _drives_at(view: PipeView, point: CoursePoint, joint: Joint, number: int) -> bool:
+    """Return whether the robot drives towards a tee in the stretch with this number."""
+    if not view.fit.robot.driven[point.configuration]:
+        return False
+    if point.bent and len(point.bent) < len(view.fit.robot.parts):
+        return False  # it drives into a bend or out of one
+    way = view.course.leads[point.bent[0]] if point.bent else 0
+    if point.passed + way != number:
+        return False
+    first_m = view.pipe.start_of(view.fit.stretched_m)
+    ahead = (joint.arc_m - first_m) * point.way > 0
+    return ahead or number != 0
+
+
+def _gaps_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
+    """Return for each part how long the mouth is where its wheels pass it, m.
+
+    The mouth of a branch of radius b in a run of radius R is 2 √(b² − R² sin² ψ) long at the angle
+    ψ from its middle.
+    """
+    run_m = view.fit.route.diameter_at(joint.arc_m) / 2
+    branch_m = _branch_m(view, joint) / 2
+    found = []
+    for part in range(len(view.fit.robot.parts)):
+        roll_rad = view.start_roll_rad + view.roll_joint.roll(rolls, part) * QUARTER_RAD
+        away = run_m * sin(remainder(joint.towards_rad - roll_rad, pi))
+        found.append(2 * sqrt(max(branch_m**2 - away**2, 0.0)))
+    return found
+
+
+def _branch_m(view: PipeView, joint: Joint) -> float:
+    """Return the inner diameter of a tee's branch at its mouth, m."""
+    for run in view.fit.route.network.runs.values():
+        for port, diameter_m in ((run.begins, run.diameters_m[0]), (run.ends, run.diameters_m[-1])):
+            if port_of(port) == (joint.junction, BRANCH):
+                return diameter_m
+    return 0.0
+
+
+def _too_wide(view: PipeView, gaps_m: list[float]) -> bool:
+    """Return whether a wheel falls into one of the gaps: it is as long as the wheel itself."""
+    return max(gaps_m) >= 2 * view.fit.profile.body.wheel_radius
+
+
+def _finding(
+    view: PipeView, joint: Joint, point: CoursePoint, gaps_m: list[float], number: int
+) -> Finding:
+    name = view.fit.robot.parts[gaps_m.index(max(gaps_m))]
+    message = (
+        f"'{name}' passes the tee '{joint.junction}' with its wheels over the mouth, which is"
+        f" {mm(max(gaps_m))} long there: it loses its hold"
+    )
+    beyond = any(each.joint >= number for each in view.course.bends if point.way > 0)
+    beyond |= any(each.joint < number for each in view.course.bends if point.way < 0)
+    if not beyond:
+        message = f"if the robot drives so far: {message}"
+    severity = Severity.ERROR if beyond else Severity.WARNING
+    place, mission = view.place_of_step(point.place), view.loaded.documents[0]
+    tee = view.place_in_pipe(view.path_of(joint))
+    if not place.line:
+        place = mission.place_of(("pipe",))
+    document = view.document(place.file)
+    related = [(tee, "past this")]
+    found = at(document, place, "tee.in_plane", message, severity=severity, related=related)
+    return story_of(found, view, point)
