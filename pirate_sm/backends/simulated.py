@@ -23,7 +23,7 @@ from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.sensors import BoardChannels
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
-from pirate_sm.simulation.xpbd.world import World
+from pirate_sm.simulation.xpbd.kinematic import kinematic
 
 # `advance` returns after this time even if the robot reports nothing.
 _SILENCE_S = 1.0
@@ -90,7 +90,7 @@ class SimulatorBackend:
         start_values: Sequence[float] | None = None,
         jitter: Jitter = NO_JITTER,
         defects: Sequence[str] = (),
-        physics: MakePhysics = World,
+        physics: MakePhysics = kinematic,
         name: str = "sim",
     ) -> None:
         self.name = name

@@ -18,7 +18,7 @@ from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.world import World
+from pirate_sm.simulation.xpbd.kinematic import kinematic
 
 _SHORTEST_BOOT = 0.75
 """Share of the profile's boot time that a quick start takes: 1.5 to 2 s for an Arduino Mega."""
@@ -57,7 +57,7 @@ class VirtualBay:
         switches: Switches | None = None,
         seed: int = 0,
         start_values: Sequence[float] | None = None,
-        physics: MakePhysics = World,
+        physics: MakePhysics = kinematic,
     ) -> None:
         self._switches = switches = switches or Switches()
         serial = serial_of(profile)

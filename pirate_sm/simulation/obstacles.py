@@ -48,19 +48,20 @@ class Obstacles:
         self._physics, self._chain, self._route = physics, chain, route
         self._arcs = physics.quantities[QuantityLayout(chain.nodes).block("arc")]
         self._waiting = sorted(obstacles, key=lambda obstacle: obstacle.from_s)
+        # In a round pipe the walls themselves stop a part that is out of the plane of a bend.
+        self._in_bars = route.pieces[0].section == "bars"
         self._standing: Obstacle | None = None
         self._pushed_s = 0.0
         self._reported: set[float] = set()
 
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
-        """Update the obstacles; return the fault of an impassable bend, if any."""
-        rolls = self._physics.rolls()
-        _, ahead, behind = rolls
-        in_plane = abs(ahead) < _OUT_OF_PLANE_RAD and abs(behind) < _OUT_OF_PLANE_RAD
+        """Update the obstacles; return the fault of a bend between bars that is impassable."""
+        rolls = self._physics.rolls() if self._in_bars else ()
+        in_plane = all(abs(roll) < _OUT_OF_PLANE_RAD for roll in rolls[1:])
         if in_plane and not self._waiting and self._standing is None:
             return None
         arcs: list[float] = self._arcs.tolist()
-        fault = self._out_of_plane(rolls, arcs)
+        fault = None if in_plane else self._out_of_plane(rolls, arcs)
         if self._standing is None and self._waiting:
             self._put(now_s, arcs)
         if self._standing is not None:

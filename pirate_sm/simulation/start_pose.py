@@ -8,10 +8,13 @@ from itertools import pairwise
 
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.clamping import span_m
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector
+from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.space import Vector, dot
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
+
+_LEAST_PULL = 0.01
+"""Share of its weight below which a robot is not pulled to any side of an upright pipe."""
 
 
 def stand(
@@ -57,6 +60,41 @@ def stand(
     bends = (0.0, *inner, 0.0)
     motors = tuple(bend + _winding(chain, i, duties.get(i, 0.0)) for i, bend in enumerate(bends))
     return StartPose(tuple(places), bends, motors, roll_rad)
+
+
+def lying(pose: StartPose, chain: ChainBody, route: Route) -> tuple[Vector, ...]:
+    """Return the centres of the wheels in a round pipe, in the plane of the robot's roll.
+
+    A robot that does not span the pipe lies on its wall, as gravity pulls it.
+    """
+    piece = _piece_of(pose, route)
+    along = dot(route.up, piece.frame.ahead)
+    pull = [along * a - u for a, u in zip(piece.frame.ahead, route.up, strict=True)]
+    weight = math.hypot(*pull)
+    room = piece.diameter_m / 2 - chain.wheel_radius_m
+    offs = [_off(place, piece) for place in pose.places]
+    fills = max(abs(aside) for _, aside in offs) > room / 2
+    shift = 0.0 if fills or weight < _LEAST_PULL else room / weight
+    dx, dy, dz = (shift * each for each in pull)
+    frame = piece.frame.rolled(-pose.roll_rad)
+    places = [frame.point(along, aside) for along, aside in offs]
+    return tuple((x + dx, y + dy, z + dz) for x, y, z in places)
+
+
+def normal_of(pose: StartPose, route: Route) -> Vector:
+    """Return the unit normal of the robot's plane in a round pipe."""
+    return _piece_of(pose, route).frame.rolled(-pose.roll_rad).normal
+
+
+def _piece_of(pose: StartPose, route: Route) -> Piece:
+    return route.piece_at(route.arc_of(pose.places[0]))
+
+
+def _off(place: Vector, piece: Piece) -> tuple[float, float]:
+    """Return how far a place is along a piece, and from its axis towards side A, m."""
+    along = piece.beyond_m(place)
+    axis = piece.frame.point(along)
+    return along, sum((p - a) * s for p, a, s in zip(place, axis, piece.frame.side, strict=True))
 
 
 def _first_side(held: Mapping[int, float]) -> float:

@@ -23,10 +23,6 @@ COMPILING = (
     "times faster than real time: some ten seconds, once ..."
 )
 
-IN_A_PLANE = (
-    "this simulator moves the robot in a plane of the round pipe; in space does --backend physics"
-)
-
 _COMPILED = {"llvmlite", "numba", "numpy"}
 """The packages that the extra `sim` installs."""
 
@@ -41,14 +37,13 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """
     check_order(order, loaded)
     try:
-        from pirate_sm.simulation.xpbd.world import World, is_compiled
+        from pirate_sm.simulation.xpbd.kinematic import is_compiled, kinematic
     except ModuleNotFoundError as error:
         raise not_installed(error, "sim", _COMPILED) from None
-    if not is_compiled():
-        say(COMPILING)
     assert loaded.pipe is not None  # as checked above
-    notices = (IN_A_PLANE,) if loaded.pipe.section == "round" else ()
-    return simulated(order, loaded, World, notices)
+    if not is_compiled(loaded.pipe.section):
+        say(COMPILING)
+    return simulated(order, loaded, kinematic)
 
 
 def check_order(order: Order, loaded: LoadedMission) -> None:
@@ -74,12 +69,7 @@ def not_installed(error: ModuleNotFoundError, extra: str, modules: Collection[st
     )
 
 
-def simulated(
-    order: Order,
-    loaded: LoadedMission,
-    physics: MakePhysics,
-    notices: tuple[str, ...] = (),
-) -> Equipment:
+def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equipment:
     """Return a simulated robot that a physics moves, where the mission begins."""
     from pirate_sm.backends.simulated import SimulatorBackend
     from pirate_sm.simulation.surroundings import Jitter
@@ -98,7 +88,6 @@ def simulated(
     return Equipment(
         backend=backend,
         companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
-        notices=notices,
         usual_detector="sim",
         places=Places(backend.crossings_m, lambda: backend.arcs_m),
         truth=lambda: backend.truth,

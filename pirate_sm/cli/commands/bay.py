@@ -49,7 +49,7 @@ def run_bay(options: BayOptions) -> int:
         from pirate_sm.bay.terminal import StopSignals, Terminal, serve
         from pirate_sm.bay.texts import message_texts
         from pirate_sm.bay.virtual import VirtualBay
-        from pirate_sm.simulation.xpbd.world import is_compiled
+        from pirate_sm.simulation.xpbd.kinematic import is_compiled
     except ModuleNotFoundError as error:
         if error.name is None or error.name.partition(".")[0] not in _INSTALLED:
             raise
@@ -60,7 +60,7 @@ def run_bay(options: BayOptions) -> int:
     switches = _switches(options)
     at = _setting(options)
     texts = message_texts(at.folder, at.profile)
-    if not is_compiled():
+    if not is_compiled(at.pipe.section):
         say(COMPILING)
     baud = at.profile.serial.baud if at.profile.serial is not None else None
     bay = VirtualBay(at.profile, at.pipe, texts, switches, options.seed, at.start_values)

@@ -10,7 +10,7 @@ import numpy as np
 
 from pirate_sm.errors import BackendError
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
+from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
@@ -22,6 +22,7 @@ from pirate_sm.simulation.mujoco.roll_in_plane import RollInPlane
 from pirate_sm.simulation.mujoco.roll_in_space import RollInSpace
 from pirate_sm.simulation.mujoco.wheel_contacts import WheelContacts
 from pirate_sm.simulation.physics import QuantityLayout, StartPose
+from pirate_sm.simulation.start_pose import lying
 
 STEP_S = 0.002
 _FAR_M = 1000.0
@@ -75,7 +76,7 @@ class World:
         self._roll: RollInPlane | RollInSpace
         if space:
             self._roll = RollInSpace(model, data, chain, route, out)
-            places = _lying(pose, route, chain, self._gravity)
+            places = lying(pose, chain, route)
             data.qpos[:7] = (*places[0], *_standing(pose, places))
         else:
             self._roll = RollInPlane(model, data, chain, route, pose, out)
@@ -158,21 +159,6 @@ def _heading(places: Sequence[Vector]) -> float:
     """Return the direction of the first link in the drawing, rad."""
     (x0, y0, _), (x1, y1, _) = places[:2]
     return atan2(y0 - y1, x0 - x1)
-
-
-def _lying(pose: StartPose, route: Route, chain: ChainBody, gravity: Vector) -> tuple[Vector, ...]:
-    """Return where the wheels of a rolled robot are; one that does not clamp lies on the wall."""
-    frame = route.pieces[0].frame
-    c, s = cos(pose.roll_rad), sin(pose.roll_rad)
-    places = [(x, y * c, -y * s) for x, y, _ in pose.places]
-    across = (0.0, dot(gravity, frame.side), dot(gravity, frame.normal))
-    weight = dot(across, across) ** 0.5
-    room = route.pieces[0].diameter_m / 2 - chain.wheel_radius_m
-    fills = max(abs(y) for _, y, _ in pose.places) > room / 2
-    if fills or weight < 0.01 * GRAVITY_M_S2:
-        return tuple(places)
-    shift = room / weight
-    return tuple((x, y + shift * across[1], z + shift * across[2]) for x, y, z in places)
 
 
 def _standing(pose: StartPose, places: Sequence[Vector]) -> tuple[float, float, float, float]:

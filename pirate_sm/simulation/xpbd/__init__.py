@@ -1,1 +1,1 @@
-"""The kinematic physics: position-based dynamics of a chain of wheels and links in a plane."""
+"""The kinematic physics: position-based dynamics of a chain of wheels and links."""

@@ -10,9 +10,7 @@ from pirate_sm.geometry.plane import flat
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector
 from pirate_sm.model.simulation import Friction
-from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.machine_code import is_kept
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd import kernel
@@ -25,11 +23,6 @@ _CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V snaps throu
 _ANCHOR_M = 2e-4
 # A horizontal magnetic field along the first leg and downwards, uT (central Europe).
 _FIELD_UT = (20.0, 0.0, 44.0)
-
-
-def is_compiled() -> bool:
-    """Return whether a simulation can start at once; if not, its first call takes seconds."""
-    return is_kept(kernel.advance) and is_kept(digitizing.digitize)
 
 
 class World:

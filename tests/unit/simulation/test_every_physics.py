@@ -11,6 +11,7 @@ import pytest
 from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.simulation.mujoco.world import World as MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 from .conftest import CYCLE_S, Driver, bend, straight
@@ -19,7 +20,8 @@ Place = Callable[..., Driver]
 
 JOINTS = (1, 2, 3, 4)
 WORLDS = {
-    "kinematic": (KinematicWorld, "bars"),
+    "kinematic, plane": (KinematicWorld, "bars"),
+    "kinematic, space": (SpaceWorld, "round"),
     "mujoco, plane": (MujocoWorld, "bars"),
     "mujoco, space": (MujocoWorld, "round"),
 }

@@ -1,0 +1,33 @@
+"""Picks the kinematic physics that fits the section of a pipe: bars in a plane, or round."""
+
+from __future__ import annotations
+
+from pirate_sm.geometry.network import Section
+from pirate_sm.geometry.route import Route
+from pirate_sm.model.simulation import Friction
+from pirate_sm.simulation import digitizing
+from pirate_sm.simulation.machine_code import is_kept
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import Physics, StartPose
+from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd.world import World
+
+
+def kinematic(
+    chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
+) -> Physics:
+    """Return the physics in a plane for bars, and in space for a round pipe."""
+    if route.pieces[0].section == "bars":
+        return World(chain, route, friction, pose, cycle_s)
+    from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
+
+    return SpaceWorld(chain, route, friction, pose, cycle_s)
+
+
+def is_compiled(section: Section) -> bool:
+    """Return whether a simulation can start at once; if not, its first call takes seconds."""
+    if section == "bars":
+        return is_kept(kernel.advance) and is_kept(digitizing.digitize)
+    from pirate_sm.simulation.xpbd.space import kernel as in_space
+
+    return is_kept(in_space.advance) and is_kept(digitizing.digitize)

@@ -1,0 +1,49 @@
+"""The state of a chain in space as one array for the kernel."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pirate_sm.geometry.space import Vector
+from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.xpbd.space import kernel
+
+
+class SpaceState:
+    """Views into the one array with the state of the chain.
+
+    Args:
+        nodes: Number of wheels.
+
+    Attributes:
+        array: The array for the kernel.
+        position: `(wheels, 3)`, m.
+        velocity: `(wheels, 3)`, m/s.
+        motor: Motor-side angle of the joint at each wheel, rad.
+        wheel: Angle of each wheel against its link, rad.
+        bend: Angle of the joint at each wheel, rad.
+        normals: `(2, 3)`, unit normals of the planes of the parts ahead of and behind the roll
+            joint.
+        roll: Angle of the roll joint and of its motor, rad.
+    """
+
+    def __init__(self, nodes: int) -> None:
+        n, last = nodes, kernel.S_ROLL * nodes
+        self.array: Floats = np.zeros(last + kernel.ROLL_ENTRIES)
+        self.position = self.array[: 3 * n].reshape(n, 3)
+        self.velocity = self.array[kernel.S_VELOCITY * n : kernel.S_MOTOR * n].reshape(n, 3)
+        self.motor = self.array[kernel.S_MOTOR * n : kernel.S_WHEEL * n]
+        self.wheel = self.array[kernel.S_WHEEL * n : kernel.S_BEND * n]
+        self.bend = self.array[kernel.S_BEND * n : kernel.S_ANCHOR * n]
+        self.normals = self.array[last : last + kernel.R_RATE].reshape(2, 3)
+        self.roll = self.array[last + kernel.R_ANGLE :]
+
+    def take(self, pose: StartPose, places: Sequence[Vector], normal: Vector) -> None:
+        """Put the chain into a pose whose wheels are at these places, in the plane of `normal`."""
+        self.position[:] = places
+        self.normals[:] = normal
+        self.bend[:] = pose.bends_rad
+        self.motor[:] = pose.motors_rad

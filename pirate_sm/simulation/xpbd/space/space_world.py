@@ -1,0 +1,160 @@
+"""The physics of a chain in round pipes in space, by extended position-based dynamics."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
+from pirate_sm.model.simulation import Friction
+from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.start_pose import lying, normal_of
+from pirate_sm.simulation.xpbd.chain import body_array
+from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space.pipe_shape import PipeShape, route_shape
+from pirate_sm.simulation.xpbd.space.space_state import SpaceState
+
+STEP_S = 0.002
+_ITERATIONS = 4
+_CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V snaps through the wall
+_ANCHOR_M = 2e-4
+# A horizontal magnetic field along the first leg and against its normal, uT (central Europe).
+_FIELD_UT = (20.0, 0.0, -44.0)
+
+
+class SpaceWorld:
+    """A chain in round pipes; a :class:`~pirate_sm.simulation.physics.Physics`.
+
+    Args:
+        chain: The moving parts.
+        route: The way through the pipes.
+        friction: Friction between wheels and walls.
+        pose: The pose at the start.
+        cycle_s: Duration of a cycle.
+        shape: The shape of the pipes; that of the route if omitted.
+
+    Attributes:
+        state: Positions, velocities and angles.
+        duties: Duties in force: of joints, then of wheels.
+        quantities: Quantities after the last cycle, then the kernel's own.
+    """
+
+    def __init__(
+        self,
+        chain: ChainBody,
+        route: Route,
+        friction: Friction,
+        pose: StartPose,
+        cycle_s: float,
+        shape: PipeShape | None = None,
+    ) -> None:
+        n = chain.nodes
+        self.body: Floats = body_array(chain, friction)
+        self.state = SpaceState(n)
+        self.duties: Floats = np.zeros(2 * n)
+        own = kernel.OUT_PER_WHEEL * n + kernel.OUT_SINGLE
+        self.quantities: Floats = np.zeros(own + kernel.OUT_OWN)
+        self._own = self.quantities[own:]
+        self._route = route
+        self._steps = max(1, round(cycle_s / STEP_S))
+        self._world = _constants(chain, cycle_s / self._steps)
+        self.turn_gravity(route.up)
+        self._arrays = (
+            *(self.state.array, self.duties, self.body),
+            *(shape or route_shape(route)),
+            *(self._world, self.quantities),
+        )
+        self.state.take(pose, lying(pose, chain, route), normal_of(pose, route))
+        # This fills in the quantities of the start pose; hardly any time passes.
+        kernel.advance(*self._arrays, 1)
+
+    def turn_roll_to(self, angle_rad: float) -> None:
+        """Set a new target for the roll joint."""
+        self._world[kernel.ROLL_TARGET] = angle_rad
+
+    def advance(self) -> None:
+        """Simulate one cycle."""
+        kernel.advance(*self._arrays, self._steps)
+
+    def places(self) -> Sequence[Vector]:
+        """Return the centre of each wheel in the drawing of the pipe, m."""
+        return [(x, y, z) for x, y, z in self.state.position.tolist()]
+
+    def rolls(self) -> Sequence[float]:
+        """Return the angle of the roll joint, then the roll of the parts ahead and behind, rad."""
+        angle, _ = self.state.roll.tolist()
+        front, rear, _ = self._own.tolist()
+        return angle, front, rear
+
+    @property
+    def deepest_m(self) -> float:
+        """Return how deep a wheel or link was in a wall during the last cycle, m."""
+        return float(self._own[kernel.OUT_DEEPEST])
+
+    def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
+        """Put an obstacle in the way of one wheel; `ahead`: the obstacle is ahead of the wheel."""
+        frame = self._route.frame_at(arc_m)
+        sign = -1.0 if ahead else 1.0
+        self._world[kernel.BLOCK_NODE] = wheel
+        self._world[kernel.BLOCK_X : kernel.BLOCK_Z + 1] = frame.origin
+        self._world[kernel.BLOCK_NX : kernel.BLOCK_NZ + 1] = [sign * each for each in frame.ahead]
+
+    def unblock(self) -> None:
+        """Remove the obstacle."""
+        self._world[kernel.BLOCK_NODE] = -1
+
+    def disable_wheel(self, wheel: int, drag_nm: float) -> None:
+        """Disable a wheel's motor and make the wheel drag with this torque."""
+        self.body[wheel, kernel.WHEEL_RATE] = 0.0
+        self.body[wheel, kernel.WHEEL_HOLD] = drag_nm
+        self.body[wheel, kernel.WHEEL_STALL] = drag_nm
+
+    def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
+        """Give a wheel these friction coefficients."""
+        self.body[wheel, kernel.MU_STATIC] = static
+        self.body[wheel, kernel.MU_KINETIC] = kinetic
+
+    def turn_gravity(self, up: Vector) -> None:
+        """Let gravity pull against this unit vector from now on."""
+        self._world[kernel.G_X : kernel.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
+
+    def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
+        """Set the dry friction of the joint at a wheel."""
+        self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
+
+
+def _constants(chain: ChainBody, dt: float) -> Floats:
+    world = np.zeros(kernel.WORLD_ENTRIES)
+    # A chain without a roll joint has one that stands still, in the middle.
+    link = chain.roll_link if chain.roll_link >= 0 else (chain.nodes - 2) // 2
+    world[kernel.DT] = dt
+    world[kernel.ITERATIONS] = _ITERATIONS
+    world[kernel.RADIUS] = chain.wheel_radius_m
+    world[kernel.HALF_THICKNESS] = chain.half_thickness_m
+    world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
+    world[kernel.ANCHOR_MAX] = _ANCHOR_M
+    world[kernel.MAG_X : kernel.MAG_Z + 1] = _FIELD_UT
+    world[kernel.BLOCK_NODE] = -1
+    world[kernel.ROLL_LINK] = link
+    world[kernel.ROLL_RATE] = chain.roll_rate_rad_s if chain.roll_link >= 0 else 0.0
+    world[kernel.ROLL_STALL] = chain.roll_stall_nm
+    world[kernel.INERTIA_FRONT] = _roll_inertia(chain, 0, link)
+    world[kernel.INERTIA_REAR] = _roll_inertia(chain, link + 1, chain.nodes - 1)
+    world[kernel.IMU_LINK] = max(chain.roll_link, 0)
+    return world
+
+
+def _roll_inertia(chain: ChainBody, first: int, last: int) -> float:
+    """Return the moment of inertia of a straight part about its axis, kg m².
+
+    It counts as a cylinder of the wheels' radius [assumed]. Half of a robot of 0.8 kg with wheels
+    of 48 mm has 1.2e-4 kg m².
+    """
+    links = sum(chain.links[m].mass_kg for m in range(first, last))
+    shared = chain.links[last if first == 0 else first - 1].mass_kg / 2
+    wheels = sum(chain.wheels[i].mass_kg for i in range(first, last + 1))
+    return 0.5 * (links + shared + wheels) * chain.wheel_radius_m**2
