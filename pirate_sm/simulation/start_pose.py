@@ -8,7 +8,8 @@ from itertools import pairwise
 
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.clamping import span_m
-from pirate_sm.geometry.route import Piece, Route
+from pirate_sm.geometry.piece import Piece
+from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector, dot
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
@@ -76,14 +77,14 @@ def lying(pose: StartPose, chain: ChainBody, route: Route) -> tuple[Vector, ...]
     fills = max(abs(aside) for _, aside in offs) > room / 2
     shift = 0.0 if fills or weight < _LEAST_PULL else room / weight
     dx, dy, dz = (shift * each for each in pull)
-    frame = piece.frame.rolled(-pose.roll_rad)
+    frame = piece.frame.rolled(pose.roll_rad)
     places = [frame.point(along, aside) for along, aside in offs]
     return tuple((x + dx, y + dy, z + dz) for x, y, z in places)
 
 
 def normal_of(pose: StartPose, route: Route) -> Vector:
     """Return the unit normal of the robot's plane in a round pipe."""
-    return _piece_of(pose, route).frame.rolled(-pose.roll_rad).normal
+    return _piece_of(pose, route).frame.rolled(pose.roll_rad).normal
 
 
 def _piece_of(pose: StartPose, route: Route) -> Piece:

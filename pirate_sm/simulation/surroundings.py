@@ -98,7 +98,7 @@ def surroundings_of(
 def _check(pieces: Sequence[Piece]) -> None:
     for number, piece in enumerate(pieces, start=1):
         least_m = sum(piece.taken_m)
-        if piece.length_m <= least_m:
+        if 0.0 < least_m >= piece.length_m:
             raise UsageError(
                 f"straight {number} is {piece.length_m * 1000:.0f} mm long; the walls of its mitres"
                 f" meet unless it is longer than {least_m * 1000:.0f} mm"

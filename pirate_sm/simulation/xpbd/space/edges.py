@@ -8,14 +8,15 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.geometry.space import Frame, Vector, dot
+from pirate_sm.geometry.space import Frame, Vector, combined, dot, scaled
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import kernel
-from pirate_sm.simulation.xpbd.space.solids import Hole
+from pirate_sm.simulation.xpbd.space.solids import Hole, crossed
 
 MITRE_POINTS = 65
 """Of the inner half of an ellipse; in 120 mm they are 3 mm apart and 0.02 mm off it."""
 RING_POINTS = 96
+_MEETING = 3
 
 
 class Edge(NamedTuple):
@@ -23,16 +24,16 @@ class Edge(NamedTuple):
 
     Attributes:
         points: Its points, and the direction into the pipe at each.
-        solids: The numbers of the two solids that meet; -1 for none.
+        solids: The numbers of the solids that meet there, at most three.
         closed: Whether its last point is followed by its first one.
     """
 
     points: tuple[tuple[Vector, Vector], ...]
-    solids: tuple[int, int]
+    solids: tuple[int, ...]
     closed: bool
 
 
-def mitre_edge(before: Frame, after: Frame, radius_m: float, solids: tuple[int, int]) -> Edge:
+def mitre_edge(before: Frame, after: Frame, radius_m: float, solids: tuple[int, ...]) -> Edge:
     """Return the inner half of the ellipse in which the pipes of a mitre meet.
 
     Args:
@@ -43,55 +44,54 @@ def mitre_edge(before: Frame, after: Frame, radius_m: float, solids: tuple[int, 
     """
     a, b, crossing = before.ahead, after.ahead, after.origin
     along = dot(a, b)
-    inner = _unit(tuple(y - along * x for x, y in zip(a, b, strict=True)))
-    aside = _cross(a, inner)
+    inner = _unit(_square_to(b, a))
+    aside = crossed(a, inner)
     # tan(angle / 2)
     slope = sqrt((1.0 - along) / (1.0 + along))
     points = []
     for k in range(MITRE_POINTS):
         angle = pi * (k / (MITRE_POINTS - 1) - 0.5)
         c, s = radius_m * cos(angle), radius_m * sin(angle)
-        off = _sum((-c * slope, a), (c, inner), (s, aside))
-        points.append((_sum((1.0, crossing), (1.0, off)), _unit(_sum((-1.0, off)))))
+        off = combined((-c * slope, a), (c, inner), (s, aside))
+        points.append((combined((1.0, crossing), (1.0, off)), _unit(scaled(-1.0, off))))
     return Edge(tuple(points), solids, closed=False)
 
 
-def ring(frame: Frame, radius_m: float, solids: tuple[int, int]) -> Edge:
+def ring(frame: Frame, radius_m: float, solids: tuple[int, ...]) -> Edge:
     """Return a circle across a pipe: the narrow end of a reducer, or the rim of an open end."""
     points = []
     for k in range(RING_POINTS):
         angle = 2.0 * pi * k / RING_POINTS
-        off = _sum((cos(angle), frame.side), (sin(angle), frame.normal))
-        points.append((_sum((1.0, frame.origin), (radius_m, off)), _sum((-1.0, off))))
+        off = combined((cos(angle), frame.side), (sin(angle), frame.normal))
+        points.append((combined((1.0, frame.origin), (radius_m, off)), scaled(-1.0, off)))
     return Edge(tuple(points), solids, closed=True)
 
 
-def mouth(main: Hole, branch: Hole, solids: tuple[int, int]) -> Edge:
+def mouth(main: Hole, branch: Hole, solids: tuple[int, ...]) -> Edge:
     """Return the line in which the branch of a tee meets its main pipe.
 
     Args:
         main: The main pipe; its point is where the axes meet.
         branch: The branch, no wider than the main pipe.
-        solids: The numbers of the main pipe and of the branch.
+        solids: The numbers of the two pipes of the main and of the branch.
     """
     t, b, radius = main.direction, branch.direction, branch.radius_m
-    along = dot(t, b)
-    first = _unit(tuple(x - along * y for x, y in zip(t, b, strict=True)))
-    second = _cross(b, first)
+    first = _unit(_square_to(t, b))
+    second = crossed(b, first)
     points = []
     for k in range(RING_POINTS):
         angle = 2.0 * pi * k / RING_POINTS
-        outwards = _sum((cos(angle), first), (sin(angle), second))
-        off = _sum((radius, outwards))
+        outwards = combined((cos(angle), first), (sin(angle), second))
+        off = combined((radius, outwards))
         # Where the line along the branch comes out of the main pipe.
         flat, steep = _square_to(off, t), _square_to(b, t)
         half = dot(flat, steep)
         square = dot(steep, steep)
         left = half * half - square * (dot(flat, flat) - main.radius_m**2)
         height = (-half + sqrt(max(left, 0.0))) / square
-        off = _sum((1.0, off), (height, b))
-        into = _sum((-1.0, outwards), (-1.0, _unit(_square_to(off, t))))
-        points.append((_sum((1.0, main.point), (1.0, off)), _unit(into)))
+        off = combined((1.0, off), (height, b))
+        into = combined((-1.0, outwards), (-1.0, _unit(_square_to(off, t))))
+        points.append((combined((1.0, main.point), (1.0, off)), _unit(into)))
     return Edge(tuple(points), solids, closed=True)
 
 
@@ -106,27 +106,16 @@ def edge_rows(edges: Sequence[Edge]) -> tuple[Floats, Floats]:
         places = np.array([place for place, _ in edge.points])
         middle = (places.min(axis=0) + places.max(axis=0)) / 2.0
         away = float(np.linalg.norm(places - middle, axis=1).max())
-        row[:] = (first, len(edge.points), float(edge.closed), *edge.solids, *middle, away)
+        solids = (*edge.solids, -1, -1, -1)[:_MEETING]
+        row[:] = (first, len(edge.points), float(edge.closed), *solids, *middle, away)
         points += [(*place, *into) for place, into in edge.points]
         first += len(edge.points)
     return rows, np.array(points).reshape(-1, kernel.POINT_COLUMNS)
 
 
-def _sum(*shares: tuple[float, Sequence[float]]) -> Vector:
-    x = sum(share * each[0] for share, each in shares)
-    y = sum(share * each[1] for share, each in shares)
-    z = sum(share * each[2] for share, each in shares)
-    return x, y, z
-
-
-def _unit(vector: Sequence[float]) -> Vector:
-    return _sum((1.0 / hypot(*vector), vector))
-
-
-def _cross(one: Vector, other: Vector) -> Vector:
-    (ax, ay, az), (bx, by, bz) = one, other
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+def _unit(vector: Vector) -> Vector:
+    return scaled(1.0 / hypot(*vector), vector)
 
 
 def _square_to(vector: Vector, axis: Vector) -> Vector:
-    return _sum((1.0, vector), (-dot(vector, axis), axis))
+    return combined((1.0, vector), (-dot(vector, axis), axis))

@@ -46,17 +46,19 @@ CONE, TORUS, DISC = 0.0, 1.0, 2.0
 NO_HOLE, HALF_HOLE, WHOLE_HOLE = 0.0, 1.0, 2.0
 """A half hole begins at its point: the branch of a tee. A whole one goes both ways: its main."""
 
-# Columns of `edges`: first point, number of points, whether it is closed, the solids on both sides
-# (-1: none), a sphere around it. Columns of `points`: the place, the direction into the pipe.
-E_FIRST, E_COUNT, E_CLOSED, E_ONE, E_OTHER, E_X, E_Y, E_Z, E_RADIUS = range(9)
-EDGE_COLUMNS = 9
+# Columns of `edges`: first point, number of points, whether it is closed, up to three solids that
+# meet there (-1: none), a sphere around it. Columns of `points`: the place, and the direction into
+# the pipe.
+E_FIRST, E_COUNT, E_CLOSED, E_ONE, E_X, E_Y, E_Z, E_RADIUS = 0, 1, 2, 3, 6, 7, 8, 9
+EDGE_COLUMNS = 10
 P_X, P_Y, P_Z, P_IX, P_IY, P_IZ = range(6)
 POINT_COLUMNS = 6
 
-# Columns of `legs`, straight lines that follow the centre line: start, unit tangent, length, arc
-# length of the route at the start and per length of the line, direction to side A.
-C_X, C_Y, C_Z, C_TX, C_TY, C_TZ, C_LENGTH, C_ARC, C_STRETCH, C_SX, C_SY, C_SZ = range(12)
-LEG_COLUMNS = 12
+# Columns of `legs`, the pieces of the centre line: start, unit tangent, length, arc length of the
+# route at the start, direction to side A; for an arc its radius, and towards its centre.
+C_X, C_Y, C_Z, C_TX, C_TY, C_TZ, C_LENGTH, C_ARC, C_SX, C_SY, C_SZ = range(11)
+C_RADIUS, C_UX, C_UY, C_UZ = range(11, 15)
+LEG_COLUMNS = 15
 
 # Entries of `world`.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX = range(6)
@@ -429,11 +431,12 @@ def _find_contacts(
                 nx = (x - hit[0]) / away
                 ny = (y - hit[1]) / away
                 nz = (z - hit[2]) / away
-                one = int(edges[k, E_ONE])
-                other = int(edges[k, E_OTHER])
-                if one >= 0 and _foot(x, y, z, solids, one, hit):
-                    continue
-                if other >= 0 and _foot(x, y, z, solids, other, hit):
+                beside = False
+                for m in range(3):
+                    solid = int(edges[k, E_ONE + m])
+                    if solid >= 0 and _foot(x, y, z, solids, solid, hit):
+                        beside = True
+                if beside:
                     continue
                 hit[0] = nx
                 hit[1] = ny
@@ -1219,42 +1222,89 @@ def _turn_wheels(
 
 
 @compiled
-def _project(n: int, pos: Floats, legs: Floats, world: Floats, parts: Floats, out: Floats) -> None:
+def _on_leg(x: float, y: float, z: float, leg: Floats, first: bool, last: bool) -> float:
+    """Return the place of a piece of the centre line that is nearest to a point, m along it.
+
+    The first and the last piece continue beyond the pipe's ends.
+    """
+    dx = x - leg[C_X]
+    dy = y - leg[C_Y]
+    dz = z - leg[C_Z]
+    along = dx * leg[C_TX] + dy * leg[C_TY] + dz * leg[C_TZ]
+    if leg[C_RADIUS] > 0.0:
+        inward = dx * leg[C_UX] + dy * leg[C_UY] + dz * leg[C_UZ]
+        angle = np.arctan2(along, leg[C_RADIUS] - inward)
+        # Beyond its ends the nearer one counts.
+        opposite = 0.5 * leg[C_LENGTH] / leg[C_RADIUS] - np.pi
+        if angle < opposite:
+            angle += 2.0 * np.pi
+        along = angle * leg[C_RADIUS]
+    if not first:
+        along = max(along, 0.0)
+    if not last:
+        along = min(along, leg[C_LENGTH])
+    return float(along)
+
+
+@compiled
+def _at_leg(along: float, leg: Floats, spot: Floats) -> None:
+    """Write a place of a piece of the centre line, and its tangent and side, to `spot`."""
+    if leg[C_RADIUS] == 0.0:
+        for k in range(3):
+            spot[k] = leg[C_X + k] + along * leg[C_TX + k]
+            spot[3 + k] = leg[C_TX + k]
+            spot[6 + k] = leg[C_SX + k]
+        return
+    angle = along / leg[C_RADIUS]
+    sin = np.sin(angle)
+    cos = np.cos(angle)
+    inward = leg[C_SX] * leg[C_UX] + leg[C_SY] * leg[C_UY] + leg[C_SZ] * leg[C_UZ]
+    for k in range(3):
+        t = leg[C_TX + k]
+        u = leg[C_UX + k]
+        spot[k] = leg[C_X + k] + leg[C_RADIUS] * (sin * t + (1.0 - cos) * u)
+        spot[3 + k] = cos * t + sin * u
+        spot[6 + k] = leg[C_SX + k] + inward * ((cos - 1.0) * u - sin * t)
+
+
+@compiled
+def _roll_of(p: int, parts: Floats, spot: Floats) -> float:
+    """Return the roll of a part against the pipe where it is."""
+    aside = 0.0
+    for k in range(3):
+        aside += parts[p, N_X + k] * spot[6 + k]
+    up = parts[p, N_X] * (spot[4] * spot[8] - spot[5] * spot[7])
+    up += parts[p, N_Y] * (spot[5] * spot[6] - spot[3] * spot[8])
+    up += parts[p, N_Z] * (spot[3] * spot[7] - spot[4] * spot[6])
+    return float(np.arctan2(aside, up))
+
+
+@compiled
+def _project(
+    n: int, pos: Floats, legs: Floats, world: Floats, parts: Floats, spot: Floats, out: Floats
+) -> None:
     """Write the arc length of each wheel and the rolls of the parts to `out`."""
     r = int(world[ROLL_LINK])
     own = OUT_PER_WHEEL * n + OUT_SINGLE
     for i in range(n):
         best = np.inf
         at = 0
+        there = 0.0
         for k in range(legs.shape[0]):
-            dx = pos[i, 0] - legs[k, C_X]
-            dy = pos[i, 1] - legs[k, C_Y]
-            dz = pos[i, 2] - legs[k, C_Z]
-            along = dx * legs[k, C_TX] + dy * legs[k, C_TY] + dz * legs[k, C_TZ]
-            # The first and the last one continue beyond the pipe's ends.
-            if k > 0:
-                along = max(along, 0.0)
-            if k < legs.shape[0] - 1:
-                along = min(along, legs[k, C_LENGTH])
-            dx -= along * legs[k, C_TX]
-            dy -= along * legs[k, C_TY]
-            dz -= along * legs[k, C_TZ]
-            away2 = dx * dx + dy * dy + dz * dz
+            first = k == 0
+            last = k == legs.shape[0] - 1
+            along = _on_leg(pos[i, 0], pos[i, 1], pos[i, 2], legs[k], first, last)
+            _at_leg(along, legs[k], spot)
+            away2 = (pos[i, 0] - spot[0]) ** 2
+            away2 += (pos[i, 1] - spot[1]) ** 2 + (pos[i, 2] - spot[2]) ** 2
             if away2 < best:
                 best = away2
                 at = k
-                out[7 * n + i] = legs[k, C_ARC] + along * legs[k, C_STRETCH]
+                there = along
+        out[7 * n + i] = legs[at, C_ARC] + there
         if i == r or i == r + 1:
-            p = i - r
-            sx = legs[at, C_SX]
-            sy = legs[at, C_SY]
-            sz = legs[at, C_SZ]
-            mx = legs[at, C_TY] * sz - legs[at, C_TZ] * sy
-            my = legs[at, C_TZ] * sx - legs[at, C_TX] * sz
-            mz = legs[at, C_TX] * sy - legs[at, C_TY] * sx
-            aside = parts[p, N_X] * sx + parts[p, N_Y] * sy + parts[p, N_Z] * sz
-            up = parts[p, N_X] * mx + parts[p, N_Y] * my + parts[p, N_Z] * mz
-            out[own + OUT_ROLL_FRONT + p] = np.arctan2(aside, up)
+            _at_leg(there, legs[at], spot)
+            out[own + OUT_ROLL_FRONT + i - r] = _roll_of(i - r, parts, spot)
 
 
 @compiled
@@ -1372,6 +1422,7 @@ def advance(
     rim_at = np.empty((n, edges.shape[0]), np.int64)
     link_at = np.empty((n, edges.shape[0]), np.int64)
     hit = np.empty(7)
+    spot = np.empty(9)
     dt = world[DT]
     passed = dt * steps
     compliance = world[CONTACT_COMPLIANCE] / (dt * dt)
@@ -1421,7 +1472,7 @@ def advance(
         _turn_wheels(n, count, pos, wheel, anchor, world, w, parts, con, who, touch, tally)
         _keep(roll, parts, dt)
     _stand(pos, roll, world, parts)
-    _project(n, pos, legs, world, parts, out)
+    _project(n, pos, legs, world, parts, spot, out)
     per_step = 1.0 / (dt * dt * steps)
     for i in range(n):
         turned[i] += _WHEEL_FILTER * (wheel[i] - read[i] - turned[i])

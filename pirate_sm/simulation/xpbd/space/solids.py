@@ -12,7 +12,8 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from pirate_sm.geometry.space import Frame, Vector, dot
+from pirate_sm.geometry.piece import Arc
+from pirate_sm.geometry.space import Frame, Vector, combined, dot
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import kernel
 
@@ -80,28 +81,27 @@ def tube(
     return row
 
 
-def elbow(
-    frame: Frame, angle_rad: float, ring_m: float, radius_m: float, hole: Hole | None = None
-) -> Row:
+def elbow(frame: Frame, arc: Arc, radius_m: float, hole: Hole | None = None) -> Row:
     """Return an elbow: a piece of a torus.
 
     Args:
         frame: Its beginning.
-        angle_rad: Its angle, less than 180 deg; positive bends towards side A.
-        ring_m: Radius of its centre line.
+        arc: Its centre line, up to half a turn.
         radius_m: Inner radius of the tube.
         hole: A pipe that opens its wall.
     """
-    sign = 1.0 if angle_rad > 0 else -1.0
-    centre = frame.point(0.0, sign * ring_m)
-    row = _row(kernel.TORUS, centre, frame.normal, radius_m, ring_m)
-    _clip(row, Plane(centre, frame.ahead), Plane(centre, frame.turned(angle_rad).ahead))
+    centre = combined((1.0, frame.origin), (arc.radius_m, arc.towards))
+    axis = crossed(frame.ahead, arc.towards)
+    row = _row(kernel.TORUS, centre, axis, radius_m, arc.radius_m)
+    after = frame.bent(arc.towards, arc.angle_rad).ahead
+    _clip(row, Plane(centre, frame.ahead), Plane(centre, after))
     _open(row, hole)
-    chord = sqrt(2.0 - 2.0 * cos(angle_rad)) * ring_m
-    half = angle_rad / 2.0
-    middle = frame.point(ring_m * abs(sin(half)) * cos(half), ring_m * sin(half) * sin(abs(half)))
+    half = arc.angle_rad / 2.0
+    # The middle of the arc; no place of the centre line is farther away than its ends.
+    forward, inward = arc.radius_m * sin(half), arc.radius_m * (1.0 - cos(half))
+    middle = combined((1.0, frame.origin), (forward, frame.ahead), (inward, arc.towards))
     row[kernel.B_X : kernel.B_Z + 1] = middle
-    row[kernel.B_RADIUS] = chord / 2.0 + radius_m + ring_m * (1.0 - cos(half))
+    row[kernel.B_RADIUS] = hypot(forward, inward) + radius_m
     return row
 
 
@@ -118,6 +118,12 @@ def disc(frame: Frame, radius_m: float, inner_m: float = 0.0) -> Row:
     row[kernel.B_X : kernel.B_Z + 1] = frame.origin
     row[kernel.B_RADIUS] = radius_m
     return row
+
+
+def crossed(one: Vector, other: Vector) -> Vector:
+    """Return the vector product of two vectors."""
+    (ax, ay, az), (bx, by, bz) = one, other
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def _row(kind: float, point: Vector, direction: Vector, *sizes: float) -> Row:

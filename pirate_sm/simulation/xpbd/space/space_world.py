@@ -15,7 +15,7 @@ from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import lying, normal_of
 from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.space import kernel
-from pirate_sm.simulation.xpbd.space.pipe_shape import PipeShape, route_shape
+from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.space.space_state import SpaceState
 
 STEP_S = 0.002
@@ -35,7 +35,6 @@ class SpaceWorld:
         friction: Friction between wheels and walls.
         pose: The pose at the start.
         cycle_s: Duration of a cycle.
-        shape: The shape of the pipes; that of the route if omitted.
 
     Attributes:
         state: Positions, velocities and angles.
@@ -44,13 +43,7 @@ class SpaceWorld:
     """
 
     def __init__(
-        self,
-        chain: ChainBody,
-        route: Route,
-        friction: Friction,
-        pose: StartPose,
-        cycle_s: float,
-        shape: PipeShape | None = None,
+        self, chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
     ) -> None:
         n = chain.nodes
         self.body: Floats = body_array(chain, friction)
@@ -65,7 +58,7 @@ class SpaceWorld:
         self.turn_gravity(route.up)
         self._arrays = (
             *(self.state.array, self.duties, self.body),
-            *(shape or route_shape(route)),
+            *shape_of(route),
             *(self._world, self.quantities),
         )
         self.state.take(pose, lying(pose, chain, route), normal_of(pose, route))
