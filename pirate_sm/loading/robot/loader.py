@@ -24,6 +24,7 @@ from pirate_sm.loading.robot.body_check import check_body
 from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot.controls import resolve_controls
 from pirate_sm.loading.robot.detector_words import resolve_words, words_behind
+from pirate_sm.loading.robot.levels import check_levelled
 from pirate_sm.loading.robot.postures import resolve_postures
 from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
@@ -193,6 +194,7 @@ def _resolve(
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
     postures = resolve_postures(table, signals, slots, held, actuation)
     commands, unneeded = resolve_commands(table, held, signals, postures)
+    check_levelled(table, actuation, commands, problems)
     faults = resolve_faults(signals, parts)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
