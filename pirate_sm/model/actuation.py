@@ -58,33 +58,41 @@ Setpoint: TypeAlias = Duty | Target | Share | Level | Speed | HeldTorque | Liter
 _SHARE = r"^\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*\*\s*([A-Za-z][A-Za-z0-9_]*)\s*$"
 
 
+_EXPECTED = (
+    "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
+    " angle such as '-0.5 * elbow', an angle against the horizontal such as {{level: 0 deg}}, a"
+    " speed such as '90 mm/s', a torque such as '350 mNm', or keep, got '{}'"
+)
+
+
 def _read(value: Any) -> Any:
     if isinstance(value, (Duty, Target, Share, Level, Speed, HeldTorque)) or value == KEEP:
         return value
     if isinstance(value, dict) and list(value) == ["level"]:
         return _level(value["level"])
     if isinstance(value, str):
-        if share := re.match(_SHARE, value):
-            return Share(float(share[1]), share[2])
-        try:
-            quantity = parse_quantity(value)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
-        if quantity.dimension == ANGLE:
-            return Target(quantity.value)
-        if quantity.dimension == SPEED:
-            return Speed(quantity.value)
-        if quantity.dimension == TORQUE:
-            return HeldTorque(quantity.value)
-        if quantity.dimension == DIMENSIONLESS and value.rstrip().endswith("%"):
-            if abs(quantity.value) > 1:
-                raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
-            return Duty(quantity.value)
-    raise ValueError(
-        "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
-        " angle such as '-0.5 * elbow', an angle against the horizontal such as {level: 0 deg}, a"
-        f" speed such as '90 mm/s', a torque such as '350 mNm', or keep, got '{value}'"
-    )
+        return _read_text(value)
+    raise ValueError(_EXPECTED.format(value))
+
+
+def _read_text(value: str) -> Setpoint:
+    if share := re.match(_SHARE, value):
+        return Share(float(share[1]), share[2])
+    try:
+        quantity = parse_quantity(value)
+    except QuantityError as error:
+        raise ValueError(str(error)) from None
+    if quantity.dimension == ANGLE:
+        return Target(quantity.value)
+    if quantity.dimension == SPEED:
+        return Speed(quantity.value)
+    if quantity.dimension == TORQUE:
+        return HeldTorque(quantity.value)
+    if quantity.dimension == DIMENSIONLESS and value.rstrip().endswith("%"):
+        if abs(quantity.value) > 1:
+            raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
+        return Duty(quantity.value)
+    raise ValueError(_EXPECTED.format(value))
 
 
 def _level(value: Any) -> Level:

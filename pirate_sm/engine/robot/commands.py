@@ -139,36 +139,14 @@ def watch(
     motion = state.motion
     if motion is None or isnan(motion.accepted_s):
         return state, None
-    spec = moment.robot.commands[motion.command]
-    free = state.awaited is None
     if moment.nominal:
-        if free and has_come(moment.now_s, motion.accepted_s + spec.nominal_s):
+        nominal_s = moment.robot.commands[motion.command].nominal_s
+        if state.awaited is None and has_come(moment.now_s, motion.accepted_s + nominal_s):
             return _complete(moment, state, sensing, "nominal duration has passed")
         return state, None
     if motion.levelling is not None and motion.stage != POSTURE and not motion.blind:
         return _level(moment, state, motion, motion.levelling, sensing)
-    state = followed(moment.robot, state, motion, sensing)
-    since_s, seekers = motion.since_s, state.seekers
-    done = criterion_of(moment.robot, motion)
-    why_not = _why_not_clamped(state, motion, denied) if denied else ""
-    if not why_not and is_done(moment.robot, state, motion, done, sensing):
-        since_s = moment.now_s if isnan(since_s) else since_s
-        held_s = must_hold_s(done, sensing.numbers, seekers)
-        if free and has_come(moment.now_s, since_s + held_s):
-            reason = in_words(moment.robot, done, sensing.numbers, seekers)
-            return _complete(moment, state, sensing, reason)
-    elif not isnan(since_s):
-        since_s = nan
-    if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
-        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
-        reason = f"{reason}: {why_not}" if why_not else reason
-        return fail(moment, state, reason), Finished(False, reason)
-    if since_s is not motion.since_s:
-        state = state._replace(motion=motion._replace(since_s=since_s))
-    if free and seekers:
-        values = looped_values(moment.robot, state, sensing)
-        state = send_if_new(moment, state, state.motion, values, state.loops)
-    return state, None
+    return _reach(moment, state, motion, sensing, denied)
 
 
 def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
@@ -264,6 +242,38 @@ def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState
 
 
 # --- inside ---------------------------------------------------------------------------------
+
+
+def _reach(
+    moment: Moment,
+    state: RobotState,
+    motion: Motion,
+    sensing: Sensing,
+    denied: Mapping[int, str],
+) -> tuple[RobotState, Finished | None]:
+    """Check the criterion of the stage in force and the deadline; run the position loops."""
+    state, free = followed(moment.robot, state, motion, sensing), state.awaited is None
+    since_s, seekers = motion.since_s, state.seekers
+    done = criterion_of(moment.robot, motion)
+    why_not = _why_not_clamped(state, motion, denied) if denied else ""
+    if not why_not and is_done(moment.robot, state, motion, done, sensing):
+        since_s = moment.now_s if isnan(since_s) else since_s
+        held_s = must_hold_s(done, sensing.numbers, seekers)
+        if free and has_come(moment.now_s, since_s + held_s):
+            reason = in_words(moment.robot, done, sensing.numbers, seekers)
+            return _complete(moment, state, sensing, reason)
+    elif not isnan(since_s):
+        since_s = nan
+    if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
+        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
+        reason = f"{reason}: {why_not}" if why_not else reason
+        return fail(moment, state, reason), Finished(False, reason)
+    if since_s is not motion.since_s:
+        state = state._replace(motion=motion._replace(since_s=since_s))
+    if free and seekers:
+        values = looped_values(moment.robot, state, sensing)
+        state = send_if_new(moment, state, state.motion, values, state.loops)
+    return state, None
 
 
 def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:

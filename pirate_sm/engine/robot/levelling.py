@@ -128,14 +128,17 @@ def judged(
         within_rad: Largest angle between the plane and the one that is wanted.
         now_s: The time.
     """
-    imu = robot.body.imu
-    if imu is None or not memory.felt or not has_come(now_s, memory.since_s + MEASURED_FOR_S):
+    imu, holds = robot.body.imu, confirmed_parts(robot, state)
+    if imu is None or not holds or not memory.felt:
+        return None
+    if not has_come(now_s, memory.since_s + MEASURED_FOR_S):
         return None
     if steep := _too_steep(memory.felt):
         return Verdict(failed=steep)
     _, side_b, up = (sum(axis) for axis in zip(*memory.felt, strict=True))
     held_rad, roll_rad = atan2(-side_b, up), sensing.numbers[imu.roll]
-    turns = 1.0 if _held_behind(robot, state) else -1.0
+    behind = robot.body.parts[min(holds)].wheels[0] > imu.link
+    turns = 1.0 if behind else -1.0
     off_rad = remainder(held_rad + turns * roll_rad - memory.target_rad, pi)
     if memory.turns and abs(off_rad) <= within_rad:
         return Verdict(done=f"{degrees(off_rad):.1f} deg off, as the accelerometer shows")
@@ -167,12 +170,6 @@ def _force(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Vector:
     """Return the specific force in the axes of the pipe, in the plane of the part that holds."""
     parts = confirmed_parts(robot, state)
     return in_pipe(robot.body, min(parts), sensing.numbers) if parts else (nan, nan, nan)
-
-
-def _held_behind(robot: RobotSpec, state: RobotState) -> bool:
-    """Return whether the part that holds is behind the accelerometer's link."""
-    imu, part = robot.body.imu, min(confirmed_parts(robot, state), default=0)
-    return imu is not None and robot.body.parts[part].wheels[0] > imu.link
 
 
 def _too_steep(felt: Sequence[Vector]) -> str:

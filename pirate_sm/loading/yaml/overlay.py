@@ -11,7 +11,9 @@ def from_file(node: Node, name: str) -> Node:
     """Return a copy of a tree whose nodes know the file that they are from."""
     children: Children = node.children
     if isinstance(children, dict):
-        children = {key: (from_file(it, name), *at) for key, (it, *at) in children.items()}
+        children = {
+            key: (from_file(it, name), line, column) for key, (it, line, column) in children.items()
+        }
     elif isinstance(children, list):
         children = [from_file(each, name) for each in children]
     return replace(node, children=children, file=node.file or name)
