@@ -177,11 +177,10 @@ def skip(moment: Moment, state: RobotState) -> RobotState:
 def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
     """Mark the held parts as unconfirmed if the command under way has moved their joints.
 
-    It has moved them if its first array, which starts a posture, was accepted, unless it could not
-    be done at all.
+    It has moved them if its first array, which starts a posture, was accepted.
     """
     motion = state.motion
-    if motion is None or isnan(motion.accepted_s) or motion.blind:
+    if motion is None or isnan(motion.accepted_s):
         return state
     if posture_of(robot, motion) is None:
         return state

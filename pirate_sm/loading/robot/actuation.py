@@ -9,7 +9,7 @@ from typing import Literal
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
-from pirate_sm.loading.robot.levels import check_leveller
+from pirate_sm.loading.robot.levels import levels
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Duty, HeldTorque, Level, Setpoint, Share, Speed, Target
@@ -75,8 +75,8 @@ def resolve_stage(
         if isinstance(setpoint, Share):
             source = _source(profile, setpoint, signals, at, path, problems)
             write = write._replace(share_of=source)
-        elif isinstance(setpoint, Level):
-            check_leveller(slots.specs[index], signals, path)
+        elif isinstance(setpoint, Level) and not levels(slots.specs[index], signals, path):
+            write = Write(index, "keep", 0.0)
         writes.append(write)
     return tuple(writes)
 

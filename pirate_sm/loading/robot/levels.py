@@ -12,17 +12,21 @@ from pirate_sm.loading.robot.body_chain import resolve_chain
 from pirate_sm.loading.robot.signals import Signals
 
 
-def check_leveller(slot: SlotSpec, signals: Signals, path: Path) -> None:
-    """Report a slot that cannot level a part: it turns no roll joint with an accelerometer."""
+def levels(slot: SlotSpec, signals: Signals, path: Path) -> bool:
+    """Return whether a slot can level a part; report one that cannot.
+
+    It turns a roll joint, ahead of which an accelerometer sits.
+    """
     imu = resolve_chain(signals).imu
     if slot.unit == "angle" and imu is not None and slot.angle >= 0 and imu.roll == slot.angle:
-        return
+        return True
     message = (
         f"'{slot.name}' cannot level a part: that takes a slot with `unit: angle` that turns a"
         " roll joint, and on that joint's link the accelerometer of a derived signal"
         " `roll_of` or `pitch_of`"
     )
     signals.problems.add("robot.setpoint", path, message)
+    return False
 
 
 def check_levelled(
