@@ -83,7 +83,7 @@ class InForce:
                     most = max(most, spec.velocity.limit if spec.velocity else 1.0)
                 case "bear":
                     return inf
-                case "keep":
+                case "keep" | "level":
                     most = 1.0  # what another state has written
         return most * motor.stall_torque
 
@@ -117,7 +117,7 @@ def _rad_s(write: Write, no_load: float) -> float:
             return abs(write.value) * no_load if write.value else 0.0
         case "turn":
             return abs(write.value) * OVERSHOOT
-        case "seek" | "keep":
+        case "seek" | "keep" | "level":
             return no_load
         case "bear":
             return no_load if write.value else 0.0

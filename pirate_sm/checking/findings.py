@@ -118,7 +118,7 @@ def at(
         related: Related places, each with an explanation.
     """
     severity = usual_severity(code) if severity is None else severity
-    excerpt = document.excerpt(place.line)
+    excerpt = document.excerpt(place.line, place.file)
     return Finding(
         code, severity, place, message, mend=mend, excerpt=excerpt, related=tuple(related)
     )

@@ -112,8 +112,8 @@ class Locator(Protocol):
     def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
         """Return the place of the value at `path`, or of its key."""
 
-    def excerpt(self, line: int) -> str:
-        """Return a line of the file, counted from 1; empty when there is none."""
+    def excerpt(self, line: int, file: str = "") -> str:
+        """Return a line of the file, or of one that it extends; empty when there is none."""
 
 
 class Problems:
@@ -160,7 +160,7 @@ class Problems:
         if self._document is None:
             raise ValueError("these problems are not about a document: use about()")
         place = self._document.place_of(path, key=key, offset=offset)
-        excerpt = self._document.excerpt(place.line)
+        excerpt = self._document.excerpt(place.line, place.file)
         self.put(Problem(code, place, message, expected, suggestion, excerpt, severity))
 
     def add_unknown(

@@ -1,4 +1,4 @@
-"""Setpoints of states and postures: duty cycles, angles, speeds, or the present value."""
+"""Setpoints of states and postures: duty cycles, angles, levels, speeds, or the present value."""
 
 from __future__ import annotations
 
@@ -33,6 +33,12 @@ class Share(NamedTuple):
     joint: str
 
 
+class Level(NamedTuple):
+    """A target angle in rad of the plane of the part that turns, against the horizontal."""
+
+    angle_rad: float
+
+
 class Speed(NamedTuple):
     """A speed in m/s at which a wheel rolls until another state writes its slot."""
 
@@ -47,39 +53,55 @@ class HeldTorque(NamedTuple):
 
 KEEP: Literal["keep"] = "keep"
 
-Setpoint: TypeAlias = Duty | Target | Share | Speed | HeldTorque | Literal["keep"]
+Setpoint: TypeAlias = Duty | Target | Share | Level | Speed | HeldTorque | Literal["keep"]
 
 _SHARE = r"^\s*([+-]?(?:\d+\.?\d*|\.\d+))\s*\*\s*([A-Za-z][A-Za-z0-9_]*)\s*$"
 
 
+_EXPECTED = (
+    "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
+    " angle such as '-0.5 * elbow', an angle against the horizontal such as {{level: 0 deg}}, a"
+    " speed such as '90 mm/s', a torque such as '350 mNm', or keep, got '{}'"
+)
+
+
 def _read(value: Any) -> Any:
-    if isinstance(value, (Duty, Target, Share, Speed, HeldTorque)) or value == KEEP:
+    if isinstance(value, (Duty, Target, Share, Level, Speed, HeldTorque)) or value == KEEP:
         return value
+    if isinstance(value, dict) and list(value) == ["level"]:
+        return _level(value["level"])
     if isinstance(value, str):
-        if share := re.match(_SHARE, value):
-            return Share(float(share[1]), share[2])
-        try:
-            quantity = parse_quantity(value)
-        except QuantityError as error:
-            raise ValueError(str(error)) from None
-        if quantity.dimension == ANGLE:
-            return Target(quantity.value)
-        if quantity.dimension == SPEED:
-            return Speed(quantity.value)
-        if quantity.dimension == TORQUE:
-            return HeldTorque(quantity.value)
-        if quantity.dimension == DIMENSIONLESS and value.rstrip().endswith("%"):
-            if abs(quantity.value) > 1:
-                raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
-            return Duty(quantity.value)
-    raise ValueError(
-        "expected a duty cycle such as '60 %', an angle such as '-45 deg', a share of a joint's"
-        " angle such as '-0.5 * elbow', a speed such as '90 mm/s', a torque such as '350 mNm', or"
-        f" keep, got '{value}'"
-    )
+        return _read_text(value)
+    raise ValueError(_EXPECTED.format(value))
 
 
-def _write(value: Setpoint) -> str:
+def _read_text(value: str) -> Setpoint:
+    if share := re.match(_SHARE, value):
+        return Share(float(share[1]), share[2])
+    try:
+        quantity = parse_quantity(value)
+    except QuantityError as error:
+        raise ValueError(str(error)) from None
+    if quantity.dimension == ANGLE:
+        return Target(quantity.value)
+    if quantity.dimension == SPEED:
+        return Speed(quantity.value)
+    if quantity.dimension == TORQUE:
+        return HeldTorque(quantity.value)
+    if quantity.dimension == DIMENSIONLESS and value.rstrip().endswith("%"):
+        if abs(quantity.value) > 1:
+            raise ValueError(f"a duty cycle lies between -100 % and 100 %, got '{value}'")
+        return Duty(quantity.value)
+    raise ValueError(_EXPECTED.format(value))
+
+
+def _level(value: Any) -> Level:
+    if isinstance(target := _read(value), Target):
+        return Level(target.angle_rad)
+    raise ValueError(f"expected an angle such as '90 deg' as `level`, got '{value}'")
+
+
+def _write(value: Setpoint) -> str | dict[str, str]:
     match value:
         case Duty(duty):
             return f"{duty * 100:g} %"
@@ -87,6 +109,8 @@ def _write(value: Setpoint) -> str:
             return f"{angle_rad} rad"
         case Share(factor, joint):
             return f"{factor:g} * {joint}"
+        case Level(angle_rad):
+            return {"level": f"{angle_rad} rad"}
         case Speed(speed):
             return f"{speed} m/s"
         case HeldTorque(torque):
@@ -117,6 +141,16 @@ SlotSetpoint = Annotated[
                     "description": "An angle to come to, as a share of a joint's measured angle.",
                 },
                 {
+                    "type": "object",
+                    "additionalProperties": False,
+                    "required": ["level"],
+                    "properties": {"level": written(ANGLE, {})},
+                    "description": (
+                        "An angle against the horizontal, such as {level: 90 deg}, to which the"
+                        " part ahead of or behind a roll joint turns: the one that does not hold."
+                    ),
+                },
+                {
                     **written(SPEED, {}),
                     "description": "A speed such as '90 mm/s' at which a wheel rolls.",
                 },
@@ -127,8 +161,8 @@ SlotSetpoint = Annotated[
             ],
             "description": (
                 "A duty cycle such as '60 %', an angle such as '-45 deg', a share of the angle of"
-                " a joint such as '-0.5 * elbow', a speed such as '90 mm/s', a torque such as"
-                " '350 mNm', or keep."
+                " a joint such as '-0.5 * elbow', an angle against the horizontal such as"
+                " {level: 0 deg}, a speed such as '90 mm/s', a torque such as '350 mNm', or keep."
             ),
             "examples": ["60 %", "-45 deg", "-0.5 * elbow", "90 mm/s", "350 mNm", KEEP],
         }

@@ -31,10 +31,11 @@ from pirate_sm.checking.robot.wheels_and_clamps import (
 )
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.chart.table_cache import cached_table
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.extended_file import read_extended
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problem, Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.loading.yaml.document import Document
 
 UNREACHABLE = "chart.unreachable"
 
@@ -96,13 +97,12 @@ def robot_findings(loaded: LoadedRobot) -> tuple[Finding, ...]:
 def _readable(folder: Path) -> tuple[Document, ...]:
     """Return the robot's files, as far as they are readable."""
     try:
-        profile = read_document(folder / PROFILE_FILE, shown(folder / PROFILE_FILE))
+        profile = read_extended(folder / PROFILE_FILE)
     except LoadError:
         return ()
     name = profile.data.get("chart") if isinstance(profile.data, dict) else None
     try:
-        path = folder / str(name)
-        return profile, read_document(path, shown(path))
+        return profile, read_extended(folder / str(name))
     except LoadError:
         return (profile,)
 

@@ -13,7 +13,7 @@ from pirate_sm.engine.robot.command_needs import Need, RegionChange, changes, ne
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.model.actuation import Duty, HeldTorque, Share, Speed, Stage, Target
+from pirate_sm.model.actuation import Duty, HeldTorque, Level, Share, Speed, Stage, Target
 from pirate_sm.model.profile import Command, Profile, Slot
 
 NOTHING = "–"
@@ -261,6 +261,8 @@ def _value(value: object) -> str:
             return f"to {angle(value.angle_rad)}"
         case Share():
             return f"to {value.factor:g} × {value.joint}"
+        case Level():
+            return f"until the part that turns is at {angle(value.angle_rad)} to the horizontal"
         case Speed():
             return f"at {value.value * 1000:g} mm/s"
         case HeldTorque():

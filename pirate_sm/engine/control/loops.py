@@ -42,7 +42,7 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
             return running if same else new
         case "bear":
             return _bearing(write, slot, numbers, running)
-        case "set" | "keep":
+        case "set" | "keep" | "level":
             return None
 
 

@@ -117,8 +117,9 @@ def _moved(
 
 
 def _left(write: Write) -> tuple[str, float]:
-    """Return what is in force once the write's command is done: a value, or a kept speed."""
-    return (write.how, write.value) if write.how in ("set", "turn", "bear") else ("set", 0.0)
+    """Return what is in force once its command is done: a value, a level, or a kept speed."""
+    left = write.how in ("set", "turn", "bear", "level")
+    return (write.how, write.value) if left else ("set", 0.0)
 
 
 def _box(robot: RobotSpec, accepted: Collection[int]) -> tuple[States, ...]:

@@ -6,6 +6,7 @@ from functools import lru_cache
 
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.command_spec import CommandSpec
+from pirate_sm.engine.robot.levelling import levelling_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     MOST_REMEMBERED,
@@ -39,6 +40,8 @@ def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
         return f"impossible: {posture.refuse}"
     confirmed, held = confirmed_at(robot, here, marks), robot.held[target]
     made = _made_by(robot, here, marks, command)
+    if len(confirmed & held) != 1 and levelling_of(robot, tuple(made), target):
+        return "impossible: exactly one part must hold, confirmed, while the other one turns"
     if made & robot.driven[target].keys() and not confirmed & held:
         return "impossible: no clamp is confirmed to drive with"
     if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:

@@ -144,7 +144,9 @@ class Write(NamedTuple):
     Attributes:
         how: ``set`` a value. ``seek`` an angle by a position loop. ``turn`` at a speed by a
             velocity loop. ``bear`` a torque by a torque loop. ``keep`` what is in force: a
-            value, or the loop of another state.
+            value, or the loop of another state. ``level``: keep the angle until the inclination
+            of the robot is measured, then set the one that brings the part that turns to
+            ``value`` against the horizontal.
         value: The value, the angle in rad, the speed in rad/s, or the torque in Nm.
         share_of: Number index of the angle that ``value`` is multiplied by, when the stage begins
             and as that angle changes; -1 where ``value`` is the angle itself.
@@ -154,7 +156,7 @@ class Write(NamedTuple):
     """
 
     slot: int
-    how: Literal["set", "seek", "turn", "bear", "keep"]
+    how: Literal["set", "seek", "turn", "bear", "keep", "level"]
     value: float
     share_of: int = -1
     assist_nm: float = 0.0

@@ -25,16 +25,17 @@ from pirate_sm.engine.control.stages import (
 )
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot import confirmation
+from pirate_sm.engine.robot import confirmation, levelling
 from pirate_sm.engine.robot.command_outcome import marks_after, touched
-from pirate_sm.engine.robot.criteria import AcceptedSpec
-from pirate_sm.engine.robot.done import in_words, must_hold_s
+from pirate_sm.engine.robot.criteria import AcceptedSpec, AlignedSpec
+from pirate_sm.engine.robot.done import holds, in_words, must_hold_s
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DENIED,
     POSTURE,
     STOPPED,
     Finished,
+    Levelling,
     Mark,
     Motion,
     Numbers,
@@ -72,6 +73,9 @@ def begin(
     if posture is not None:
         stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
+    if memory := levelling.levelling_of(moment.robot, regions, target):
+        blind = motion.blind or levelling.why_not(moment.robot, state, sensing)
+        motion = motion._replace(levelling=memory, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
     moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
@@ -135,34 +139,14 @@ def watch(
     motion = state.motion
     if motion is None or isnan(motion.accepted_s):
         return state, None
-    spec = moment.robot.commands[motion.command]
-    free = state.awaited is None
     if moment.nominal:
-        if free and has_come(moment.now_s, motion.accepted_s + spec.nominal_s):
+        nominal_s = moment.robot.commands[motion.command].nominal_s
+        if state.awaited is None and has_come(moment.now_s, motion.accepted_s + nominal_s):
             return _complete(moment, state, sensing, "nominal duration has passed")
         return state, None
-    state = followed(moment.robot, state, motion, sensing)
-    since_s, seekers = motion.since_s, state.seekers
-    done = criterion_of(moment.robot, motion)
-    why_not = _why_not_clamped(state, motion, denied) if denied else ""
-    if not why_not and is_done(moment.robot, state, motion, done, sensing):
-        since_s = moment.now_s if isnan(since_s) else since_s
-        held_s = must_hold_s(done, sensing.numbers, seekers)
-        if free and has_come(moment.now_s, since_s + held_s):
-            reason = in_words(moment.robot, done, sensing.numbers, seekers)
-            return _complete(moment, state, sensing, reason)
-    elif not isnan(since_s):
-        since_s = nan
-    if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
-        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
-        reason = f"{reason}: {why_not}" if why_not else reason
-        return fail(moment, state, reason), Finished(False, reason)
-    if since_s is not motion.since_s:
-        state = state._replace(motion=motion._replace(since_s=since_s))
-    if free and seekers:
-        values = looped_values(moment.robot, state, sensing)
-        state = send_if_new(moment, state, state.motion, values, state.loops)
-    return state, None
+    if motion.levelling is not None and motion.stage != POSTURE and not motion.blind:
+        return _level(moment, state, motion, motion.levelling, sensing)
+    return _reach(moment, state, motion, sensing, denied)
 
 
 def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
@@ -259,10 +243,72 @@ def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState
 # --- inside ---------------------------------------------------------------------------------
 
 
+def _reach(
+    moment: Moment,
+    state: RobotState,
+    motion: Motion,
+    sensing: Sensing,
+    denied: Mapping[int, str],
+) -> tuple[RobotState, Finished | None]:
+    """Check the criterion of the stage in force and the deadline; run the position loops."""
+    state, free = followed(moment.robot, state, motion, sensing), state.awaited is None
+    since_s, seekers = motion.since_s, state.seekers
+    done = criterion_of(moment.robot, motion)
+    why_not = _why_not_clamped(state, motion, denied) if denied else ""
+    if not why_not and is_done(moment.robot, state, motion, done, sensing):
+        since_s = moment.now_s if isnan(since_s) else since_s
+        held_s = must_hold_s(done, sensing.numbers, seekers)
+        if free and has_come(moment.now_s, since_s + held_s):
+            reason = in_words(moment.robot, done, sensing.numbers, seekers)
+            return _complete(moment, state, sensing, reason)
+    elif not isnan(since_s):
+        since_s = nan
+    if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
+        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
+        reason = f"{reason}: {why_not}" if why_not else reason
+        return fail(moment, state, reason), Finished(False, reason)
+    if since_s is not motion.since_s:
+        state = state._replace(motion=motion._replace(since_s=since_s))
+    if free and seekers:
+        values = looped_values(moment.robot, state, sensing)
+        state = send_if_new(moment, state, state.motion, values, state.loops)
+    return state, None
+
+
 def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
     """Return why a part that the command under way clamps does not hold; empty if it may."""
     own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
+
+
+def _level(
+    moment: Moment, state: RobotState, motion: Motion, memory: Levelling, sensing: Sensing
+) -> tuple[RobotState, Finished | None]:
+    """Measure how the robot lies and turn the roll joint by that, until a part is level."""
+    robot, now_s, free = moment.robot, moment.now_s, state.awaited is None
+    done = criterion_of(robot, motion)
+    assert isinstance(done, AlignedSpec)  # the loader has checked it
+    resting = free and holds(done, sensing.numbers, state.values, state.loops)
+    after = memory._replace(felt=())
+    if resting:
+        after = levelling.measured(robot, state, memory, sensing, now_s)
+    if after != memory:
+        motion = motion._replace(levelling=after)
+        state = state._replace(motion=motion)
+    found = levelling.judged(robot, state, after, sensing, done.within, now_s) if resting else None
+    if found is not None and found.done:
+        return _complete(moment, state, sensing, found.done)
+    if found is not None and not found.failed:
+        turning = motion._replace(levelling=after._replace(felt=(), turns=after.turns + 1))
+        values = list(state.latest)
+        values[after.slot] = found.setpoint_rad
+        return send_if_new(moment, state, turning, tuple(values), state.loops), None
+    reason = found.failed if found is not None else ""
+    if free and has_come(now_s, motion.deadline_s):
+        reason = reason or why_late(robot, state, motion, sensing)
+    if reason:
+        return fail(moment, state, reason), Finished(False, reason)
+    return state, None
 
 
 def _accept(moment: Moment, state: RobotState, motion: Motion) -> RobotState:

@@ -13,6 +13,7 @@ from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.geometry.space import Vector
 from pirate_sm.model.effects import StateChange
 
 Numbers = tuple[float, ...]
@@ -51,6 +52,29 @@ MOST_REMEMBERED = 4096
 """Size of each cache; a robot has some hundred configurations and twenty commands."""
 
 
+class Levelling(NamedTuple):
+    """The memory of a command that brings the part that turns to an angle against the horizontal.
+
+    Attributes:
+        slot: The slot that turns it.
+        target_rad: The angle against the horizontal; a half turn more is the same plane.
+        felt: The specific forces measured since the robot is at rest, in the axes of the pipe with
+            the holding part in its plane: along the pipe, towards side B and up, m/s^2.
+        since_s: When the first of them was measured.
+        heard_s: When the accelerometer last reported.
+        roll_rad: The angle of the roll joint at the first of them.
+        turns: How often a setpoint has been computed.
+    """
+
+    slot: int
+    target_rad: float
+    felt: tuple[Vector, ...] = ()
+    since_s: float = nan
+    heard_s: float = -inf
+    roll_rad: float = nan
+    turns: int = 0
+
+
 class Flight(NamedTuple):
     """An array without a result so far.
 
@@ -85,7 +109,9 @@ class Motion(NamedTuple):
         deadline_s: When the command fails; infinite until it is accepted.
         since_s: When its criterion became true; NaN while it is not.
         stage: The stage of its actuation in force; ``POSTURE`` before the first.
-        blind: Why its posture cannot be reached: it needs an angle that is unknown; else empty.
+        blind: Why it cannot be done at all, such as a posture that needs an unknown angle; else
+            empty.
+        levelling: What a command that levels a part has measured; None for others.
     """
 
     command: int
@@ -97,6 +123,7 @@ class Motion(NamedTuple):
     since_s: float = nan
     stage: int = 0
     blind: str = ""
+    levelling: Levelling | None = None
 
 
 class Finished(NamedTuple):
@@ -172,7 +199,7 @@ def at_rest_in(robot: RobotSpec, configuration: int) -> RobotState:
         for write in robot.actuation[region][state][-1]:
             if write.how == "set":
                 values[write.slot] = write.value
-            elif write.how == "keep" and robot.slots[write.slot].unit == "angle":
+            elif write.how in ("keep", "level") and robot.slots[write.slot].unit == "angle":
                 values[write.slot] = nan  # known once measured
     return RobotState(configuration, tuple(values))
 

@@ -199,15 +199,23 @@ def _felt(
 ) -> tuple[tuple[Vector, ...], float]:
     """Return the last specific forces in the axes of the pipe, and the time of the last."""
     forces = before.forces if part == before.part else ()
-    force = _in_pipe(robot.body, part, numbers) if part >= 0 else _NO_FORCE
-    if abs(hypot(*force) - GRAVITY_M_S2) <= _AT_REST * GRAVITY_M_S2:
+    force = in_pipe(robot.body, part, numbers) if part >= 0 else _NO_FORCE
+    if is_gravity(force):
         return (*forces, force)[-_SAMPLES:], now_s
     lasting = now_s - before.felt_s < robot.link.stale_after_s
     return (forces if lasting else ()), before.felt_s
 
 
-def _in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> Vector:
-    """Return the specific force along the axis of a clamped part, towards its side B, and up."""
+def is_gravity(force: Vector) -> bool:
+    """Return whether a specific force is that of a robot at rest; False where it is unknown."""
+    return abs(hypot(*force) - GRAVITY_M_S2) <= _AT_REST * GRAVITY_M_S2
+
+
+def in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> Vector:
+    """Return the specific force along the axis of a clamped part, towards its side B, and up.
+
+    A clamped part holds the accelerometer's link obliquely: that angle is taken off.
+    """
     imu = body.imu
     if imu is None:
         return _NO_FORCE

@@ -48,7 +48,7 @@ def _key(document: Document) -> str:
         library = "unknown"
     # An earlier version of the compiler may give other reasons for refusals.
     compiler = Path(chart.__file__).read_text(encoding="utf-8")
-    return sha256(f"{library}\n{compiler}\n{document.text}".encode()).hexdigest()[:32]
+    return sha256(f"{library}\n{compiler}\n{document.complete_text}".encode()).hexdigest()[:32]
 
 
 def _read(path: Path) -> ChartTable | None:

@@ -247,4 +247,4 @@ def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
 
 
 def _hash(document: Document) -> str:
-    return sha256(document.text.encode()).hexdigest()
+    return sha256(document.complete_text.encode()).hexdigest()

@@ -9,9 +9,10 @@ from typing import Literal
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.levels import levels
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
-from pirate_sm.model.actuation import Duty, HeldTorque, Setpoint, Share, Speed, Target
+from pirate_sm.model.actuation import Duty, HeldTorque, Level, Setpoint, Share, Speed, Target
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import ANGLE
 
@@ -74,6 +75,8 @@ def resolve_stage(
         if isinstance(setpoint, Share):
             source = _source(profile, setpoint, signals, at, path, problems)
             write = write._replace(share_of=source)
+        elif isinstance(setpoint, Level) and not levels(slots.specs[index], signals, path):
+            write = Write(index, "keep", 0.0)
         writes.append(write)
     return tuple(writes)
 
@@ -110,6 +113,8 @@ def _write(
             return _target(index, slot, sign * angle_rad + 0.0, path, problems)
         case Share(factor):
             return _target(index, slot, factor + 0.0, path, problems)
+        case Level(angle_rad):
+            return Write(index, "level", angle_rad + 0.0)
         case "keep":
             return Write(index, "keep", 0.0)
 

@@ -12,7 +12,7 @@ from pirate_sm.loading.robot.actuation import resolve_stage
 from pirate_sm.loading.robot.control_modifiers import Modifiers, inherited, modified
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
-from pirate_sm.model.actuation import Share, Target
+from pirate_sm.model.actuation import Level, Share, Target
 from pirate_sm.model.control import Control
 from pirate_sm.model.profile import Profile
 
@@ -58,7 +58,7 @@ def resolve_controls(
                 for number, stage in enumerate(stages):
                     here: Path = (*path, number) if len(stages) > 1 else path
                     for slot, setpoint in stage.items():
-                        if isinstance(setpoint, Target | Share):
+                        if isinstance(setpoint, Target | Share | Level):
                             message = "a control takes duty cycles, speeds and torques, no angles"
                             problems.add("robot.control", (*here, slot), message)
                     resolved.append(

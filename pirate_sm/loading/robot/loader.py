@@ -15,7 +15,8 @@ from pirate_sm.loading import references
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.chart.table_cache import cached_table
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.extended_file import read_extended
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot.actuation import resolve_actuation
 from pirate_sm.loading.robot.boards import resolve_boards
@@ -24,6 +25,7 @@ from pirate_sm.loading.robot.body_check import check_body
 from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
 from pirate_sm.loading.robot.controls import resolve_controls
 from pirate_sm.loading.robot.detector_words import resolve_words, words_behind
+from pirate_sm.loading.robot.levels import check_levelled
 from pirate_sm.loading.robot.postures import resolve_postures
 from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
@@ -31,7 +33,7 @@ from pirate_sm.loading.robot.slots import resolve_slots
 from pirate_sm.loading.robot.state_confirmation import resolve_sight
 from pirate_sm.loading.robot.traction_signals import resolve_traction
 from pirate_sm.loading.robot.vocabulary import resolve_signals
-from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.profile import Profile
 
@@ -80,7 +82,7 @@ def load_robot(folder: Path) -> LoadedRobot:
     Raises:
         LoadError: Its files have faults; holds all of them.
     """
-    document = read_document(folder / PROFILE_FILE, shown(folder / PROFILE_FILE))
+    document = read_extended(folder / PROFILE_FILE)
     problems = Problems(document)
     profile = try_validate(document, Profile, problems)
     if profile is None:
@@ -109,7 +111,7 @@ def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
     """Return the chart's document; report a missing file as a fault of the profile."""
     path = folder / name
     try:
-        return read_document(references.followed(path, folder), shown(path))
+        return read_extended(references.followed(path, folder))
     except UsageError as error:
         problems.add(references.code_of(error, "robot.chart"), ("chart",), str(error))
         return None
@@ -193,6 +195,7 @@ def _resolve(
     actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
     postures = resolve_postures(table, signals, slots, held, actuation)
     commands, unneeded = resolve_commands(table, held, signals, postures)
+    check_levelled(table, actuation, commands, problems)
     faults = resolve_faults(signals, parts)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))

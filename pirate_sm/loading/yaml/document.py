@@ -8,6 +8,7 @@ reading.
 
 from __future__ import annotations
 
+import json
 import re
 import stat
 from dataclasses import dataclass, field
@@ -18,6 +19,7 @@ from pirate_sm.loading import problems as found
 from pirate_sm.loading.problems import LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
 from pirate_sm.loading.yaml.nodes import Node
+from pirate_sm.loading.yaml.overlay import from_file, overlaid
 
 LARGEST_FILE: Final = 1 << 20  # bytes
 _UNPRINTABLE: Final = re.compile(
@@ -33,6 +35,7 @@ class Document:
     Attributes:
         name: Name of the file in messages.
         text: Its text.
+        bases: The documents that it extends, with their own bases.
         data: Mappings, lists, text, numbers, booleans and None.
     """
 
@@ -40,15 +43,40 @@ class Document:
     text: str = field(repr=False)
     _root: Node = field(repr=False)
     lines: tuple[str, ...] = field(repr=False)
+    bases: tuple[Document, ...] = field(default=(), repr=False)
 
     @property
     def data(self) -> Any:
         """Return the content as plain data."""
         return self._root.value
 
-    def excerpt(self, line: int) -> str:
-        """Return a line of the file, counted from 1; empty when there is none."""
-        return self.lines[line - 1] if 1 <= line <= len(self.lines) else ""
+    @property
+    def complete_text(self) -> str:
+        """Return a text that needs no other file: that of the file, or all its data as JSON."""
+        return json.dumps(self.data, indent=1) if self.bases else self.text
+
+    def extending(self, base: Document, key: str) -> Document:
+        """Return this document laid over another one.
+
+        Mappings are merged, anything else replaces what is in the base. Each value keeps its place
+        in its own file.
+
+        Args:
+            base: The document below.
+            key: A key of this document that is left out: the one that names the base.
+        """
+        root = overlaid(from_file(base._root, base.name), self._root, without=key)
+        return Document(self.name, self.text, root, self.lines, (base, *base.bases))
+
+    def excerpt(self, line: int, file: str = "") -> str:
+        """Return a line of the file, counted from 1; empty when there is none.
+
+        Args:
+            line: Number of the line.
+            file: Name of one of the files that it extends, in place of its own.
+        """
+        lines = self._home(file).lines
+        return lines[line - 1] if 1 <= line <= len(lines) else ""
 
     def place_of(self, path: found.Path, *, key: bool = False, offset: int | None = None) -> Place:
         """Return the place of the value at `path`, or of its nearest existing parent.
@@ -59,17 +87,23 @@ class Document:
             offset: Return the place of this character of the value's text.
         """
         node, line, column = self._root, self._root.line, self._root.column
+        file = ""
         for part in path:
             child = node.child(part)
             if child is None and part == 0:
                 continue  # a list of one may be written without brackets
             if child is None:
-                return Place(self.name, line, column)
+                return Place(file or self.name, line, column)
             node, key_line, key_column = child
+            file = node.file
             line, column = (key_line, key_column) if key else (node.line, node.column)
         if offset is not None:
-            line, column = self._inside(node, offset)
-        return Place(self.name, line, column)
+            line, column = self._home(file)._inside(node, offset)
+        return Place(file or self.name, line, column)
+
+    def _home(self, file: str) -> Document:
+        """Return the document of a file: this one, or one that it extends."""
+        return next((each for each in self.bases if each.name == file), self)
 
     def _inside(self, node: Node, offset: int) -> tuple[int, int]:
         """Return line and column of a character of a text value.

@@ -15,6 +15,7 @@ class Node:
     Attributes:
         value: The plain data.
         children: For a mapping each value with line and column of its key, for a list the items.
+        file: Name of the file that it is from; empty for the document's own file.
         size: Number of nodes in this tree, with aliases counted as their targets.
         height: Number of levels of this tree.
     """
@@ -27,6 +28,7 @@ class Node:
     children: Children = None
     size: int = 1
     height: int = 1
+    file: str = ""
 
     def child(self, part: str | int) -> tuple[Node, int, int] | None:
         """Return the value at a key or index, with the place of its key; None if missing."""

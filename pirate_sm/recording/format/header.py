@@ -176,7 +176,7 @@ def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
     for number, (role, document) in enumerate(roles):
         name, attachment = document.name, f"{FILES}{number}_{role}.yaml"
         where, sha256 = _place(Path(name)), loaded.files[name]
-        found.append(RecordedFile(role, name, where, sha256, attachment, document.text))
+        found.append(RecordedFile(role, name, where, sha256, attachment, document.complete_text))
     return tuple(found)
 
 

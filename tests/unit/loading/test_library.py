@@ -39,7 +39,11 @@ def test_everything_listed_is_found_by_its_name():
         (library.find_robot, "pirat_ii", "there is no robot 'pirat_ii'; did you mean 'pirate_ii'?"),
         (library.find_mission, "mitre-bend", "did you mean 'mitre_bend'?"),
         (library.find_pipe, "vertica", "did you mean 'vertical'?"),
-        (library.find_robot, "zzz", "there is no robot 'zzz'; expected pirate_ii"),
+        (
+            library.find_robot,
+            "zzz",
+            "there is no robot 'zzz'; expected one of pirate_ii, pirate_ii_imu",
+        ),
         (library.find_robot, "", "there is no robot ''"),
         (library.find_robot, "no/where", "there is no robot at 'no/where': expected a folder with"),
         (library.find_robot, ".", "there is no robot at '.'"),

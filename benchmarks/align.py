@@ -1,0 +1,181 @@
+"""How level a part comes that is turned by the accelerometer, in a round pipe in space.
+
+    python -m benchmarks.align [--rolls 12] [--seeds 1] [--pitch 0] [--diameter 120] [--backend sim]
+                               [--robot pirate_ii_imu]
+
+The robot stands in a straight round pipe, both parts clamped, in a plane at one of twelve rolls.
+One part lets go, AlignHorizontal or AlignVertical turns it. Printed is the angle by which its
+plane is off then, by the truth of the simulator, or why the command failed. A command that does
+not come within 3 deg must fail as *impossible*; the exit code is 1 where one does neither.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections.abc import Sequence
+from concurrent.futures import ProcessPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from math import degrees, isnan, nan, remainder
+from multiprocessing import get_context
+from pathlib import Path
+from tempfile import TemporaryDirectory
+
+from pirate_sm.companion import entered
+
+WITHIN_DEG = 3.0
+"""The bar: how far a levelled plane may be off."""
+
+COMMANDS = {"AlignHorizontal": 0.0, "AlignVertical": 90.0}
+"""The commands, and the roll of the plane that they lead to, in degrees."""
+
+HOLDERS = {"rear": ("RelaxFront", 1), "front": ("RelaxRear", 2)}
+"""Per part that holds, the command that lets the other one go, and where its roll stands."""
+
+_PIPE = """\
+format: 1
+pipe: rolled
+diameter: {diameter:g} mm
+section: round
+tilt: {pitch:g} deg
+roll: {roll:g} deg
+segments: [{{straight: 1.5 m}}]
+start: {{at: 900 mm}}
+"""
+
+_MISSION = """\
+format: 1
+mission: align
+robot: {robot}
+pipe: rolled.yaml
+starts_in:
+  BendingState: DoubleClamped
+  FrontWheelsState: Fixed
+  RearWheelsState: Fixed
+on_failure: failed
+start: hold
+phases:
+  hold:
+    do: [{relax}, {command}]
+    go: level
+ends:
+  level: {{succeed: Level}}
+  failed: {{fail: "{{cause}}"}}
+"""
+
+
+@dataclass(frozen=True)
+class Trial:
+    """One command from one roll.
+
+    Attributes:
+        off_deg: How far the plane of the part that turned is off; NaN where the command failed.
+        why: Why it failed; empty where it did not.
+    """
+
+    command: str
+    holder: str
+    roll_deg: float
+    seed: int
+    off_deg: float
+    why: str
+    took_s: float
+
+    @property
+    def passes(self) -> bool:
+        """Whether it came within the bar, or said that it is impossible."""
+        return abs(self.off_deg) <= WITHIN_DEG or "impossible:" in self.why
+
+
+def try_out(
+    order: tuple[str, str, float, int],
+    *,
+    pitch_deg: float = 0.0,
+    diameter_mm: float = 120.0,
+    backend: str = "sim",
+    robot: str = "pirate_ii_imu",
+) -> Trial:
+    """Give one command and return what comes of it.
+
+    Args:
+        order: The command, the part that holds, the roll at the start in degrees, and the seed.
+        pitch_deg: How steep the pipe climbs.
+        diameter_mm: Its inner diameter.
+        backend: The backend that moves the robot.
+        robot: Name or path of the robot.
+    """
+    from pirate_sm.runtime.first_choice import FirstChoice
+    from pirate_sm.runtime.loop import MissionRun
+    from pirate_sm.wiring import Order, load, prepare
+
+    command, holder, roll_deg, seed = order
+    relax, part = HOLDERS[holder]
+    with TemporaryDirectory() as folder:
+        pipe, mission = Path(folder) / "rolled.yaml", Path(folder) / "align.yaml"
+        against = remainder(-roll_deg, 360.0)  # the roll of a pipe is that against the robot
+        pipe.write_text(_PIPE.format(diameter=diameter_mm, pitch=pitch_deg, roll=against))
+        mission.write_text(_MISSION.format(robot=robot, relax=relax, command=command))
+        wishes = Order(str(mission), backend, seed=seed)
+        ready = prepare(wishes, load(wishes))
+    with entered(ready.companions):
+        companions = (*ready.companions, FirstChoice())
+        result = MissionRun(ready.engine, ready.backend, companions=companions).execute()
+    if result.ended.outcome != "succeeded":
+        return Trial(*order, nan, result.ended.message, result.now_s)
+    plane_deg = degrees(ready.backend.truth.rolls_rad[part])  # type: ignore[attr-defined]
+    return Trial(*order, remainder(plane_deg - COMMANDS[command], 180.0), "", result.now_s)
+
+
+def main() -> int:
+    """Print what came of each command; return 1 when one was neither level nor impossible."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--rolls", type=int, default=12, help="how many, all round")
+    parser.add_argument("--seeds", type=int, default=1)
+    parser.add_argument("--pitch", type=float, default=0.0, help="of the pipe, in degrees")
+    parser.add_argument("--diameter", type=float, default=120.0, help="of the pipe, in mm")
+    parser.add_argument("--backend", default="sim")
+    parser.add_argument("--robot", default="pirate_ii_imu")
+    parser.add_argument("--workers", type=int, help="processes; all processors by default")
+    wishes = parser.parse_args()
+    orders = [
+        (command, holder, 360.0 * number / wishes.rolls, seed)
+        for command in COMMANDS
+        for holder in HOLDERS
+        for number in range(wishes.rolls)
+        for seed in range(wishes.seeds)
+    ]
+    one = partial(
+        try_out,
+        pitch_deg=wishes.pitch,
+        diameter_mm=wishes.diameter,
+        backend=wishes.backend,
+        robot=wishes.robot,
+    )
+    with ProcessPoolExecutor(wishes.workers, mp_context=get_context("spawn")) as pool:
+        trials = list(pool.map(one, orders))
+    for command in COMMANDS:
+        for holder in HOLDERS:
+            _show([each for each in trials if (each.command, each.holder) == (command, holder)])
+    return 0 if all(each.passes for each in trials) else 1
+
+
+def _show(trials: Sequence[Trial]) -> None:
+    level = [abs(each.off_deg) for each in trials if not isnan(each.off_deg)]
+    impossible = sum("impossible:" in each.why for each in trials)
+    first = trials[0]
+    print(
+        f"{first.command}, {first.holder} holds: {len(level)} of {len(trials)} level,"
+        f" {max(level, default=nan):.1f} deg off at most; {impossible} impossible;"
+        f" {max(each.took_s for each in trials):.1f} s at most"
+    )
+    for each in trials:
+        if not each.passes:
+            what = each.why or f"{each.off_deg:.1f} deg off"
+            print(f"    roll {each.roll_deg:g} deg, seed {each.seed}: {what}", flush=True)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
