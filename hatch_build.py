@@ -12,7 +12,7 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))  # the package says what is built, and how
 
-from pirate_sm.simulation.machine_code import builder, library, linker
+from pirate_sm.simulation.machine_code import builder, built_library, linker
 
 WISH = os.environ.get("PIRATE_SM_BUILD", "")
 """`never` builds no machine code; with `always` nothing is installed where it cannot be built."""
@@ -36,15 +36,15 @@ class MachineCodeHook(BuildHookInterface[Any]):
         target = linker.this_target()
         if version == "editable":
             if not self._is_built():
-                self._build(library.FOLDER)
+                self._build(built_library.FOLDER)
             return
         self._made = tempfile.TemporaryDirectory(prefix="pirate_sm-")
-        folder = library.FOLDER if self._is_built() else self._build(Path(self._made.name))
-        inside = library.FOLDER.relative_to(self.root).as_posix()
-        for name in (library.FILE, library.REASON_FILE):
+        folder = built_library.FOLDER if self._is_built() else self._build(Path(self._made.name))
+        inside = built_library.FOLDER.relative_to(self.root).as_posix()
+        for name in (built_library.FILE, built_library.REASON_FILE):
             if (folder / name).is_file():
                 build_data["force_include"][str(folder / name)] = f"{inside}/{name}"
-        if (folder / library.FILE).is_file() and target is not None:
+        if (folder / built_library.FILE).is_file() and target is not None:
             build_data["pure_python"] = False
             build_data["tag"] = f"py3-none-{target.tag}"
 
@@ -55,7 +55,7 @@ class MachineCodeHook(BuildHookInterface[Any]):
 
     def _is_built(self) -> bool:
         """Return whether the source tree holds a library of its sources."""
-        return library.find_library().library is not None
+        return built_library.find_library().library is not None
 
     def _build(self, folder: Path) -> Path:
         """Build the library into a folder, or the reason why there is none; return the folder.
@@ -63,7 +63,7 @@ class MachineCodeHook(BuildHookInterface[Any]):
         Raises:
             RuntimeError: It cannot be built and was asked for.
         """
-        made, reason = folder / library.FILE, folder / library.REASON_FILE
+        made, reason = folder / built_library.FILE, folder / built_library.REASON_FILE
         reason.unlink(missing_ok=True)
         try:
             if WISH == "never":

@@ -27,8 +27,8 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         if error.name != "mujoco":
             raise
         raise UsageError(
-            "the physics need mujoco, which is not installed: pip install 'pirate-sm[physics]' "
-            "(or use the backend sim or trace)"
+            "the backend physics needs mujoco, which is not installed: "
+            "pip install 'pirate-sm[physics]' (or use the backend sim or trace)"
         ) from None
     return simulated(order, loaded, World)
 

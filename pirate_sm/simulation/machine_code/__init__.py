@@ -1,4 +1,4 @@
-"""Machine code of the simulator: built with the package, or made when a function is first called."""
+"""Machine code of the simulator: built with the package, or compiled on a first call."""
 
 from __future__ import annotations
 

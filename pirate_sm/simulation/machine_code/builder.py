@@ -13,9 +13,9 @@ import sys
 import tempfile
 from pathlib import Path
 
+from pirate_sm.simulation.machine_code.built_library import FILE, FOLDER
 from pirate_sm.simulation.machine_code.decorator import JIT_VARIABLE
 from pirate_sm.simulation.machine_code.entry_points import ENTRY_POINTS
-from pirate_sm.simulation.machine_code.library import FILE, FOLDER
 from pirate_sm.simulation.machine_code.linker import link
 from pirate_sm.simulation.machine_code.sources import PACKAGE, files_behind
 

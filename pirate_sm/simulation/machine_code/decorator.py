@@ -7,8 +7,8 @@ from collections.abc import Callable
 from typing import Any, TypeVar, cast
 
 from pirate_sm.errors import UsageError
+from pirate_sm.simulation.machine_code.built_library import find_library
 from pirate_sm.simulation.machine_code.entry_points import BY_PLACE
-from pirate_sm.simulation.machine_code.library import find_library
 
 JIT_VARIABLE = "PIRATE_SM_JIT"
 """Environment variable; if it is set, functions are compiled when called, built or not."""

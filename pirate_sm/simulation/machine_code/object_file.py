@@ -27,8 +27,8 @@ from numba.core.runtime import nrtdynmod
 from numba.np.arrayobj import populate_array
 
 from pirate_sm.simulation.machine_code.builder import SOURCES
+from pirate_sm.simulation.machine_code.built_library import MANIFEST
 from pirate_sm.simulation.machine_code.entry_points import ARRAYS, ENTRY_POINTS, EntryPoint
-from pirate_sm.simulation.machine_code.library import MANIFEST
 from pirate_sm.simulation.machine_code.sources import digest
 
 _ELEMENTS = {"f8": types.float64, "i8": types.int64, "u8": types.uint64}

@@ -20,7 +20,7 @@ FILE = "functions.so"
 REASON_FILE = "not_built.txt"
 """Beside this file: why there is no library."""
 
-MANIFEST = "pirate_sm_manifest"
+MANIFEST = "built_from"
 """A symbol of the library: JSON with the files that it was made of and their digest."""
 
 _SCALARS: dict[str, Any] = {"float": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_int64}
