@@ -14,8 +14,8 @@ from pirate_sm.simulation.machine_code.entry_points import ARRAYS, EntryPoint
 from pirate_sm.simulation.machine_code.sources import PACKAGE, digest
 
 FOLDER = Path(__file__).parent
-FILE = "functions.so"
-"""Name of the library, beside this file."""
+FILE = "functions.library"
+"""Name of the library, beside this file; one that Python does not take for a module."""
 
 REASON_FILE = "not_built.txt"
 """Beside this file: why there is no library."""
