@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
@@ -64,15 +65,16 @@ class MachineCodeHook(BuildHookInterface[Any]):
             RuntimeError: It cannot be built and was asked for.
         """
         made, reason = folder / built_library.FILE, folder / built_library.REASON_FILE
-        reason.unlink(missing_ok=True)
         try:
             if WISH == "never":
                 raise RuntimeError("PIRATE_SM_BUILD=never was set when pirate_sm was installed")
             builder.build(made)
-        except RuntimeError as error:
+            reason.unlink(missing_ok=True)
+        except (OSError, RuntimeError) as error:
             if WISH == "always":
                 raise
-            made.unlink(missing_ok=True)
-            reason.write_text(f"it was not built on installation: {error}\n", encoding="utf-8")
             self.app.display_warning(f"The simulator's machine code is not built: {error}")
+            with suppress(OSError):  # an editable installation of a tree that is only read
+                made.unlink(missing_ok=True)
+                reason.write_text(f"its machine code is not built: {error}\n", encoding="utf-8")
         return folder
