@@ -9,8 +9,25 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-ARRAYS = {"Floats": "f8", "Ints": "i8", "Words": "u8"}
-"""Element types of arrays, in numpy's letters, by their names in `simulation/arrays.py`."""
+
+class Element(NamedTuple):
+    """The elements of an array.
+
+    Attributes:
+        type: Their type, as numba calls it.
+        letters: What numpy may call it, on machines of 64 bits.
+    """
+
+    type: str
+    letters: str
+
+
+ARRAYS = {
+    "Floats": Element("float64", "d"),
+    "Ints": Element("int64", "lq"),
+    "Words": Element("uint64", "LQ"),
+}
+"""By the names of the arrays in `simulation/arrays.py`."""
 
 SCALARS = ("float", "int", "bool")
 

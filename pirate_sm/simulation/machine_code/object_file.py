@@ -31,7 +31,6 @@ from pirate_sm.simulation.machine_code.built_library import MANIFEST
 from pirate_sm.simulation.machine_code.entry_points import ARRAYS, ENTRY_POINTS, EntryPoint
 from pirate_sm.simulation.machine_code.sources import digest
 
-_ELEMENTS = {"f8": types.float64, "i8": types.int64, "u8": types.uint64}
 _NUMBERS = {
     "float": types.float64,
     "int": types.int64,
@@ -56,8 +55,8 @@ def write_object_file(into: Path) -> None:
 def _compile(entry: EntryPoint, context: Any, library: Any) -> Any:
     """Compile an entry point and what it calls into the library, as numba does on a first call."""
     arguments = tuple(
-        types.Array(_ELEMENTS[ARRAYS[kind]], dimensions, "C") if dimensions else _NUMBERS[kind]
-        for kind, dimensions in entry.arguments
+        types.Array(getattr(types, ARRAYS[kind].type), dims, "C") if dims else _NUMBERS[kind]
+        for kind, dims in entry.arguments
     )
     flags = Flags()
     flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
