@@ -8,12 +8,13 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser check format golden schemas bench seeds kills bends soak defects loops upright twin mutants physics vision clean
+.PHONY: help demo test test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright twin mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make test    style, types, layers and tests"
 	@echo "make test-browser  a report's page in the Chromium that is installed"
+	@echo "make test-built  the simulator's machine code, and the package as it is installed"
 	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
@@ -51,6 +52,9 @@ check: $(VENV)/.ready-dev
 
 test-pty: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/conformance
+
+test-built: $(VENV)/.ready-dev
+	$(BIN)/python -m pytest -m slow tests/unit/simulation/machine_code tests/installation
 
 format: $(VENV)/.ready-dev
 	$(BIN)/ruff check --fix
@@ -107,18 +111,20 @@ mutants: $(VENV)/.ready-mutants
 clean:
 	rm -rf $(VENV) build dist .hypothesis .import_linter_cache .mypy_cache .pytest_cache .ruff_cache
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
+	find pirate_sm -name functions.library -delete -o -name not_built.txt -delete
 
-# One environment; each set of extras is installed once, and again when pyproject.toml changes.
-$(VENV)/.ready-sim: EXTRAS := sim
-$(VENV)/.ready-dev: EXTRAS := dev,sim,physics,serial,live,report,console,vision
+# One environment; each set of extras is installed once, and again when pyproject.toml changes. The
+# simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
+$(VENV)/.ready-sim: EXTRAS := jit
+$(VENV)/.ready-dev: EXTRAS := dev,jit,physics,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := physics
-$(VENV)/.ready-browser: EXTRAS := browser,dev,sim,report
-$(VENV)/.ready-bench: EXTRAS := bench,sim,console
-$(VENV)/.ready-vision: EXTRAS := sim,vision
-$(VENV)/.ready-soak: EXTRAS := sim,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,sim,physics,serial,live,report,console,vision
+$(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report
+$(VENV)/.ready-bench: EXTRAS := bench,jit,console
+$(VENV)/.ready-vision: EXTRAS := jit,vision
+$(VENV)/.ready-soak: EXTRAS := jit,serial
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,physics,serial,live,report,console,vision
 
-$(VENV)/.ready-%: pyproject.toml | $(VENV)/.created
+$(VENV)/.ready-%: pyproject.toml hatch_build.py | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."
 	@$(BIN)/python -m pip install --quiet -e '.[$(EXTRAS)]'
 	@touch $@

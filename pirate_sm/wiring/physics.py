@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
+from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
-from pirate_sm.wiring.sim import check_order, not_installed, simulated
-
-_INSTALLED = {"llvmlite", "mujoco", "numba", "numpy"}
-"""What the extra `physics` installs."""
+from pirate_sm.wiring.sim import check_order, simulated
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
@@ -17,7 +15,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
     Raises:
         UsageError: There is no pipe, an option is for another backend, the extra ``physics`` is not
-            installed, or a viewer is asked for and there is no display.
+            installed, the sensors are not built, or a viewer is asked for and there is no display.
     """
     check_order(order, loaded)
     try:
@@ -26,7 +24,12 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         if order.view:
             from pirate_sm.simulation.mujoco.viewer import WatchedWorld as World
     except ModuleNotFoundError as error:
-        raise not_installed(error, "physics", _INSTALLED) from None
+        if error.name != "mujoco":
+            raise
+        raise UsageError(
+            "the backend physics needs mujoco, which is not installed: "
+            "pip install 'pirate-sm[physics]' (or use the backend sim or trace)"
+        ) from None
     return simulated(order, loaded, World)
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from pirate_sm.detectors.registry import Places
@@ -19,12 +19,9 @@ if TYPE_CHECKING:
     from pirate_sm.simulation.physics import MakePhysics
 
 COMPILING = (
-    "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
-    "times faster than real time: some ten seconds, once ..."
+    "Compiling the simulator to machine code for this processor, as none was built for this copy "
+    "of it: some ten seconds, once ..."
 )
-
-_COMPILED = {"llvmlite", "numba", "numpy"}
-"""The packages that the extra `sim` installs."""
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
@@ -32,14 +29,12 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
     Raises:
         LoadError: The file with the robot's numbers cannot be used.
-        UsageError: There is no pipe, an option is for another backend, or the extra ``sim`` is not
-            installed.
+        UsageError: There is no pipe, an option is for another backend, or the simulator is neither
+            built nor can it compile itself.
     """
     check_order(order, loaded)
-    try:
-        from pirate_sm.simulation.xpbd.kinematic import is_compiled, kinematic
-    except ModuleNotFoundError as error:
-        raise not_installed(error, "sim", _COMPILED) from None
+    from pirate_sm.simulation.xpbd.kinematic import is_compiled, kinematic
+
     assert loaded.pipe is not None  # as checked above
     if not is_compiled(loaded.pipe.section):
         say(COMPILING)
@@ -57,16 +52,6 @@ def check_order(order: Order, loaded: LoadedMission) -> None:
         raise UsageError("the mission names no pipe to simulate", hint=hint)
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
-
-
-def not_installed(error: ModuleNotFoundError, extra: str, modules: Collection[str]) -> Exception:
-    """Return what to raise where a module is missing: a hint if the extra installs it."""
-    if error.name not in modules:
-        return error
-    return UsageError(
-        f"the simulator needs {error.name}, which is not installed: "
-        f"pip install 'pirate-sm[{extra}]' (or use the backend trace)"
-    )
 
 
 def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equipment:

@@ -24,9 +24,6 @@ from pirate_sm.wiring.sim import COMPILING, start_values
 if TYPE_CHECKING:
     from pirate_sm.bay.switches import Switches, Topic
 
-_INSTALLED = {"llvmlite", "numba", "numpy", "rosbags"}
-"""The packages that the extras `sim` and `serial` install."""
-
 
 class _Setting(NamedTuple):
     """A robot in a pipe."""
@@ -51,11 +48,11 @@ def run_bay(options: BayOptions) -> int:
         from pirate_sm.bay.virtual import VirtualBay
         from pirate_sm.simulation.xpbd.kinematic import is_compiled
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] not in _INSTALLED:
+        if error.name is None or error.name.partition(".")[0] != "rosbags":
             raise
         raise UsageError(
             f"the emulated bay needs {error.name}, which is not installed: "
-            "pip install 'pirate-sm[sim,serial]'"
+            "pip install 'pirate-sm[serial]'"
         ) from None
     switches = _switches(options)
     at = _setting(options)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from importlib.util import find_spec
+from importlib import import_module
 from math import inf
 from pathlib import Path
 
@@ -30,8 +30,7 @@ MOST_CALLS = 5
 LEAST_SHARE = 0.1
 """The least share of a limit at which a near miss is listed."""
 
-_SIMULATOR = ("numpy", "numba")
-"""The packages that the extra `sim` installs."""
+_SIMULATOR = "pirate_sm.simulation.xpbd.world"
 
 
 def rehearsing(seeds: int) -> Rehearse:
@@ -41,14 +40,9 @@ def rehearsing(seeds: int) -> Rehearse:
         seeds: Number of runs, with seeds from 0.
 
     Raises:
-        UsageError: The simulator is not installed.
+        UsageError: The simulator is neither built nor can it compile itself.
     """
-    missing = [name for name in _SIMULATOR if find_spec(name) is None]
-    if missing:
-        raise UsageError(
-            f"--rehearse runs missions in the simulator, which needs {missing[0]}, "
-            "which is not installed: pip install 'pirate-sm[sim]'"
-        )
+    import_module(_SIMULATOR)
 
     def rehearse(loaded: LoadedMission, path: Path) -> Rehearsal:
         return _rehearsed(loaded, path, seeds)

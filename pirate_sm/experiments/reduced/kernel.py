@@ -70,6 +70,25 @@ def _sticking(
 
 
 @compiled
+def _drive(
+    ahead: float, gain: float, wanted: float, rim: Floats, noise: Floats, motor: Floats
+) -> None:
+    """Write the force of each motor at its rim, N: what it is fed forward with and its control."""
+    for i in range(len(motor)):
+        motor[i] = ahead + gain * (wanted - rim[i] - noise[i])
+
+
+@compiled
+def _note(row: Floats, rim: Floats, force: Floats, motor: Floats) -> None:
+    """Write what is of the wheels into a row of the result."""
+    count = len(rim)
+    for i in range(count):
+        row[2 + i] = rim[i]
+        row[2 + count + i] = force[i]
+        row[2 + 2 * count + i] = motor[i]
+
+
+@compiled
 def simulate(
     wheels: Floats,
     body: Floats,
@@ -78,8 +97,9 @@ def simulate(
     noise: Floats,
     sticks: bool,
     steps: int,
-) -> Floats:
-    """Return place and speeds of the robot at each tick of its controller.
+    out: Floats,
+) -> None:
+    """Write place and speeds of the robot at each tick of its controller to `out`.
 
     Args:
         wheels: A row for each wheel: its law (static, kinetic, threshold, bristle's stiffness and
@@ -92,13 +112,10 @@ def simulate(
         noise: What the measured rim speed of each wheel is off by, m/s, a row for each tick.
         sticks: Whether contacts stick, in place of the law of fig. 4-3.
         steps: Steps of the physics in a tick.
-
-    Returns:
-        A row for each tick: x m, v m/s, then of each wheel the rim's speed m/s, the friction force
-        N and the motor's force at the rim N.
+        out: A row for each tick: x m, v m/s, then of each wheel the rim's speed m/s, the friction
+            force N and the motor's force at the rim N; changed.
     """
     ticks, count = normals.shape
-    out = np.zeros((ticks, 2 + 3 * count))
     rim, motor = np.zeros(count), np.zeros(count)
     force, slope, bristle = np.zeros(count), np.zeros(count), np.zeros(count)
     mass, rotor, gain, tick_s = body[0], body[1], body[2], body[3]
@@ -106,7 +123,7 @@ def simulate(
     x = v = 0.0
     for tick in range(ticks):
         wanted, tilt, ahead = control[tick]
-        motor[:] = ahead + gain * (wanted - rim - noise[tick])
+        _drive(ahead, gain, wanted, rim, noise[tick], motor)
         for _ in range(steps):
             pull = -mass * GRAVITY_M_S2 * np.sin(tilt)
             stiff = 0.0
@@ -138,7 +155,4 @@ def simulate(
             for i in range(count):
                 force[i] = _creeping(rim[i] - v, normals[tick, i], wheels[i])[0]
         out[tick, 0], out[tick, 1] = x, v
-        out[tick, 2 : 2 + count] = rim
-        out[tick, 2 + count : 2 + 2 * count] = force
-        out[tick, 2 + 2 * count :] = motor
-    return out
+        _note(out[tick], rim, force, motor)

@@ -99,7 +99,8 @@ def run_traction(
     compensating = variant.compensated & (times_s >= setup.timeline.compensate)
     ahead = mass * GRAVITY_M_S2 * np.sin(seen_tilt) / len(body.wheels) * compensating
     normal = _normal_forces(profile, setup, variant, times_s, tilt, seen_tilt)
-    out = simulate(
+    out: Floats = np.zeros((ticks, 2 + 3 * len(body.wheels)))
+    simulate(
         np.array([_law(setup, wheel.part) for wheel in body.wheels]),
         np.array(
             [
@@ -114,6 +115,7 @@ def run_traction(
         rim_noise,
         sticks,
         max(round(physics.tick / physics.step), 1),
+        out,
     )
     rim, force, motor = np.split(out[:, 2:], 3, axis=1)
     return TractionRun(times_s, out[:, 0], out[:, 1], rim, rim + rim_noise, force, normal, motor)

@@ -6,6 +6,7 @@ import builtins
 import json
 import subprocess
 import sys
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -137,29 +138,56 @@ def test_a_script_that_does_not_fit(
     assert message in refused(pirate_run(PATROL, *TRACE, "--script", path))
 
 
-@pytest.mark.parametrize(
-    ("backend", "module", "extra"), [("sim", "numba", "sim"), ("physics", "mujoco", "physics")]
-)
+@pytest.fixture
+def without(monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+    """Lets a package be missing for all that the simulator imports."""
+
+    def without(missing: str) -> None:
+        # The simulator is imported again here. Afterwards its parent must have the old module back,
+        # not only the table of modules: else later tests patch one of two.
+        monkeypatch.setattr(pirate_sm, "simulation", pirate_sm.simulation)
+        for name in [name for name in sys.modules if name.startswith("pirate_sm.simulation")]:
+            monkeypatch.delitem(sys.modules, name)
+        genuine = builtins.__import__
+
+        def without_it(name: str, *arguments: Any, **options: Any) -> Any:
+            if name.partition(".")[0] == missing:
+                raise ModuleNotFoundError(f"No module named '{missing}'", name=missing)
+            return genuine(name, *arguments, **options)
+
+        monkeypatch.setattr(builtins, "__import__", without_it)
+
+    return without
+
+
 def test_a_missing_extra_is_named_with_how_to_install_it(
-    pirate_run: Any, monkeypatch: pytest.MonkeyPatch, backend: str, module: str, extra: str
+    pirate_run: Any, without: Callable[[str], None]
 ) -> None:
-    # The package is imported again here. Afterwards its parent must have the old module back, not
-    # only the table of modules: else later tests patch one of two.
-    monkeypatch.setattr(pirate_sm, "simulation", pirate_sm.simulation)
-    for name in [name for name in sys.modules if name.startswith("pirate_sm.simulation")]:
-        monkeypatch.delitem(sys.modules, name)
-    genuine = builtins.__import__
+    without("mujoco")
 
-    def without_it(name: str, *arguments: Any, **options: Any) -> Any:
-        if name.partition(".")[0] == module:
-            raise ModuleNotFoundError(f"No module named '{module}'", name=module)
-        return genuine(name, *arguments, **options)
+    told = refused(pirate_run(PATROL, "--backend", "physics"))
+    assert "needs mujoco, which is not installed" in told
+    assert "pip install 'pirate-sm[physics]'" in told
 
-    monkeypatch.setattr(builtins, "__import__", without_it)
 
-    told = refused(pirate_run(PATROL, "--backend", backend))
-    assert f"needs {module}, which is not installed" in told
-    assert f"pip install 'pirate-sm[{extra}]'" in told
+def test_a_simulator_that_is_not_built_and_cannot_compile_itself_says_so(
+    pirate_run: Any, without: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PIRATE_SM_JIT", "1")
+    without("numba")
+
+    told = refused(pirate_run(PATROL))
+    assert "the simulator cannot run here: PIRATE_SM_JIT is set" in told
+    assert "pip install 'pirate-sm[jit]'" in told
+
+
+def test_a_rehearsal_says_so_too(
+    pirate: Any, without: Callable[[str], None], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PIRATE_SM_JIT", "1")
+    without("numba")
+
+    assert "pip install 'pirate-sm[jit]'" in refused(pirate("check", "climb", "--rehearse"))
 
 
 def test_a_viewer_needs_a_display_and_the_backend_that_has_one(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from importlib import util
 from pathlib import Path
 from typing import Any
 
@@ -105,20 +104,6 @@ def test_a_mission_that_does_not_end_is_ended(
     assert result.exit_code == 1
     assert "error [rehearsal.failed]" in result.stdout
     assert "it had not ended after 2 s" in result.stdout
-
-
-def test_without_the_simulator_it_is_said_what_to_install(
-    pirate: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    here = util.find_spec
-    monkeypatch.setattr(
-        "pirate_sm.cli.commands.check_rehearsal.find_spec",
-        lambda name: None if name == "numba" else here(name),
-    )
-    result = pirate("check", "climb", "--rehearse")
-
-    assert (result.exit_code, result.stdout) == (2, "")
-    assert "needs numba, which is not installed: pip install 'pirate-sm[sim]'" in result.stderr
 
 
 def test_seeds_alone_are_refused(pirate: Any) -> None:

@@ -1,4 +1,4 @@
-"""Damaged machine code on disk costs a compilation, not the run."""
+"""Machine code on disk: damaged, it costs a compilation, not the run; outdated, it is not used."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import os
 import subprocess
 import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -30,7 +31,7 @@ def run(folder: Path) -> str:
         script.write_text(SOURCE, encoding="utf-8")
     done = subprocess.run(
         [sys.executable, str(script)],
-        env={**os.environ, "NUMBA_CACHE_DIR": str(folder / "kept")},
+        env={**os.environ, "NUMBA_CACHE_DIR": str(folder / "kept"), "PIRATE_SM_JIT": "1"},
         capture_output=True,
         text=True,
         check=False,
@@ -52,3 +53,19 @@ def test_damaged_machine_code_is_made_again(
 
     assert run(tmp_path).endswith(" 42.0")
     assert run(tmp_path) == "True 42.0"
+
+
+def test_an_edit_in_a_file_that_is_imported_is_noticed(monkeypatch: pytest.MonkeyPatch) -> None:
+    just_in_time = pytest.importorskip("pirate_sm.simulation.machine_code.just_in_time")
+
+    def stamp(digest: str) -> Any:
+        monkeypatch.setattr(just_in_time, "_stamp", lambda module: digest)
+        made: Any = just_in_time.compiled_when_called(_half)
+        return made._cache._cache_file._source_stamp
+
+    assert stamp("before") == stamp("before")
+    assert stamp("before") != stamp("after")
+
+
+def _half(x: float) -> float:
+    return x / 2.0

@@ -1,16 +1,23 @@
-"""Compiles functions to machine code, keeps it on disk, and recompiles it if it is damaged."""
+"""Compiles functions when they are first called, keeps their machine code, and mends damaged code.
+
+This needs numba (the extra `jit`). It serves source trees whose functions have changed, and
+platforms for which nothing is built.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from typing import Any, TypeVar, cast
 
 import numba
 
+from pirate_sm.simulation.machine_code.sources import digest, files_behind
+
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 
-def compiled(function: _F) -> _F:
+def compiled_when_called(function: _F) -> _F:
     """Return a function that is compiled on its first call, with its machine code kept on disk.
 
     numba keeps it beside the function's file or else in the user's cache folder. If neither is
@@ -20,6 +27,7 @@ def compiled(function: _F) -> _F:
         dispatcher = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:
         return cast(_F, numba.njit(error_model="numpy")(function))
+    _notice_edits(dispatcher, function.__module__)
     _forgive_damage(dispatcher)
     return cast(_F, dispatcher)
 
@@ -38,6 +46,22 @@ def is_kept(function: Callable[..., Any]) -> bool:
         return any(machine in key for key in index)
     except Exception:  # unpickling a damaged index can raise anything
         return False
+
+
+def _notice_edits(dispatcher: Any, module: str) -> None:
+    """Compile again after an edit in any file that the function's module imports.
+
+    numba itself looks at the function's own file only, and would go on with an old copy of what is
+    called from another file.
+    """
+    kept = getattr(getattr(dispatcher, "_cache", None), "_cache_file", None)
+    if kept is not None:
+        kept._source_stamp = (kept._source_stamp, _stamp(module))
+
+
+@cache
+def _stamp(module: str) -> str:
+    return digest(files_behind([module]))
 
 
 def _forgive_damage(dispatcher: Any) -> None:

@@ -1,0 +1,7 @@
+"""Machine code of the simulator: built with the package, or compiled on a first call."""
+
+from __future__ import annotations
+
+from pirate_sm.simulation.machine_code.decorator import compiled, is_kept
+
+__all__ = ["compiled", "is_kept"]

@@ -1,0 +1,57 @@
+"""The decorator of the simulator's functions, which picks where their machine code comes from."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from typing import Any, TypeVar, cast
+
+from pirate_sm.errors import UsageError
+from pirate_sm.simulation.machine_code.built_library import find_library
+from pirate_sm.simulation.machine_code.entry_points import BY_PLACE
+
+JIT_VARIABLE = "PIRATE_SM_JIT"
+"""Environment variable; if it is set, functions are compiled when called, built or not."""
+
+_F = TypeVar("_F", bound=Callable[..., Any])
+
+
+def compiled(function: _F) -> _F:
+    """Return the function by its machine code, built or to be compiled on its first call.
+
+    In a module whose machine code was built, a function of the table of entry points runs as
+    machine code. All others there are called by those, inside the library. Called from Python they
+    are Python.
+
+    Raises:
+        UsageError: It is not built, and numba is not installed.
+    """
+    found = find_library()
+    if found.library is not None and not os.environ.get(JIT_VARIABLE):
+        entry = BY_PLACE.get((function.__module__, function.__name__))
+        if entry is not None:
+            built = found.library.function(entry)
+            built.__doc__ = function.__doc__
+            return cast(_F, built)
+        if found.library.covers(function.__module__):
+            return function
+    try:
+        from pirate_sm.simulation.machine_code.just_in_time import compiled_when_called
+    except ModuleNotFoundError as error:
+        if error.name not in ("numba", "llvmlite"):
+            raise
+        why = found.why_not or f"{JIT_VARIABLE} is set"
+        raise UsageError(
+            f"the simulator cannot run here: {why}; pip install 'pirate-sm[jit]' lets it compile "
+            "itself when it is first used (or use the backend trace)"
+        ) from None
+    return compiled_when_called(function)
+
+
+def is_kept(function: Callable[..., Any]) -> bool:
+    """Return whether a compiled function can run at once; if not, its first call takes seconds."""
+    if not hasattr(function, "py_func"):
+        return True
+    from pirate_sm.simulation.machine_code import just_in_time
+
+    return just_in_time.is_kept(function)

@@ -1,0 +1,121 @@
+"""The functions whose machine code is built with the package: those that Python itself calls.
+
+To build another function, add its line to `ENTRY_POINTS` and install the package again. What it
+calls is built with it. This module imports nothing but the standard library: the build reads the
+table before numpy is there.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+
+class Element(NamedTuple):
+    """The elements of an array.
+
+    Attributes:
+        type: Their type, as numba calls it.
+        letters: What numpy may call it, on machines of 64 bits.
+    """
+
+    type: str
+    letters: str
+
+
+ARRAYS = {
+    "Floats": Element("float64", "d"),
+    "Ints": Element("int64", "lq"),
+    "Words": Element("uint64", "LQ"),
+}
+"""By the names of the arrays in `simulation/arrays.py`."""
+
+SCALARS = ("float", "int", "bool")
+
+
+class Argument(NamedTuple):
+    """What an argument must be.
+
+    Attributes:
+        kind: A key of `ARRAYS` or one of `SCALARS`.
+        dimensions: Of an array; 0 for a number.
+    """
+
+    kind: str
+    dimensions: int
+
+
+class EntryPoint(NamedTuple):
+    """A function that Python calls by its machine code.
+
+    Attributes:
+        module: Full name of its module.
+        name: Its name there.
+        arguments: Its arguments in order.
+        result: One of `SCALARS`, or `None`.
+    """
+
+    module: str
+    name: str
+    arguments: tuple[Argument, ...]
+    result: str
+
+    @property
+    def numbers(self) -> tuple[Argument, ...]:
+        """Those of its arguments that are no arrays."""
+        return tuple(each for each in self.arguments if not each.dimensions)
+
+    @property
+    def symbol(self) -> str:
+        """Its name in the library."""
+        return f"{self.module}.{self.name}".replace(".", "_")
+
+
+def entry_point(place: str, arguments: str, result: str = "None") -> EntryPoint:
+    """Return an entry point from text.
+
+    Args:
+        place: `module:name`.
+        arguments: The annotations of the arguments in order; an array's with the number of its
+            dimensions, such as `Floats2`. Arrays are contiguous, in C order, and may be written to.
+        result: The annotation of the result.
+
+    Raises:
+        ValueError: An argument or the result has no machine type.
+    """
+    module, _, name = place.partition(":")
+    if result not in (*SCALARS, "None"):
+        raise ValueError(f"{place}: {result!r} cannot be returned, only {', '.join(SCALARS)}")
+    taken = tuple(_argument(place, text) for text in arguments.replace(",", " ").split())
+    return EntryPoint(module, name, taken, result)
+
+
+def _argument(place: str, text: str) -> Argument:
+    if text in SCALARS:
+        return Argument(text, 0)
+    kind, dimensions = text[:-1], text[-1:]
+    if kind not in ARRAYS or dimensions not in "123":
+        known = ", ".join((*SCALARS, *(f"{name}1, {name}2" for name in ARRAYS)))
+        raise ValueError(f"{place}: {text!r} is no machine type; there are {known} ...")
+    return Argument(kind, int(dimensions))
+
+
+ENTRY_POINTS = (
+    entry_point(
+        "pirate_sm.simulation.xpbd.kernel:advance",
+        "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int",
+    ),
+    entry_point(
+        "pirate_sm.simulation.xpbd.space.kernel:advance",
+        "Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, int",
+    ),
+    entry_point(
+        "pirate_sm.simulation.digitizing:digitize",
+        "Floats2, int, int, Floats1, Floats1, Words1",
+    ),
+    entry_point(
+        "pirate_sm.experiments.reduced.kernel:simulate",
+        "Floats2, Floats1, Floats2, Floats2, Floats2, bool, int, Floats2",
+    ),
+)
+
+BY_PLACE = {(each.module, each.name): each for each in ENTRY_POINTS}

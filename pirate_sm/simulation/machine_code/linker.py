@@ -1,0 +1,73 @@
+"""Links the library with `zig cc`, a compiler that pip installs; says where it can be built."""
+
+from __future__ import annotations
+
+import platform
+import re
+import subprocess
+import sys
+import sysconfig
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+
+class Target(NamedTuple):
+    """A kind of machine that libraries are built for.
+
+    Attributes:
+        zig: Its name for zig.
+        tag: Its name in the file names of wheels.
+    """
+
+    zig: str
+    tag: str
+
+
+# The oldest C library and system that zig can be asked for and that Python >= 3.11 runs on.
+_TARGETS = {
+    ("linux", "x86_64"): Target("x86_64-linux-gnu.2.17", "manylinux_2_17_x86_64"),
+    ("linux", "aarch64"): Target("aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64"),
+    ("darwin", "arm64"): Target("aarch64-macos.11.0", "macosx_11_0_arm64"),
+}
+
+
+def this_target() -> Target | None:
+    """Return the target that this Python runs on; None if its tools are not to be had here."""
+    odd_c_library = sys.platform == "linux" and platform.libc_ver()[0] != "glibc"
+    if odd_c_library or sys.maxsize < 2**32 or sys.implementation.name != "cpython":
+        return None
+    if sysconfig.get_config_var("Py_GIL_DISABLED"):
+        return None
+    return _TARGETS.get((sys.platform, platform.machine()))
+
+
+def link(parts: Sequence[Path], into: Path) -> None:
+    """Link object files and C files to a shared library.
+
+    Raises:
+        RuntimeError: It cannot be linked; the message says why.
+    """
+    target = this_target()
+    if target is None:
+        raise RuntimeError(f"nothing is built for {sysconfig.get_platform()}")
+    command = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-O2", "-shared"]
+    command += ["-fPIC", "-fvisibility=hidden", "-s"]
+    if sys.platform == "linux":  # what is left open would stop the library from loading
+        command.append("-Wl,--no-undefined")
+    command += [*map(str, parts), "-lm", "-o", str(into)]
+    done = subprocess.run(command, capture_output=True, text=True, check=False)
+    if done.returncode:
+        raise RuntimeError(_why(done.stderr))
+
+
+def _why(told: str) -> str:
+    """Return the cause of a failure that zig has told."""
+    missing = sorted(set(re.findall(r"undefined symbol: (\S+)", told)))
+    if missing:
+        return (
+            f"a function needs more of numba's runtime than support.c has ({', '.join(missing)}); "
+            "compute in loops what it computes with whole arrays or slices"
+        )
+    lines = told.strip().splitlines() or ["it said nothing"]
+    return f"zig did not link it: {lines[-1]}"
