@@ -1,4 +1,4 @@
-"""The odometry detector: reports the profile's words by dead reckoning."""
+"""The odometry detector: reports the profile's words, and the next joint, by dead reckoning."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ from math import isnan
 
 from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.detectors.odometer import Odometer
+from pirate_sm.detectors.route_report import RouteReport
 from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import confirmed_parts
@@ -15,7 +16,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.plane import walls
 from pirate_sm.model.effects import Effect, Log
-from pirate_sm.model.events import DetectorWord, Event
+from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
@@ -64,8 +65,11 @@ class Odometry:
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
-        self._detector = Detector(words, errors, route.bends, profile.detector.valid_for)
+        valid_for_s, planar = profile.detector.valid_for, pipe.section == "bars"
+        self._detector = Detector(words, errors, route.bends, valid_for_s)
+        self._ahead = RouteReport(route, pipe.roll, planar, valid_for_s)
         self._word: DetectorWord | None = None
+        self._report: EnvironmentReport | None = None
 
     def _take(self, robot: RobotSpec) -> None:
         """Follow this robot from now on."""
@@ -91,7 +95,9 @@ class Odometry:
             self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held)
             self._warned = False
         travel = robot.travel(state.robot.values)
-        self._word = self._detector.look(now_s, self.reckoned.places_m, travel)
+        places_m = self.reckoned.places_m
+        self._word = self._detector.look(now_s, places_m, travel)
+        self._report = self._ahead.look(now_s, places_m, robot, state)
         return self._warn(numbers) if self.reckoned.lost else ()
 
     def _follow(
@@ -141,7 +147,8 @@ class Odometry:
             self.reckoned = self.reckoned._replace(odometer_m=0.0)
 
     def speak(self, now_s: float) -> Sequence[Event]:
-        """Return the word that becomes valid here, or is valid and must be repeated."""
+        """Return the word and the report that become valid here, or must be repeated."""
         self.due_s = now_s + LOOK_EVERY_S
-        word, self._word = self._word, None
-        return () if word is None else (word,)
+        said = (self._word, self._report)
+        self._word = self._report = None
+        return tuple(each for each in said if each is not None)

@@ -16,8 +16,8 @@ from pirate_sm.model.profile import Profile
 _SLACK_M = 0.01
 # The last word of a bend ends this far beyond its point.
 _FORGOTTEN_M = 0.25
-# Near the end of its validity a word that still holds is repeated.
-_REPEAT_SHARE = 0.5
+REPEAT_SHARE = 0.5
+"""After this share of its validity a word that still holds is repeated."""
 
 LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot travels 5 mm in this time."""
@@ -68,7 +68,7 @@ class Repeater:
 
     def say(self, word: str, now_s: float) -> DetectorWord | None:
         """Return the word to report now, given the one that holds (empty for none)."""
-        due = now_s - self._reported_s >= _REPEAT_SHARE * self._valid_for_s
+        due = now_s - self._reported_s >= REPEAT_SHARE * self._valid_for_s
         if word == self._word and not due:
             return None
         self._word = word

@@ -97,8 +97,7 @@ def _watch(moment: Moment, state: EngineState) -> EngineState:
 def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     """Forget signals that are too old, resend arrays that are due, and report silent boards."""
     if has_come(moment.now_s, state.word_until_s):
-        words = (*state.words[:-2], None, state.words[-1])
-        state = state._replace(words=words, word_until_s=inf)
+        state = state.hearing(detector=None)._replace(word_until_s=inf)
     robot = sending.resend(moment, state.robot, state.sensing)
     if robot is not state.robot:
         state = state._replace(robot=robot)

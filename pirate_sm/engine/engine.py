@@ -23,7 +23,7 @@ from pirate_sm.engine.sensing import environment, surroundings
 from pirate_sm.engine.sensing.conversion import observe
 from pirate_sm.engine.sensing.known_signals import Numbers, nothing_known
 from pirate_sm.engine.sensing.traction import with_traction
-from pirate_sm.engine.state import EngineState, MissionState
+from pirate_sm.engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.model import events
 from pirate_sm.model.effects import Effect
 
@@ -79,7 +79,7 @@ class Engine:
                 sensing, _ = observe(
                     self.robot, sensing, frame, robot.values, robot.values, now_s, sent=robot.sent
                 )
-        words = (*robot_state.states_of(self.robot, robot), None, None)
+        words = (*robot_state.states_of(self.robot, robot), *(None for _ in OUTSIDE))
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
         following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
         look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)

@@ -86,10 +86,10 @@ def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState
         moment.warn(f"the detector said '{event.word}', an unknown word")
         return state
     state = state._replace(word_until_s=moment.now_s + event.valid_for_s)
-    if state.words[-2] == event.word:
+    if state.outside("detector") == event.word:
         return state
     moment.emit(Detected(event.word))
-    return state._replace(words=(*state.words[:-2], event.word, state.words[-1]))
+    return state.hearing(detector=event.word)
 
 
 def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> EngineState:

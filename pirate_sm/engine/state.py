@@ -24,6 +24,9 @@ from pirate_sm.model.effects import Outcome
 
 Words = tuple[str | None, ...]
 
+OUTSIDE = ("detector", "segment", "joint")
+"""Names of the last words of a state, which come from outside or from the surroundings."""
+
 
 class Ending(NamedTuple):
     """The run is ending: the safe array has been sent.
@@ -145,7 +148,7 @@ class EngineState(NamedTuple):
     """Everything the engine remembers.
 
     Attributes:
-        words: State of each region, then the detector's word and the segment; None is unknown.
+        words: State of each region, then the words of ``OUTSIDE``; None is unknown.
         word_until_s: End of the validity of the detector's word.
         wake_at_s: The next time at which something changes without an event.
         look: The running start check, None after it; no command begins during it.
@@ -168,7 +171,19 @@ class EngineState(NamedTuple):
         """Return the state with this robot state, and with the words of its configuration."""
         if body.configuration == self.robot.configuration:
             return self._replace(robot=body)
-        return self._replace(robot=body, words=(*states_of(robot, body), *self.words[-2:]))
+        return self._replace(
+            robot=body, words=(*states_of(robot, body), *self.words[-len(OUTSIDE) :])
+        )
+
+    def outside(self, name: str) -> str | None:
+        """Return one of the words of ``OUTSIDE``; None if it is unknown."""
+        return self.words[OUTSIDE.index(name) - len(OUTSIDE)]
+
+    def hearing(self, **changed: str | None) -> EngineState:
+        """Return the state with other words of ``OUTSIDE``, given by name."""
+        known = zip(OUTSIDE, self.words[-len(OUTSIDE) :], strict=True)
+        words = [changed.get(name, word) for name, word in known]
+        return self._replace(words=(*self.words[: -len(OUTSIDE)], *words))
 
     def finished(self, command: Finished | None) -> EngineState:
         """Return the state with the result of the mission's command.
@@ -185,4 +200,4 @@ class EngineState(NamedTuple):
             marks = self.robot.marks  # usually empty: return early
             if not marks or all(mark.command != STOPPED for mark in marks):
                 return self.words
-        return (*obeyed(robot, self.robot), *self.words[-2:])
+        return (*obeyed(robot, self.robot), *self.words[-len(OUTSIDE) :])

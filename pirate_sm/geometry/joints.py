@@ -12,6 +12,8 @@ from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.space import Frame, Vector, combined, dot
 
 JointKind: TypeAlias = Literal["mitre", "elbow", "tee", "reducer"]
+JointOrEnd: TypeAlias = Literal["mitre", "elbow", "tee", "reducer", "end"]
+"""What may be ahead of a robot on its route: a joint, or where the pipe ends."""
 
 
 class Joint(NamedTuple):

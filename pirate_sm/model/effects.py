@@ -5,7 +5,7 @@ Only the runtime performs them. ``Setpoints`` moves the robot; the others report
 
 from __future__ import annotations
 
-from math import degrees, isnan
+from math import degrees, isnan, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 CommandState: TypeAlias = Literal["sent", "accepted", "refused", "done", "failed", "skipped"]
@@ -114,16 +114,33 @@ class Environment(NamedTuple):
             unknown, as for the others.
         pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
         diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
+        joint: The joint that the robot is in, or the next one ahead: ``mitre``, ``elbow``, ``tee``,
+            ``reducer`` or ``end``; empty is unknown.
+        junction: Name of the tee that the joint is; empty is unknown or none.
+        opening_roll_rad: Towards where the pipe turns or opens there: the roll about the direction
+            of travel, against the front part's plane; 0 is towards side A of a robot in normal
+            polarity.
+        distance_m: Distance from the first wheel to the joint; negative behind it.
+        diameter_ahead_m: Inner diameter behind the joint.
+        run: Name of the run of the pipe that the first wheel is in; empty is unknown.
+        arc_m: Place of the first wheel along the route.
     """
 
     segment: str
     roll_rad: float
     pitch_rad: float
     diameter_m: float
+    joint: str = ""
+    junction: str = ""
+    opening_roll_rad: float = nan
+    distance_m: float = nan
+    diameter_ahead_m: float = nan
+    run: str = ""
+    arc_m: float = nan
 
     @property
     def measures(self) -> str:
-        """Return the known values of roll, pitch and diameter as text; empty if all are unknown."""
+        """Return what is known of roll, pitch, diameter and joint as text; empty if nothing is."""
         known = [
             f"{name} {degrees(angle):.0f}°"
             for name, angle in (("roll", self.roll_rad), ("pitch", self.pitch_rad))
@@ -131,7 +148,19 @@ class Environment(NamedTuple):
         ]
         if not isnan(self.diameter_m):
             known.append(f"inner diameter {self.diameter_m * 1e3:.1f} mm")
+        if self.joint:
+            known.append(self._joint_words)
         return ", ".join(known)
+
+    @property
+    def _joint_words(self) -> str:
+        words = " ".join(filter(None, (self.joint, self.junction)))
+        if not isnan(self.distance_m):
+            where = "ahead" if self.distance_m >= 0 else "back"
+            words += f" {abs(self.distance_m) * 1e3:.0f} mm {where}"
+        if not isnan(self.diameter_ahead_m):
+            words += f", behind it {self.diameter_ahead_m * 1e3:.1f} mm"
+        return words
 
 
 class Fault(NamedTuple):

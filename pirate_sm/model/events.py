@@ -8,12 +8,12 @@ part of an event: the engine receives it separately, in seconds since the run be
 
 from __future__ import annotations
 
-from math import inf
+from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 7
+ALPHABET_VERSION = 8
 
-READABLE_ALPHABETS = (5, 6, 7)
+READABLE_ALPHABETS = (5, 6, 7, 8)
 """Recordings of these are read: 6 has an event more than 5."""
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
@@ -45,7 +45,8 @@ class DetectorWord(NamedTuple):
 class EnvironmentReport(NamedTuple):
     """An outside source has reported the pipe around the robot.
 
-    It replaces the values that the engine derives from its signals for as long as it is valid.
+    What it knows counts in place of what the engine derives from its signals, for as long as it is
+    valid; what it does not know the engine goes on deriving.
 
     Attributes:
         segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
@@ -54,6 +55,13 @@ class EnvironmentReport(NamedTuple):
         pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
         diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
         valid_for_s: How long it is valid, or until the next report; infinite: until then.
+        joint: As the next fields, see :class:`pirate_sm.model.effects.Environment`.
+        junction: Name of the junction.
+        opening_roll_rad: Direction of the opening.
+        distance_m: Distance to the joint.
+        diameter_ahead_m: Inner diameter behind the joint.
+        run: Name of the run.
+        arc_m: Place along the route.
     """
 
     segment: str
@@ -61,6 +69,13 @@ class EnvironmentReport(NamedTuple):
     pitch_rad: float
     diameter_m: float
     valid_for_s: float = inf
+    joint: str = ""
+    junction: str = ""
+    opening_roll_rad: float = nan
+    distance_m: float = nan
+    diameter_ahead_m: float = nan
+    run: str = ""
+    arc_m: float = nan
 
 
 class OutsideNumber(NamedTuple):

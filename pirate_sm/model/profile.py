@@ -10,6 +10,7 @@ from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
+from pirate_sm.geometry.joints import JointOrEnd
 from pirate_sm.model.actuation import PostureCase, Stages
 from pirate_sm.model.base import (
     Condition,
@@ -211,12 +212,14 @@ class DetectorDefinition(Frozen):
         backward: The point when driving backward.
         when: The condition on signals and states, for the detector ``signals``.
         held: How long the condition must have been true without interruption.
+        joint: The kind of joint that it announces, where whoever says it can tell.
     """
 
     forward: DetectorPoint | None = None
     backward: DetectorPoint | None = None
     when: Condition | None = None
     held: Annotated[Duration, Field(ge=0)] = 0.0
+    joint: JointOrEnd | None = None
 
     @model_validator(mode="after")
     def _is_said_somehow(self) -> Self:

@@ -198,6 +198,8 @@ def _words(snapshot: Snapshot) -> Text:
     count = len(robot.regions)
     parts: list[Part] = ["  "]
     for name, word in zip(robot.vocabulary.words[count:], state.words[count:], strict=True):
+        if word is None and name == "joint":  # mostly unknown, and there is little room
+            continue
         parts += [(f"{name} ", MUTED), (f"{word or '–'}   ", STRONG if word else MUTED)]
     return line(*parts)
 

@@ -12,7 +12,7 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Branch, Program, Question, Wait
 from pirate_sm.engine.robot import robot_state
 from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.state import OUTSIDE, EngineState
 from pirate_sm.expressions import EnumType, Expression, tree
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
@@ -157,7 +157,7 @@ class Run:
         codes = [code for code, catchable in robot.fault_codes.items() if catchable]
         code = self.lot.choice([*handled * 3, *codes])
         rules = [fault for fault in robot.faults if fault.code == code]
-        words = (*robot_state.obeyed(robot, self.state.robot), *self.state.words[-2:])
+        words = (*robot_state.obeyed(robot, self.state.robot), *self.state.words[-len(OUTSIDE) :])
         numbers = self.state.sensing.shown
         if not rules:
             return ev.FaultReport(code, "by lot")

@@ -17,7 +17,7 @@ from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Question, Wait
 from pirate_sm.engine.robot import robot_state
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.state import OUTSIDE, EngineState
 from pirate_sm.expressions import EnumType, tree
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
@@ -104,7 +104,7 @@ class Search:
 
     def _faults(self, state: EngineState) -> Iterator[ev.FaultReport]:
         robot = self.loaded.robot
-        words = (*robot_state.obeyed(robot, state.robot), *state.words[-2:])
+        words = (*robot_state.obeyed(robot, state.robot), *state.words[-len(OUTSIDE) :])
         for code in {each.code for each in self.program.handlers[state.mission.pc]}:
             rules = [fault for fault in robot.faults if fault.code == code]
             # What a rule reads may be shown by nothing that the mission reads: then it may hold.

@@ -30,7 +30,7 @@ def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> Non
                 await me.command(command)
             assert me.states[2] == "DoubleClamped"
             assert not me.wheels_stand()
-            me.until(lambda: me.latest.state.words[-2] == "close")
+            me.until(lambda: me.latest.state.outside("detector") == "close")
 
             # Its beginning is greyed, with what the engine would say; a later phase is not.
             await me.look()
@@ -95,7 +95,7 @@ def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
             }
 
             await me.command("DriveForward")
-            me.until(lambda: me.latest.state.words[-2] == "close")
+            me.until(lambda: me.latest.state.outside("detector") == "close")
             await me.look()
             await me.press("H")
             await me.look()

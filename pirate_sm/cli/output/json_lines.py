@@ -131,10 +131,9 @@ def _object(effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
                 "deadline_s": _number(deadline_s),
             }
         case fx.Environment():
-            segment, *numbers = effect
-            names = fx.Environment._fields[1:]
-            measured = zip(names, map(_number, numbers), strict=True)
-            return "environment", {"segment": segment, **dict(measured)}
+            found = effect._asdict().items()
+            said = {name: it if isinstance(it, str) else _number(it) for name, it in found}
+            return "environment", said
         case fx.Detected():
             return "detected", effect._asdict()
         case fx.Fault():

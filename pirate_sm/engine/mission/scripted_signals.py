@@ -9,11 +9,8 @@ from pirate_sm.engine.mission.program import Program, SwitchControl
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import Finished
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.state import OUTSIDE, EngineState
 from pirate_sm.model.events import CommandFailed, SignalReport
-
-_OUTSIDE = ("detector", "segment")
-"""Names of the last words of the state, which come from outside, in their order."""
 
 
 def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineState:
@@ -31,14 +28,12 @@ def show(moment: Moment, state: EngineState, report: SignalReport) -> EngineStat
             numbers[names.index(name)] = value
         else:
             moment.warn(f"the script says '{name}', an unknown signal")
-    words = list(state.words)
     for name, word in report.words:
-        if name in _OUTSIDE:
-            words[_OUTSIDE.index(name) - len(_OUTSIDE)] = word
+        if name in OUTSIDE:
+            state = state.hearing(**{name: word})
         else:
             moment.warn(f"the script says '{name}', which no script can set")
-    sensing = sensing._replace(told=tuple(numbers))
-    return state._replace(sensing=sensing, words=tuple(words))
+    return state._replace(sensing=sensing._replace(told=tuple(numbers)))
 
 
 def fail_command(moment: Moment, state: EngineState, event: CommandFailed) -> EngineState:

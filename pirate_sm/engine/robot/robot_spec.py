@@ -2,7 +2,7 @@
 
 :mod:`pirate_sm.loading.robot` builds it from a profile and its chart, for one polarity. Conditions
 see two tuples: ``numbers`` (signals in SI units, NaN = unknown) and ``words`` (the state of each
-region, then the detector's word and the segment, None = unknown).
+region, then the detector's word, the segment and the joint, None = unknown).
 """
 
 from __future__ import annotations
@@ -84,6 +84,7 @@ class RobotSpec:
         sight: Criteria of the start check.
         odometry: Number indexes of odometry and speed; -1 where the robot has none.
         words_behind: Words of the detector that mean that the whole robot has passed the bend.
+        words_joint: The kind of joint that a word of the detector announces, for those that do.
         word_conditions: Words of the detector that have a condition on signals, as they follow
             each other.
     """
@@ -115,6 +116,7 @@ class RobotSpec:
     traction: TractionSpec | None = None
     outside: Mapping[str, tuple[int, float]] = field(default_factory=dict)
     word_conditions: tuple[WordCondition, ...] = ()
+    words_joint: Mapping[str, str] = field(default_factory=dict)
 
     @property
     def regions(self) -> tuple[str, ...]:

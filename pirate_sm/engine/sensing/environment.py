@@ -10,20 +10,24 @@
   clamped part has opened to its end stop, so that there is no wall; ``Straight`` where a part has
   a wall and no bend has been announced.
 
-An unknown value is NaN, an unknown segment is empty. A report from outside replaces the derived
-values for as long as it is valid.
+- *Joint*: see :mod:`pirate_sm.engine.sensing.joint_around`.
+
+An unknown value is NaN, an unknown word is empty. A report from outside replaces the derived
+values that it knows for as long as it is valid.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, hypot, inf, isnan, nan, pi, radians, remainder
+from math import atan2, hypot, inf, isnan, nan, radians
 from statistics import median
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState, confirmed_parts
 from pirate_sm.engine.sensing.body_spec import BodySpec
+from pirate_sm.engine.sensing.environment_report import NOTHING_AROUND
+from pirate_sm.engine.sensing.joint_around import Around, joint_around, step_ahead_m
 from pirate_sm.geometry.plane import turned
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.effects import Environment
@@ -58,11 +62,7 @@ _AGREEING = 0.03
 _OPEN_RAD = radians(2)
 """A clamped V nearer to its end stop touches no wall [decided]."""
 
-_NOISE_RAD, _NOISE_M = radians(1), 1e-3
-"""Smaller changes are not reported."""
-
 _NO_FORCE: Vector = (nan, nan, nan)
-NOTHING_AROUND = Environment("", nan, nan, nan)
 
 
 class Surveyed(NamedTuple):
@@ -77,6 +77,8 @@ class Surveyed(NamedTuple):
         due_s: When the survey is due again.
         outside_until_s: End of the validity of a report from outside.
         straight_m: Diameter of the last straight; NaN before the first.
+        joint: What is remembered of the joint around the robot.
+        outside: The last report from outside.
     """
 
     reported: Environment = NOTHING_AROUND
@@ -87,6 +89,8 @@ class Surveyed(NamedTuple):
     due_s: float = -inf
     outside_until_s: float = -inf
     straight_m: float = nan
+    joint: Around = Around()
+    outside: Environment = NOTHING_AROUND
 
 
 def nothing_surveyed(*, nominal: bool) -> Surveyed:
@@ -126,6 +130,8 @@ def survey(
         segment = OUT
     elif walled:
         segment = _segment(body, walled, numbers, in_bend)
+    ahead_m = step_ahead_m(body, walled, numbers) if segment == STRAIGHT else nan
+    around, joint = joint_around(robot, before.joint, word, in_bend, ahead_m)
     along = _along(body, walled, numbers, before.straight_m)
     if segment == STRAIGHT:
         along = along or walled
@@ -136,10 +142,20 @@ def survey(
     diameter_m = _diameter(body, walled, numbers)
     known = segment == STRAIGHT and not isnan(diameter_m)
     straight_m = diameter_m if known else before.straight_m
-    due_s, outside_until_s = now_s + SURVEY_EVERY_S, before.outside_until_s
-    felt = before.reported, forces, felt_s, part, in_bend
-    after = Surveyed(*felt, due_s, outside_until_s, straight_m)
-    return after, Environment(segment, *_attitude(forces), diameter_m)
+    after = Surveyed(
+        before.reported,
+        forces,
+        felt_s,
+        part,
+        in_bend,
+        now_s + SURVEY_EVERY_S,
+        before.outside_until_s,
+        straight_m,
+        around,
+        before.outside,
+    )
+    found = Environment(segment, *_attitude(forces), diameter_m, joint)
+    return after, found._replace(diameter_ahead_m=ahead_m) if joint == "reducer" else found
 
 
 def _along(
@@ -234,20 +250,3 @@ def _attitude(forces: Sequence[Vector]) -> tuple[float, float]:
     across = hypot(side_b, up)
     roll = atan2(-side_b, up) if across > _UPRIGHT * GRAVITY_M_S2 else nan
     return roll, atan2(along, across)
-
-
-def differs(old: Environment, new: Environment) -> bool:
-    """Return whether two reports differ by more than noise."""
-    return (
-        old.segment != new.segment
-        or _has_moved(old.roll_rad, new.roll_rad, _NOISE_RAD, turn=2 * pi)
-        or _has_moved(old.pitch_rad, new.pitch_rad, _NOISE_RAD)
-        or _has_moved(old.diameter_m, new.diameter_m, _NOISE_M)
-    )
-
-
-def _has_moved(old: float, new: float, noise: float, turn: float = inf) -> bool:
-    """Return whether a value has changed by more than noise, or became known or unknown."""
-    if isnan(old) or isnan(new):
-        return isnan(old) != isnan(new)
-    return abs(remainder(new - old, turn)) > noise

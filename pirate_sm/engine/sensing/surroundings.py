@@ -6,19 +6,21 @@ from math import inf
 
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.sensing.environment import NOTHING_AROUND, Surveyed, differs, survey
+from pirate_sm.engine.sensing.environment import survey
+from pirate_sm.engine.sensing.environment_report import NOTHING_AROUND, differs, merged
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Environment
 from pirate_sm.model.events import EnvironmentReport
 
 
 def hear(moment: Moment, state: EngineState, event: EnvironmentReport) -> EngineState:
-    """Apply a report from outside; it replaces the robot's own while it is valid."""
-    until_s = moment.now_s + event.valid_for_s
+    """Take a report from outside in; what it knows counts while it is valid."""
+    said = event._asdict()
+    until_s = moment.now_s + said.pop("valid_for_s")
     surveyed = state.surveyed._replace(
-        outside_until_s=until_s, due_s=min(state.surveyed.due_s, until_s)
+        outside=Environment(**said), outside_until_s=until_s, due_s=moment.now_s
     )
-    return _changed(moment, state, surveyed, Environment(*event[:4]))
+    return state._replace(surveyed=surveyed)
 
 
 def look_round(moment: Moment, state: EngineState) -> EngineState:
@@ -31,20 +33,15 @@ def look_round(moment: Moment, state: EngineState) -> EngineState:
             state.surveyed,
             state.robot,
             state.sensing.numbers,
-            state.words[-2],
+            state.outside("detector"),
             state.faults.raised,
             moment.now_s,
         )
     if not has_come(moment.now_s, surveyed.outside_until_s):
-        return state._replace(surveyed=surveyed)
+        found = merged(found, surveyed.outside)
+        surveyed = surveyed._replace(due_s=min(surveyed.due_s, surveyed.outside_until_s))
     if not differs(surveyed.reported, found):
         return state._replace(surveyed=surveyed)
-    return _changed(moment, state, surveyed, found)
-
-
-def _changed(
-    moment: Moment, state: EngineState, surveyed: Surveyed, found: Environment
-) -> EngineState:
     moment.emit(found)
-    words = (*state.words[:-1], found.segment or None)
-    return state._replace(words=words, surveyed=surveyed._replace(reported=found))
+    heard = state.hearing(segment=found.segment or None, joint=found.joint or None)
+    return heard._replace(surveyed=surveyed._replace(reported=found))

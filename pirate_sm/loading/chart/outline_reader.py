@@ -10,6 +10,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
+from pirate_sm.engine.state import OUTSIDE
 from pirate_sm.expressions import EnumType, Vocabulary
 from pirate_sm.loading.chart.guards import check_guard, guard_on_leaves
 from pirate_sm.loading.chart.outline import ChartOutline, StateNode, Transition, WrittenTransition
@@ -20,7 +21,7 @@ if TYPE_CHECKING:
     from pirate_sm.loading.yaml.document import Document
 
 _EVENT = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-RESERVED = ("detector", "segment")
+RESERVED = OUTSIDE
 """Names that conditions know besides the regions."""
 
 _TOP_KEYS = ("name", "description", "states")

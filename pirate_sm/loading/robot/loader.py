@@ -232,5 +232,8 @@ def _resolve(
             for name, each in profile.outside.items()
         },
         word_conditions=resolve_words(signals),
+        words_joint={
+            name: word.joint for name, word in profile.detector.words.items() if word.joint
+        },
         overlays=resolve_controls(profile, table, signals, slots, actuation, polarity, problems),
     )

@@ -7,6 +7,8 @@ from typing import Literal
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.sensing.board_spec import WheelSpec
 from pirate_sm.engine.sensing.environment import SEGMENTS
+from pirate_sm.engine.sensing.joint_around import JOINTS
+from pirate_sm.engine.state import OUTSIDE
 from pirate_sm.expressions import EnumType, NumberType, Vocabulary
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.derived_signals import add_derived
@@ -14,7 +16,7 @@ from pirate_sm.loading.robot.signals import Signals, check_name
 from pirate_sm.model import profile as model
 from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, TIME, QuantityError, parse_quantity
 
-DETECTOR, SEGMENT = "detector", "segment"
+DETECTOR, SEGMENT, JOINT = OUTSIDE
 
 
 def resolve_signals(
@@ -33,6 +35,7 @@ def resolve_signals(
         types[region] = EnumType(states)
     types[DETECTOR] = EnumType(tuple(profile.detector.words))
     types[SEGMENT] = EnumType(SEGMENTS)
+    types[JOINT] = EnumType(JOINTS)
     for word in profile.detector.words:
         check_name(DETECTOR, EnumType((word,)), ("detector", "words", word), problems, key=True)
     _measured(signals, types)

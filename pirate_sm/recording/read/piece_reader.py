@@ -14,6 +14,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.recording.format.engine_state_text import state_from_text
 from pirate_sm.recording.format.engine_topics import STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.format.header import RunHeader
@@ -39,7 +40,7 @@ class PieceReader:
         self._path = path
         self._chunks = Chunks(path, pieces)
         self._topics = Topics(header.layout).by_name
-        self._same_version = header.version == __version__
+        self._same_version = (header.version, header.alphabet) == (__version__, ALPHABET_VERSION)
 
     def messages(self, place: int) -> list[Message]:
         """Return the messages of the piece with this number, in the order of writing."""

@@ -9,6 +9,11 @@ import pytest
 
 from pirate_sm.model import effects, events
 
+MEASURED = ("segment", "roll_rad", "pitch_rad", "diameter_m")
+
+AHEAD = ("joint", "junction", "opening_roll_rad", "distance_m", "diameter_ahead_m", "run", "arc_m")
+"""What both environment reports have of the joint ahead, and of the place on the route."""
+
 
 def classes(module) -> set[type]:
     return {
@@ -35,7 +40,7 @@ def test_the_alphabet_is_what_its_version_says():
     # Who changes a line here changes ALPHABET_VERSION too: recordings tell them apart by it.
     letters = {kind.__name__: kind._fields for kind in classes(events) | classes(effects)}
 
-    assert events.ALPHABET_VERSION == 7
+    assert events.ALPHABET_VERSION == 8
     assert letters == {
         "Abort": ("reason",),
         "Answer": ("choice",),
@@ -45,8 +50,15 @@ def test_the_alphabet_is_what_its_version_says():
         "Detected": ("word",),
         "DetectorWord": ("word", "valid_for_s"),
         "Ended": ("outcome", "message", "end"),
-        "Environment": ("segment", "roll_rad", "pitch_rad", "diameter_m"),
-        "EnvironmentReport": ("segment", "roll_rad", "pitch_rad", "diameter_m", "valid_for_s"),
+        "Environment": (*MEASURED, *AHEAD),
+        "EnvironmentReport": (
+            "segment",
+            "roll_rad",
+            "pitch_rad",
+            "diameter_m",
+            "valid_for_s",
+            *AHEAD,
+        ),
         "Fault": ("code", "message", "handling"),
         "FaultReport": ("code", "message"),
         "GoTo": ("phase", "states", "unconfirmed"),

@@ -2,9 +2,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from math import asin, cos, degrees, isnan, nan, pi, radians, sin
+from pathlib import Path
 
 import pytest
-from driving import NEWT, PIRATE, Driver
+from driving import NEWT, PIRATE, Driver, changed_newt
 
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model import effects as fx
@@ -88,7 +89,7 @@ def test_an_upright_pipe_has_no_roll(holding: Callable[..., Driver]) -> None:
 def test_nothing_is_known_without_a_confirmed_clamp(holding: Callable[..., Driver]) -> None:
     driver = holding("BendingState: Unclamped", **felt(28))
     assert driver.of(fx.Environment) == []
-    assert driver.state.words[-1] is None
+    assert driver.state.outside("segment") is None
 
 
 @pytest.mark.parametrize(
@@ -111,7 +112,7 @@ def test_a_clamp_at_its_end_stop_has_no_wall(holding: Callable[..., Driver]) -> 
     stop = load_robot(PIRATE).normal.body.parts[0].end_stop_rad
     driver = holding(FRONT_ONLY, gamma_1=radians(1) - stop, gamma_2=0.0, **felt())
     assert last(driver).segment == "Out"
-    assert driver.state.words[-1] == "Out"
+    assert driver.state.outside("segment") == "Out"
     assert isnan(last(driver).diameter_m)
 
 
@@ -130,7 +131,7 @@ def test_a_bend_is_a_joint_from_its_first_word_to_the_one_that_says_it_is_behind
     for word in ("close", "in", "past"):
         driver.give(ev.DetectorWord(word, 1.0))
         driver.run(driver.now + 0.5)
-        segments.append(driver.state.words[-1])
+        segments.append(driver.state.outside("segment"))
     assert segments == ["Joint", "Joint", "Straight"]
 
 
@@ -165,7 +166,7 @@ def test_a_bend_of_which_no_word_is_valid_any_more_is_unknown(
     driver.give(ev.DetectorWord("close", 0.5))
     driver.run(driver.now + 1.0)
     assert last(driver).segment == ""
-    assert driver.state.words[-1] is None
+    assert driver.state.outside("segment") is None
 
 
 def test_noise_is_not_reported(holding: Callable[..., Driver]) -> None:
@@ -203,9 +204,9 @@ def test_a_report_from_outside_counts_while_it_is_valid(holding: Callable[..., D
     driver.give(ev.EnvironmentReport("Joint", 0.1, 0.2, 0.15, valid_for_s=2.0))
     assert last(driver) == fx.Environment("Joint", 0.1, 0.2, 0.15)
     driver.run(driver.now + 1.9)
-    assert driver.state.words[-1] == "Joint"
+    assert driver.state.outside("segment") == "Joint"
     driver.run(driver.now + 0.5)
-    assert driver.state.words[-1] == "Straight"
+    assert driver.state.outside("segment") == "Straight"
     assert last(driver).diameter_m == pytest.approx(0.120, abs=1e-3)
 
 
@@ -221,7 +222,7 @@ ends: {e: {succeed: ok}}
     driver.give(ev.EnvironmentReport("Joint", 0.1, 0.2, 0.15, valid_for_s=2.0), 1.0)
     assert driver.wake_at == 3.0
     driver.tick(3.0)
-    assert driver.state.words[-1] is None
+    assert driver.state.outside("segment") is None
     assert [each.segment for each in driver.of(fx.Environment)] == ["Joint", ""]
 
 
@@ -242,3 +243,88 @@ ends: {e: {succeed: ok}}
     assert (report.segment, report.diameter_m) == ("Straight", pytest.approx(0.1, abs=1e-3))
     assert isnan(report.pitch_rad)
     assert isnan(report.roll_rad)
+
+
+# --- the joint ------------------------------------------------------------------------------
+
+
+def lean_in(diameter_m: float) -> float:
+    """Of a link of 90 mm that reaches from wall to wall."""
+    return asin((diameter_m - 0.048) / 0.090)
+
+
+def vees(front_m: float, rear_m: float, axis_rad: float = 0.0) -> dict[str, float]:
+    """Two clamped parts in these diameters; the front's axis is turned by this angle."""
+    oblique = asin((front_m / 2 + rear_m / 2 - 0.048) / 0.098)
+    front, rear = lean_in(front_m), lean_in(rear_m)
+    return {
+        "gamma_1": -2 * front,
+        "gamma_2": front + oblique - axis_rad,
+        "gamma_3": -(rear + oblique),
+        "gamma_4": 2 * rear,
+    }
+
+
+def test_two_parts_along_one_axis_with_different_diameters_are_in_a_reducer(
+    holding: Callable[..., Driver],
+) -> None:
+    driver = holding(BOTH, **vees(0.110, 0.120), **felt())
+    assert last(driver).joint == driver.state.outside("joint") == "reducer"
+    assert last(driver).diameter_ahead_m == pytest.approx(0.110, abs=1e-3)
+
+
+@pytest.mark.parametrize(
+    "signals", [vees(0.120, 0.120), vees(0.118, 0.120), vees(0.110, 0.120, radians(4))]
+)
+def test_what_may_be_noise_or_a_bend_is_no_reducer(
+    holding: Callable[..., Driver], signals: dict[str, float]
+) -> None:
+    driver = holding(BOTH, **signals, **felt())
+    assert last(driver).joint == ""
+    assert driver.state.outside("joint") is None
+
+
+def test_a_glimpse_of_another_diameter_is_no_reducer(holding: Callable[..., Driver]) -> None:
+    driver = holding(BOTH, **vees(0.120, 0.120), **felt())
+    driver.signals |= vees(0.110, 0.120)
+    driver.run(driver.now + 0.3)
+    driver.signals |= vees(0.120, 0.120)
+    driver.run(driver.now + 1.0)
+    assert {each.joint for each in driver.of(fx.Environment)} == {""}
+
+
+def test_a_word_may_announce_the_kind_of_a_joint(drive: Drive, tmp_path: Path) -> None:
+    robot = changed_newt(tmp_path, ("    near:\n", "    near:\n      joint: tee\n"))
+    driver = drive(
+        """
+starts_in: {Grip: BothHeld}
+start: a
+phases: {a: {wait: [{when: joint == tee, go: e}], within: {time: 1 h, go: gone}}}
+ends: {e: {succeed: a tee}, gone: {fail: none}}
+""",
+        robot,
+    )
+    lean = asin((0.100 - 0.040) / 0.080)
+    driver.signals |= {"neck": -2 * lean, "hip": 2 * lean}
+    driver.run(1.0)
+    driver.give(ev.DetectorWord("near", 1.0))
+    driver.run(driver.now + 0.9)
+    assert driver.of(fx.TriggerFired)[-1].go == "e"
+    assert last(driver).joint == "tee"
+
+
+def test_a_report_from_outside_leaves_what_it_does_not_know_to_the_signals(
+    holding: Callable[..., Driver],
+) -> None:
+    driver = holding(BOTH, **FRONT, **REAR, **felt(20))
+    driver.give(
+        ev.EnvironmentReport("", nan, nan, nan, 2.0, "tee", "t1", pi / 2, 0.3, 0.11, "main", 0.7)
+    )
+    found = last(driver)
+    assert found.segment == driver.state.outside("segment") == "Straight"
+    assert degrees(found.pitch_rad) == pytest.approx(20, abs=0.3)
+    assert found[4:] == ("tee", "t1", pi / 2, 0.3, 0.11, "main", 0.7)
+    assert driver.state.outside("joint") == "tee"
+    driver.run(driver.now + 2.5)
+    assert last(driver).joint == last(driver).run == ""
+    assert driver.state.outside("joint") is None

@@ -1,0 +1,109 @@
+"""The report of the joint ahead on a known route."""
+
+from __future__ import annotations
+
+from math import isnan, nan, pi
+
+import pytest
+
+from pirate_sm.detectors.route_report import RouteReport
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.wiring import Order, prepare
+
+PLACES = (0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
+
+HOUSE = {
+    "section": "round",
+    "diameter": "120 mm",
+    "runs": {
+        "main": {"from": "entry", "to": "t1", "segments": [{"straight": "1 m"}]},
+        "on": {"from": "t1.on", "to": "cap", "segments": [{"straight": "1 m"}]},
+        "branch": {
+            "from": "t1.branch",
+            "to": "exit",
+            "diameter": "110 mm",
+            "segments": [
+                {"straight": "1 m"},
+                {"mitre": "90 deg", "roll": "90 deg"},
+                {"straight": "1 m"},
+            ],
+        },
+    },
+    "junctions": {"t1": {"tee": "90 deg", "roll": "90 deg"}},
+    "ends": {"entry": "open", "cap": "closed", "exit": "open"},
+    "routes": {"in": ["main", "branch"], "past": ["main", "on"]},
+}
+
+
+@pytest.fixture(scope="module")
+def engine():
+    prepared = prepare(Order("mitre_bend", backend="trace"))
+    return prepared.engine
+
+
+def report_in(pipe: Pipe) -> RouteReport:
+    return RouteReport(pipe.route(), pipe.roll, pipe.section == "bars", 1.0)
+
+
+def rolled(engine, roll_rad: float):
+    state, _ = engine.start(0.0, ())
+    surveyed = state.surveyed
+    seen = surveyed._replace(part=0, reported=surveyed.reported._replace(roll_rad=roll_rad))
+    return state._replace(surveyed=seen)
+
+
+def at(first_m: float) -> tuple[float, ...]:
+    return tuple(first_m - 0.6 + place for place in PLACES)
+
+
+def test_the_next_joint_is_that_which_the_last_wheel_has_not_passed(engine) -> None:
+    looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
+    found = []
+    for first_m in (0.6, 1.2, 1.7, 2.0, 2.7):
+        report = looking.look(first_m, at(first_m), engine.robot, state)
+        assert report is not None
+        found.append((report.joint, report.junction, round(report.distance_m, 6), report.run))
+    assert found == [
+        ("tee", "t1", 0.4, "main"),
+        ("tee", "t1", -0.2, "branch"),
+        ("mitre", "", 0.3, "branch"),
+        ("mitre", "", 0.0, "branch"),
+        ("end", "", 0.3, "branch"),
+    ]
+
+
+def test_the_opening_is_told_against_the_robots_own_plane(engine) -> None:
+    looking = report_in(Pipe.model_validate(HOUSE))
+    upright = looking.look(0.0, PLACES, engine.robot, rolled(engine, 0.0))
+    turned = looking.look(1.0, PLACES, engine.robot, rolled(engine, pi / 2))
+    unknown = looking.look(2.0, PLACES, engine.robot, rolled(engine, nan))
+    assert upright is not None
+    assert turned is not None
+    assert unknown is not None
+    assert upright.opening_roll_rad == pytest.approx(pi / 2)  # the tee opens upwards
+    assert turned.opening_roll_rad == pytest.approx(0.0)  # and side A of this robot is up
+    assert isnan(unknown.opening_roll_rad)
+    assert upright.diameter_ahead_m == pytest.approx(0.11)
+
+
+def test_a_tee_straight_on_is_told_with_its_opening(engine) -> None:
+    pipe = Pipe.model_validate(HOUSE).along("past")
+    report = report_in(pipe).look(0.0, PLACES, engine.robot, rolled(engine, 0.0))
+    assert report is not None
+    assert (report.joint, report.junction) == ("tee", "t1")
+    assert report.opening_roll_rad == pytest.approx(pi / 2)
+    assert report.diameter_ahead_m == pytest.approx(0.12)
+
+
+def test_it_is_told_again_after_a_piece_of_way_and_before_it_expires(engine) -> None:
+    looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
+    assert looking.look(0.0, at(0.6), engine.robot, state) is not None
+    assert looking.look(0.1, at(0.64), engine.robot, state) is None
+    assert looking.look(0.2, at(0.66), engine.robot, state) is not None
+    assert looking.look(0.6, at(0.66), engine.robot, state) is None
+    assert looking.look(0.75, at(0.66), engine.robot, state) is not None
+
+
+def test_a_lost_robot_is_told_nothing(engine) -> None:
+    looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
+    assert looking.look(0.0, (nan, *PLACES[1:]), engine.robot, state) is None
