@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
-from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.true_position import Truth
@@ -157,7 +157,7 @@ class _RecordedPlaces:
         names = [wheel.name for wheel in body.wheels]
         self._radius_m = body.wheel_radius
         pipe = loaded.pipe
-        self._walls = walls(pipe.route()) if pipe is not None else ()
+        self._walls = drawn_walls(pipe.route()) if pipe is not None else ()
         self._names = names
         self._shown: Iterator[Shown] = iter(())
         self._recording = recording

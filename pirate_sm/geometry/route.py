@@ -30,6 +30,7 @@ class Route:
         crossings_m: Arc lengths at which it turns in a fitting or a junction.
         length_m: Length of the route.
         up: The unit vector opposite to gravity.
+        section: What the walls of its first run are.
 
     Raises:
         ValueError: Two runs that follow each other do not meet.
@@ -45,6 +46,7 @@ class Route:
         self.length_m = self.pieces[-1].ends_m
         self._begins = dict(self._run_begins(passages))
         self.up = network.up
+        self.section = self.pieces[0].section
 
     def piece_at(self, arc_m: float) -> Piece:
         """Return the piece at an arc length; the first and the last extend without limit."""

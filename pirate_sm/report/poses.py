@@ -9,7 +9,7 @@ from typing import Literal
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
-from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
@@ -78,7 +78,7 @@ class ReckonedPath:
 
 def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
     """Return the corners of the wall on side A and on side B; empty without a pipe."""
-    return walls(pipe.route()) if pipe is not None else ()
+    return drawn_walls(pipe.route()) if pipe is not None else ()
 
 
 def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:

@@ -92,6 +92,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         places=Places(backend.crossings_m, lambda: backend.arcs_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
+        in_space=None if loaded.pipe.section == "bars" else lambda: backend.in_space,
     )
 
 
