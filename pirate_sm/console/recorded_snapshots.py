@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
@@ -12,11 +13,12 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.true_position import Truth
+from pirate_sm.model.true_position import InSpace, Truth
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.read.steps import Checkpoint, Shown, with_own_times
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import engine_of, rerun
+from pirate_sm.recording.viewers.places_in_space import space_of
 from pirate_sm.showing.live_snapshots import Trends
 from pirate_sm.showing.robot_anatomy import anatomy_of
 from pirate_sm.showing.run_history import Memory
@@ -163,6 +165,7 @@ class _RecordedPlaces:
         self._recording = recording
         self._next: Shown | None = None
         self._newest: tuple[Place, ...] = ()
+        self._space: InSpace | None = None
         self.known = False
 
     def begin(self, since_s: float) -> None:
@@ -176,5 +179,10 @@ class _RecordedPlaces:
             content = self._next.content
             self.known = bool(content.get("known"))
             self._newest = tuple((content[f"{n}_x_m"], content[f"{n}_y_m"]) for n in self._names)
+            self._space = space_of(content, self._names)
             self._next = next(self._shown, None)
-        return Truth(self._newest, self._radius_m, self._walls, 0.0) if self._newest else None
+        if not self._newest:
+            return None
+        truth = Truth(self._newest, self._radius_m, self._walls, 0.0)
+        space = self._space
+        return truth if space is None else replace(truth, z_m=space.z_m, rolls_rad=space.rolls_rad)

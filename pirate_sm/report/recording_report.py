@@ -11,6 +11,7 @@ from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import rerun
+from pirate_sm.recording.viewers.places_in_space import space_of
 from pirate_sm.recording.viewers.viewer_messages import PLACES
 from pirate_sm.report.contents import Fact, Report
 from pirate_sm.report.poses import Poses
@@ -73,7 +74,8 @@ def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
     for shown in recording.shown(PLACES):
         if shown.content.get("known"):
             x, y = ([shown.content[f"{name}_{axis}_m"] for name in names] for axis in "xy")
-            poses.add(shown.at_s, list(zip(x, y, strict=True)))
+            space = space_of(shown.content, names)
+            poses.add(shown.at_s, list(zip(x, y, strict=True)), space)
     return poses if poses.times_s else None
 
 

@@ -117,21 +117,33 @@ def _story(report: Report) -> Iterable[str]:
 def _robot(scene: RobotScene | None) -> str:
     if scene is None:
         return '<p class="empty">Nothing is known of where the robot was.</p>'
-    about = "The robot in its pipe, to scale" if scene.walls else "The robot, to scale"
+    piped = scene.walls or scene.space
+    about = "The robot in its pipe, to scale" if piped else "The robot, to scale"
     if scene.source == "reckoned":
         about += ", where its joints and its odometer take it to be"
     return (
-        f'<canvas id="scene" role="img" aria-label="{about}"></canvas>'
+        f"{_canvases(scene, about)}"
         '<div class="below"><p id="pose"></p>'
         '<button id="follow" type="button" aria-pressed="false">Follow closely</button></div>'
         f'<p class="hint">{_robot_key(scene)}</p>'
     )
 
 
+def _canvases(scene: RobotScene, about: str) -> str:
+    """Return a canvas for each view."""
+    if scene.space is None:
+        return f'<canvas id="scene" role="img" aria-label="{about}"></canvas>'
+    return "".join(
+        f'<figure><figcaption>{view.name}</figcaption><canvas id="{name}" role="img" '
+        f'aria-label="{about}, {view.name[:1].lower()}{view.name[1:]}"></canvas></figure>'
+        for name, view in zip(("scene", "scene-side"), scene.views, strict=True)
+    )
+
+
 def _robot_key(scene: RobotScene) -> str:
     """Return the explanation of the signs in the picture."""
     signs = ["Links with a line in them are held (dashed: not yet confirmed)"]
-    if scene.source == "truth" and scene.walls:
+    if scene.source == "truth" and scene.walls and scene.space is None:
         signs.append("a bar marks a wheel at a wall")
     return f"{', '.join([*signs, 'an arrow a driven wheel'])}. 1 is the front."
 

@@ -59,7 +59,8 @@ def shown_to_viewers(prepared: Prepared, state: EngineState | None) -> ViewerSna
     numbers = prepared.engine.numbers(state)
     camera = prepared.camera() if prepared.camera else None
     if prepared.wheels is not None:
-        return ViewerSnapshot(state, numbers, prepared.wheels(), True, camera)
+        space = prepared.in_space() if prepared.in_space else None
+        return ViewerSnapshot(state, numbers, prepared.wheels(), True, camera, space)
     taken = prepared.reckoned() if prepared.reckoned else None
     return ViewerSnapshot(state, numbers, taken.wheels if taken else None, False, camera)
 
