@@ -16,6 +16,7 @@ from pirate_sm.report.contents import Report, RobotScene, Sentence
 from pirate_sm.report.film_strip import strip
 from pirate_sm.report.report_json import Json, report_json
 from pirate_sm.report.seen_words import seen_words
+from pirate_sm.report.three_library import three_script
 
 SIGNS = {
     "succeeded": ("✓", "Succeeded"),
@@ -41,7 +42,10 @@ def html(report: Report) -> str:
     library = _library()
     folder = files("pirate_sm.report") / "page"
     sign, outcome = SIGNS[report.outcome]
-    script = "\n".join((folder / name).read_text("utf-8") for name in _SCRIPTS)
+    in_space = report.scene is not None and report.scene.space is not None
+    names = (*_SCRIPTS, "space.js") if in_space else _SCRIPTS
+    script = "\n".join((folder / name).read_text("utf-8") for name in names)
+    library_script = (library / "uPlot.iife.js").read_text("utf-8")
     style = (library / "uPlot.min.css").read_text("utf-8")
     return Template((folder / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
@@ -64,7 +68,8 @@ def html(report: Report) -> str:
         step=f"{_step(report.duration_s):g}",
         speeds="".join(_speed(each) for each in _SPEEDS),
         data=_inside_script(report_json(report)),
-        library=(library / "uPlot.iife.js").read_text("utf-8"),
+        space=(folder / "space.html").read_text("utf-8") if in_space else "",
+        library=f"{library_script}\n{three_script()}" if in_space else library_script,
         script=f"(() => {{\n'use strict';\n{script}\n}})();",
     )
 

@@ -16,32 +16,16 @@ from pirate_sm.report.recording_report import report_of
 from pirate_sm.report.report_json import report_json
 from pirate_sm.report.report_page import html
 from pirate_sm.report.space_contents import SpaceScene
+from pirate_sm.report.three_library import three_script
 
-from .conftest import recorded
-
-HOUSE = """
-format: 1
-pipe: house
-section: round
-diameter: 120 mm
-segments:
-  - {straight: 1.2 m}
-  - {mitre: 90 deg}
-  - {straight: 1.0 m}
-  - {elbow: 90 deg, radius: 180 mm, roll: 90 deg}
-  - {straight: 0.5 m}
-  - {tee: 90 deg, take: branch, stub: 0.4 m, diameter: 100 mm}
-  - {straight: 0.5 m}
-start: {at: 700 mm}
-"""
+from .conftest import ROOT, recorded
 
 
 @pytest.fixture(scope="module")
 def house(tmp_path_factory: pytest.TempPathFactory) -> Report:
     """Gives the report of a robot that drives into the first bend of a network."""
-    folder = tmp_path_factory.mktemp("house")
-    (folder / "house.yaml").write_text(HOUSE, "utf-8")
-    run = recorded(folder, "run", "mitre_bend", "--pipe", str(folder / "house.yaml"))
+    pipe = ROOT / "tests" / "pipes" / "house.yaml"
+    run = recorded(tmp_path_factory.mktemp("house"), "run", "mitre_bend", "--pipe", str(pipe))
     return report_of(read_recording(run))
 
 
@@ -84,7 +68,7 @@ def test_a_network_is_seen_from_above_and_from_the_side(space: SpaceScene) -> No
 
 def test_joints_and_ends_have_names_in_order(space: SpaceScene) -> None:
     names = [name for name, _ in space.names]
-    assert names == ["begins", "mitre 90°", "elbow 90°", "tee_1", "ends"]
+    assert names == ["begins", "mitre 90°", "elbow 90°", "reducer", "tee_1", "ends"]
 
 
 def test_how_far_the_robot_came_is_measured_along_the_way(house: Report) -> None:
@@ -106,7 +90,7 @@ def test_the_page_has_the_walls_and_a_canvas_for_each_view(house: Report) -> Non
     for wall in scene["space"]["walls"]:
         assert len(wall["mm"]) % (3 * wall["around"]) == 0
     page = html(house)
-    assert re.findall(r'<canvas id="([^"]+)"', page)[:2] == ["scene", "scene-side"]
+    assert re.findall(r'<canvas id="([^"]+)"', page) == ["scene", "scene-side", "space"]
     json.dumps(scene, allow_nan=False)
 
 
@@ -117,3 +101,15 @@ def test_a_planar_run_has_one_view_in_its_plane(report: Callable[[str], Report])
     (view,) = scene.views
     assert (view.walls, view.poses, view.outlines) == (scene.walls, scene.poses, ())
     assert "<use" not in strip(report("bend"))
+    page = html(report("bend"))
+    assert re.findall(r'<canvas id="([^"]+)"', page) == ["scene"]
+    assert "THREE" not in page
+
+
+def test_the_library_comes_with_its_licence_and_asks_for_no_address() -> None:
+    script = three_script()
+    assert "Permission is hereby granted, free of charge" in script
+    assert re.findall(r"\b(?:import|export)\b[ {(*]", script) == []
+    # What looks like one names the language of elements that it makes.
+    assert set(re.findall(r"https?://[^'\"`\s]*", script)) == {"http://www.w3.org/1999/xhtml"}
+    assert "WebGLRenderer:" in script
