@@ -124,7 +124,8 @@ class Notes:
     def _pose(self, now_s: float) -> None:
         if self._prepared.wheels is not None and now_s >= self._pose_s:
             self._pose_s = now_s + EVERY_S
-            self._poses.add(now_s, self._prepared.wheels())
+            space = self._prepared.in_space() if self._prepared.in_space else None
+            self._poses.add(now_s, self._prepared.wheels(), space)
 
 
 @contextmanager

@@ -18,6 +18,7 @@ from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.physics import MakePhysics
@@ -125,6 +126,11 @@ class SimulatorBackend:
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
         return self.robot.wheels
+
+    @property
+    def in_space(self) -> InSpace:
+        """What ``wheels`` leaves out of a robot in space."""
+        return self.robot.in_space
 
     @property
     def arcs_m(self) -> list[float]:

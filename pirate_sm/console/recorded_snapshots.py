@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator
+from dataclasses import replace
 from functools import lru_cache
 from typing import NamedTuple
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
-from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.true_position import Truth
+from pirate_sm.model.true_position import InSpace, Truth
 from pirate_sm.recording.format.samples import Placed
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording
@@ -155,11 +156,12 @@ class _RecordedPlaces:
     def __init__(self, recording: Recording, loaded: LoadedMission) -> None:
         self._body = loaded.loaded_robot.profile.body
         pipe = loaded.pipe
-        self._walls = walls(pipe.route()) if pipe is not None else ()
+        self._walls = drawn_walls(pipe.route()) if pipe is not None else ()
         self._places: Iterator[Placed] = iter(())
         self._recording = recording
         self._next: Placed | None = None
         self._newest: tuple[Place, ...] = ()
+        self._space: InSpace | None = None
         self.known = False
 
     def begin(self, since_s: float) -> None:
@@ -171,6 +173,10 @@ class _RecordedPlaces:
         """Return the newest position by this time, in order of time; None if none is recorded."""
         while self._next is not None and self._next.at_s <= time_s:
             self.known, self._newest = self._next.known, tuple(self._next.wheels)
+            self._space = self._next.space
             self._next = next(self._places, None)
-        radius_m = self._body.wheel_radius
-        return Truth(self._newest, radius_m, self._walls, 0.0) if self._newest else None
+        if not self._newest:
+            return None
+        truth = Truth(self._newest, self._body.wheel_radius, self._walls, 0.0)
+        space = self._space
+        return truth if space is None else replace(truth, z_m=space.z_m, rolls_rad=space.rolls_rad)

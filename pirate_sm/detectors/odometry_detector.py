@@ -14,7 +14,7 @@ from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
-from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
 from pirate_sm.model.pipe import Pipe
@@ -50,7 +50,7 @@ class Odometry:
             raise UsageError(f"detector odometry: {robot.name} has no signal of odometry_of")
         self._route = route = pipe.route()
         self._radius_m = profile.body.wheel_radius
-        self._walls = walls(route)
+        self._walls = drawn_walls(route)
         length_m = sum(robot.body.lengths_m)
         self.first_wheel_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
         if not 0.0 <= self.first_wheel_m <= route.length_m:

@@ -16,6 +16,8 @@ from pirate_sm.geometry.space import Place, Vector
 
 Walls: TypeAlias = tuple[tuple[Place, ...], tuple[Place, ...]]
 
+_FLAT = 1e-9
+
 
 def flat(point: Vector) -> Place:
     """Return the projection of a point into the plane of the drawing."""
@@ -31,6 +33,21 @@ def turned(place: Place, angle_rad: float) -> Place:
 def walls(route: Route) -> Walls:
     """Return the corners of the walls of a planar route on side A and on side B, m."""
     return _wall(route, 1.0), _wall(route, -1.0)
+
+
+def drawn_walls(route: Route) -> tuple[tuple[Place, ...], ...]:
+    """Return the walls of a route that lies in the plane of the drawing; empty for others.
+
+    A route with elbows or changes of its diameter has no such walls either.
+    """
+    flat_pieces = all(
+        abs(piece.frame.ahead[2]) < _FLAT
+        and abs(piece.frame.origin[2]) < _FLAT
+        and piece.arc is None
+        and piece.ends_with_m == piece.diameter_m == route.pieces[0].diameter_m
+        for piece in route.pieces
+    )
+    return walls(route) if flat_pieces else ()
 
 
 def _wall(route: Route, side: float) -> tuple[Place, ...]:

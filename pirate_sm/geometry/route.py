@@ -31,6 +31,7 @@ class Route:
         bends: The same places, with how far elbows reach.
         length_m: Length of the route.
         up: The unit vector opposite to gravity.
+        section: What the walls of its first run are.
 
     Raises:
         ValueError: Two runs that follow each other do not meet.
@@ -48,6 +49,7 @@ class Route:
         self._begins = dict(self._run_begins(passages))
         self.up = network.up
         self.bends = tuple(bend_at(each, self.diameter_at(each.arc_m)) for each in turning)
+        self.section = self.pieces[0].section
 
     def piece_at(self, arc_m: float) -> Piece:
         """Return the piece at an arc length; the first and the last extend without limit."""

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.geometry.space import Place
+from pirate_sm.report.space_contents import FlatView, SpaceScene
 
 SpanKind: TypeAlias = Literal[
     "phase", "state", "unconfirmed", "done", "failed", "open", "wait", "word", "question"
@@ -117,6 +118,7 @@ class RobotScene:
         times_s: Time of each pose; ``poses`` has the position of each wheel, front to rear.
         walls: Corners of each wall; empty without a pipe.
         parts: When each part held, confirmed or not.
+        space: The same in space, in a network of round pipes; None between bars or if unknown.
     """
 
     source: Literal["truth", "reckoned"]
@@ -128,6 +130,12 @@ class RobotScene:
     half_thickness_m: float
     parts: tuple[Lane, ...]
     lights: tuple[Light, ...]
+    space: SpaceScene | None = None
+
+    @property
+    def views(self) -> tuple[FlatView, ...]:
+        """Return the pictures in a plane."""
+        return self.space.views if self.space else (FlatView("", self.poses, self.walls),)
 
 
 _BEFORE_S = 0.002

@@ -13,6 +13,7 @@ from typing import Literal, NamedTuple
 
 from pirate_sm.geometry.space import Place
 from pirate_sm.report.contents import Lane, Report, RobotScene
+from pirate_sm.report.space_contents import FlatView
 from pirate_sm.report.timeline import COMMANDS, PHASE
 
 MOST_PICTURES = 60
@@ -31,6 +32,8 @@ _MARGIN = 2.0
 """Margin around the robot, in wheel radii."""
 
 _MM = 1e3
+
+_SEEN = "Above it is seen from above, below from the side. "
 
 
 class StripPicture(NamedTuple):
@@ -84,13 +87,22 @@ def strip(report: Report) -> str:
     if report.scene is None:
         return ""
     shown = pictures(report)
-    drawing = _Drawing(report.scene, [each.at_s for each in shown])
-    items = "\n".join(_item(each, drawing.at(each.at_s)) for each in shown)
+    times_s = [each.at_s for each in shown]
+    drawings = [
+        _Drawing(report.scene, view, f"pipes-{number}", times_s)
+        for number, view in enumerate(report.scene.views)
+    ]
+    items = "\n".join(
+        _item(each, "".join(drawing.at(each.at_s) for drawing in drawings)) for each in shown
+    )
+    pipes = "".join(drawing.pipes for drawing in drawings)
     return (
         '<section class="wide" aria-labelledby="strip-title">\n'
         '<h2 id="strip-title">From phase to phase</h2>\n'
         '<p class="hint">The robot as each phase, and each command that took long, was done. '
+        f"{_SEEN if len(drawings) > 1 else ''}"
         "Filled: the front wheel; coloured: held. Choose a picture to go to its time.</p>\n"
+        f"{pipes}"
         f'<ol class="strip">\n{items}\n</ol>\n</section>'
     )
 
@@ -111,23 +123,38 @@ def _breaking(name: str) -> str:
 
 
 class _Drawing:
-    """Draws a scene at several times, around the robot, all to one scale.
+    """Draws a view of a scene at several times, around the robot, all to one scale.
 
     Args:
         scene: The scene.
+        view: The view.
+        name: What its pipes are called in the page.
         times_s: The times.
     """
 
-    def __init__(self, scene: RobotScene, times_s: Iterable[float]) -> None:
-        self._scene = scene
+    def __init__(
+        self, scene: RobotScene, view: FlatView, name: str, times_s: Iterable[float]
+    ) -> None:
+        self._scene, self._view, self._name = scene, view, name
         margin = 2 * (1 + _MARGIN) * scene.wheel_radius_m
         boxes = [_box(self._pose(at_s)) for at_s in times_s]
         self._wide = max(x1 - x0 for x0, _, x1, _ in boxes) + margin
         self._high = max(y1 - y0 for _, y0, _, y1 in boxes) + margin
 
     def _pose(self, at_s: float) -> Sequence[Place]:
-        scene = self._scene
-        return scene.poses[max(0, bisect_right(scene.times_s, at_s) - 1)]
+        return self._view.poses[max(0, bisect_right(self._scene.times_s, at_s) - 1)]
+
+    @property
+    def pipes(self) -> str:
+        """Return what all pictures of a network use: its pipes, drawn once."""
+        if not self._view.outlines:
+            return ""
+        areas = "".join(f"{_path(outline)}Z" for outline in self._view.outlines)
+        return (
+            f'<svg class="stock" aria-hidden="true"><defs><g class="pipes" id="{self._name}">'
+            f'<path class="wall" stroke-width="10" d="{areas}"/><path class="bore" d="{areas}"/>'
+            "</g></defs></svg>"
+        )
 
     def at(self, at_s: float) -> str:
         """Return the picture at this time as an SVG element with the page's colours."""
@@ -139,10 +166,12 @@ class _Drawing:
         return f'<svg viewBox="{view}" aria-hidden="true">{"".join(parts)}</svg>'
 
     def _pipe(self) -> Iterable[str]:
-        if len(self._scene.walls) == 2:
-            one, other = self._scene.walls
+        if self._view.outlines:
+            yield f'<use href="#{self._name}"/>'
+        if len(self._view.walls) == 2:
+            one, other = self._view.walls
             yield f'<path class="bore" d="{_path((*one, *reversed(other)))}Z"/>'
-        for wall in self._scene.walls:
+        for wall in self._view.walls:
             yield f'<path class="wall" stroke-width="5" d="{_path(wall)}"/>'
 
     def _links(self, points: Sequence[Place], at_s: float) -> Iterable[str]:

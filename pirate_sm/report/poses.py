@@ -4,20 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from itertools import repeat
+from typing import Literal, NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
-from pirate_sm.geometry.plane import walls
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.thinning import add_evenly
 from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Travel
 from pirate_sm.report.contents import DrawnWheel, Lane, Light, RobotScene, Series, Span
 from pirate_sm.report.sampling import Samples
+from pirate_sm.report.space_scene import space_scene
 
 MOST_POSES = 6_000
 _MOST_KEPT = 40_000
@@ -27,32 +30,57 @@ EVERY_S = 0.05
 """Interval of the poses: the page interpolates between them."""
 
 
+class Pose(NamedTuple):
+    """The robot at one time.
+
+    Attributes:
+        points: Position of each wheel in the plane of the drawing.
+        space: What these leave out of a robot in space; None if unknown.
+    """
+
+    points: tuple[Place, ...]
+    space: InSpace | None = None
+
+
 @dataclass
 class Poses:
-    """The position of each wheel over time, in the plane of the pipe.
+    """The robot over time.
 
     Attributes:
         true: Whether they are a simulator's true positions.
+        times_s: The time of each pose.
+        kept: The poses.
     """
 
     true: bool
     times_s: list[float] = field(default_factory=list)
-    points: list[tuple[Place, ...]] = field(default_factory=list)
+    kept: list[Pose] = field(default_factory=list)
     _apart_s: float = field(default=0.0, repr=False)
 
-    def add(self, at_s: float, points: Sequence[Place]) -> None:
+    @property
+    def points(self) -> list[tuple[Place, ...]]:
+        """Return the positions of the wheels in the plane of the drawing."""
+        return [pose.points for pose in self.kept]
+
+    @property
+    def spaces(self) -> list[InSpace]:
+        """Return what they leave out; empty unless it is known of all poses."""
+        found = [pose.space for pose in self.kept if pose.space is not None]
+        return found if len(found) == len(self.kept) else []
+
+    def add(self, at_s: float, points: Sequence[Place], space: InSpace | None = None) -> None:
         """Add a pose; it replaces one of the same time.
 
         Of a large number some are dropped, evenly, but not the newest.
         """
-        new = at_s, tuple(points)
-        self._apart_s = add_evenly(self.times_s, self.points, new, self._apart_s, _MOST_KEPT)
+        new = at_s, Pose(tuple(points), space)
+        self._apart_s = add_evenly(self.times_s, self.kept, new, self._apart_s, _MOST_KEPT)
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
         """Return at most this many poses, evenly spaced, with the last one."""
         step = -(-len(self.times_s) // most) or 1
         chosen = sorted({*range(0, len(self.times_s), step), *range(len(self.times_s))[-1:]})
-        return Poses(self.true, [self.times_s[n] for n in chosen], [self.points[n] for n in chosen])
+        return Poses(self.true, [self.times_s[n] for n in chosen], [self.kept[n] for n in chosen])
 
 
 class ReckonedPath:
@@ -76,17 +104,18 @@ class ReckonedPath:
                 self.poses.add(now_s, points)
 
 
-def walls_of(pipe: Pipe | None) -> tuple[tuple[Place, ...], ...]:
-    """Return the corners of the wall on side A and on side B; empty without a pipe."""
-    return walls(pipe.route()) if pipe is not None else ()
-
-
 def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
     """Return the distances of the wheels and their middle along the pipe; None if unknown."""
     if pipe is None or not poses.times_s:
         return None
     route, times = pipe.route(), poses.times_s
-    places = [[route.arc_of((x, y, 0.0)) for x, y in points] for points in poses.points]
+    places = [
+        [
+            route.arc_of((x, y, z))
+            for (x, y), z in zip(points, space.z_m if space else repeat(0.0), strict=False)
+        ]
+        for points, space in poses.kept
+    ]
     middles = [sum(each) / len(each) for each in places]
     distance = [middle - middles[0] for middle in middles]
     name = "really" if poses.true else "reckoned"
@@ -98,7 +127,7 @@ def scene_of(
     poses: Poses,
     profile: Profile,
     robot: RobotSpec,
-    walls: tuple[tuple[Place, ...], ...],
+    pipe: Pipe | None,
     signals: Samples,
     setpoints: Samples,
     held: Sequence[Lane],
@@ -114,9 +143,12 @@ def scene_of(
         drive = setpoints.series(spec.slot, wheel.name, scale=forward, stepped=True)
         wheels.append(DrawnWheel(wheel.name, wheel.part, angle, drive))
     source: Literal["truth", "reckoned"] = "truth" if poses.true else "reckoned"
+    route, spaces = pipe.route() if pipe is not None else None, thin.spaces
+    walls = drawn_walls(route) if route is not None else ()
+    space = space_scene(thin.points, spaces, profile, route) if spaces and route else None
     seen = source, thin.times_s, thin.points, walls, tuple(wheels)
     sizes = body.wheel_radius, body.body_half_thickness
-    return RobotScene(*seen, *sizes, tuple(held), _lights(profile, setpoints))
+    return RobotScene(*seen, *sizes, tuple(held), _lights(profile, setpoints), space)
 
 
 def _lights(profile: Profile, setpoints: Samples) -> tuple[Light, ...]:

@@ -71,7 +71,7 @@ def known_poses(recording: Recording, loaded: LoadedMission) -> Poses | None:
     poses = Poses(true=True)
     for placed in recorded_places(recording, loaded.loaded_robot.profile.body):
         if placed.known:
-            poses.add(placed.at_s, placed.wheels)
+            poses.add(placed.at_s, placed.wheels, placed.space)
     return poses if poses.times_s else None
 
 

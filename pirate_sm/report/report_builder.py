@@ -15,6 +15,7 @@ from pirate_sm.drawing.graph.mission_graph import mission_graph
 from pirate_sm.drawing.graph.run_path import RunPath
 from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import Event, SensorFrame
@@ -22,7 +23,7 @@ from pirate_sm.recording.replay.replay import Rerun, same
 from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.report.charts import Measured, Travel, charts
 from pirate_sm.report.contents import Fact, Report, Sentence
-from pirate_sm.report.poses import Holding, Poses, ReckonedPath, scene_of, travel_of, walls_of
+from pirate_sm.report.poses import Holding, Poses, ReckonedPath, scene_of, travel_of
 from pirate_sm.report.sampling import Samples
 from pirate_sm.report.story import Story
 from pirate_sm.report.summary import RunEnding, RunFacts, summary
@@ -86,6 +87,9 @@ class _Run:
         self._holding = Holding(robot)
         placing = Placing(profile, robot, loaded.pipe, about.first_wheel_m)
         self._following = ReckonedPath(placing)
+        # Dead reckoning stays in the plane of the drawing.
+        flat = loaded.pipe is None or bool(drawn_walls(loaded.pipe.route()))
+        self._reckons = flat and not about.nominal
         self._at_s = 0.0
         self._doubt = ""
         self._ended: fx.Ended | None = None
@@ -129,7 +133,7 @@ class _Run:
         measured = self._measured.get(event.board, ()) if isinstance(event, SensorFrame) else ()
         self._signals.take(at_s, state.sensing.shown, measured)
         self._holding.look(state, at_s)
-        if not self._about.nominal:
+        if self._reckons:
             self._following.look(state, at_s)
 
     def _note_cause(self, cause: str, at_s: float) -> None:
@@ -146,8 +150,8 @@ class _Run:
         measured = Measured(profile, robot, self._signals, self._setpoints, until_s, travel)
         ending = self._ending()
         lanes = self._timeline.lanes(until_s)
-        walls, held = walls_of(loaded.pipe), self._holding.lanes(until_s)
-        scene = scene_of(poses, profile, robot, walls, self._signals, self._setpoints, held)
+        held, sampled = self._holding.lanes(until_s), (self._signals, self._setpoints)
+        scene = scene_of(poses, profile, robot, loaded.pipe, *sampled, held)
         graph = highlight(mission_graph(loaded.mission), self._way.stops)
         return Report(
             title=loaded.mission.mission,

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import isfinite
 from typing import Any, TypeAlias
 
 from pirate_sm.report.contents import Chart, DrawnWheel, Lane, Light, Report, RobotScene, Series
+from pirate_sm.report.space_json import paths_json, rounded, space_json, steps
 
 Json: TypeAlias = dict[str, Any]
 
@@ -36,18 +37,11 @@ class _Clocks:
 
     def number(self, times_s: Sequence[float]) -> int:
         """Return the number under which these times are written."""
-        key = tuple(_steps([round(time * 1e3) for time in times_s]))
+        key = tuple(steps([round(time * 1e3) for time in times_s]))
         if key not in self._numbers:
             self._numbers[key] = len(self.written)
             self.written.append(list(key))
         return self._numbers[key]
-
-
-def _steps(values: Iterable[int]) -> Iterable[int]:
-    before = 0
-    for value in values:
-        yield value - before
-        before = value
 
 
 def _chart(chart: Chart, clocks: _Clocks) -> Json:
@@ -92,23 +86,21 @@ def _seconds(time_s: float) -> float:
 
 
 def _scene(scene: RobotScene, clocks: _Clocks) -> Json:
-    paths = [
-        list(_steps([round(pose[wheel][axis] * _PLACE_PER_M) for pose in scene.poses]))
-        for wheel in range(len(scene.wheels))
-        for axis in (0, 1)
-    ]
-    return {
+    space = scene.space
+    poses: Sequence[Sequence[Sequence[float]]] = space.poses if space else scene.poses
+    found = {
         "source": scene.source,
         "clock": clocks.number(scene.times_s),
-        "paths": paths,
+        "paths": paths_json(poses, _PLACE_PER_M),
         "perMetre": _PLACE_PER_M,
-        "walls": [[[round(x, 5), round(y, 5)] for x, y in wall] for wall in scene.walls],
+        "walls": [[rounded(corner) for corner in wall] for wall in scene.walls],
         "radius": scene.wheel_radius_m,
         "half": scene.half_thickness_m,
         "wheels": [_wheel(each, clocks) for each in scene.wheels],
         "parts": [_lane(each) for each in scene.parts],
         "lights": [_light(each, clocks) for each in scene.lights],
     }
+    return found if space is None else {**found, "space": space_json(space)}
 
 
 def _wheel(wheel: DrawnWheel, clocks: _Clocks) -> Json:

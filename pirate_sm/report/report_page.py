@@ -16,6 +16,7 @@ from pirate_sm.report.contents import Report, RobotScene, Sentence
 from pirate_sm.report.film_strip import strip
 from pirate_sm.report.report_json import Json, report_json
 from pirate_sm.report.seen_words import seen_words
+from pirate_sm.report.three_library import three_script
 
 SIGNS = {
     "succeeded": ("✓", "Succeeded"),
@@ -41,7 +42,10 @@ def html(report: Report) -> str:
     library = _library()
     folder = files("pirate_sm.report") / "page"
     sign, outcome = SIGNS[report.outcome]
-    script = "\n".join((folder / name).read_text("utf-8") for name in _SCRIPTS)
+    in_space = report.scene is not None and report.scene.space is not None
+    names = (*_SCRIPTS, "space.js") if in_space else _SCRIPTS
+    script = "\n".join((folder / name).read_text("utf-8") for name in names)
+    library_script = (library / "uPlot.iife.js").read_text("utf-8")
     style = (library / "uPlot.min.css").read_text("utf-8")
     return Template((folder / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
@@ -64,7 +68,8 @@ def html(report: Report) -> str:
         step=f"{_step(report.duration_s):g}",
         speeds="".join(_speed(each) for each in _SPEEDS),
         data=_inside_script(report_json(report)),
-        library=(library / "uPlot.iife.js").read_text("utf-8"),
+        space=(folder / "space.html").read_text("utf-8") if in_space else "",
+        library=f"{library_script}\n{three_script()}" if in_space else library_script,
         script=f"(() => {{\n'use strict';\n{script}\n}})();",
     )
 
@@ -117,21 +122,33 @@ def _story(report: Report) -> Iterable[str]:
 def _robot(scene: RobotScene | None) -> str:
     if scene is None:
         return '<p class="empty">Nothing is known of where the robot was.</p>'
-    about = "The robot in its pipe, to scale" if scene.walls else "The robot, to scale"
+    piped = scene.walls or scene.space
+    about = "The robot in its pipe, to scale" if piped else "The robot, to scale"
     if scene.source == "reckoned":
         about += ", where its joints and its odometer take it to be"
     return (
-        f'<canvas id="scene" role="img" aria-label="{about}"></canvas>'
+        f"{_canvases(scene, about)}"
         '<div class="below"><p id="pose"></p>'
         '<button id="follow" type="button" aria-pressed="false">Follow closely</button></div>'
         f'<p class="hint">{_robot_key(scene)}</p>'
     )
 
 
+def _canvases(scene: RobotScene, about: str) -> str:
+    """Return a canvas for each view."""
+    if scene.space is None:
+        return f'<canvas id="scene" role="img" aria-label="{about}"></canvas>'
+    return "".join(
+        f'<figure><figcaption>{view.name}</figcaption><canvas id="{name}" role="img" '
+        f'aria-label="{about}, {view.name[:1].lower()}{view.name[1:]}"></canvas></figure>'
+        for name, view in zip(("scene", "scene-side"), scene.views, strict=True)
+    )
+
+
 def _robot_key(scene: RobotScene) -> str:
     """Return the explanation of the signs in the picture."""
     signs = ["Links with a line in them are held (dashed: not yet confirmed)"]
-    if scene.source == "truth" and scene.walls:
+    if scene.source == "truth" and scene.walls and scene.space is None:
         signs.append("a bar marks a wheel at a wall")
     return f"{', '.join([*signs, 'an arrow a driven wheel'])}. 1 is the front."
 

@@ -18,6 +18,7 @@ from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.actuators import SlotRoute, routes_of
 from pirate_sm.simulation.defects import AtWork, named, put_to_work
@@ -98,6 +99,7 @@ class SimulatedRobot:
         duties = self._start_duties
         around = surroundings_of(profile, chain, pipe, duties=duties, jitter=jitter, rng=rng)
         self._route, self._chain = around.route, chain
+        self._flat = around.route.section == "bars"
         self._cycle_s = profile.link.cycle
         self.physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
         self._layout = QuantityLayout(chain.nodes)
@@ -192,14 +194,18 @@ class SimulatedRobot:
     @property
     def truth(self) -> FullTruth:
         """The robot's true position and state."""
+        arcs_m, in_space = self.arcs_m, self.in_space
         return FullTruth(
             wheels=self.wheels,
             wheel_radius_m=self._chain.wheel_radius_m,
-            walls=plane.walls(self._route),
-            distance_m=self._middle() - self._start_m,
+            walls=plane.drawn_walls(self._route),
+            distance_m=sum(arcs_m) / len(arcs_m) - self._start_m,
             touching=tuple(press > _TOUCHING_N for press in self.values("press")),
-            rolls_rad=tuple(self.physics.rolls()),
-            arcs_m=tuple(self.arcs_m),
+            rolls_rad=in_space.rolls_rad,
+            z_m=in_space.z_m,
+            run=self._route.piece_at(arcs_m[0]).run,
+            arc_m=arcs_m[0],
+            arcs_m=tuple(arcs_m),
             bends_rad=tuple(self.values("bend")),
             torques_nm=tuple(self.values("bend_torque")),
             gone=self.gone,
@@ -209,6 +215,12 @@ class SimulatedRobot:
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
         return tuple((x, y) for x, y, _ in self.physics.places())
+
+    @property
+    def in_space(self) -> InSpace:
+        """What ``wheels`` leaves out; no third coordinates where the robot moves in a plane."""
+        z_m = () if self._flat else tuple(z for _, _, z in self.physics.places())
+        return InSpace(z_m, tuple(self.physics.rolls()))
 
     @property
     def arcs_m(self) -> list[float]:

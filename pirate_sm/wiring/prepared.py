@@ -11,7 +11,7 @@ from pirate_sm.detectors.registry import Places
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.true_position import Truth
+from pirate_sm.model.true_position import InSpace, Truth
 from pirate_sm.wiring.chosen_panel import ChosenPanel
 from pirate_sm.wiring.run_order import Order
 
@@ -35,7 +35,8 @@ class Equipment:
         usual_detector: The default detector; None: this backend takes no detector.
         places: True positions of bends and wheels along the pipe, for a detector; None if unknown.
         truth: Returns the robot's true state, on backends that know it.
-        wheels: Returns only the wheels of it, in the plane of the pipe, m, for frequent calls.
+        wheels: Returns only the wheels of it, in the plane of the drawing, m, for frequent calls.
+        in_space: Returns what they leave out, on backends that know it and move the robot in space.
         link: Returns the state of the link, if there is one.
         parting: Returns what a person must do after the run; empty if nothing.
         confirmation: What a person must confirm before anything moves; empty if nothing.
@@ -52,6 +53,7 @@ class Equipment:
     places: Places | None = None
     truth: Callable[[], Truth] | None = None
     wheels: Callable[[], tuple[tuple[float, float], ...]] | None = None
+    in_space: Callable[[], InSpace] | None = None
     link: Callable[[], LinkHealth] | None = None
     parting: Callable[[], str] = lambda: ""
     confirmation: str = ""

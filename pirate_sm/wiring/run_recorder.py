@@ -70,7 +70,7 @@ def looking(
     from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
     wheels, reckoned, seen = prepared.wheels, prepared.reckoned, prepared.camera
-    numbers = prepared.engine.numbers
+    numbers, in_space = prepared.engine.numbers, prepared.in_space
 
     def look() -> ViewerSnapshot | None:
         now = state()
@@ -79,7 +79,8 @@ def looking(
         given = numbers(now) if signals else ()
         camera = seen() if seen else None
         if wheels is not None:
-            return ViewerSnapshot(now, given, wheels(), True, camera)
+            space = in_space() if in_space else None
+            return ViewerSnapshot(now, given, wheels(), True, camera, space)
         taken = reckoned() if reckoned else None
         return ViewerSnapshot(now, given, taken.wheels if taken else None, False, camera)
 

@@ -77,6 +77,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         places=Places(backend.bends, lambda: backend.arcs_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
+        in_space=None if loaded.pipe.section == "bars" else lambda: backend.in_space,
     )
 
 

@@ -25,6 +25,7 @@ RUNS = {
     "dead": ("mitre_bend", "--defect", "wheels_3_4_dead", "--defect", "gamma_2_stiff"),
     "trace": ("mitre_bend", "--backend", "trace"),
     "patrol": (str(PATROL),),
+    "house": ("mitre_bend", "--pipe", str(ROOT / "tests" / "pipes" / "house.yaml")),
 }
 LIST = "list"
 """The page that lists all that were made."""
@@ -113,13 +114,17 @@ def opened(browser: Browser, report: Callable[[str], Path]) -> Iterator[Callable
     """Opens the page of a run in a window of its own, with the clock of the wall stopped."""
     contexts = []
 
-    def open_it(name: str, *, wide: int = 1280, high: int = 800, scheme: str = "light") -> Opened:
+    def open_it(
+        name: str, *, wide: int = 1280, high: int = 800, scheme: str = "light", before: str = ""
+    ) -> Opened:
         context = browser.new_context(
             viewport={"width": wide, "height": high}, color_scheme=scheme, offline=True
         )
         contexts.append(context)
         page = context.new_page()
         page.clock.install(time=0)
+        if before:
+            page.add_init_script(before)
         found = Opened(page)
         page.goto(report(name).as_uri())
         page.wait_for_selector("html[data-ready=yes]", state="attached")

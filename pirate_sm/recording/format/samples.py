@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 from pydantic_core import to_json
 
 from pirate_sm.geometry.space import Place
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.format.engine_topics import DIALECT, ENGINE
 from pirate_sm.recording.format.json_values import JsonSchema
 
@@ -29,7 +30,9 @@ SCHEMA: Final[JsonSchema] = {
     "description": (
         "A batch of samples, column by column: where the wheels were.\n"
         "Column places_m: for each sample x and y of each wheel in turn, in the plane of the pipe, "
-        "m; an empty array where they were unknown."
+        "m; an empty array where they were unknown.\n"
+        "Column space, of a robot in space: for each sample z of each wheel, m, then the rolls of "
+        "joint, front and rear, rad."
     ),
     "type": "object",
     "properties": {
@@ -47,11 +50,13 @@ class Placed(NamedTuple):
         at_s: The time, s.
         known: Whether it is a simulator's true position; else it is reckoned.
         wheels: Position of each wheel in the plane of the pipe, m; empty if unknown.
+        space: What they leave out of a robot in space, if known.
     """
 
     at_s: float
     known: bool
     wheels: Sequence[Place]
+    space: InSpace | None = None
 
 
 class PlacesSample(NamedTuple):
@@ -61,30 +66,52 @@ class PlacesSample(NamedTuple):
         at_s: Its time, s.
         known: As in :class:`Placed`.
         places_m: Its entry in the column of this name.
+        space: Its entry in the column of this name; empty for a robot in a plane.
     """
 
     at_s: float
     known: bool
     places_m: tuple[float, ...]
+    space: tuple[float, ...] = ()
 
 
-def places_sample(at_s: float, known: bool, wheels: Sequence[Place]) -> PlacesSample:
+def places_sample(
+    at_s: float, known: bool, wheels: Sequence[Place], space: InSpace | None = None
+) -> PlacesSample:
     """Return the sample of these positions."""
-    return PlacesSample(at_s, known, tuple(chain.from_iterable(wheels)))
+    beyond = () if space is None else (*space.z_m, *space.rolls_rad)
+    return PlacesSample(at_s, known, tuple(chain.from_iterable(wheels)), beyond)
 
 
 def encode_samples(samples: Sequence[PlacesSample]) -> bytes:
     """Return a batch of samples as JSON; a position that is no number is unknown."""
-    times_s, known, places_m = zip(*samples, strict=True)
-    finite = [each if isfinite(sum(each)) else () for each in places_m]
-    return to_json({"t_s": times_s, "known": known, "places_m": finite})
+    times_s, known, places_m, space = zip(*samples, strict=True)
+    columns = {"t_s": times_s, "known": known, "places_m": [_finite(each) for each in places_m]}
+    if any(space):
+        columns["space"] = [_finite(each) for each in space]
+    return to_json(columns)
 
 
 def decode_samples(batch: dict[str, Any]) -> Iterator[Placed]:
     """Yield the samples of a batch."""
-    for at_s, known, places in zip(batch["t_s"], batch["known"], batch["places_m"], strict=True):
+    columns = (batch["t_s"], batch["known"], batch["places_m"])
+    beyond = batch.get("space", [()] * len(batch["t_s"]))
+    for at_s, known, places, more in zip(*columns, beyond, strict=True):
         values = iter(places)
-        yield Placed(at_s, known, rounded(tuple(zip(values, values, strict=True))))
+        wheels = rounded(tuple(zip(values, values, strict=True)))
+        yield Placed(at_s, known, wheels, _space_of(more, len(wheels)))
+
+
+def _finite(values: tuple[float, ...]) -> tuple[float, ...]:
+    return values if isfinite(sum(values)) else ()
+
+
+def _space_of(values: Sequence[float], wheels: int) -> InSpace | None:
+    """Return what a robot in space has beside its places; None if that is unknown."""
+    if not values:
+        return None
+    digits = tuple(float(f"{each:.9g}") for each in values)
+    return InSpace(digits[:wheels], digits[wheels:])
 
 
 def rounded(wheels: Sequence[Place]) -> tuple[Place, ...]:

@@ -109,7 +109,8 @@ class _Completed:
 
     def _snapshot(self, state: EngineState, placed: Placed) -> ViewerSnapshot:
         wheels = tuple(placed.wheels) or None
-        return ViewerSnapshot(state, self._engine.numbers(state), wheels, placed.known)
+        numbers = self._engine.numbers(state)
+        return ViewerSnapshot(state, numbers, wheels, placed.known, space=placed.space)
 
 
 class _Ahead(Generic[T]):

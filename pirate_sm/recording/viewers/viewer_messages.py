@@ -20,11 +20,13 @@ from pirate_sm.geometry.kinematics import link_poses
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.column_names import signal_names, slot_names
 from pirate_sm.recording.format.samples import rounded
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
+from pirate_sm.recording.viewers.places_in_space import columns_in_space, values_in_space
 from pirate_sm.recording.viewers.transforms import Transforms
 from pirate_sm.recording.viewers.viewer_channel import (
     NUMBER,
@@ -48,6 +50,7 @@ class ViewerSnapshot(NamedTuple):
         numbers: All signals in the order of the vocabulary, SI.
         wheels: Positions of the wheels in the plane of the pipe, m, if known or reckoned.
         known: Whether they are the true positions.
+        space: What they leave out of a robot in space, if known.
         camera: What the detector's camera sees, if there is one.
     """
 
@@ -56,6 +59,7 @@ class ViewerSnapshot(NamedTuple):
     wheels: tuple[Place, ...] | None
     known: bool
     camera: CameraView | None = None
+    space: InSpace | None = None
 
 
 class ViewerMessages:
@@ -80,6 +84,9 @@ class ViewerMessages:
         wheels = [wheel.name for wheel in self._body.wheels]
         coordinates = [f"{name}_{axis}_m" for name in wheels for axis in "xy"]
         self._coordinates = _gaps(coordinates)
+        in_space = loaded.pipe is not None and loaded.pipe.section == "round"
+        beyond = columns_in_space(wheels) if in_space else ()
+        self._beyond = _gaps(beyond)
         self._camera = CameraMessages(wheels)
         self._codes = _state_codes(robot)
         self._tf = foxglove("/tf", "FrameTransforms")
@@ -88,7 +95,7 @@ class ViewerMessages:
         self._log = foxglove("/log", "Log")
         self._signal_channel = flat("/signals", dict.fromkeys(signals, NUMBER))
         self._setpoints = flat("/setpoints", dict.fromkeys(self._slots, NUMBER))
-        places = {"known": {"type": "boolean"}, **dict.fromkeys(coordinates, NUMBER)}
+        places = {"known": {"type": "boolean"}, **dict.fromkeys((*coordinates, *beyond), NUMBER)}
         self._places = flat(PLACES, places)
         words = ("phase", "detected", *robot.regions, "unconfirmed", "control")
         codes = {
@@ -112,7 +119,8 @@ class ViewerMessages:
             yield self._tf, self._transforms.message(now, link_poses(points), numbers)
             known = '"known":true' if it.known else '"known":false'
             values = tuple(value for point in points for value in point)
-            yield self._places, _object(known, *_filled(self._coordinates, values))
+            beyond = _filled(self._beyond, values_in_space(it.space)) if it.space else ()
+            yield self._places, _object(known, *_filled(self._coordinates, values), *beyond)
         if it.camera is not None:
             yield from self._camera.of(at_s, time_ns, it.camera)
         yield self._joint_states, self._joint_message(now, shown)

@@ -49,7 +49,7 @@ class KeptSamples(Sampler[PlacesSample | Pictured]):
 
     def _kept(self, at_s: float, it: ViewerSnapshot) -> PlacesSample | Pictured:
         wheels = it.wheels or self._placing.look(it.state, at_s) or ()
-        sample = places_sample(at_s, it.known, wheels)
+        sample = places_sample(at_s, it.known, wheels, it.space)
         return sample if it.camera is None else Pictured(sample, it.camera)
 
     def _show(self, file: RecordingFile, it: Pictured) -> None:

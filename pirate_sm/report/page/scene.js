@@ -1,24 +1,41 @@
-// The robot in its pipe, to scale.
+// The robot in its pipe, to scale: in the plane of the pipe, or from above and from the side.
 
-const drawScene = () => {
-  const scene = data.scene, canvas = byId('scene');
-  if (!scene || !canvas) return;
-  const times = clocks[scene.clock];
-  const paths = scene.paths.map((steps) => summed(steps, scene.perMetre));
-  const wheels = scene.wheels.length;
-  const follow = byId('follow'), pose = byId('pose');
-  const context = canvas.getContext('2d');
-  let width = 0, height = 0, following = false;
-
-  /** Place of each wheel at a moment, between two poses on the line that joins them. */
-  const placesAt = (at) => {
+/** Where the wheels are over time, with two coordinates each, in space with three. */
+const motion = data.scene && (() => {
+  const scene = data.scene, times = clocks[scene.clock], wheels = scene.wheels.length;
+  const axes = scene.space ? 3 : 2;
+  const tracks = (lists, per) => lists.map((steps) => summed(steps, per));
+  const paths = tracks(scene.paths, scene.perMetre);
+  const normals = scene.space ? tracks(scene.space.normals, scene.space.perUnit) : [];
+  /** Points at a moment, between two poses on the line that joins them. */
+  const pointsAt = (lists, at) => {
     const i = Math.max(0, indexAt(times, at)), j = Math.min(i + 1, times.length - 1);
     const share = j > i ? Math.min(1, Math.max(0, (at - times[i]) / (times[j] - times[i]))) : 0;
-    return Array.from({ length: wheels }, (_, w) => [0, 1].map((axis) => {
-      const path = paths[2 * w + axis];
+    return Array.from({ length: lists.length / axes }, (_, n) => Array.from({ length: axes }, (__, axis) => {
+      const path = lists[axes * n + axis];
       return path[i] + (path[j] - path[i]) * share;
     }));
   };
+  const partSpan = (name) => {
+    const lane = scene.parts.find((part) => part.name === name);
+    return lane ? spanAt(lane, shown.at) : null;
+  };
+  return {
+    scene, times, wheels, paths, axes, partSpan,
+    placesAt: (at) => pointsAt(paths, at),
+    normalsAt: (at) => pointsAt(normals, at),
+    /** What holds the link behind this wheel; null where nothing does. */
+    heldAt: (link) => (scene.wheels[link].part === scene.wheels[link + 1].part ? partSpan(scene.wheels[link].part) : null),
+  };
+})();
+
+/** One view of the robot; returns how it is drawn, and what it draws. */
+const flatView = (canvas, view) => {
+  const { scene, times, wheels, paths, placesAt } = motion;
+  const [right, up] = view.axes, way = scene.space ? scene.space.way : [];
+  const context = canvas.getContext('2d');
+  let width = 0, height = 0, following = false;
+  const flat = (point) => [point[right], point[up]];
 
   const bounds = (points) => points.reduce(
     ([x0, y0, x1, y1], [x, y]) => [Math.min(x0, x), Math.min(y0, y), Math.max(x1, x), Math.max(y1, y)],
@@ -26,11 +43,11 @@ const drawScene = () => {
   const travelled = bounds(paths.length
     ? Array.from({ length: times.length * wheels }, (_, n) => {
       const w = n % wheels, i = (n - w) / wheels;
-      return [paths[2 * w][i], paths[2 * w + 1][i]];
+      return [paths[motion.axes * w + right][i], paths[motion.axes * w + up][i]];
     }) : [[0, 0]]);
   const first = placesAt(0);
   const length = first.slice(1).reduce(
-    (sum, p, i) => sum + Math.hypot(p[0] - first[i][0], p[1] - first[i][1]), 0);
+    (sum, p, i) => sum + Math.hypot(...p.map((value, axis) => value - first[i][axis])), 0);
 
   /** Pixels per metre and the middle of the picture. */
   const frame = (places) => {
@@ -56,6 +73,22 @@ const drawScene = () => {
     setDash([]);
   };
 
+  /** The nearest point of the way in space: how far away, of which bore, and which way it goes. */
+  const beside = (point) => {
+    let best = null;
+    for (let i = 1; i < way.length; i++) {
+      const a = way[i - 1], step = [0, 1, 2].map((k) => way[i][k] - a[k]);
+      const whole = step.reduce((sum, v) => sum + v * v, 0);
+      if (!whole) continue;
+      const along = step.reduce((sum, v, k) => sum + v * (point[k] - a[k]), 0) / whole;
+      const share = Math.min(1, Math.max(0, along));
+      const away = Math.hypot(...step.map((v, k) => a[k] + share * v - point[k]));
+      const bore = a[3] + share * (way[i][3] - a[3]);
+      if (!best || away < best.away) best = { away, bore, ahead: step.map((v) => v / Math.sqrt(whole)) };
+    }
+    return best;
+  };
+
   /** The nearest point of a wall, how far away it is, and which way the wall goes there. */
   const nearest = ([px, py]) => {
     let best = null;
@@ -72,8 +105,10 @@ const drawScene = () => {
 
   /** Which way is forward for a wheel, in the picture: along the pipe, or along the robot. */
   const forward = (places, number) => {
-    const wall = nearest(places[number]);
+    const wall = way.length ? null : nearest(places[number]);
     if (wall) return [wall.dx, -wall.dy];
+    const near = beside(places[number]);
+    if (near) return [near.ahead[right], -near.ahead[up]];
     const ahead = places[Math.max(0, number - 1)], behind = places[Math.min(wheels - 1, number + 1)];
     const span = Math.hypot(ahead[0] - behind[0], ahead[1] - behind[1]) || 1;
     return [(ahead[0] - behind[0]) / span, -(ahead[1] - behind[1]) / span];
@@ -86,7 +121,27 @@ const drawScene = () => {
     context.closePath();
   };
 
+  /** Pipes in space are areas that overlap; together they have one border. */
+  const pipes = (to, scale, points) => {
+    const areas = new Path2D();
+    for (const outline of view.outlines) {
+      outline.map(to).forEach(([x, y], i) => (i ? areas.lineTo(x, y) : areas.moveTo(x, y)));
+      areas.closePath();
+    }
+    context.strokeStyle = colour('--wall');
+    context.lineWidth = 2 * Math.max(2, 0.004 * scale);
+    context.stroke(areas);
+    context.save();
+    context.fillStyle = colour('--bore');
+    context.fill(areas);
+    context.clip(areas);
+    shine(points, scale);
+    context.restore();
+    stroke(way.map((point) => to(flat(point))), colour('--faint'), 1, [8, 6]);
+  };
+
   const pipe = (to, scale, points) => {
+    if (view.outlines.length) { pipes(to, scale, points); return; }
     if (!scene.walls.length) { shine(points, scale); return; }
     const [one, other] = scene.walls.map((wall) => wall.map(to));
     context.save();
@@ -125,18 +180,12 @@ const drawScene = () => {
     }
   };
 
-  const partSpan = (name) => {
-    const lane = scene.parts.find((part) => part.name === name);
-    return lane ? spanAt(lane, shown.at) : null;
-  };
-
   const links = (points, scale) => {
     const thick = Math.max(4, 2 * scene.half * scale);
     context.lineCap = 'round';
     for (let i = 1; i < points.length; i++) {
       const pair = [points[i - 1], points[i]];
-      const same = scene.wheels[i - 1].part === scene.wheels[i].part;
-      const held = same ? partSpan(scene.wheels[i].part) : null;
+      const held = motion.heldAt(i - 1);
       stroke(pair, colour('--ink'), thick + 2);
       stroke(pair, colour(held ? '--held' : '--body'), thick);
       if (held) stroke(pair, colour('--paper'), 2, held[3] === 'unconfirmed' ? [2, 6] : []);
@@ -144,8 +193,17 @@ const drawScene = () => {
     context.lineCap = 'butt';
   };
 
-  const wheel = (number, [x, y], radius) => {
-    const wheelData = scene.wheels[number];
+  const number = (text, [x, y], radius) => {
+    if (radius < 7) return;
+    context.fillStyle = colour('--ink');
+    context.font = `${text > 1 ? '' : 'bold '}${Math.round(radius * 0.95)}px system-ui, sans-serif`;
+    context.textAlign = 'center';
+    context.textBaseline = 'middle';
+    context.fillText(String(text), x, y + 0.5);
+  };
+
+  const wheel = (which, [x, y], radius) => {
+    const wheelData = scene.wheels[which];
     context.beginPath();
     context.arc(x, y, radius, 0, 2 * Math.PI);
     context.fillStyle = colour('--paper');
@@ -161,13 +219,21 @@ const drawScene = () => {
           [x + Math.cos(angle) * radius * 0.95, y + Math.sin(angle) * radius * 0.95]], colour('--ink'), 1.5);
       }
     }
-    if (radius >= 7) {
-      context.fillStyle = colour('--ink');
-      context.font = `${number ? '' : 'bold '}${Math.round(radius * 0.95)}px system-ui, sans-serif`;
-      context.textAlign = 'center';
-      context.textBaseline = 'middle';
-      context.fillText(String(number + 1), x, y + 0.5);
-    }
+    number(which + 1, [x, y], radius);
+  };
+
+  /** A wheel whose axle does not point at the eye: its disc is seen as an ellipse. */
+  const discAslant = (which, [x, y], radius, axle, scale) => {
+    const across = Math.hypot(axle[right], axle[up]);
+    const thin = Math.max(radius * Math.sqrt(Math.max(0, 1 - across * across)), scene.space.width / 2 * scale);
+    context.beginPath();
+    context.ellipse(x, y, Math.min(thin, radius), radius, Math.atan2(-axle[up], axle[right]), 0, 2 * Math.PI);
+    context.fillStyle = colour('--paper');
+    context.fill();
+    context.lineWidth = Math.max(1.5, radius / 6);
+    context.strokeStyle = colour('--ink');
+    context.stroke();
+    number(which + 1, [x, y], radius);
   };
 
   /** A chevron ahead of a driven wheel, in the direction in which it shall go. */
@@ -180,13 +246,17 @@ const drawScene = () => {
   /** A bar at each place where a wheel is at a wall; returns the numbers of those wheels. */
   const contacts = (places, to, scale) => {
     if (scene.source !== 'truth') return [];
-    const found = places.map(nearest).filter((wall) => wall && wall.away < scene.radius + 0.0012);
+    const touches = (place) => (way.length
+      ? beside(place).away > beside(place).bore / 2 - scene.radius - TOUCHING
+      : nearest(place)?.away < scene.radius + TOUCHING);
+    const touching = places.flatMap((place, i) => (touches(place) ? [i + 1] : []));
+    if (way.length) return touching;
     const half = Math.max(6, scale * scene.radius * 0.8), thick = Math.max(4, 0.007 * scale);
-    found.forEach(({ x, y, dx, dy }) => {
+    touching.map((number) => nearest(places[number - 1])).forEach(({ x, y, dx, dy }) => {
       const [cx, cy] = to([x, y]);
       stroke([[cx - dx * half, cy + dy * half], [cx + dx * half, cy - dy * half]], colour('--touch'), thick);
     });
-    return places.flatMap((place, i) => (nearest(place)?.away < scene.radius + 0.0012 ? [i + 1] : []));
+    return touching;
   };
 
   const ruler = (scale) => {
@@ -204,6 +274,61 @@ const drawScene = () => {
     context.fillText(wide >= 1 ? `${wide} m` : `${wide * 100} cm`, x + 4, y - 6);
   };
 
+  /** Draws everything; returns the numbers of the wheels that are at a wall. */
+  const draw = () => {
+    const ratio = window.devicePixelRatio || 1;
+    context.setTransform(ratio, 0, 0, ratio, 0, 0);
+    context.clearRect(0, 0, width, height);
+    const places = placesAt(shown.at), { x: midX, y: midY, scale } = frame(places.map(flat));
+    const to = ([x, y]) => [width / 2 + (x - midX) * scale, height / 2 - (y - midY) * scale];
+    const points = places.map(flat).map(to), normals = scene.space && motion.normalsAt(shown.at);
+    context.lineJoin = 'round';
+    pipe(to, scale, points);
+    links(points, scale);
+    const touching = contacts(places, to, scale);
+    const radius = Math.max(3, scene.radius * scale);
+    points.forEach((point, number) => {
+      const axle = normals && normals[number < scene.space.rear ? 0 : 1];
+      if (axle && Math.hypot(axle[right], axle[up]) > ASLANT) discAslant(number, point, radius, axle, scale);
+      else wheel(number, point, radius);
+    });
+    places.forEach((_, number) => {
+      const told = Math.sign(valueAt(scene.wheels[number].drive, shown.at) || 0);
+      if (told) drive(points[number], radius, forward(places, number).map((each) => told * each));
+    });
+    ruler(scale);
+    canvas.dataset.places = places.map((place) => place.map((v) => v.toFixed(4)).join(',')).join(' ');
+    return touching;
+  };
+
+  const resize = () => {
+    const ratio = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
+    width = box.width;
+    height = box.height;
+    canvas.width = Math.round(width * ratio);
+    canvas.height = Math.round(height * ratio);
+    return draw();
+  };
+  return {
+    draw, resize,
+    follow(wanted) { following = wanted; },
+    get small() { return scene.radius * frame(placesAt(0).map(flat)).scale < 5; },
+  };
+};
+
+/** How near to a wall a wheel counts as touching it, m. */
+const TOUCHING = 0.0012;
+
+/** Sine of the angle between axle and line of sight from which on a wheel is no circle. */
+const ASLANT = 0.1;
+
+const drawScene = () => {
+  if (!motion || !byId('scene')) return;
+  const scene = motion.scene, follow = byId('follow'), pose = byId('pose');
+  const canvases = ['scene', 'scene-side'].map(byId).filter(Boolean);
+  const views = scene.space ? scene.space.views : [{ axes: [0, 1], outlines: [] }];
+  const flats = canvases.map((canvas, i) => flatView(canvas, views[i]));
+
   const sentence = (touching) => {
     const parts = scene.parts.map((part) => {
       const span = spanAt(part, shown.at);
@@ -218,47 +343,20 @@ const drawScene = () => {
   };
 
   const draw = () => {
-    const ratio = window.devicePixelRatio || 1;
-    context.setTransform(ratio, 0, 0, ratio, 0, 0);
-    context.clearRect(0, 0, width, height);
-    const places = placesAt(shown.at), view = frame(places);
-    const to = ([x, y]) => [width / 2 + (x - view.x) * view.scale, height / 2 - (y - view.y) * view.scale];
-    const points = places.map(to);
-    context.lineJoin = 'round';
-    pipe(to, view.scale, points);
-    links(points, view.scale);
-    const touching = contacts(places, to, view.scale);
-    const radius = Math.max(3, scene.radius * view.scale);
-    points.forEach((point, number) => {
-      wheel(number, point, radius);
-    });
-    places.forEach((_, number) => {
-      const told = Math.sign(valueAt(scene.wheels[number].drive, shown.at) || 0);
-      if (told) drive(points[number], radius, forward(places, number).map((each) => told * each));
-    });
-    ruler(view.scale);
+    const [touching] = flats.map((flat) => flat.draw());
     pose.textContent = sentence(touching);
-    canvas.dataset.places = places.map((place) => place.map((v) => v.toFixed(4)).join(',')).join(' ');
   };
-
-  const resize = () => {
-    const ratio = window.devicePixelRatio || 1, box = canvas.getBoundingClientRect();
-    width = box.width;
-    height = box.height;
-    canvas.width = Math.round(width * ratio);
-    canvas.height = Math.round(height * ratio);
-    draw();
-  };
-
   const toggle = (wanted) => {
-    following = wanted;
-    follow.setAttribute('aria-pressed', String(following));
+    flats.forEach((flat) => flat.follow(wanted));
+    follow.setAttribute('aria-pressed', String(wanted));
     draw();
   };
-  follow.addEventListener('click', () => toggle(!following));
-  new ResizeObserver(resize).observe(canvas);
+  follow.addEventListener('click', () => toggle(follow.getAttribute('aria-pressed') !== 'true'));
+  const watch = new ResizeObserver(() => { flats.forEach((flat) => flat.resize()); });
+  canvases.forEach((canvas) => watch.observe(canvas));
   shown.on('time', draw);
   shown.on('look', draw);
-  resize();
-  if (scene.radius * frame(placesAt(0)).scale < 5) toggle(true);
+  flats.forEach((flat) => flat.resize());
+  draw();
+  if (flats[0].small) toggle(true);
 };

@@ -14,6 +14,7 @@ from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
+from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import World
 
 from .conftest import CYCLE_S
@@ -77,3 +78,28 @@ def test_a_defect_is_due_at_its_moment(profile: Profile) -> None:
     assert [incident.what for incident in robot.strike(1.0)] == ["motor_moves"]
     assert robot.due_s == math.inf
     assert sum(duty != 0.0 for duty in robot.duties) == 1
+
+
+def test_the_truth_of_a_robot_in_space_has_a_third_coordinate_and_its_run(profile: Profile) -> None:
+    pipe = Pipe(
+        diameter=0.12,
+        section="round",
+        segments=(Straight(straight=2.0),),
+        start=Start(at=1.0),
+    )
+    robot = SimulatedRobot(profile, pipe, SpaceWorld, seed=1, start_values=None)
+    truth = robot.truth
+    assert truth.run == "main"
+    assert truth.arc_m == pytest.approx(1.0, abs=0.01)
+    assert [z for _, _, z in truth.points] == list(truth.z_m)
+    assert len(truth.z_m) == len(truth.wheels)
+    # It stands on the floor, which is where the drawing's z points to.
+    assert min(truth.z_m) > 0.03
+    assert robot.in_space == (truth.z_m, truth.rolls_rad)
+
+
+def test_the_truth_between_bars_stays_in_its_plane(profile: Profile) -> None:
+    truth = robot_in(profile).truth
+    assert truth.z_m == ()
+    assert {z for _, _, z in truth.points} == {0.0}
+    assert len(truth.walls) == 2

@@ -1,0 +1,29 @@
+"""The columns of the topic with the wheels' places that a robot in space has beside x and y."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from pirate_sm.model.true_position import InSpace
+
+_ROLLS = ("joint_roll_rad", "front_roll_rad", "rear_roll_rad")
+
+
+def columns_in_space(wheels: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the columns: z of each wheel, then the rolls."""
+    return (*(f"{name}_z_m" for name in wheels), *_ROLLS)
+
+
+def values_in_space(space: InSpace) -> tuple[float, ...]:
+    """Return the values of these columns."""
+    return (*space.z_m, *space.rolls_rad)
+
+
+def space_of(content: Mapping[str, Any], wheels: Sequence[str]) -> InSpace | None:
+    """Return what a message has in these columns; None if it is of a robot in a plane."""
+    names = columns_in_space(wheels)
+    if any(name not in content for name in names):
+        return None
+    values = tuple(float(content[name]) for name in names)
+    return InSpace(values[: len(wheels)], values[len(wheels) :])
