@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -64,7 +65,7 @@ def across(piece: Piece, point: Floats) -> tuple[float, float, Floats]:
 
 
 def holds(pieces: list[Piece], number: int, point: Floats, by_m: float = 0.0) -> bool:
-    """Whether a point is inside a piece and ``by_m`` from its wall; mitres cut at half the angle."""
+    """Whether a point is inside a piece, ``by_m`` from its walls and from the cut of a mitre."""
     piece = pieces[number]
     along, off, _ = across(piece, point)
     if off > piece.diameter_at(piece.arc_m + along) / 2 - by_m:
@@ -99,7 +100,7 @@ def surface(pieces: list[Piece]) -> Iterator[Floats]:
                 inside = [holds(pieces, n, own, 1e-6) for n in range(len(pieces)) if n != number]
                 if holds(pieces, number, own) and not any(inside):
                     yield own
-    for before, after in zip(pieces, pieces[1:], strict=False):
+    for before, after in pairwise(pieces):
         wide, narrow = sorted((before.ends_with_m / 2, after.diameter_m / 2), reverse=True)
         if before.run == after.run:
             for radius in np.arange(narrow, wide, STEP_M):

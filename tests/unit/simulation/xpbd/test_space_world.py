@@ -7,7 +7,6 @@ import numpy as np
 import pytest
 
 from pirate_sm.geometry.network import Mitre, Network, Straight, planar
-from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
@@ -23,6 +22,11 @@ from ..conftest import DIAMETER_M, Driver, bend, straight
 Place = Callable[..., Driver]
 
 ALL_JOINTS = (1, 2, 3, 4)
+BODY = (
+    *("MASS_INV", "MU_STATIC", "MU_KINETIC", "WHEEL_RATE", "WHEEL_STALL", "WHEEL_HOLD"),
+    *("MOTOR_LINK", "JOINT_K", "JOINT_RATE", "JOINT_STALL", "JOINT_FRICTION", "JOINT_MIN"),
+    *("JOINT_MAX", "JOINT_DAMPING", "LINK_LENGTH", "BODY_COLUMNS"),
+)
 
 
 def round_pipe(**more: object) -> Network:
@@ -43,16 +47,11 @@ def into_bend(robot: Driver) -> None:
 
 
 def test_both_kernels_have_one_layout_of_a_chain_and_of_quantities() -> None:
-    shared = [
-        name
-        for name in ("MASS_INV", "MU_STATIC", "MU_KINETIC", "WHEEL_RATE", "WHEEL_STALL")
-        + ("WHEEL_HOLD", "MOTOR_LINK", "JOINT_K", "JOINT_RATE", "JOINT_STALL", "JOINT_FRICTION")
-        + ("JOINT_MIN", "JOINT_MAX", "JOINT_DAMPING", "LINK_LENGTH", "BODY_COLUMNS")
-        if getattr(plane, name) == getattr(kernel, name)
-    ]
-    assert len(shared) == 16
-    assert kernel.OUT_PER_WHEEL == len(PER_WHEEL)
-    assert kernel.OUT_SINGLE == len(SINGLE)
+    for name in BODY:
+        assert getattr(plane, name) == getattr(kernel, name), name
+    assert len(BODY) == kernel.BODY_COLUMNS + 1
+    assert len(PER_WHEEL) == kernel.OUT_PER_WHEEL
+    assert len(SINGLE) == kernel.OUT_SINGLE
 
 
 def test_a_round_pipe_takes_the_kernel_in_space(place: Place) -> None:
@@ -105,7 +104,7 @@ def test_a_clamped_robot_stays_where_the_pipe_is_widest(place: Place) -> None:
         assert np.array(robot.physics.places())[:, 2] == pytest.approx([0.0] * 6, abs=2e-3)
 
 
-def test_a_loose_robot_lies_on_the_floor_and_swings_through_where_it_is_lowest(
+def test_a_loose_robot_lies_on_the_floor_and_swings_through_the_lowest_place(
     place: Place,
 ) -> None:
     robot = place(round_pipe(), clamped=0.0, physics=SpaceWorld)
