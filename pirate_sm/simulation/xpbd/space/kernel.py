@@ -263,11 +263,11 @@ def _on_edge(
 
 
 @compiled
-def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats) -> int:
-    """Return the point of an edge nearest to a place, of all of its points."""
+def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats, reach: float) -> int:
+    """Return the point of an edge nearest to a place; -1 if none is within reach."""
     first = int(edge[E_FIRST])
-    found = first
-    best = np.inf
+    found = -1
+    best = reach * reach
     for k in range(first, first + int(edge[E_COUNT])):
         dx = x - points[k, P_X]
         dy = y - points[k, P_Y]
@@ -280,15 +280,15 @@ def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats) -
 
 
 @compiled
-def _nearest_to_link(pos: Floats, m: int, edge: Floats, points: Floats) -> int:
-    """Return the point of an edge nearest to a link, of all of its points."""
+def _nearest_to_link(pos: Floats, m: int, edge: Floats, points: Floats, reach: float) -> int:
+    """Return the point of an edge nearest to a link; -1 if none is within reach."""
     first = int(edge[E_FIRST])
     ex = pos[m + 1, 0] - pos[m, 0]
     ey = pos[m + 1, 1] - pos[m, 1]
     ez = pos[m + 1, 2] - pos[m, 2]
     length2 = ex * ex + ey * ey + ez * ez
-    found = first
-    best = np.inf
+    found = -1
+    best = reach * reach
     for k in range(first, first + int(edge[E_COUNT])):
         dx = points[k, P_X] - pos[m, 0]
         dy = points[k, P_Y] - pos[m, 1]
@@ -309,6 +309,7 @@ def _look_around(
     n: int,
     pos: Floats,
     vel: Floats,
+    body: Floats,
     solids: Floats,
     edges: Floats,
     points: Floats,
@@ -324,7 +325,7 @@ def _look_around(
 
     Writes the numbers of the solids near a wheel to `near`, how many to `nears`; for each edge the
     nearest point, -1 where the edge is far, to `rim_at` and `link_at`; and in `rims` whether any is
-    near.
+    near, 0 or more.
     """
     for i in range(n):
         x = pos[i, 0]
@@ -355,23 +356,17 @@ def _look_around(
             rim_at[i, k] = -1
             link_at[i, k] = -1
             if away2 < (edges[k, E_RADIUS] + reach) ** 2:
-                rim_at[i, k] = _nearest_point(x, y, z, edges[k], points)
-                rims[i] = 1
+                rim_at[i, k] = _nearest_point(x, y, z, edges[k], points, reach)
+                rims[i] = max(rims[i], rim_at[i, k] + 1)
             if i == n - 1:
                 continue
             dx += 0.5 * (pos[i + 1, 0] - x)
             dy += 0.5 * (pos[i + 1, 1] - y)
             dz += 0.5 * (pos[i + 1, 2] - z)
-            half = (
-                np.sqrt(
-                    (pos[i + 1, 0] - x) ** 2 + (pos[i + 1, 1] - y) ** 2 + (pos[i + 1, 2] - z) ** 2
-                )
-                / 2.0
-            )
             away2 = dx * dx + dy * dy + dz * dz
-            if away2 < (edges[k, E_RADIUS] + half + reach) ** 2:
-                link_at[i, k] = _nearest_to_link(pos, i, edges[k], points)
-                rims[i] = 1
+            if away2 < (edges[k, E_RADIUS] + 0.5 * body[i, LINK_LENGTH] + reach) ** 2:
+                link_at[i, k] = _nearest_to_link(pos, i, edges[k], points, reach)
+                rims[i] = max(rims[i], link_at[i, k] + 1)
 
 
 @compiled
@@ -1434,7 +1429,7 @@ def advance(
     parts[1, N_INV_I] = 1.0 / world[INERTIA_REAR]
     _prepare(n, command, body, world, w)
     _look_around(
-        n, pos, vel, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
+        n, pos, vel, body, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
     )
     current = 0.0
     deepest = 0.0
