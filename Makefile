@@ -117,7 +117,7 @@ clean:
 # simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
 $(VENV)/.ready-dev: EXTRAS := dev,jit,physics,serial,live,report,console,vision
-$(VENV)/.ready-physics: EXTRAS := physics
+$(VENV)/.ready-physics: EXTRAS := jit,physics
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report
 $(VENV)/.ready-bench: EXTRAS := bench,jit,console
 $(VENV)/.ready-vision: EXTRAS := jit,vision

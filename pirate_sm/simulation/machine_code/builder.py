@@ -8,6 +8,7 @@ builds it into the source tree; that needs numba and ziglang.
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -65,8 +66,9 @@ def _compile(into: Path, cache: Path) -> None:
         command, env=os.environ | settings, capture_output=True, text=True, check=False
     )
     if done.returncode:
-        lines = done.stderr.strip().splitlines() or ["it said nothing"]
-        raise RuntimeError(f"numba did not compile it: {lines[-1]}")
+        print(done.stderr, file=sys.stderr)
+        errors = re.findall(r"^[\w.]*Error\b.*", done.stderr, re.MULTILINE) or ["it was stopped"]
+        raise RuntimeError(f"the functions were not compiled: {errors[-1]}")
 
 
 if __name__ == "__main__":

@@ -1,8 +1,8 @@
 """The compiled part of the kinematic simulator: extended position-based dynamics in a plane.
 
-All compiled code of the simulator is in this one module, because numba's cache does not notice
-edits in functions that are called from another file. `chain.py`, `world.py` and `pipe_arrays.py`
-fill the arrays whose columns are named here.
+Python calls :func:`advance` alone; its machine code is built with the package
+(`simulation/machine_code`). `chain.py`, `world.py` and `pipe_arrays.py` fill the arrays whose
+columns are named here.
 
 A substep is: motors, predict, iterate (joints, contacts, corners, links), velocity from
 displacement (XPBD, Macklin et al. 2016). Gradients are those at the start of the substep, since
@@ -46,8 +46,7 @@ S_POSITION, S_VELOCITY, S_MOTOR, S_WHEEL, S_BEND, S_ANCHOR, S_TURNED, S_READ, S_
     0, 2, 4, 5, 6, 7, 11, 12, 13,
 )  # fmt: skip
 # `out` has a block for each of `physics.PER_WHEEL`, the entries `physics.SINGLE`, and two blocks of
-# the kernel's own: each wheel's offset towards side A and the number of its leg. These are numbers
-# because numba's cache does not notice an edit in another file.
+# the kernel's own: each wheel's offset towards side A and the number of its leg.
 OUT_PER_WHEEL = 9
 OUT_SINGLE = 8
 OUT_OWN = 2
