@@ -13,11 +13,11 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.prepared import Prepared
+from pirate_sm.wiring.run_samples import samples_for_viewers, samples_to_keep
 
 if TYPE_CHECKING:
     from pirate_sm.recording.format.header import RunHeader
     from pirate_sm.recording.viewers.live_server import Live
-    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
     from pirate_sm.recording.write.kept_samples import KeptSamples
     from pirate_sm.recording.write.recorder import Recorder
     from pirate_sm.recording.write.recording_file import RecordingFile
@@ -57,36 +57,6 @@ def run_header(
     )
 
 
-def looking(
-    prepared: Prepared, state: Callable[[], EngineState | None], *, signals: bool
-) -> Callable[[], ViewerSnapshot | None]:
-    """Return a function that returns the present state; None before the engine has started.
-
-    Args:
-        prepared: The run.
-        state: Returns the engine's state.
-        signals: Whether its signals are wanted.
-    """
-    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
-
-    wheels, reckoned, seen = prepared.wheels, prepared.reckoned, prepared.camera
-    numbers, in_space = prepared.engine.numbers, prepared.in_space
-
-    def look() -> ViewerSnapshot | None:
-        now = state()
-        if now is None:
-            return None
-        given = numbers(now) if signals else ()
-        camera = seen() if seen else None
-        if wheels is not None:
-            space = in_space() if in_space else None
-            return ViewerSnapshot(now, given, wheels(), True, camera, space)
-        taken = reckoned() if reckoned else None
-        return ViewerSnapshot(now, given, taken.wheels if taken else None, False, camera)
-
-    return look
-
-
 class RunRecorder:
     """Records the runs of one prepared backend into one file.
 
@@ -111,7 +81,6 @@ class RunRecorder:
         from pirate_sm.recording.write.recorder import COMMIT_S, Recorder
         from pirate_sm.recording.write.recording_file import Nowhere, RecordingFile
 
-        self._viewers = header.viewers
         self.side: SideChannel | KeptSamples = (
             _side_channel(prepared, live) if header.viewers else _kept_samples(prepared)
         )
@@ -125,8 +94,13 @@ class RunRecorder:
 
     def follow(self, prepared: Prepared, state: Callable[[], EngineState | None]) -> None:
         """Show a run to viewers, and record its state at intervals."""
+        from pirate_sm.recording.write.side_channel import SideChannel
+
         self.recorder.follow(state)
-        self.side.follow(looking(prepared, state, signals=self._viewers))
+        if isinstance(self.side, SideChannel):
+            self.side.follow(samples_for_viewers(prepared, state))
+        else:
+            self.side.follow(samples_to_keep(prepared, state))
 
     def close(self, path: Path | None, *, wanted: bool = True) -> None:
         """Finish the recording; remove its file if it is empty or not wanted."""
@@ -147,13 +121,10 @@ def _side_channel(prepared: Prepared, live: Live | None) -> SideChannel:
 def _kept_samples(prepared: Prepared) -> KeptSamples:
     """Return what keeps the samples from which messages for viewers can be made."""
     from pirate_sm.recording.viewers.camera_messages import CameraMessages
-    from pirate_sm.recording.viewers.wheel_places import Placing
     from pirate_sm.recording.write.kept_samples import KeptSamples
 
-    loaded, profile = prepared.loaded, prepared.loaded.loaded_robot.profile
-    placing = Placing(profile, loaded.robot, loaded.pipe, prepared.order.start_at_m)
-    wheels = [wheel.name for wheel in profile.body.wheels]
-    return KeptSamples(placing, CameraMessages(wheels) if prepared.camera else None)
+    wheels = [wheel.name for wheel in prepared.loaded.loaded_robot.profile.body.wheels]
+    return KeptSamples(CameraMessages(wheels) if prepared.camera else None)
 
 
 def new_recording(path: Path, header: RunHeader) -> RecordingFile:

@@ -63,6 +63,9 @@ class Remembered(NamedTuple):
 Input: TypeAlias = events.Event | Started | Abandoned
 
 
+_INPUTS, _EFFECTS = frozenset(get_args(Input)), frozenset(get_args(fx.Effect))
+
+
 class WireLayout(NamedTuple):
     """The boards and setpoints of a robot.
 
@@ -220,17 +223,20 @@ class Topic:
 
 
 class Topics:
-    """Every topic of a robot with this layout."""
+    """Every topic of a robot with this layout, made when it is needed first."""
 
     def __init__(self, layout: WireLayout) -> None:
-        self._inputs = {made: _topic(IN, made) for made in get_args(Input)}
-        self._effects = {made: _topic(OUT, made) for made in get_args(fx.Effect)}
+        self._plain: dict[type[Any], Topic] = {}
         self._frames = {
             board: _frames(board, names) for board, names in layout.boards.items() if names
         }
         self._setpoints = _setpoints(layout)
-        ours = (*self._inputs.values(), *self._frames.values(), *self._effects.values())
-        self.by_name = {topic.name: topic for topic in (*ours, self._setpoints)}
+
+    @cached_property
+    def by_name(self) -> dict[str, Topic]:
+        """Return all topics by their names."""
+        plain = (self._of(made) for made in (*_INPUTS, *_EFFECTS))
+        return {topic.name: topic for topic in (*plain, *self._frames.values(), self._setpoints)}
 
     @property
     def channels(self) -> dict[int, int]:
@@ -243,7 +249,7 @@ class Topics:
             named = self._frames.get(event.board)
             if named is not None and len(named.names) == len(event.values):
                 return named
-        return self._inputs[type(event)]
+        return self._plain.get(type(event)) or self._of(type(event))
 
     def of_frames(self, board: int) -> Topic:
         """Return the topic of a board's frames.
@@ -257,7 +263,19 @@ class Topics:
         """Return the topic of an effect."""
         if isinstance(effect, fx.Setpoints) and len(effect.values) == len(self._setpoints.names):
             return self._setpoints
-        return self._effects[type(effect)]
+        return self._plain.get(type(effect)) or self._of(type(effect))
+
+    def _of(self, made: type[Any]) -> Topic:
+        """Return the topic of a type of events or effects.
+
+        Raises:
+            KeyError: It is no such type.
+        """
+        if made not in self._plain:
+            if made not in _INPUTS | _EFFECTS:
+                raise KeyError(made)
+            self._plain[made] = _topic(IN if made in _INPUTS else OUT, made)
+        return self._plain[made]
 
 
 def _topic(where: str, made: type[Any]) -> Topic:

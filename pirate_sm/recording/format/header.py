@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -108,10 +108,10 @@ class RunHeader:
 
     def to_json(self) -> dict[str, Any]:
         """Return the header as JSON data, without the texts."""
-        plain = asdict(self)
-        for file in plain["files"]:
+        files = [{**vars(file)} for file in self.files]
+        for file in files:
             del file["text"]
-        return plain
+        return {**vars(self), "files": files}
 
 
 def header_from_json(data: bytes, texts: Mapping[str, str]) -> RunHeader:
@@ -172,17 +172,17 @@ def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
     roles += [("called", document) for document in called]
     if pipe is not mission:
         roles.append(("pipe", pipe))
-    found = []
+    found, shipped = [], library.shipped().resolve()
     for number, (role, document) in enumerate(roles):
         name, attachment = document.name, f"{FILES}{number}_{role}.yaml"
-        where, sha256 = _place(Path(name)), loaded.files[name]
+        where, sha256 = _place(Path(name), shipped), loaded.files[name]
         found.append(RecordedFile(role, name, where, sha256, attachment, document.complete_text))
     return tuple(found)
 
 
-def _place(path: Path) -> str:
+def _place(path: Path, shipped: Path) -> str:
     """Return the path of the file; for a shipped file it does not depend on the machine."""
-    whole, shipped = path.resolve(), library.shipped().resolve()
+    whole = path.resolve()
     if whole.is_relative_to(shipped):
         return f"shipped:{whole.relative_to(shipped).as_posix()}"
     return whole.as_posix()

@@ -76,7 +76,7 @@ class _Tables:
     def places(self, it: Placed) -> None:
         """Add the position of each wheel; ``known`` is 1 if a simulator knew the true one."""
         columns = [f"{wheel.name}_{axis}_m" for wheel in self._wheels for axis in "xy"]
-        places = (f"{value:.9g}" for value in chain.from_iterable(it.wheels))
+        places = map(_shortest, chain.from_iterable(it.wheels))
         row = (it.at_s, int(it.known), *places)
         self.add(TableRow("places", (TIME, "known", *columns), row))
 
@@ -91,6 +91,11 @@ class _Tables:
             self._paths.append(path)
             writer.writerow(row.header)
         writer.writerow([_cell(value) for value in row.values])
+
+
+def _shortest(value: float) -> float:
+    """Return the number; a whole one as an integer, which is written without a point."""
+    return int(value) if float(value).is_integer() else value
 
 
 def _cell(value: Any) -> Any:

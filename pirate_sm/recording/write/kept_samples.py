@@ -10,11 +10,8 @@ from pirate_sm.recording.format.samples import (
     SCHEMA_NAME,
     PlacesSample,
     encode_samples,
-    places_sample,
 )
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
-from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
-from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.recording.write.gathered import Pictured, Told
 from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.recording.write.sampler import Sampler
@@ -26,13 +23,11 @@ class KeptSamples(Sampler[PlacesSample | Pictured]):
     A sample is numbers at once: one that held the engine's state would keep that in memory.
 
     Args:
-        placing: Reckons where the wheels are, if nobody knows.
         camera: Makes the messages about a detector's camera; None without one.
     """
 
-    def __init__(self, placing: Placing, camera: CameraMessages | None) -> None:
-        super().__init__(self._kept)
-        self._placing = placing
+    def __init__(self, camera: CameraMessages | None = None) -> None:
+        super().__init__()
         self._camera = camera
 
     def tell(self, file: RecordingFile, told: Sequence[Told]) -> None:
@@ -46,11 +41,6 @@ class KeptSamples(Sampler[PlacesSample | Pictured]):
                 samples.append(each)
         if samples:
             file.add(SAMPLES, samples[0].at_s, encode_samples(samples), SCHEMA, SCHEMA_NAME)
-
-    def _kept(self, at_s: float, it: ViewerSnapshot) -> PlacesSample | Pictured:
-        wheels = it.wheels or self._placing.look(it.state, at_s) or ()
-        sample = places_sample(at_s, it.known, wheels, it.space)
-        return sample if it.camera is None else Pictured(sample, it.camera)
 
     def _show(self, file: RecordingFile, it: Pictured) -> None:
         at_s = it.sample.at_s

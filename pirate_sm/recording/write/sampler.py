@@ -7,36 +7,34 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import Generic, TypeVar
+from typing import Generic, TypeAlias, TypeVar
 
 from pirate_sm.geometry.space import Place
-from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
 
 EVERY_S = 0.1
 """Interval of the samples, mission time, s."""
 
 Taken = TypeVar("Taken")
 
+Look: TypeAlias = Callable[[float, Sequence[Place] | None], Taken | None]
+"""Returns a sample, as :meth:`Sampler.look` does."""
+
 
 class Sampler(Generic[Taken]):
     """Takes samples of the run.
-
-    Args:
-        keep: Returns what is kept of the run's state at a mission time.
 
     Attributes:
         due_s: Mission time of the next sample.
         failure: Why there are no more samples; empty while there are.
     """
 
-    def __init__(self, keep: Callable[[float, ViewerSnapshot], Taken]) -> None:
+    def __init__(self) -> None:
         self.due_s = 0.0
         self.failure = ""
-        self._keep = keep
-        self._look: Callable[[], ViewerSnapshot | None] = lambda: None
+        self._look: Look[Taken] = lambda now_s, wheels: None
 
-    def follow(self, look: Callable[[], ViewerSnapshot | None]) -> None:
-        """Set the function that returns the state of the run; None before it has begun."""
+    def follow(self, look: Look[Taken]) -> None:
+        """Set the function that takes samples of the run."""
         self._look = look
 
     def look(self, now_s: float, wheels: Sequence[Place] | None = None) -> Taken | None:
@@ -48,10 +46,7 @@ class Sampler(Generic[Taken]):
         """
         self.due_s = now_s + EVERY_S
         try:
-            snapshot = self._look()
-            if snapshot is not None and wheels is not None:
-                snapshot = snapshot._replace(wheels=tuple(wheels))
-            return None if snapshot is None else self._keep(now_s, snapshot)
+            return self._look(now_s, wheels)
         except Exception as error:
             self.fail(error)
             return None

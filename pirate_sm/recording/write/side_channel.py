@@ -31,7 +31,7 @@ class SideChannel(Sampler[Sample]):
     """
 
     def __init__(self, viewer: ViewerMessages, audience: Audience | None = None) -> None:
-        super().__init__(Sample)
+        super().__init__()
         self._viewer = viewer
         self._audience = audience
         self._samples = 0

@@ -15,10 +15,9 @@ from keeping import Memory, header, mission
 from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.recording.format.samples import places_sample
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
-from pirate_sm.recording.viewers.wheel_places import Placing
 from pirate_sm.recording.write import recorder as module
 from pirate_sm.recording.write.kept_samples import KeptSamples
 from pirate_sm.recording.write.recorder import Recorder
@@ -92,9 +91,9 @@ def test_a_block_is_read_as_its_frames(
 
 def test_samples_within_a_block_are_taken_when_they_are_due(tmp_path: Path) -> None:
     loaded, memory = mission(), Memory()
-    side = KeptSamples(Placing(loaded.loaded_robot.profile, loaded.robot, None, None), None)
+    side = KeptSamples()
     here = ((9.0, 9.0),) * 6
-    side.follow(lambda: ViewerSnapshot(None, (), here, True))  # type: ignore[arg-type]
+    side.follow(lambda now_s, wheels: places_sample(now_s, True, wheels or here))
     one = recorder_of(memory, side)
     one.start((), 0.0, ())
     frames = [(22, [float(number)] * 9) for number in range(20)]
@@ -113,8 +112,8 @@ def test_samples_within_a_block_are_taken_when_they_are_due(tmp_path: Path) -> N
 def test_a_recording_of_blocks_cut_off_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
     loaded, memory = mission(), Memory()
     body = loaded.loaded_robot.profile.body
-    side = KeptSamples(Placing(loaded.loaded_robot.profile, loaded.robot, None, None), None)
-    side.follow(lambda: ViewerSnapshot(None, (), ((1.0, 2.0),) * 6, True))  # type: ignore[arg-type]
+    side = KeptSamples()
+    side.follow(lambda now_s, wheels: places_sample(now_s, True, ((1.0, 2.0),) * 6))
     one = recorder_of(memory, side)
     one.start((), 0.0, ())
     begins = len(memory.data)

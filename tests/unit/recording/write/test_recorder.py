@@ -188,7 +188,7 @@ def test_a_fault_in_making_bytes_ends_the_recording_only() -> None:
 def test_a_fault_of_the_side_channel_ends_nothing_else(tmp_path: Path) -> None:
     memory, told, begun = Memory(), course(100), header()
     side = SideChannel(ViewerMessages(mission(), None))
-    side.follow(lambda: 1 / 0)  # type: ignore[arg-type, return-value]
+    side.follow(lambda now_s, wheels: 1 / 0)  # type: ignore[arg-type, return-value]
     one = Recorder(RecordingFile(memory, begun), begun, real_time=False, side=side)
     tell(one, told)
     one.close()

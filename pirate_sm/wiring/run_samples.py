@@ -1,0 +1,80 @@
+"""Takes samples of a prepared run: for viewers, or to keep what its inputs do not give again."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, TypeAlias
+
+from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.space import Place
+from pirate_sm.model.true_position import InSpace
+from pirate_sm.wiring.prepared import Prepared
+
+if TYPE_CHECKING:
+    from pirate_sm.recording.format.samples import PlacesSample
+    from pirate_sm.recording.write.gathered import Pictured, Sample
+    from pirate_sm.recording.write.sampler import Look
+
+State: TypeAlias = Callable[[], EngineState | None]
+"""Returns the engine's state; None before it has started."""
+
+Wheels: TypeAlias = Sequence[Place] | None
+
+
+def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
+    """Return a function that takes samples with everything that viewers are shown."""
+    from pirate_sm.recording.viewers.viewer_messages import ViewerSnapshot
+    from pirate_sm.recording.write.gathered import Sample
+
+    numbers = prepared.engine.numbers
+
+    def look(now_s: float, wheels: Wheels) -> Sample | None:
+        now = state()
+        if now is None:
+            return None
+        camera = prepared.camera() if prepared.camera else None
+        places, known = _wheels(prepared, wheels)
+        space = _space(prepared, wheels)
+        return Sample(now_s, ViewerSnapshot(now, numbers(now), places, known, camera, space))
+
+    return look
+
+
+def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pictured]:
+    """Return a function that takes samples of what the run's inputs do not give again."""
+    from pirate_sm.recording.format.samples import places_sample
+    from pirate_sm.recording.viewers.wheel_places import Placing
+    from pirate_sm.recording.write.gathered import Pictured
+
+    true, camera = prepared.wheels, prepared.camera
+    if true is not None and camera is None and prepared.in_space is None:
+        # Nearly every run at full speed.
+        return lambda now_s, wheels: places_sample(now_s, True, wheels or true())
+    loaded = prepared.loaded
+    robot = loaded.loaded_robot.profile, loaded.robot
+    placing = Placing(*robot, loaded.pipe, prepared.order.start_at_m)
+
+    def look(now_s: float, wheels: Wheels) -> PlacesSample | Pictured | None:
+        now = state()
+        if now is None:
+            return None
+        places, known = _wheels(prepared, wheels)
+        taken = places or placing.look(now, now_s) or ()
+        sample = places_sample(now_s, known, taken, _space(prepared, wheels))
+        seen = camera() if camera else None
+        return sample if seen is None else Pictured(sample, seen)
+
+    return look
+
+
+def _wheels(prepared: Prepared, wheels: Wheels) -> tuple[tuple[Place, ...] | None, bool]:
+    """Return where the wheels are, None if nobody knows; and whether that is true."""
+    if prepared.wheels is not None:
+        return tuple(wheels or prepared.wheels()), True
+    taken = prepared.reckoned() if prepared.reckoned else None
+    return (taken.wheels if taken else None), False
+
+
+def _space(prepared: Prepared, wheels: Wheels) -> InSpace | None:
+    """Return what the wheels' places leave out of a robot in space; None if nobody knows."""
+    return prepared.in_space() if prepared.in_space and wheels is None else None
