@@ -162,7 +162,7 @@ def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
         "geometry.no_bend", "geometry.no_bend"]  # fmt: skip
     back = pipe.replace("START", "up, at: 300 mm")
     (missed,) = found(tmp_path, FIRST, back, "route: back")
-    assert missed.code == "geometry.polarity" or "quarter turn" in missed.message
+    assert missed.mend.startswith("'AlignRight' turns 'front'")
 
 
 # --- tees that are passed straight on ----------------------------------------------------------
