@@ -12,10 +12,10 @@ from math import degrees, pi, remainder
 from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.pipe.course_points import Bending
 from pirate_sm.checking.pipe.course_story import story_of
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
-from pirate_sm.checking.pipe.usual_course import Bending
 from pirate_sm.geometry.joints import Joint
 
 MOST_ROLL_RAD = pi / 18
@@ -95,7 +95,9 @@ def _away(view: PipeView, missed: _Missed) -> Finding:
         f"in {polarity} polarity, rolled as it is, '{_name(view, missed)}' is bent away from the"
         f" inner wall of the {_described(missed.joint)}"
     )
-    mend = f"write `polarity: {other}`, or turn every part by two quarter turns before this"
+    turned = missed.bending.roll or 0.0
+    how = "to the other side than it is turned" if abs(turned) == 1 else "by two quarter turns"
+    mend = f"write `polarity: {other}`, or turn every part {how}, before this"
     return _at_step(view, missed, "geometry.polarity", message, mend)
 
 

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import Rolls
-from pirate_sm.checking.pipe.usual_course import CoursePoint
 from pirate_sm.engine.mission.program import Do
 
 

@@ -26,25 +26,26 @@ def starts_clear_of_bends(view: PipeView) -> Iterator[Finding]:
         )
         return
     for joint in fit.route.joints:
-        if last < joint.arc_m + joint.behind_m and first > joint.arc_m - joint.before_m:
-            message = f"{how} stands in {_described(joint)}"
+        begins, ends = view.walls_end(joint)
+        if last < ends and first > begins:
+            message = f"{how} stands in {_described(joint, begins, ends)}"
             yield view.finding_in_pipe(view.start_path, "geometry.too_close", message)
             return
 
 
-def _described(joint: Joint) -> str:
+def _described(joint: Joint, begins_m: float, ends_m: float) -> str:
     """Return a joint with its place."""
-    at, begins = mm(joint.arc_m), mm(joint.arc_m - joint.before_m)
+    place = mm(joint.arc_m)
     match joint.kind:
         case "mitre":
             before = mm(joint.before_m)
-            return f"the bend at {at}, which begins {before} before the crossing of the axes"
+            return f"the bend at {place}, which begins {before} before the crossing of the axes"
         case "elbow":
-            return f"the elbow from {begins} to {mm(joint.arc_m + joint.behind_m)}"
+            return f"the elbow from {mm(begins_m)} to {mm(ends_m)}"
         case "reducer":
-            return f"the reducer that begins at {at}"
+            return f"the reducer that begins at {place}"
         case "tee":
-            return f"the tee '{joint.junction}' at {at}, whose opening begins at {begins}"
+            return f"the tee '{joint.junction}' at {place}, whose opening begins at {mm(begins_m)}"
 
 
 def holds_behind_the_bend(view: PipeView) -> Iterator[Finding]:
@@ -73,8 +74,9 @@ def _too_short(view: PipeView, number: int) -> Iterator[Finding]:
     free_m, rooms = arcs[0], []
     for joint in view.fit.route.joints:
         if arcs[0] <= joint.arc_m <= arcs[1] and joint.kind != "reducer":
-            rooms.append(joint.arc_m - joint.before_m - free_m)
-            free_m = joint.arc_m + joint.behind_m
+            begins, ends = view.walls_end(joint)
+            rooms.append(begins - free_m)
+            free_m = ends
     room_m = max((*rooms, arcs[1] - free_m))
     need_m = min(view.fit.clamped_m(piece.diameter_m) for piece in pieces)
     if room_m < need_m:

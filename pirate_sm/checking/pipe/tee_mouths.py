@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from math import pi, remainder, sin, sqrt
 
 from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.course_story import story_of
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, Rolls
-from pirate_sm.checking.pipe.usual_course import CoursePoint
 from pirate_sm.geometry.joints import Joint
-from pirate_sm.geometry.network import BRANCH, port_of
 
 
 def keeps_off_the_mouths(view: PipeView) -> Iterator[Finding]:
@@ -48,22 +47,13 @@ def _gaps_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
     ψ from its middle.
     """
     run_m = view.fit.route.diameter_at(joint.arc_m) / 2
-    branch_m = _branch_m(view, joint) / 2
+    branch_m = view.mouth_m(joint) / 2
     found = []
     for part in range(len(view.fit.robot.parts)):
         roll_rad = view.start_roll_rad + view.roll_joint.roll(rolls, part) * QUARTER_RAD
         away = run_m * sin(remainder(joint.towards_rad - roll_rad, pi))
         found.append(2 * sqrt(max(branch_m**2 - away**2, 0.0)))
     return found
-
-
-def _branch_m(view: PipeView, joint: Joint) -> float:
-    """Return the inner diameter of a tee's branch at its mouth, m."""
-    for run in view.fit.route.network.runs.values():
-        for port, diameter_m in ((run.begins, run.diameters_m[0]), (run.ends, run.diameters_m[-1])):
-            if port_of(port) == (joint.junction, BRANCH):
-                return diameter_m
-    return 0.0
 
 
 def _too_wide(view: PipeView, gaps_m: list[float]) -> bool:
