@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.align import COMMANDS, HOLDERS, WITHIN_DEG, try_out
+from benchmarks.align import COMMANDS, HOLDERS, WITHIN_DEG, drive_off, try_out
 from benchmarks.campaign import run
 from pirate_sm import api
 from pirate_sm.cli.entry import commands
@@ -49,7 +50,8 @@ def test_it_does_so_from_every_roll_in_every_pipe(command, holder, diameter_mm):
 @pytest.mark.parametrize("holder", HOLDERS)
 def test_in_a_steep_pipe_it_says_that_it_is_impossible(holder):
     trial = try_out(("AlignHorizontal", holder, 30.0, 0), pitch_deg=70.0)
-    assert "impossible: the pipe is 70 deg steep here" in trial.why
+    assert re.search(r"impossible: the pipe is (69|70|71) deg steep here", trial.why)
+    assert trial.passes
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -71,17 +73,16 @@ def test_both_parts_turn_by_a_quarter_in_a_round_pipe_in_the_simulator(
     assert run(Order("enter_3d", pipe=str(pipe), seed=seed)).message == message
 
 
-@pytest.mark.parametrize("roll", ["-130 deg", "-40 deg", "75 deg"])
-def test_a_robot_that_is_put_in_anyhow_drives_in_the_horizontal_plane(
-    tmp_path: Path, roll: str
-) -> None:
-    pipe = tmp_path / "tube.yaml"
-    pipe.write_text(ROUND.format(roll=roll))
+@pytest.mark.parametrize("roll_deg", [-105.0, 40.0, 130.0])
+def test_a_robot_that_is_put_in_anyhow_drives_in_the_horizontal_plane(roll_deg):
+    trial = drive_off(roll_deg)
+    assert trial.why == ""
+    assert abs(trial.off_deg) <= 10.0
 
-    outcome = run(Order("level", pipe=str(pipe)))
 
-    assert outcome.message == "Driving with both parts clamped"
-    assert ("Fixed", "Fixed", "DoubleClamped", "AlignedStraight", "Off") in outcome.states
+@pytest.mark.slow
+def test_it_does_so_from_every_roll():
+    assert [each for each in map(drive_off, range(0, 360, 30)) if each.why] == []
 
 
 def test_a_recording_of_a_robot_that_extends_another_is_replayed_alike(tmp_path: Path) -> None:
