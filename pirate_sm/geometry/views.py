@@ -83,9 +83,12 @@ def unrolled(route: Route, point: Vector, roll_rad: float) -> Place:
 
 def unrolled_walls(route: Route) -> Walls:
     """Return the walls of a route on either side of its unrolled axis, m."""
-    one = []
+    first = route.pieces[0]
+    one = [(first.arc_m, first.diameter_m / 2)]
     for piece in route.pieces:
-        one += [(piece.arc_m, piece.diameter_m / 2), (piece.ends_m, piece.ends_with_m / 2)]
+        for corner in (piece.arc_m, piece.diameter_m / 2), (piece.ends_m, piece.ends_with_m / 2):
+            if corner != one[-1]:
+                one.append(corner)
     return tuple(one), tuple((x, -y) for x, y in one)
 
 

@@ -99,6 +99,11 @@ class Body(Frozen):
     joints: Annotated[tuple[Joint, ...], Field(min_length=1)]
     parts: Annotated[dict[Name, Part], Field(min_length=1)]
 
+    @property
+    def first_behind_roll(self) -> int:
+        """Return the index of the first wheel behind the roll joint; without one the last wheel."""
+        return next((n + 1 for n, link in enumerate(self.links) if link.roll), len(self.links))
+
     def apex_of(self, part: Name) -> Joint | None:
         """Return the joint at the apex of a part's V."""
         apex = self.parts[part].apex

@@ -6,8 +6,9 @@ from collections.abc import Iterator, Sequence
 from math import degrees
 
 from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.part_planes import part_normals
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Frame, Place, Vector, combined, dot, scaled
+from pirate_sm.geometry.space import Frame, Place
 from pirate_sm.geometry.tube_rings import plain_tubes, walls_in_space
 from pirate_sm.geometry.views import outlines, seen_in, upright
 from pirate_sm.model.profile import Profile
@@ -40,14 +41,14 @@ def space_scene(
         tuple((x, y, z) for (x, y), z in zip(wheels, space.z_m, strict=True))
         for wheels, space in zip(points, spaces, strict=True)
     ]
-    rear = _first_behind(profile)
-    normals = [
-        _normals(route, frame, wheels, rear, space)
+    rear = profile.body.first_behind_roll
+    planes = [
+        part_normals(route, wheels, rear, space.rolls_rad[1:])
         for wheels, space in zip(drawn, spaces, strict=True)
     ]
     return SpaceScene(
         poses=[tuple(seen_in(frame, point) for point in wheels) for wheels in drawn],
-        normals=normals,
+        normals=[(seen_in(frame, front), seen_in(frame, behind)) for front, behind in planes],
         rear=rear,
         wheel_width_m=profile.body.wheel_width,
         walls=tuple(
@@ -58,27 +59,6 @@ def space_scene(
         way=tuple(_way(route, frame)),
         names=tuple(_names(route, frame)),
     )
-
-
-def _first_behind(profile: Profile) -> int:
-    """Return the index of the first wheel behind the roll joint; without one the last wheel."""
-    links = profile.body.links
-    return next((n + 1 for n, link in enumerate(links) if link.roll), len(links))
-
-
-def _normals(
-    route: Route, frame: Frame, wheels: Sequence[Vector], rear: int, space: InSpace
-) -> tuple[Vector, Vector]:
-    """Return the normals of the two parts, square to the link between them."""
-    ahead = combined((1.0, wheels[rear - 1]), (-1.0, wheels[rear]))
-    ahead = scaled(dot(ahead, ahead) ** -0.5, ahead)
-    found = []
-    for wheel, roll_rad in zip((rear - 1, rear), space.rolls_rad[1:], strict=True):
-        axis = route.frame_at(route.arc_of(wheels[wheel])).rolled(roll_rad)
-        normal = combined((1.0, axis.normal), (-dot(axis.normal, ahead), ahead))
-        length = dot(normal, normal) ** 0.5
-        found.append(seen_in(frame, scaled(1.0 / length, normal) if length else axis.normal))
-    return found[0], found[1]
 
 
 def _sides(route: Route, frame: Frame) -> tuple[SideSeen, ...]:

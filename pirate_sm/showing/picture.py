@@ -36,6 +36,15 @@ _ROOM = 1.18
 _STEP = 1.12
 """The scale goes in steps, so that the picture does not breathe while the robot bends."""
 
+_DOTTED = 3
+"""Dots from one to the next of a dotted line."""
+
+_DIAL = 6
+"""Radius of a dial, in dots."""
+
+_DIALS_FROM = 15 * DOWN
+"""In a lower picture dials are words only."""
+
 _BAR_M = 0.1
 _BESIDE_M = 0.018
 
@@ -47,10 +56,12 @@ def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
         pose = pose_of(snapshot)
         drawing = _Drawing(canvas, pose, snapshot.scene.anatomy)
         drawing.walls()
+        drawing.joints()
         drawing.lights(_lit(snapshot))
         drawing.body()
         drawing.wheels()
-        drawing.notes(pose.origin)
+        drawing.notes(pose.origin or pose.place)
+        drawing.dials()
     return canvas
 
 
@@ -106,6 +117,36 @@ class _Drawing:
         outward = 1 if side == 0 else -1
         place = foot[0] - outward * ty * _BESIDE_M, foot[1] + outward * tx * _BESIDE_M
         self._canvas.write(*self._at(place), SIDES[side], NOTE)
+
+    def joints(self) -> None:
+        """Draw dotted lines across an unrolled pipe where a joint is, and write what it is."""
+        for joint in self._pose.joints:
+            for at in {joint.from_m, joint.to_m}:
+                x, y = self._at((at, joint.half_m))
+                _, low = self._at((at, -joint.half_m))
+                for row in range(floor(y), floor(low), _DOTTED):
+                    self._canvas.dot(x, row, NOTE)
+            x, y = self._at((joint.at, joint.half_m))
+            if 0 <= x < self._canvas.width:
+                wide = ACROSS * len(joint.text)
+                left = max(0.0, min(x - wide / 2, self._canvas.width - wide))
+                self._canvas.write(left, y - DOWN, joint.text, NOTE)
+
+    def dials(self) -> None:
+        """Draw where side A of each part points, for who looks ahead along the pipe."""
+        canvas, dials = self._canvas, self._pose.dials
+        wide = max((len(dial.text) for dial in dials), default=0) * ACROSS
+        for row, dial in enumerate(dials):
+            canvas.write(canvas.width - wide, row * DOWN, dial.text, NOTE)
+        if canvas.height < _DIALS_FROM or canvas.width < 3 * wide:
+            return
+        for place, dial in enumerate(reversed(dials)):
+            x, y = canvas.width - wide - (2 * place + 1) * (_DIAL + ACROSS), _DIAL
+            tip = x + _DIAL * cos(dial.angle_rad), y - _DIAL * sin(dial.angle_rad)
+            canvas.erase(x, y, _DIAL)
+            canvas.circle(x, y, _DIAL, NOTE)
+            canvas.line(x, y, *tip, HELD)
+            canvas.write(x, y, dial.part[:1], NOTE)
 
     def body(self) -> None:
         """Draw the links: full where they are held, an outline where they are not."""

@@ -9,9 +9,15 @@ from typing import NamedTuple
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.geometry.plane import nearest_on
 from pirate_sm.geometry.space import Place
+from pirate_sm.model.true_position import Truth
 from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.unrolled import Dial, JointMark, Unrolled, unroll
 
-SIDES = "AB"
+SIDES = "AB~"
+"""The walls; the last one is beside the plane in which the part of a wheel lies."""
+
+_BESIDE_M = 0.004
+"""A wheel farther from both walls, in its part's plane, touches the pipe beside that plane."""
 
 
 class RobotPose(NamedTuple):
@@ -20,9 +26,13 @@ class RobotPose(NamedTuple):
     Attributes:
         wheels: Places, m, from the front.
         walls: Corners of the walls; none where the pipe is not known.
-        touching: Per wheel the wall that it touches, 0 for A and 1 for B; -1 for none.
+        touching: Per wheel the wall that it touches, 0 for A and 1 for B, 2 beside the plane of its
+            part; -1 for none.
         held: Per link whether it belongs to a part that is held.
         origin: In words where this comes from; empty where it is known.
+        joints: The joints of an unrolled route.
+        dials: Where side A of each part points, in a round pipe.
+        place: In words where on its route the first wheel is; empty unless that is unrolled.
     """
 
     wheels: tuple[Place, ...]
@@ -30,6 +40,9 @@ class RobotPose(NamedTuple):
     touching: tuple[int, ...]
     held: tuple[bool, ...]
     origin: str
+    joints: tuple[JointMark, ...] = ()
+    dials: tuple[Dial, ...] = ()
+    place: str = ""
 
 
 def pose_of(snapshot: Snapshot) -> RobotPose:
@@ -50,15 +63,31 @@ def pose_of(snapshot: Snapshot) -> RobotPose:
         wheels, seen = _chain(snapshot)
         origin = "drawn from joint angles" if seen else "drawn straight: no sensor speaks"
         return RobotPose(wheels, (), by_part, links, origin)
+    if (unrolled := unroll(snapshot.scene, truth)) is not None:
+        touching = _touching(truth, unrolled) if truth.touching else by_part
+        wheels, walls, joints, dials, place = unrolled
+        return RobotPose(wheels, walls, touching, links, "", joints, dials, place)
     if not truth.touching:
         origin = "reckoned from odometry" if snapshot.reckoned else ""
         return RobotPose(truth.wheels, truth.walls, by_part, links, origin)
     sides = range(len(truth.walls))
     touching = tuple(
-        min(sides, key=lambda side: nearest_on(truth.walls[side], place)[0]) if touches else -1
+        min(sides, key=lambda side: nearest_on(truth.walls[side], place)[0], default=2)
+        if touches
+        else -1
         for place, touches in zip(truth.wheels, truth.touching, strict=True)
     )
     return RobotPose(truth.wheels, truth.walls, touching, links, "")
+
+
+def _touching(truth: Truth, unrolled: Unrolled) -> tuple[int, ...]:
+    """Return the wall that each wheel touches in an unrolled pipe."""
+    found = []
+    for place, touches in zip(unrolled.wheels, truth.touching, strict=True):
+        away, side = min((nearest_on(wall, place)[0], n) for n, wall in enumerate(unrolled.walls))
+        beside = away > truth.wheel_radius_m + _BESIDE_M
+        found.append(-1 if not touches else 2 if beside else side)
+    return tuple(found)
 
 
 def _chain(snapshot: Snapshot) -> tuple[tuple[Place, ...], bool]:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
+from pirate_sm.geometry.route import Route
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.model.true_position import Truth
@@ -41,6 +42,11 @@ class Scene:
     def robot(self) -> RobotSpec:
         """Return the robot."""
         return self.loaded.robot
+
+    @cached_property
+    def route(self) -> Route | None:
+        """Return the route through the pipe; None without a pipe."""
+        return self.loaded.pipe.route() if self.loaded.pipe is not None else None
 
     @property
     def mission(self) -> str:

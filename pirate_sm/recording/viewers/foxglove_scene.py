@@ -11,6 +11,7 @@ from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.plane import flat, walls
 from pirate_sm.model.body import Body
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.recording.viewers.pipes_in_space import Cylinder, walls_to_draw
 from pirate_sm.recording.viewers.transforms import PIPE
 
 _WALL = (0.55, 0.58, 0.62, 1.0)
@@ -36,7 +37,7 @@ def scene_message(stamp: str, body: Body, pipe: Pipe | None) -> bytes:
     """
     entities = [*_links(body), *_wheels(body)]
     if pipe is not None:
-        entities.append(_pipe(pipe))
+        entities.append(_pipe(pipe) if pipe.section == "bars" else _network(pipe))
     time = json.loads(stamp)
     for entity in entities:
         entity["timestamp"] = time
@@ -87,6 +88,23 @@ def _pipe(pipe: Pipe) -> dict[str, Any]:
     return _entity(PIPE, PIPE, lines=[lines], cylinders=glass)
 
 
+def _network(pipe: Pipe) -> dict[str, Any]:
+    """Return all pipes of a network; the frame of the drawing is turned so that down is down."""
+    cylinders, triangles = [], []
+    for wall in walls_to_draw(pipe.route()):
+        if isinstance(wall, Cylinder):
+            size = wall.diameter_m, wall.diameter_m, wall.length_m
+            shape = _shape(_point(*wall.middle), size, _GLASS)
+            shape["pose"]["orientation"] = wall.turned.json
+            cylinders.append(shape | {"bottom_scale": 1.0, "top_scale": 1.0})
+        else:
+            mesh: dict[str, Any] = {"pose": _pose(_point()), "color": _color(_GLASS), "colors": []}
+            mesh["points"] = [_point(*(round(value, 6) for value in p)) for p in wall.points]
+            mesh["indices"] = [corner for triangle in wall.triangles for corner in triangle]
+            triangles.append(mesh)
+    return _entity(PIPE, PIPE, cylinders=cylinders, triangles=triangles)
+
+
 def _glass(piece: Piece) -> dict[str, Any]:
     """Return a piece of pipe as a transparent cylinder; its own axis is z."""
     middle = flat(piece.point(piece.arc_m + piece.length_m / 2))
@@ -120,8 +138,8 @@ def _pose(place: dict[str, float]) -> dict[str, Any]:
     return {"position": place, "orientation": dict(_UPRIGHT)}
 
 
-def _point(x: float = 0.0, y: float = 0.0) -> dict[str, float]:
-    return {"x": x, "y": y, "z": 0.0}
+def _point(x: float = 0.0, y: float = 0.0, z: float = 0.0) -> dict[str, float]:
+    return {"x": x, "y": y, "z": z}
 
 
 def _color(parts: tuple[float, float, float, float]) -> dict[str, float]:

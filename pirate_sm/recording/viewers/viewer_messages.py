@@ -17,6 +17,7 @@ from pirate_sm.engine.robot.robot_spec import USUAL, RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.expressions import EnumType
 from pirate_sm.geometry.kinematics import link_poses
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
@@ -28,6 +29,7 @@ from pirate_sm.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
 from pirate_sm.recording.viewers.places_in_space import columns_in_space, values_in_space
 from pirate_sm.recording.viewers.transforms import Transforms
+from pirate_sm.recording.viewers.transforms_in_space import SpaceTransforms
 from pirate_sm.recording.viewers.viewer_channel import (
     NUMBER,
     WORD,
@@ -84,7 +86,12 @@ class ViewerMessages:
         wheels = [wheel.name for wheel in self._body.wheels]
         coordinates = [f"{name}_{axis}_m" for name in wheels for axis in "xy"]
         self._coordinates = _gaps(coordinates)
-        in_space = loaded.pipe is not None and loaded.pipe.section == "round"
+        pipe = loaded.pipe
+        route = pipe.route() if pipe is not None else None
+        in_space = route is not None and route.section == "round"
+        self._in_space = SpaceTransforms(self._body, route) if route and in_space else None
+        # Dead reckoning stays in the plane of the drawing.
+        self._reckons = route is None or bool(drawn_walls(route))
         beyond = columns_in_space(wheels) if in_space else ()
         self._beyond = _gaps(beyond)
         self._camera = CameraMessages(wheels)
@@ -113,10 +120,12 @@ class ViewerMessages:
         now = stamp(time_ns)
         shown = it.numbers
         numbers = dict(zip(self._numbers, shown, strict=True))
-        points = it.wheels or self._placing.look(it.state, at_s)
+        points = it.wheels
+        if points is None and self._reckons:
+            points = self._placing.look(it.state, at_s)
         if points is not None:
             points = rounded(points)
-            yield self._tf, self._transforms.message(now, link_poses(points), numbers)
+            yield self._tf, self._frames(now, points, it.space, numbers)
             known = '"known":true' if it.known else '"known":false'
             values = tuple(value for point in points for value in point)
             beyond = _filled(self._beyond, values_in_space(it.space)) if it.space else ()
@@ -129,6 +138,19 @@ class ViewerMessages:
         if control != self._state["control"]:
             self._state["control"] = control
             yield self._states, _json(self._state)
+
+    def _frames(
+        self,
+        now: str,
+        points: Sequence[Place],
+        space: InSpace | None,
+        numbers: Mapping[str, float],
+    ) -> bytes:
+        """Return the message with the frames of all parts."""
+        if self._in_space is None or space is None:
+            return self._transforms.message(now, link_poses(points), numbers)
+        in_space = [(x, y, z) for (x, y), z in zip(points, space.z_m, strict=True)]
+        return self._in_space.message(now, in_space, space, numbers)
 
     def of_effects(self, time_ns: int, effects: Sequence[fx.Effect]) -> Iterator[Message]:
         """Yield the messages about these effects."""
