@@ -35,6 +35,7 @@ COMMANDS = {
     "replay": ("recordings:ReplayOptions", "replay:run_replay"),
     "compare": ("recordings:CompareOptions", "compare:run_compare"),
     "export": ("recordings:ExportOptions", "export:run_export"),
+    "map": ("recordings:MapOptions", "map:write_map"),
     "fit": ("estimates:FitOptions", "fit:run_fit"),
     "experiment": ("estimates:ExperimentOptions", "experiment:run_experiment"),
     "report": ("recordings:ReportOptions", "report:write_reports"),

@@ -1,4 +1,4 @@
-"""Options of the commands about recordings: `replay`, `compare`, `export`, `report`, `repair`."""
+"""Options of the commands about recordings: replay, compare, export, map, report, repair."""
 
 from __future__ import annotations
 
@@ -74,6 +74,29 @@ class ExportOptions:
     ] = None
     plotjuggler: Annotated[
         str | None, typer.Option(metavar="FILE", help="A layout for PlotJuggler, for this robot.")
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class MapOptions:
+    """Write the pipe that a recorded robot has driven through.
+
+    It is mapped from the robot's signals and words alone: straights by the wheels, bends by the
+    joint angles, rolls and pitches by gravity, diameters by the clamped parts. Comments in the file
+    say what is not known.
+
+    Exit codes: 0 written, 1 written, but the robot's place was lost on the way, 2 the recording
+    cannot be read.
+    """
+
+    recording: common.Recording
+    output: common.Output = None
+    start_at: Annotated[
+        str | None,
+        typer.Option(
+            metavar="LENGTH", help="Where the first wheel began; else the pipe begins at the last."
+        ),
     ] = None
     debug: common.Debug = False
 

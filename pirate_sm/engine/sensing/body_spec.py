@@ -54,6 +54,7 @@ class BodySpec(Chain):
         wheel_radius_m: Radius of the wheels.
         roll_link: Index of the link with a roll joint; -1 without one.
         imu: The accelerometer; None without one.
+        roll: Number index of the roll joint's angle; -1 without one.
     """
 
     joints: tuple[int, ...]
@@ -61,6 +62,7 @@ class BodySpec(Chain):
     wheel_radius_m: float
     roll_link: int = -1
     imu: Imu | None = None
+    roll: int = -1
 
     def wheels_of(self, part: int) -> tuple[int, ...]:
         """Return the wheels of a part, or of the ``WHOLE`` chain, front to rear."""

@@ -12,6 +12,7 @@ def resolve_chain(signals: Signals) -> BodySpec:
     """Return the robot's chain; unknown names are left out, and reported elsewhere."""
     profile, body = signals.profile, signals.profile.body
     sign = -1 if signals.polarity == "mirrored" else 1
+    roll = next((link.roll for link in body.links if link.roll is not None), None)
     joints = {joint.wheel: _number(signals, joint.name) for joint in body.joints}
     return BodySpec(
         lengths_m=tuple(link.length for link in body.links),
@@ -21,6 +22,7 @@ def resolve_chain(signals: Signals) -> BodySpec:
         wheel_radius_m=body.wheel_radius,
         roll_link=next((i for i, link in enumerate(body.links) if link.roll is not None), -1),
         imu=_imu(profile, signals),
+        roll=_number(signals, roll) if roll else -1,
     )
 
 

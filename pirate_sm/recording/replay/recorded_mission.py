@@ -1,4 +1,4 @@
-"""Loads the mission of a recording from its recorded texts."""
+"""Loads the mission of a recording, or its robot alone, from its recorded texts."""
 
 from __future__ import annotations
 
@@ -11,9 +11,11 @@ from tempfile import TemporaryDirectory
 from typing import Any
 
 from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.robot.calibration_files import with_zeros
 from pirate_sm.recording.format.header import RecordedFile, RunHeader
 
@@ -32,10 +34,7 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
             folder = Path(stack.enter_context(TemporaryDirectory(prefix="recorded-")))
             mission = _write(header, folder)
         except OSError as error:
-            raise RecordingError(
-                "the files of the recording cannot be written into a temporary folder: "
-                f"{error.strerror}; TMPDIR names another place"
-            ) from None
+            raise _unwritable(error) from None
         has_pipe = any(file.role == "pipe" for file in header.files)
         try:
             loaded = load_mission(
@@ -52,6 +51,39 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
                 f"loaded any more: {error}"
             ) from None
         yield as_recorded(loaded, header)
+
+
+def recorded_robot(header: RunHeader) -> RobotSpec:
+    """Return the robot of a recording, with its polarity and joint zeros; nothing else is read.
+
+    Raises:
+        RecordingError: This version cannot load the texts any more, or they cannot be written.
+    """
+    try:
+        with TemporaryDirectory(prefix="recorded-") as folder:
+            for file in header.files:
+                if file.role in ("profile", "chart"):
+                    name = _PROFILE if file.role == "profile" else _chart_name(header)
+                    place = Path(folder, name)
+                    place.parent.mkdir(parents=True, exist_ok=True)
+                    place.write_text(file.text, encoding="utf-8")
+            loaded = load_robot(Path(folder))
+    except OSError as error:
+        raise _unwritable(error) from None
+    except (LoadError, UsageError) as error:
+        raise RecordingError(
+            f"the robot in the recording, made with version {header.version}, cannot be "
+            f"loaded any more: {error}"
+        ) from None
+    robot = loaded.mirrored if header.polarity == "mirrored" else loaded.normal
+    return with_zeros(robot, dict(header.zeros)) if header.zeros else robot
+
+
+def _unwritable(error: OSError) -> RecordingError:
+    return RecordingError(
+        "the files of the recording cannot be written into a temporary folder: "
+        f"{error.strerror}; TMPDIR names another place"
+    )
 
 
 def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:

@@ -90,7 +90,7 @@ def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
 
     def note(now_s: float):
         words = speak(now_s)
-        said.extend((now_s, word) for word in words)
+        said.extend((now_s, word) for word in words if isinstance(word, DetectorWord))
         return words
 
     companion.speak = note

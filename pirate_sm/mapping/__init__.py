@@ -1,0 +1,1 @@
+"""Maps the pipe that a robot has driven through, from its signals and words alone."""

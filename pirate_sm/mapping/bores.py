@@ -1,0 +1,99 @@
+"""Changes of the inner diameter along a leg, from what the Vs of clamped parts showed."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+from statistics import median
+from typing import NamedTuple
+
+from pirate_sm.mapping.legs import Bore
+
+_BIN_M = 0.01
+"""Diameters are averaged over so much of the way [decided]."""
+
+_PLATEAU_BINS = 4
+"""So many of these, one after the other, show the diameter of a plain pipe [decided]."""
+
+_EVEN = 0.01
+"""They differ by less than this share [decided]."""
+
+_STEP = 0.03
+"""The least share by which diameters of plain pipes differ, more than noise [decided]."""
+
+
+class Narrowing(NamedTuple):
+    """A change of the diameter.
+
+    Attributes:
+        from_m: Place in the leg up to which the pipe had the diameter before.
+        to_m: Place from which on it has the one behind.
+        diameter_m: The inner diameter behind it.
+    """
+
+    from_m: float
+    to_m: float
+    diameter_m: float
+
+
+class _Bin(NamedTuple):
+    rear_m: float
+    front_m: float
+    diameter_m: float
+
+
+def diameter_of(bores: Sequence[Bore]) -> float | None:
+    """Return the first inner diameter along a leg, m; None if it was never shown."""
+    plateaus = _plateaus(bores)
+    if plateaus:
+        return median(each.diameter_m for each in plateaus[0])
+    return median(each.diameter_m for each in bores) if bores else None
+
+
+def narrowings(bores: Sequence[Bore]) -> Iterator[Narrowing]:
+    """Yield the changes of the diameter along a leg, in order.
+
+    A V shows the diameter of a plain pipe while all its wheels are in it. So the pipe begins to
+    change ahead of the first wheel, where a V shows the old diameter last, and has changed behind
+    the last wheel, where a V shows the new one first.
+    """
+    for before, after in pairwise(_plateaus(bores)):
+        from_m, to_m = before[-1].front_m, after[0].rear_m
+        if to_m < from_m:  # a step: both are its place
+            from_m = to_m = (from_m + to_m) / 2
+        yield Narrowing(from_m, to_m, median(each.diameter_m for each in after))
+
+
+def _plateaus(bores: Sequence[Bore]) -> list[list[_Bin]]:
+    """Return the stretches of one diameter, in order; neighbours differ by more than noise."""
+    found: list[list[_Bin]] = []
+    part: list[_Bin] = []
+    for each in (*_bins(bores), None):
+        known = median([it.diameter_m for it in part]) if part else 0.0
+        if each is not None and abs(each.diameter_m - known) <= _EVEN * known:
+            part.append(each)
+            continue
+        if len(part) >= _PLATEAU_BINS:
+            _add(found, part)
+        part = [each] if each is not None else []
+    return found
+
+
+def _add(found: list[list[_Bin]], part: list[_Bin]) -> None:
+    """Add a stretch, or join it to the last one if it has the same diameter."""
+    own = median(each.diameter_m for each in part)
+    last = median(each.diameter_m for each in found[-1]) if found else 0.0
+    if found and abs(own - last) <= _STEP * last:
+        found[-1] += part
+    else:
+        found.append(part)
+
+
+def _bins(bores: Sequence[Bore]) -> Iterator[_Bin]:
+    """Yield what was shown in each piece of the way."""
+    pieces: dict[int, list[Bore]] = defaultdict(list)
+    for each in bores:
+        pieces[round((each.rear_m + each.front_m) / 2 / _BIN_M)].append(each)
+    for _, group in sorted(pieces.items()):
+        yield _Bin(*(median(values) for values in zip(*group, strict=True)))

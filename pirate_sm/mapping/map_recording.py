@@ -1,0 +1,24 @@
+"""Map the pipe of a recorded run."""
+
+from __future__ import annotations
+
+from pirate_sm.mapping.legs import Map
+from pirate_sm.mapping.listening import looks
+from pirate_sm.mapping.mapper import Mapper
+from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.replay.recorded_mission import recorded_robot
+
+
+def mapped(recording: Recording) -> Map:
+    """Return the map of the pipe that a robot has driven through.
+
+    Of the recording it reads the robot's files, the frames of its boards, the detector's words, its
+    states and its setpoints; neither truth, nor the pipe's file, nor reports from outside.
+
+    Raises:
+        RecordingError: The recording is damaged, or its robot cannot be loaded any more.
+    """
+    mapper = Mapper(recorded_robot(recording.header))
+    for look in looks(mapper.robot, recording.steps(), recording.origin_s):
+        mapper.look(look)
+    return mapper.map
