@@ -25,6 +25,14 @@ def read_extended(path: Path) -> Document:
     return _read(path, ())
 
 
+def extended_folders(path: Path) -> tuple[Path, ...]:
+    """Return the folders of a sound file and of all files that it extends, itself first."""
+    data = read_document(path, shown(path)).data
+    given = data.get(KEY) if isinstance(data, dict) else None
+    below = extended_folders(path.parent / str(given)) if given else ()
+    return path.parent.resolve(), *below
+
+
 def _read(path: Path, above: tuple[Path, ...]) -> Document:
     document = read_document(path, shown(path))
     given = document.data.get(KEY) if isinstance(document.data, dict) else None

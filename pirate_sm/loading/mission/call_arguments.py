@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.loading.mission import parameter_values as parameters
-from pirate_sm.loading.mission.called_missions import robot_of
+from pirate_sm.loading.mission.called_missions import robots_of
 from pirate_sm.loading.mission.parameter_values import Values
 from pirate_sm.loading.mission.scope import Scope, Source
 from pirate_sm.loading.problems import Path
@@ -26,13 +26,16 @@ def arguments_of(step: model.CallStep, source: Source, scope: Scope, path: Path)
 
 
 def check_call(source: Source, scope: Scope, path: Path) -> bool:
-    """Return whether a called mission is for this robot, or report why it is not."""
+    """Return whether a called mission is for this robot, or report why it is not.
+
+    A mission for a robot that this one extends is: it has all of its states and commands.
+    """
     mission, own = source.mission, scope.source
     polarity = scope.robot.polarity
     if mission.polarity not in {None, polarity}:
         message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
         scope.problems.add("mission.polarity", path, message)
-    if robot_of(source) != robot_of(own):
+    if robots_of(source)[0] not in robots_of(own):
         message = f"'{mission.mission}' is for the robot '{mission.robot}'"
         scope.problems.add("mission.robot", path, message)
         return False

@@ -7,7 +7,8 @@ from pathlib import Path as FilePath
 
 from pirate_sm.errors import PirateError
 from pirate_sm.loading import library, references
-from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.extended_file import extended_folders
+from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.mission.scope import Scope, Source
 from pirate_sm.loading.problems import LoadError, Path
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -81,12 +82,16 @@ class Calls:
         return self._known[file]
 
 
-def robot_of(source: Source) -> FilePath | str:
-    """Return the folder of a mission's robot, the same for different paths to it."""
+def robots_of(source: Source) -> tuple[FilePath | str, ...]:
+    """Return the folder of a mission's robot, then those of the robots that it extends.
+
+    They are the same for different paths to a robot.
+    """
     try:
-        return library.find_robot(source.mission.robot, source.path.resolve().parent)
+        folder = library.find_robot(source.mission.robot, source.path.resolve().parent)
+        return extended_folders(folder / PROFILE_FILE)
     except PirateError:
-        return source.mission.robot
+        return (source.mission.robot,)
 
 
 def _is_too_deep(found: Source, scope: Scope, path: Path) -> bool:
