@@ -6,6 +6,7 @@ texts and usage errors do not wait for models, numbers and compilers.
 
 from __future__ import annotations
 
+import gc
 import sys
 from importlib import import_module
 from inspect import signature
@@ -96,12 +97,21 @@ def _single(name: str) -> typer.Typer:
         from pirate_sm.cli.errors import guarded
 
         chosen = options(**given)
-        raise typer.Exit(guarded(lambda: _found("commands", work_at)(chosen), chosen.debug))
+        raise typer.Exit(guarded(lambda: _work(work_at)(chosen), chosen.debug))
 
     vars(command)["__signature__"] = signature(options, eval_str=True)
     app = _app(add_completion=False)
     app.command(name.rsplit(maxsplit=1)[-1], help=options.__doc__)(command)
     return app
+
+
+def _work(at: str) -> Any:
+    """Return the function that does the work of a command, and collect garbage from then on."""
+    work = _found("commands", at)
+    if not gc.isenabled():  # `start.py` has seen to that
+        gc.freeze()
+        gc.enable()
+    return work
 
 
 def _found(package: str, at: str) -> Any:

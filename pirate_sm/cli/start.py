@@ -1,11 +1,13 @@
 """Starts the commands `pirate` and `pirate-run`, without a traceback for an early Ctrl-C.
 
 Loading the command line takes some tenths of a second. Until it can answer Ctrl-C with a sentence,
-the system's own handling ends the process without a traceback. Nothing has moved by then.
+the system's own handling ends the process without a traceback. Nothing has moved by then. Nothing
+is looked for that could be thrown away, either: all that is loaded stays (see `entry.py`).
 """
 
 from __future__ import annotations
 
+import gc
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -19,6 +21,7 @@ def main() -> None:
     with _ctrl_c_without_traceback():
         if print_stored_help(sys.argv):
             return
+        gc.disable()
         from pirate_sm.cli import entry
     _end(entry.main)
 
@@ -28,6 +31,7 @@ def run_main() -> None:
     with _ctrl_c_without_traceback():
         if print_stored_help(sys.argv):
             return
+        gc.disable()
         from pirate_sm.cli import entry
     _end(entry.run_main)
 

@@ -43,3 +43,19 @@ def test_ctrl_c_is_ignored_once_the_command_is_over(monkeypatch: pytest.MonkeyPa
         signal.raise_signal(signal.SIGINT)
     finally:
         signal.signal(signal.SIGINT, before)
+
+
+def test_garbage_is_collected_again_when_a_command_works() -> None:
+    code = """
+import gc, sys
+import pirate_sm.cli.commands.list as work
+work.list_things = lambda options: print(gc.isenabled(), gc.get_freeze_count() > 1000) or 0
+sys.argv = ["pirate", "list"]
+from pirate_sm.cli.start import main
+main()
+"""
+    told = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=True, cwd=ROOT
+    )
+
+    assert told.stdout == "True True\n"
