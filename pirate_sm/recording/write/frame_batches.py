@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
 from typing import Any, TypeAlias
 
 from pirate_sm.model.frame_block import FrameBlock
@@ -38,9 +39,10 @@ def batches_of_blocks(topics: Topics, blocks: Sequence[tuple[int, FrameBlock]]) 
         return
     import numpy as np  # noqa: PLC0415 - only a compiled simulator hands over blocks
 
-    steps = np.concatenate([np.arange(first, first + len(it)) for first, it in blocks])
-    times_s = np.concatenate([it.times_s for _, it in blocks])
-    boards = np.concatenate([it.boards for _, it in blocks])
+    numbers = (range(first, first + len(it)) for first, it in blocks)
+    steps = np.fromiter(chain.from_iterable(numbers), np.int64)
+    times_s = np.fromiter(chain.from_iterable(it.times_s for _, it in blocks), np.float64)
+    boards = np.fromiter(chain.from_iterable(it.boards for _, it in blocks), np.int64)
     values = np.concatenate([it.values for _, it in blocks])
     for board in np.unique(boards).tolist():
         mine, topic = boards == board, topics.of_frames(board)
