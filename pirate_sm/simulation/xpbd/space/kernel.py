@@ -32,7 +32,7 @@ BODY_COLUMNS = 15
 
 # Columns of `solids`: kind, a point and a unit direction, two sizes; the planes between which the
 # foot must lie, `first * x >= value` and `last * x <= value`; the hole that the foot must not lie
-# in; a capsule around the solid.
+# in; a capsule around the solid; of a cone the cosine of its slope.
 #   cylinder, cone: where the axis begins, the axis, the radius there, its growth along the axis
 #   torus:          the centre of the ring, the ring's axis, radius of the tube, of the ring
 #   disc:           its middle, the direction into the pipe, outer radius, inner radius
@@ -40,7 +40,8 @@ KIND, O_X, O_Y, O_Z, A_X, A_Y, A_Z, SIZE, SLOPE_OR_SIZE = range(9)
 F_X, F_Y, F_Z, F_VALUE, L_X, L_Y, L_Z, L_VALUE = range(9, 17)
 HOLE, H_X, H_Y, H_Z, H_DX, H_DY, H_DZ, H_RADIUS = range(17, 25)
 B_X, B_Y, B_Z, B_DX, B_DY, B_DZ, B_RADIUS = range(25, 32)
-SOLID_COLUMNS = 32
+COSINE = 32
+SOLID_COLUMNS = 33
 CONE, TORUS, DISC = 0.0, 1.0, 2.0
 """A cylinder is a cone of slope 0."""
 NO_HOLE, HALF_HOLE, WHOLE_HOLE = 0.0, 1.0, 2.0
@@ -189,11 +190,12 @@ def _foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> 
         hit[3] = solids[k, SIZE] - away
     else:
         slope = solids[k, SLOPE_OR_SIZE]
-        cos = 1.0 / np.sqrt(1.0 + slope * slope)
+        cos = solids[k, COSINE]
         sin = slope * cos
-        hit[0] = sin * ax - cos * rx / off
-        hit[1] = sin * ay - cos * ry / off
-        hit[2] = sin * az - cos * rz / off
+        share = cos / off
+        hit[0] = sin * ax - share * rx
+        hit[1] = sin * ay - share * ry
+        hit[2] = sin * az - share * rz
         hit[3] = (solids[k, SIZE] + slope * along - off) * cos
     hit[4] = x - hit[3] * hit[0]
     hit[5] = y - hit[3] * hit[1]
@@ -497,9 +499,10 @@ def _face(c: int, p: int, radius: float, parts: Floats, con: Floats) -> float:
         tz = bx * ny - by * nx
         length = np.sqrt(tx * tx + ty * ty + tz * tz)
         sine = 0.0
-    tx /= length
-    ty /= length
-    tz /= length
+    share = 1.0 / length
+    tx *= share
+    ty *= share
+    tz *= share
     sx = ny * tz - nz * ty
     sy = nz * tx - nx * tz
     sz = nx * ty - ny * tx
@@ -643,7 +646,7 @@ def _solve_contacts(
         y = mov[i, 1]
         z = mov[i, 2]
         push = con[c, PUSH]
-        gap = con[c, GAP] + con[c, NX] * x + con[c, NY] * y + con[c, NZ] * z
+        gap = (con[c, GAP] + con[c, NX] * x) + (con[c, NY] * y + con[c, NZ] * z)
         new = max(0.0, push - (gap + compliance * push) * con[c, PUSH_INV])
         step = inv * (new - push)
         con[c, PUSH] = new
@@ -860,10 +863,10 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
     ex = pos[r, 0] - pos[r + 1, 0]
     ey = pos[r, 1] - pos[r + 1, 1]
     ez = pos[r, 2] - pos[r + 1, 2]
-    length = np.sqrt(ex * ex + ey * ey + ez * ez)
-    ex /= length
-    ey /= length
-    ez /= length
+    share = 1.0 / np.sqrt(ex * ex + ey * ey + ez * ez)
+    ex *= share
+    ey *= share
+    ez *= share
     for p in range(2):
         nx = roll[3 * p]
         ny = roll[3 * p + 1]
@@ -872,10 +875,10 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
         nx -= off * ex
         ny -= off * ey
         nz -= off * ez
-        size = np.sqrt(nx * nx + ny * ny + nz * nz)
-        nx /= size
-        ny /= size
-        nz /= size
+        share = 1.0 / np.sqrt(nx * nx + ny * ny + nz * nz)
+        nx *= share
+        ny *= share
+        nz *= share
         parts[p, N_X] = nx
         parts[p, N_Y] = ny
         parts[p, N_Z] = nz
@@ -895,8 +898,11 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
 def _keep(roll: Floats, parts: Floats, dt: float) -> None:
     """Turn the parts' normals by what they have rolled in a substep."""
     for p in range(2):
-        cos = np.cos(parts[p, N_ROLL])
-        sin = np.sin(parts[p, N_ROLL])
+        # Cosine and sine of an angle whose half has this tangent; it rolls by mrad.
+        half = 0.5 * parts[p, N_ROLL]
+        share = 1.0 / (1.0 + half * half)
+        cos = (1.0 - half * half) * share
+        sin = 2.0 * half * share
         for k in range(3):
             roll[3 * p + k] = cos * parts[p, N_X + k] + sin * parts[p, N_BX + k]
         roll[R_RATE + p] = parts[p, N_ROLL] / dt
@@ -1032,18 +1038,18 @@ def _begin(
         w[i, D_X] = dx
         w[i, D_Y] = dy
         w[i, D_Z] = dz
-        length2 = dx * dx + dy * dy + dz * dz
+        share = 1.0 / (dx * dx + dy * dy + dz * dz)
         p = 0 if i <= r else 1
         nx = parts[p, N_X]
         ny = parts[p, N_Y]
         nz = parts[p, N_Z]
-        w[i, LF_X] = (ny * dz - nz * dy) / length2
-        w[i, LF_Y] = (nz * dx - nx * dz) / length2
-        w[i, LF_Z] = (nx * dy - ny * dx) / length2
+        w[i, LF_X] = (ny * dz - nz * dy) * share
+        w[i, LF_Y] = (nz * dx - nx * dz) * share
+        w[i, LF_Z] = (nx * dy - ny * dx) * share
         if i == r:
-            w[i, LR_X] = (parts[1, N_Y] * dz - parts[1, N_Z] * dy) / length2
-            w[i, LR_Y] = (parts[1, N_Z] * dx - parts[1, N_X] * dz) / length2
-            w[i, LR_Z] = (parts[1, N_X] * dy - parts[1, N_Y] * dx) / length2
+            w[i, LR_X] = (parts[1, N_Y] * dz - parts[1, N_Z] * dy) * share
+            w[i, LR_Y] = (parts[1, N_Z] * dx - parts[1, N_X] * dz) * share
+            w[i, LR_Z] = (parts[1, N_X] * dy - parts[1, N_Y] * dx) * share
         else:
             w[i, LR_X] = w[i, LF_X]
             w[i, LR_Y] = w[i, LF_Y]
