@@ -32,7 +32,7 @@ BODY_COLUMNS = 15
 
 # Columns of `solids`: kind, a point and a unit direction, two sizes; the planes between which the
 # foot must lie, `first * x >= value` and `last * x <= value`; the hole that the foot must not lie
-# in; a capsule around the solid.
+# in; a capsule around the solid; of a cone the cosine of its slope.
 #   cylinder, cone: where the axis begins, the axis, the radius there, its growth along the axis
 #   torus:          the centre of the ring, the ring's axis, radius of the tube, of the ring
 #   disc:           its middle, the direction into the pipe, outer radius, inner radius
@@ -40,7 +40,8 @@ KIND, O_X, O_Y, O_Z, A_X, A_Y, A_Z, SIZE, SLOPE_OR_SIZE = range(9)
 F_X, F_Y, F_Z, F_VALUE, L_X, L_Y, L_Z, L_VALUE = range(9, 17)
 HOLE, H_X, H_Y, H_Z, H_DX, H_DY, H_DZ, H_RADIUS = range(17, 25)
 B_X, B_Y, B_Z, B_DX, B_DY, B_DZ, B_RADIUS = range(25, 32)
-SOLID_COLUMNS = 32
+COSINE = 32
+SOLID_COLUMNS = 33
 CONE, TORUS, DISC = 0.0, 1.0, 2.0
 """A cylinder is a cone of slope 0."""
 NO_HOLE, HALF_HOLE, WHOLE_HOLE = 0.0, 1.0, 2.0
@@ -189,11 +190,12 @@ def _foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> 
         hit[3] = solids[k, SIZE] - away
     else:
         slope = solids[k, SLOPE_OR_SIZE]
-        cos = 1.0 / np.sqrt(1.0 + slope * slope)
+        cos = solids[k, COSINE]
         sin = slope * cos
-        hit[0] = sin * ax - cos * rx / off
-        hit[1] = sin * ay - cos * ry / off
-        hit[2] = sin * az - cos * rz / off
+        share = cos / off
+        hit[0] = sin * ax - share * rx
+        hit[1] = sin * ay - share * ry
+        hit[2] = sin * az - share * rz
         hit[3] = (solids[k, SIZE] + slope * along - off) * cos
     hit[4] = x - hit[3] * hit[0]
     hit[5] = y - hit[3] * hit[1]
@@ -202,26 +204,27 @@ def _foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> 
 
 
 @compiled
-def _on_edge(
-    x: float, y: float, z: float, edge: Floats, points: Floats, at: int, hit: Floats
-) -> int:
-    """Return the point of an edge nearest to a place, walking from point `at`.
-
-    `hit` gets the nearest place of the line, its squared distance and the number of that point.
-    """
-    first = int(edge[E_FIRST])
+def _beside(edge: Floats, at: int, step: int) -> int:
+    """Return the point of an edge that is `step` points on; -1 beyond its ends."""
     count = int(edge[E_COUNT])
-    closed = edge[E_CLOSED] != 0.0
+    k = at - int(edge[E_FIRST]) + step
+    if edge[E_CLOSED] != 0.0:
+        k = (k + count) % count
+    elif k < 0 or k >= count:
+        return -1
+    return k + int(edge[E_FIRST])
+
+
+@compiled
+def _walk(x: float, y: float, z: float, edge: Floats, points: Floats, at: int) -> int:
+    """Return the point of an edge nearest to a place, walking from point `at`."""
     best = np.inf
-    for _ in range(count):
+    for _ in range(int(edge[E_COUNT])):
         here = at
         for step in (-1, 0, 1):
-            k = here - first + step
-            if closed:
-                k = (k + count) % count
-            elif k < 0 or k >= count:
+            k = _beside(edge, here, step)
+            if k < 0:
                 continue
-            k += first
             dx = x - points[k, P_X]
             dy = y - points[k, P_Y]
             dz = z - points[k, P_Z]
@@ -231,17 +234,23 @@ def _on_edge(
                 at = k
         if at == here:
             break
-    hit[0] = points[at, P_X]
-    hit[1] = points[at, P_Y]
-    hit[2] = points[at, P_Z]
-    hit[3] = best
+    return at
+
+
+@compiled
+def _on_edge(
+    x: float, y: float, z: float, edge: Floats, points: Floats, at: int, hit: Floats
+) -> int:
+    """Return the point of an edge nearest to a place, walking from point `at`.
+
+    `hit` gets the nearest place of the line and its squared distance.
+    """
+    at = _walk(x, y, z, edge, points, at)
+    hit[3] = np.inf
     for step in (-1, 1):
-        k = at - first + step
-        if closed:
-            k = (k + count) % count
-        elif k < 0 or k >= count:
+        k = _beside(edge, at, step)
+        if k < 0:
             continue
-        k += first
         ex = points[k, P_X] - points[at, P_X]
         ey = points[k, P_Y] - points[at, P_Y]
         ez = points[k, P_Z] - points[at, P_Z]
@@ -370,6 +379,31 @@ def _look_around(
 
 
 @compiled
+def _faces_edge(
+    x: float, y: float, z: float, solids: Floats, edge: Floats, reach: float, hit: Floats
+) -> bool:
+    """Return whether an edge is near a point, and none of the walls that meet there counts.
+
+    `hit` has what `_on_edge` wrote; it gets what `_foot` writes.
+    """
+    if hit[3] >= reach * reach or hit[3] == 0.0:
+        return False
+    away = np.sqrt(hit[3])
+    nx = (x - hit[0]) / away
+    ny = (y - hit[1]) / away
+    nz = (z - hit[2]) / away
+    for m in range(3):
+        solid = int(edge[E_ONE + m])
+        if solid >= 0 and _foot(x, y, z, solids, solid, hit):
+            return False
+    hit[0] = nx
+    hit[1] = ny
+    hit[2] = nz
+    hit[3] = away
+    return True
+
+
+@compiled
 def _touch(
     count: int, i: int, surface: int, hit: Floats, world: Floats, con: Floats, who: Ints
 ) -> int:
@@ -419,24 +453,8 @@ def _find_contacts(
                     continue
                 at = _on_edge(x, y, z, edges[k], points, rim_at[i, k], hit)
                 rim_at[i, k] = at
-                if hit[3] >= reach * reach or hit[3] == 0.0:
-                    continue
-                away = np.sqrt(hit[3])
-                nx = (x - hit[0]) / away
-                ny = (y - hit[1]) / away
-                nz = (z - hit[2]) / away
-                beside = False
-                for m in range(3):
-                    solid = int(edges[k, E_ONE + m])
-                    if solid >= 0 and _foot(x, y, z, solids, solid, hit):
-                        beside = True
-                if beside:
-                    continue
-                hit[0] = nx
-                hit[1] = ny
-                hit[2] = nz
-                hit[3] = away
-                count = _touch(count, i, solids.shape[0] + k, hit, world, con, who)
+                if _faces_edge(x, y, z, solids, edges[k], reach, hit):
+                    count = _touch(count, i, solids.shape[0] + k, hit, world, con, who)
         if world[BLOCK_NODE] == i:
             hit[0] = world[BLOCK_NX]
             hit[1] = world[BLOCK_NY]
@@ -452,6 +470,104 @@ def _find_contacts(
 
 
 @compiled
+def _face(c: int, p: int, radius: float, parts: Floats, con: Floats) -> float:
+    """Write the directions of driving and sliding of a contact; return the sine axle to normal.
+
+    Sliding = s dp + r s (e x N) d roll, with e = b x n. A wheel that lies on its side does not
+    roll, and any direction in the wall will do: then the sine is 0.
+    """
+    nx = con[c, NX]
+    ny = con[c, NY]
+    nz = con[c, NZ]
+    ax = parts[p, N_X]
+    ay = parts[p, N_Y]
+    az = parts[p, N_Z]
+    bx = parts[p, N_BX]
+    by = parts[p, N_BY]
+    bz = parts[p, N_BZ]
+    ex = by * az - bz * ay
+    ey = bz * ax - bx * az
+    ez = bx * ay - by * ax
+    tx = ay * nz - az * ny
+    ty = az * nx - ax * nz
+    tz = ax * ny - ay * nx
+    sine = np.sqrt(tx * tx + ty * ty + tz * tz)
+    length = sine
+    if sine < _LEAST_ROLLING:
+        tx = by * nz - bz * ny
+        ty = bz * nx - bx * nz
+        tz = bx * ny - by * nx
+        length = np.sqrt(tx * tx + ty * ty + tz * tz)
+        sine = 0.0
+    share = 1.0 / length
+    tx *= share
+    ty *= share
+    tz *= share
+    sx = ny * tz - nz * ty
+    sy = nz * tx - nx * tz
+    sz = nx * ty - ny * tx
+    turn = sx * (ey * nz - ez * ny) + sy * (ez * nx - ex * nz) + sz * (ex * ny - ey * nx)
+    con[c, GI_X] = tx
+    con[c, GI_Y] = ty
+    con[c, GI_Z] = tz
+    con[c, SX] = sx
+    con[c, SY] = sy
+    con[c, SZ] = sz
+    con[c, S_TURN] = turn * radius
+    return float(sine)
+
+
+@compiled
+def _recall(
+    c: int, i: int, body: Floats, world: Floats, anchor: Floats, con: Floats, who: Ints
+) -> None:
+    """Set the targets of a contact to what its wheel has kept there, and its friction."""
+    drive = 0.0
+    side = 0.0
+    for k in range(0, 3 * _ANCHORS, 3):
+        if anchor[i, k] == who[c, SURFACE] + 1.0:
+            drive = anchor[i, k + 1]
+            side = anchor[i, k + 2]
+    slipped = _SLIPPED * world[ANCHOR_MAX]
+    slipping = drive * drive + side * side >= slipped * slipped
+    con[c, K_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
+    con[c, TARGET] = drive
+    con[c, S_TARGET] = side
+
+
+@compiled
+def _gear(c: int, i: int, sine: float, body: Floats, world: Floats, w: Floats, con: Floats) -> int:
+    """Let a contact drive: its lever, its motor's limits; return the other wheel of the lever.
+
+    The motor reacts on its link: rolling = t dp - r sine (d link angle + d wheel angle).
+    """
+    radius = world[RADIUS] * sine
+    link = int(body[i, MOTOR_LINK])
+    other = link
+    column = LR_X
+    lever = -radius
+    if link == i:
+        other = link + 1
+        column = LF_X
+        lever = radius
+    own = 0.0
+    across = 0.0
+    for k in range(3):
+        reaction = lever * w[link, column + k]
+        con[c, GI_X + k] -= reaction
+        con[c, GO_X + k] = reaction
+        own += con[c, GI_X + k] ** 2
+        across += reaction * reaction
+    con[c, K_RADIUS] = radius
+    con[c, K_FORCE] = w[i, FORCE] / sine
+    con[c, K_SLOPE] = w[i, SLOPE] * sine * sine
+    con[c, TARGET] += w[i, SPIN] * radius
+    mass_inv = body[i, MASS_INV] * own + body[other, MASS_INV] * across
+    con[c, DRIVE_INV] = 1.0 / (mass_inv + con[c, K_SLOPE])
+    return other
+
+
+@compiled
 def _prepare_contacts(
     count: int,
     body: Floats,
@@ -462,11 +578,7 @@ def _prepare_contacts(
     con: Floats,
     who: Ints,
 ) -> None:
-    """Set gradients, masses, limits and targets of the contacts, and zero their impulses.
-
-    The wheel's motor reacts on its link: rolling = t dp - r q (d link angle + d wheel angle), with
-    q the sine between axle and normal. Sliding = s dp + r s (e x N) d roll, e = b x n.
-    """
+    """Set gradients, masses, limits and targets of the contacts, and zero their impulses."""
     compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
     for c in range(count):
         i = who[c, NODE]
@@ -476,97 +588,22 @@ def _prepare_contacts(
         con[c, PUSH] = 0.0
         con[c, DRIVE] = 0.0
         con[c, SIDE] = 0.0
-        con[c, K_MU] = 0.0
         con[c, PUSH_INV] = 1.0 / (body[i, MASS_INV] + compliance)
         if who[c, SURFACE] < 0:
+            con[c, K_MU] = 0.0
             continue
-        nx = con[c, NX]
-        ny = con[c, NY]
-        nz = con[c, NZ]
-        ax = parts[p, N_X]
-        ay = parts[p, N_Y]
-        az = parts[p, N_Z]
-        tx = ay * nz - az * ny
-        ty = az * nx - ax * nz
-        tz = ax * ny - ay * nx
-        q = np.sqrt(tx * tx + ty * ty + tz * tz)
-        rolls = q >= _LEAST_ROLLING
-        if not rolls:
-            # It lies on its side: any direction in the wall will do, and its motor does nothing.
-            ax = parts[p, N_BX]
-            ay = parts[p, N_BY]
-            az = parts[p, N_BZ]
-            tx = ay * nz - az * ny
-            ty = az * nx - ax * nz
-            tz = ax * ny - ay * nx
-            q = np.sqrt(tx * tx + ty * ty + tz * tz)
-        tx /= q
-        ty /= q
-        tz /= q
-        sx = ny * tz - nz * ty
-        sy = nz * tx - nx * tz
-        sz = nx * ty - ny * tx
-        con[c, SX] = sx
-        con[c, SY] = sy
-        con[c, SZ] = sz
-        # e = b x n
-        bx = parts[p, N_BX]
-        by = parts[p, N_BY]
-        bz = parts[p, N_BZ]
-        ex = by * parts[p, N_Z] - bz * parts[p, N_Y]
-        ey = bz * parts[p, N_X] - bx * parts[p, N_Z]
-        ez = bx * parts[p, N_Y] - by * parts[p, N_X]
-        turn = sx * (ey * nz - ez * ny) + sy * (ez * nx - ex * nz) + sz * (ex * ny - ey * nx)
-        con[c, S_TURN] = turn * world[RADIUS]
-        held_t = 0.0
-        held_s = 0.0
-        for k in range(_ANCHORS):
-            if anchor[i, 3 * k] == who[c, SURFACE] + 1.0:
-                held_t = anchor[i, 3 * k + 1]
-                held_s = anchor[i, 3 * k + 2]
-        held = np.sqrt(held_t * held_t + held_s * held_s)
-        slipping = held >= _SLIPPED * world[ANCHOR_MAX]
-        con[c, K_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
-        con[c, GI_X] = tx
-        con[c, GI_Y] = ty
-        con[c, GI_Z] = tz
-        con[c, TARGET] = held_t
-        con[c, S_TARGET] = held_s
+        sine = _face(c, p, world[RADIUS], parts, con)
+        _recall(c, i, body, world, anchor, con, who)
+        con[c, SIDE_INV] = 1.0 / (body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I])
+        if sine > 0.0:
+            who[c, OTHER] = _gear(c, i, sine, body, world, w, con)
+            continue
+        con[c, K_RADIUS] = 0.0
         con[c, K_SLOPE] = 0.0
         con[c, K_FORCE] = np.inf
-        con[c, K_RADIUS] = 0.0
-        con[c, GO_X] = 0.0
-        con[c, GO_Y] = 0.0
-        con[c, GO_Z] = 0.0
-        mass_inv = body[i, MASS_INV]
-        if rolls:
-            radius = world[RADIUS] * q
-            con[c, K_RADIUS] = radius
-            link = int(body[i, MOTOR_LINK])
-            if link == i:
-                hx = radius * w[link, LF_X]
-                hy = radius * w[link, LF_Y]
-                hz = radius * w[link, LF_Z]
-                other = link + 1
-            else:
-                hx = -radius * w[link, LR_X]
-                hy = -radius * w[link, LR_Y]
-                hz = -radius * w[link, LR_Z]
-                other = link
-            who[c, OTHER] = other
-            con[c, GI_X] = tx - hx
-            con[c, GI_Y] = ty - hy
-            con[c, GI_Z] = tz - hz
-            con[c, GO_X] = hx
-            con[c, GO_Y] = hy
-            con[c, GO_Z] = hz
-            con[c, K_FORCE] = w[i, FORCE] / q
-            con[c, K_SLOPE] = w[i, SLOPE] * q * q
-            con[c, TARGET] += w[i, SPIN] * radius
-            mass_inv *= con[c, GI_X] ** 2 + con[c, GI_Y] ** 2 + con[c, GI_Z] ** 2
-            mass_inv += body[other, MASS_INV] * (hx * hx + hy * hy + hz * hz)
-        con[c, DRIVE_INV] = 1.0 / (mass_inv + con[c, K_SLOPE])
-        con[c, SIDE_INV] = 1.0 / (body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I])
+        con[c, DRIVE_INV] = 1.0 / body[i, MASS_INV]
+        for k in range(3):
+            con[c, GO_X + k] = 0.0
 
 
 @compiled
@@ -609,7 +646,7 @@ def _solve_contacts(
         y = mov[i, 1]
         z = mov[i, 2]
         push = con[c, PUSH]
-        gap = con[c, GAP] + con[c, NX] * x + con[c, NY] * y + con[c, NZ] * z
+        gap = (con[c, GAP] + con[c, NX] * x) + (con[c, NY] * y + con[c, NZ] * z)
         new = max(0.0, push - (gap + compliance * push) * con[c, PUSH_INV])
         step = inv * (new - push)
         con[c, PUSH] = new
@@ -826,10 +863,10 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
     ex = pos[r, 0] - pos[r + 1, 0]
     ey = pos[r, 1] - pos[r + 1, 1]
     ez = pos[r, 2] - pos[r + 1, 2]
-    length = np.sqrt(ex * ex + ey * ey + ez * ez)
-    ex /= length
-    ey /= length
-    ez /= length
+    share = 1.0 / np.sqrt(ex * ex + ey * ey + ez * ez)
+    ex *= share
+    ey *= share
+    ez *= share
     for p in range(2):
         nx = roll[3 * p]
         ny = roll[3 * p + 1]
@@ -838,10 +875,10 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
         nx -= off * ex
         ny -= off * ey
         nz -= off * ez
-        size = np.sqrt(nx * nx + ny * ny + nz * nz)
-        nx /= size
-        ny /= size
-        nz /= size
+        share = 1.0 / np.sqrt(nx * nx + ny * ny + nz * nz)
+        nx *= share
+        ny *= share
+        nz *= share
         parts[p, N_X] = nx
         parts[p, N_Y] = ny
         parts[p, N_Z] = nz
@@ -861,8 +898,11 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
 def _keep(roll: Floats, parts: Floats, dt: float) -> None:
     """Turn the parts' normals by what they have rolled in a substep."""
     for p in range(2):
-        cos = np.cos(parts[p, N_ROLL])
-        sin = np.sin(parts[p, N_ROLL])
+        # Cosine and sine of an angle whose half has this tangent; it rolls by mrad.
+        half = 0.5 * parts[p, N_ROLL]
+        share = 1.0 / (1.0 + half * half)
+        cos = (1.0 - half * half) * share
+        sin = 2.0 * half * share
         for k in range(3):
             roll[3 * p + k] = cos * parts[p, N_X + k] + sin * parts[p, N_BX + k]
         roll[R_RATE + p] = parts[p, N_ROLL] / dt
@@ -998,18 +1038,18 @@ def _begin(
         w[i, D_X] = dx
         w[i, D_Y] = dy
         w[i, D_Z] = dz
-        length2 = dx * dx + dy * dy + dz * dz
+        share = 1.0 / (dx * dx + dy * dy + dz * dz)
         p = 0 if i <= r else 1
         nx = parts[p, N_X]
         ny = parts[p, N_Y]
         nz = parts[p, N_Z]
-        w[i, LF_X] = (ny * dz - nz * dy) / length2
-        w[i, LF_Y] = (nz * dx - nx * dz) / length2
-        w[i, LF_Z] = (nx * dy - ny * dx) / length2
+        w[i, LF_X] = (ny * dz - nz * dy) * share
+        w[i, LF_Y] = (nz * dx - nx * dz) * share
+        w[i, LF_Z] = (nx * dy - ny * dx) * share
         if i == r:
-            w[i, LR_X] = (parts[1, N_Y] * dz - parts[1, N_Z] * dy) / length2
-            w[i, LR_Y] = (parts[1, N_Z] * dx - parts[1, N_X] * dz) / length2
-            w[i, LR_Z] = (parts[1, N_X] * dy - parts[1, N_Y] * dx) / length2
+            w[i, LR_X] = (parts[1, N_Y] * dz - parts[1, N_Z] * dy) * share
+            w[i, LR_Y] = (parts[1, N_Z] * dx - parts[1, N_X] * dz) * share
+            w[i, LR_Z] = (parts[1, N_X] * dy - parts[1, N_Y] * dx) * share
         else:
             w[i, LR_X] = w[i, LF_X]
             w[i, LR_Y] = w[i, LF_Y]
@@ -1152,6 +1192,17 @@ def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: F
 
 
 @compiled
+def _remember(anchor: Floats, surface: float, drive: float, side: float) -> None:
+    """Keep what a wheel has left unsolved at a surface, where there is room."""
+    for k in range(0, 3 * _ANCHORS, 3):
+        if anchor[k] == 0.0:
+            anchor[k] = surface
+            anchor[k + 1] = drive
+            anchor[k + 2] = side
+            return
+
+
+@compiled
 def _turn_wheels(
     n: int,
     count: int,
@@ -1196,12 +1247,7 @@ def _turn_wheels(
         if away > most:
             left *= most / away
             aside *= most / away
-        for k in range(_ANCHORS):
-            if anchor[i, 3 * k] == 0.0:
-                anchor[i, 3 * k] = who[c, SURFACE] + 1.0
-                anchor[i, 3 * k + 1] = left
-                anchor[i, 3 * k + 2] = aside
-                break
+        _remember(anchor[i], who[c, SURFACE] + 1.0, left, aside)
         if touch[i] == c:
             if con[c, K_RADIUS] == 0.0 or (slips and not stalled):
                 wheel[i] += w[i, SPIN]

@@ -7,7 +7,7 @@ outside a hole.
 
 from __future__ import annotations
 
-from math import cos, hypot, inf, sin, sqrt
+from math import atan2, cos, hypot, inf, sin, sqrt
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
@@ -69,6 +69,7 @@ def tube(
     end_m = radius_m if to_radius_m is None else to_radius_m
     ends = frame.point(length_m)
     row = _row(kernel.CONE, frame.origin, frame.ahead, radius_m, (end_m - radius_m) / length_m)
+    row[kernel.COSINE] = cos(atan2(end_m - radius_m, length_m))
     widest = max(radius_m, end_m)
     planes = (first or Plane(frame.origin, frame.ahead), last or Plane(ends, frame.ahead))
     _clip(row, *planes)
