@@ -169,26 +169,28 @@ def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("tee", "start", "gap"),
+    ("tee", "start", "told_of"),
     [
         (TEE, "at: 700 mm", "120 mm"),
         (TEE.replace("on}", "on, roll: 180 deg}"), "at: 700 mm", "120 mm"),
-        (TEE, "at: 700 mm, roll: 30 deg", "103.9 mm"),
+        (TEE, "at: 700 mm, roll: 30 deg", "120 mm"),
+        (TEE, "at: 700 mm, roll: 50 deg", "120 mm"),
+        (TEE, "at: 700 mm, roll: 55 deg", ""),
         (TEE, "at: 700 mm, roll: 90 deg", ""),
         (TEE.replace("on}", "on, roll: -90 deg}"), "at: 700 mm", ""),
-        (TEE.replace("on}", "on, diameter: 60 mm}"), "at: 700 mm", "60 mm"),
+        (TEE.replace("on}", "on, diameter: 50 mm}"), "at: 700 mm", "50 mm"),
         (TEE.replace("on}", "on, diameter: 40 mm}"), "at: 700 mm", ""),
     ],
 )
-def test_a_part_whose_wheels_pass_over_the_mouth_of_a_tee_is_told(
-    tmp_path: Path, tee: str, start: str, gap: str
+def test_a_part_whose_wheels_sink_into_the_mouth_of_a_tee_is_told(
+    tmp_path: Path, tee: str, start: str, told_of: str
 ) -> None:
     missed = found(tmp_path, f"ClampFront, ClampRear, {DRIVE}", space(tee, start=start))
 
-    assert [code for code, _ in told(missed)] == ["tee.in_plane"] * bool(gap)
+    assert [code for code, _ in told(missed)] == ["tee.in_plane"] * bool(told_of)
     for each in missed:
         assert each.severity is Severity.WARNING
-        assert f"which is {gap} long there" in each.message
+        assert f"sink into the mouth of {told_of}" in each.message
         assert each.message.startswith("if the robot drives so far: 'front' passes")
         assert each.excerpt[each.place.column - 1 :].startswith("DriveForward")
 
