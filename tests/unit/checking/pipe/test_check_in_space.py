@@ -52,7 +52,9 @@ def test_a_part_that_bends_out_of_the_plane_is_told_with_the_turn_that_is_missin
     assert "one quarter turn is missing" in missed.message
     assert missed.mend.startswith("'AlignRight' turns 'front' there")
     (into, words) = missed.related[0]
-    assert (into.line, words) == (4, "into this")
+    written = (tmp_path / "m.yaml").read_text(encoding="utf-8").splitlines()[into.line - 1]
+    assert written[into.column - 1 :].startswith(fitting)
+    assert words == "into this"
     assert missed.story[0] == "the mission begins"
     assert missed.story[-1].startswith("BendInto")
 
@@ -142,6 +144,24 @@ def test_nobody_knows_the_roll_of_a_robot_that_has_let_go(tmp_path: Path) -> Non
     do = f"ClampFront, ClampRear, RelaxFront, {{command: Reset, on_failure: continue}}, {FIRST}"
 
     assert found(tmp_path, do, space(UP)) == ()
+
+
+def test_each_bend_is_named_at_its_own_place(tmp_path: Path) -> None:
+    tee = "{tee: 90 deg, take: on, roll: 90 deg}"
+    branch = "{tee: 90 deg, take: branch, roll: 90 deg, stub: 300 mm}"
+    elbow = "{elbow: 45 deg, radius: 200 mm, roll: 90 deg}"
+    step = "{reducer: 0 mm, to: 110 mm}"
+
+    missed = found(
+        tmp_path, f"{FIRST}, {DRIVE}, {AGAIN}, {DRIVE}, {AGAIN}",
+        space(tee, step, "{mitre: 45 deg, roll: 90 deg}", tee, elbow, branch),
+    )  # fmt: skip
+
+    written = (tmp_path / "m.yaml").read_text(encoding="utf-8").splitlines()
+    places = [each.related[0][0] for each in missed]
+    assert [written[each.line - 1][each.column - 1 :][:12] for each in places] == [
+        "{mitre: 45 d", "{elbow: 45 d", "{tee: 90 deg"]  # fmt: skip
+    assert [each.code for each in missed] == ["geometry.out_of_plane"] * 3
 
 
 def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
