@@ -149,7 +149,7 @@ class PipeView:
         for piece in own:
             if piece.arc is not None or piece.ends_with_m != piece.diameter_m:
                 return self.pipe.path_of(piece)
-        *at, number = self.pipe.path_of(max(own, key=lambda piece: (piece.run, piece.segment)))
+        *at, number = max(map(self.pipe.path_of, own), key=lambda path: int(path[-1]))
         return (*at, int(number) - 1) if joint.kind in ("mitre", "tee") else (*at, number)
 
     def place_of_step(self, text: str) -> Place:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import pi, remainder, sin, sqrt
+from math import pi, remainder
 
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.pipe.course_points import CoursePoint
@@ -11,6 +11,11 @@ from pirate_sm.checking.pipe.course_story import story_of
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, Rolls
 from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.mouth import sink_m
+
+MOST_SINK_M = 0.01
+"""How far a wheel may sink into a mouth. Simulated robots pass a tee in 120 mm where it is 7.5 mm,
+and lose their hold or stay there where it is 10.5 mm (docs/decisions/0070)."""
 
 
 def keeps_off_the_mouths(view: PipeView) -> Iterator[Finding]:
@@ -21,9 +26,10 @@ def keeps_off_the_mouths(view: PipeView) -> Iterator[Finding]:
             continue
         number = sum(bend.arc_m < joint.arc_m for bend in view.bends) - bends
         driven = [each for each in view.course.situations if _drives_at(view, each, joint, number)]
-        gaps = [_gaps_m(view, joint, each.rolls) for each in driven if each.rolls is not None]
-        if driven and len(gaps) == len(driven) and all(_too_wide(view, each) for each in gaps):
-            yield _finding(view, joint, driven[0], gaps[0], number)
+        sinks = [_sinks_m(view, joint, each.rolls) for each in driven if each.rolls is not None]
+        deep = [max(each) > MOST_SINK_M for each in sinks]
+        if driven and len(deep) == len(driven) and all(deep):
+            yield _finding(view, joint, driven[0], sinks[0], number)
 
 
 def _drives_at(view: PipeView, point: CoursePoint, joint: Joint, number: int) -> bool:
@@ -40,34 +46,26 @@ def _drives_at(view: PipeView, point: CoursePoint, joint: Joint, number: int) ->
     return ahead or number != 0
 
 
-def _gaps_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
-    """Return for each part how long the mouth is where its wheels pass it, m.
-
-    The mouth of a branch of radius b in a run of radius R is 2 √(b² − R² sin² ψ) long at the angle
-    ψ from its middle.
-    """
+def _sinks_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
+    """Return for each part how far its wheels sink into the mouth as they pass it, m."""
     run_m = view.fit.route.diameter_at(joint.arc_m) / 2
-    branch_m = view.mouth_m(joint) / 2
+    branch_m, wheel_m = view.mouth_m(joint) / 2, view.fit.profile.body.wheel_radius
     found = []
     for part in range(len(view.fit.robot.parts)):
         roll_rad = view.start_roll_rad + view.roll_joint.roll(rolls, part) * QUARTER_RAD
-        away = run_m * sin(remainder(joint.towards_rad - roll_rad, pi))
-        found.append(2 * sqrt(max(branch_m**2 - away**2, 0.0)))
+        aside_rad = remainder(joint.towards_rad - roll_rad, pi)  # its wheels touch both sides
+        found.append(sink_m(run_m, branch_m, wheel_m, aside_rad))
     return found
 
 
-def _too_wide(view: PipeView, gaps_m: list[float]) -> bool:
-    """Return whether a wheel falls into one of the gaps: it is as long as the wheel itself."""
-    return max(gaps_m) >= 2 * view.fit.profile.body.wheel_radius
-
-
 def _finding(
-    view: PipeView, joint: Joint, point: CoursePoint, gaps_m: list[float], number: int
+    view: PipeView, joint: Joint, point: CoursePoint, sinks_m: list[float], number: int
 ) -> Finding:
-    name = view.fit.robot.parts[gaps_m.index(max(gaps_m))]
+    name = view.fit.robot.parts[sinks_m.index(max(sinks_m))]
+    diameter_m = view.mouth_m(joint)
     message = (
-        f"'{name}' passes the tee '{joint.junction}' with its wheels over the mouth, which is"
-        f" {mm(max(gaps_m))} long there: it loses its hold"
+        f"'{name}' passes the tee '{joint.junction}' in its plane: its wheels sink into the mouth"
+        f" of {mm(diameter_m)}, and it loses its hold or stays there"
     )
     beyond = any(each.joint >= number for each in view.course.bends if point.way > 0)
     beyond |= any(each.joint < number for each in view.course.bends if point.way < 0)

@@ -52,7 +52,9 @@ def test_a_part_that_bends_out_of_the_plane_is_told_with_the_turn_that_is_missin
     assert "one quarter turn is missing" in missed.message
     assert missed.mend.startswith("'AlignRight' turns 'front' there")
     (into, words) = missed.related[0]
-    assert (into.line, words) == (4, "into this")
+    written = (tmp_path / "m.yaml").read_text(encoding="utf-8").splitlines()[into.line - 1]
+    assert written[into.column - 1 :].startswith(fitting)
+    assert words == "into this"
     assert missed.story[0] == "the mission begins"
     assert missed.story[-1].startswith("BendInto")
 
@@ -144,6 +146,24 @@ def test_nobody_knows_the_roll_of_a_robot_that_has_let_go(tmp_path: Path) -> Non
     assert found(tmp_path, do, space(UP)) == ()
 
 
+def test_each_bend_is_named_at_its_own_place(tmp_path: Path) -> None:
+    tee = "{tee: 90 deg, take: on, roll: 90 deg}"
+    branch = "{tee: 90 deg, take: branch, roll: 90 deg, stub: 300 mm}"
+    elbow = "{elbow: 45 deg, radius: 200 mm, roll: 90 deg}"
+    step = "{reducer: 0 mm, to: 110 mm}"
+
+    missed = found(
+        tmp_path, f"{FIRST}, {DRIVE}, {AGAIN}, {DRIVE}, {AGAIN}",
+        space(tee, step, "{mitre: 45 deg, roll: 90 deg}", tee, elbow, branch),
+    )  # fmt: skip
+
+    written = (tmp_path / "m.yaml").read_text(encoding="utf-8").splitlines()
+    places = [each.related[0][0] for each in missed]
+    assert [written[each.line - 1][each.column - 1 :][:12] for each in places] == [
+        "{mitre: 45 d", "{elbow: 45 d", "{tee: 90 deg"]  # fmt: skip
+    assert [each.code for each in missed] == ["geometry.out_of_plane"] * 3
+
+
 def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
     pipe = (
         "{section: round, diameter: 120 mm,"
@@ -169,26 +189,28 @@ def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(
-    ("tee", "start", "gap"),
+    ("tee", "start", "told_of"),
     [
         (TEE, "at: 700 mm", "120 mm"),
         (TEE.replace("on}", "on, roll: 180 deg}"), "at: 700 mm", "120 mm"),
-        (TEE, "at: 700 mm, roll: 30 deg", "103.9 mm"),
+        (TEE, "at: 700 mm, roll: 30 deg", "120 mm"),
+        (TEE, "at: 700 mm, roll: 50 deg", "120 mm"),
+        (TEE, "at: 700 mm, roll: 55 deg", ""),
         (TEE, "at: 700 mm, roll: 90 deg", ""),
         (TEE.replace("on}", "on, roll: -90 deg}"), "at: 700 mm", ""),
-        (TEE.replace("on}", "on, diameter: 60 mm}"), "at: 700 mm", "60 mm"),
+        (TEE.replace("on}", "on, diameter: 50 mm}"), "at: 700 mm", "50 mm"),
         (TEE.replace("on}", "on, diameter: 40 mm}"), "at: 700 mm", ""),
     ],
 )
-def test_a_part_whose_wheels_pass_over_the_mouth_of_a_tee_is_told(
-    tmp_path: Path, tee: str, start: str, gap: str
+def test_a_part_whose_wheels_sink_into_the_mouth_of_a_tee_is_told(
+    tmp_path: Path, tee: str, start: str, told_of: str
 ) -> None:
     missed = found(tmp_path, f"ClampFront, ClampRear, {DRIVE}", space(tee, start=start))
 
-    assert [code for code, _ in told(missed)] == ["tee.in_plane"] * bool(gap)
+    assert [code for code, _ in told(missed)] == ["tee.in_plane"] * bool(told_of)
     for each in missed:
         assert each.severity is Severity.WARNING
-        assert f"which is {gap} long there" in each.message
+        assert f"sink into the mouth of {told_of}" in each.message
         assert each.message.startswith("if the robot drives so far: 'front' passes")
         assert each.excerpt[each.place.column - 1 :].startswith("DriveForward")
 
