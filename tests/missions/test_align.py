@@ -80,6 +80,15 @@ def test_a_robot_that_is_put_in_anyhow_drives_in_the_horizontal_plane(roll_deg):
     assert abs(trial.off_deg) <= 10.0
 
 
+def test_an_inertial_unit_that_is_stuck_levels_nothing_and_says_so() -> None:
+    outcome = run(Order("level", defects=("imu_stale",)))
+
+    assert outcome.outcome == "failed"
+    assert outcome.message.startswith("Holding, both parts clamped, as they lie: AlignHorizontal")
+    assert "deg off after a correction, more than 3 deg" in outcome.message
+    assert outcome.states[-1][2] == "DoubleClamped"
+
+
 @pytest.mark.slow
 def test_it_does_so_from_every_roll():
     assert [each for each in map(drive_off, range(0, 360, 30)) if each.why] == []
