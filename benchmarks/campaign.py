@@ -75,6 +75,7 @@ class Outcome:
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end.
         short_m: How far the wheel of the detector's last word is short of the place that the word
             means, by the truth; NaN where none was said, negative where the wheel is beyond it.
+        deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
         late_m: Each word that was reported, and how far its wheel was beyond the word's point then,
             by the truth; negative: the word came too early.
         took_s: How long the run has taken, without what was looked at afterwards.
@@ -96,6 +97,7 @@ class Outcome:
     slid_m: float
     short_m: float
     late_m: tuple[tuple[str, float], ...]
+    deepest_m: float = nan
     took_s: float = field(default=0.0, compare=False, repr=False)
 
 
@@ -151,7 +153,9 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         tuple(notes.states), tuple(notes.faults),
         bool(engine.robot.held[state.robot.configuration]),
         real.torques_nm, slid_m, _short_m(prepared, notes.word, notes.travel, real.arcs_m),
-        tuple(notes.late_m), took_s,
+        tuple(notes.late_m),
+        getattr(backend.robot.physics, "deepest_m", nan),  # type: ignore[attr-defined]
+        took_s,
     )  # fmt: skip
 
 

@@ -71,6 +71,7 @@ class SimulatedRobot:
 
     Attributes:
         electronics: Its boards.
+        physics: What moves it.
         gone: Whether it has left the pipe for good.
 
     Raises:
@@ -99,16 +100,16 @@ class SimulatedRobot:
         self._route, self._chain = around.route, chain
         self._flat = around.route.section == "bars"
         self._cycle_s = profile.link.cycle
-        self._physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
+        self.physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
         self._layout = QuantityLayout(chain.nodes)
-        self._arcs = self._physics.quantities[self._layout.block("arc")]
+        self._arcs = self.physics.quantities[self._layout.block("arc")]
         noise_seed = int(rng.integers(2**63))
-        self.electronics = Electronics(chain, routes, sensors, self._physics, noise_seed)
+        self.electronics = Electronics(chain, routes, sensors, self.physics, noise_seed)
         at_work = [*named(defects, profile.simulation.defects, seed), *more_defects]
         self._effects = put_to_work(at_work, self.electronics)
-        self._obstacles = Obstacles(self._physics, chain, around.route, around.obstacles)
+        self._obstacles = Obstacles(self.physics, chain, around.route, around.obstacles)
         self._changes = PipeChanges(
-            *(self._physics, chain.nodes, pipe, around.route),
+            *(self.physics, chain.nodes, pipe, around.route),
             *(around.friction, around.friction_scale),
         )
         self._cycles = 0
@@ -119,7 +120,7 @@ class SimulatedRobot:
     def hold(self) -> None:
         """Drive the joints with the duties of the start pose."""
         for motor, duty in self._start_duties.items():
-            self._physics.duties[motor] = duty
+            self.physics.duties[motor] = duty
 
     def turns(self, one_value: bool) -> tuple[Turn, ...]:
         """Return the turns of the cycles: a board each, or one value each."""
@@ -136,7 +137,7 @@ class SimulatedRobot:
         self._time_s += self._cycle_s
         if not self.gone:
             self._changes.step(self._time_s)
-            self._physics.advance()
+            self.physics.advance()
         self.electronics.read(turn.first, turn.last)
         return self.strike(now_s) if self._effects else ()
 
@@ -212,13 +213,13 @@ class SimulatedRobot:
     @property
     def wheels(self) -> tuple[tuple[float, float], ...]:
         """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
-        return tuple((x, y) for x, y, _ in self._physics.places())
+        return tuple((x, y) for x, y, _ in self.physics.places())
 
     @property
     def in_space(self) -> InSpace:
         """What ``wheels`` leaves out; no third coordinates where the robot moves in a plane."""
-        z_m = () if self._flat else tuple(z for _, _, z in self._physics.places())
-        return InSpace(z_m, tuple(self._physics.rolls()))
+        z_m = () if self._flat else tuple(z for _, _, z in self.physics.places())
+        return InSpace(z_m, tuple(self.physics.rolls()))
 
     @property
     def arcs_m(self) -> list[float]:
@@ -234,25 +235,39 @@ class SimulatedRobot:
     @property
     def duties(self) -> tuple[float, ...]:
         """Duties in force: of the joints at each wheel, then of the wheels."""
-        return tuple(self._physics.duties.tolist())
+        return tuple(self.physics.duties.tolist())
 
     def values(self, quantity: str) -> list[float]:
         """Return a quantity of every wheel after the last cycle; see `physics.QuantityLayout`."""
-        found: list[float] = self._physics.quantities[self._layout.block(quantity)].tolist()
+        found: list[float] = self.physics.quantities[self._layout.block(quantity)].tolist()
         return found
 
     def _middle(self) -> float:
         arcs = self.arcs_m
         return sum(arcs) / len(arcs)
 
+    def _is_outside(self) -> bool:
+        """Return whether every wheel is far from the pipe."""
+        if self._route.pieces[0].section == "bars":
+            arcs = self.arcs_m
+            return max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
+        if any(self.values("press")):
+            return False
+        # It may fall past an open end, or be in a pipe that is not on its route.
+        pieces = [piece for run in self._route.placement.runs.values() for piece in run]
+        return all(
+            piece.nearest(place, 0.0, piece.length_m)[0] >= _GONE_M
+            for place in self.physics.places()
+            for piece in pieces
+        )
+
     def _look_whether_gone(self) -> None:
         """Bring a robot that is far outside the pipe to rest, with zero torques and speeds."""
-        arcs = self.arcs_m
-        self.gone = max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
+        self.gone = self._is_outside()
         if self.gone:
             # It lies on the floor: the accelerometer measures its weight, in any pose.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):
-                self._physics.quantities[self._layout.at(axis)] = value
+                self.physics.quantities[self._layout.at(axis)] = value
 
 
 def _joint_duties(

@@ -86,11 +86,12 @@ def surroundings_of(
     scale = 1.0 + friction * jitter.friction
     scaled = {"static": coefficients.static * scale, "kinetic": coefficients.kinetic * scale}
     arc_m = pipe.start_of(chain.length_m) + start * jitter.start_m
+    roll = (pipe.start.roll if pipe.start else 0.0) - pipe.roll
     return Surroundings(
         route,
         coefficients.model_copy(update=scaled),
         scale,
-        stand(chain, route, arc_m, duties, -pipe.roll),
+        stand(chain, route, arc_m, duties, roll),
         tuple(Obstacle(each.at, each.from_s, each.lasting) for each in pipe.blockages),
     )
 

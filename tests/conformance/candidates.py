@@ -22,6 +22,7 @@ from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
 from pirate_sm.simulation.mujoco.world import World as MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
+from pirate_sm.simulation.xpbd.kinematic import kinematic
 from pirate_sm.simulation.xpbd.world import World
 from pirate_sm.testing import Candidate
 
@@ -113,6 +114,7 @@ def _places_behind_the_port(backend: Any) -> Sequence[tuple[float, float]]:
 CANDIDATES = {
     "trace": candidate(lambda seed: TraceBackend()),
     "sim": candidate(_simulator, _simulated_places),
+    "sim, round": candidate(lambda seed: _round(seed, kinematic), _simulated_places),
     "physics": candidate(lambda seed: _simulator(seed, MujocoWorld), _simulated_places),
     "physics, round": candidate(lambda seed: _round(seed, MujocoWorld), _simulated_places),
     "sim, obedient": candidate(lambda seed: _simulator(seed, ObedientPhysics), _simulated_places),

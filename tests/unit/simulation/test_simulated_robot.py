@@ -9,11 +9,13 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pirate_sm.model.pipe import Pipe, Start
+from pirate_sm.model.pipe import Attitude, Pipe, Start
+from pirate_sm.model.pipe_runs import Junction, PipeRun
 from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
+from pirate_sm.simulation.xpbd.kinematic import kinematic
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import World
 
@@ -103,3 +105,40 @@ def test_the_truth_between_bars_stays_in_its_plane(profile: Profile) -> None:
     assert truth.z_m == ()
     assert {z for _, _, z in truth.points} == {0.0}
     assert len(truth.walls) == 2
+
+
+@pytest.mark.parametrize("pitch", [-math.pi / 3, 0.0, math.pi / 2])
+def test_a_robot_that_leaves_a_round_pipe_is_gone_and_stays_a_number(
+    profile: Profile, pitch: float
+) -> None:
+    pipe = Pipe(
+        diameter=0.12, section="round", frame=Attitude(pitch=pitch), start=Start(at=0.8),
+        segments=(Straight(straight=1.0),),
+    )  # fmt: skip
+    robot = SimulatedRobot(profile, pipe, kinematic, seed=1)
+    duties = robot.physics.duties
+    # It drives out of the flat pipe, clamped; out of the others it slides.
+    if pitch == 0.0:
+        duties[1:5] = (-0.7, 0.7, -0.7, 0.7)
+        duties[6:] = (1.0, -1.0, 1.0, -1.0, 1.0, -1.0)
+    run(robot, 20.0)
+    assert robot.truth.gone
+    assert np.isfinite(robot.physics.quantities).all()
+
+
+def test_a_robot_in_a_pipe_that_is_not_on_its_route_is_not_gone(profile: Profile) -> None:
+    runs = {
+        "main": PipeRun(**{"from": "entry"}, to="t", segments=(Straight(straight=1.0),)),
+        "on": PipeRun(**{"from": "t.on"}, to="far", segments=(Straight(straight=3.0),)),
+        "side": PipeRun(**{"from": "t.branch"}, to="exit", segments=(Straight(straight=1.0),)),
+    }
+    pipe = Pipe(
+        diameter=0.12, section="round", runs=runs, junctions={"t": Junction(tee=math.pi / 2)},
+        routes={"in": ("main", "side")}, frame=Attitude(pitch=-math.pi / 2),
+        ends={"entry": "open", "far": "closed", "exit": "open"},
+    )  # fmt: skip
+    robot = SimulatedRobot(profile, pipe, kinematic, seed=1)
+    run(robot, 5.0)
+    lowest = max(x for x, _, _ in robot.physics.places())
+    assert lowest == pytest.approx(4.0 - 0.024, abs=2e-3)  # on the closed end
+    assert not robot.truth.gone

@@ -77,23 +77,22 @@ R_RATE, R_ANGLE, R_MOTOR = 6, 8, 9
 ROLL_ENTRIES = 10
 
 # `out` has a block for each of `physics.PER_WHEEL`, the entries `physics.SINGLE`, then the kernel's
-# own: the rolls of the two parts, and how deep a wheel or link has been in a wall, m.
+# own: the rolls of the two parts, and how deep a wheel or link has been in a wall so far, m.
 OUT_PER_WHEEL = 9
 OUT_SINGLE = 8
 OUT_ROLL_FRONT, OUT_ROLL_REAR, OUT_DEEPEST = range(3)
 OUT_OWN = 3
 
-# Scratch columns per wheel: place at the start of the substep, levers of the link behind it in the
-# plane of its front and of its rear end, gradients of its joint, and what is constant in a call.
-X0, Y0, Z0, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(9)
+# Scratch columns per wheel: the link behind it, its levers in the planes of its two ends, gradients
+# of its joint, and what is constant in a call.
+D_X, D_Y, D_Z, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(9)
 GA_X, GA_Y, GA_Z, GM_X, GM_Y, GM_Z, GB_X, GB_Y, GB_Z = range(9, 18)
 J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(18, 26)
 SPIN, FORCE, SLOPE, LINK_SCALE = range(26, 30)
-D_X, D_Y, D_Z = range(30, 33)
 # Coplanarity of the link behind the wheel: value, share of the roll link's tilt, of the roll,
 # inverse mass, impulse.
-P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(33, 38)
-_NODE_COLUMNS = 38
+P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(30, 35)
+_NODE_COLUMNS = 35
 # Scratch of the two parts: normal, `n x e`, roll in this substep, inverse inertia.
 N_X, N_Y, N_Z, N_BX, N_BY, N_BZ, N_ROLL, N_INV_I = range(8)
 _PART_COLUMNS = 8
@@ -203,26 +202,27 @@ def _foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> 
 
 
 @compiled
-def _on_edge(
-    x: float, y: float, z: float, edge: Floats, points: Floats, at: int, hit: Floats
-) -> int:
-    """Return the point of an edge nearest to a place, walking from point `at`.
-
-    `hit` gets the nearest place of the line, its squared distance and the number of that point.
-    """
-    first = int(edge[E_FIRST])
+def _beside(edge: Floats, at: int, step: int) -> int:
+    """Return the point of an edge that is `step` points on; -1 beyond its ends."""
     count = int(edge[E_COUNT])
-    closed = edge[E_CLOSED] != 0.0
+    k = at - int(edge[E_FIRST]) + step
+    if edge[E_CLOSED] != 0.0:
+        k = (k + count) % count
+    elif k < 0 or k >= count:
+        return -1
+    return k + int(edge[E_FIRST])
+
+
+@compiled
+def _walk(x: float, y: float, z: float, edge: Floats, points: Floats, at: int) -> int:
+    """Return the point of an edge nearest to a place, walking from point `at`."""
     best = np.inf
-    for _ in range(count):
+    for _ in range(int(edge[E_COUNT])):
         here = at
         for step in (-1, 0, 1):
-            k = here - first + step
-            if closed:
-                k = (k + count) % count
-            elif k < 0 or k >= count:
+            k = _beside(edge, here, step)
+            if k < 0:
                 continue
-            k += first
             dx = x - points[k, P_X]
             dy = y - points[k, P_Y]
             dz = z - points[k, P_Z]
@@ -232,17 +232,23 @@ def _on_edge(
                 at = k
         if at == here:
             break
-    hit[0] = points[at, P_X]
-    hit[1] = points[at, P_Y]
-    hit[2] = points[at, P_Z]
-    hit[3] = best
+    return at
+
+
+@compiled
+def _on_edge(
+    x: float, y: float, z: float, edge: Floats, points: Floats, at: int, hit: Floats
+) -> int:
+    """Return the point of an edge nearest to a place, walking from point `at`.
+
+    `hit` gets the nearest place of the line and its squared distance.
+    """
+    at = _walk(x, y, z, edge, points, at)
+    hit[3] = np.inf
     for step in (-1, 1):
-        k = at - first + step
-        if closed:
-            k = (k + count) % count
-        elif k < 0 or k >= count:
+        k = _beside(edge, at, step)
+        if k < 0:
             continue
-        k += first
         ex = points[k, P_X] - points[at, P_X]
         ey = points[k, P_Y] - points[at, P_Y]
         ez = points[k, P_Z] - points[at, P_Z]
@@ -264,11 +270,11 @@ def _on_edge(
 
 
 @compiled
-def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats) -> int:
-    """Return the point of an edge nearest to a place, of all of its points."""
+def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats, reach: float) -> int:
+    """Return the point of an edge nearest to a place; -1 if none is within reach."""
     first = int(edge[E_FIRST])
-    found = first
-    best = np.inf
+    found = -1
+    best = reach * reach
     for k in range(first, first + int(edge[E_COUNT])):
         dx = x - points[k, P_X]
         dy = y - points[k, P_Y]
@@ -281,15 +287,15 @@ def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats) -
 
 
 @compiled
-def _nearest_to_link(pos: Floats, m: int, edge: Floats, points: Floats) -> int:
-    """Return the point of an edge nearest to a link, of all of its points."""
+def _nearest_to_link(pos: Floats, m: int, edge: Floats, points: Floats, reach: float) -> int:
+    """Return the point of an edge nearest to a link; -1 if none is within reach."""
     first = int(edge[E_FIRST])
     ex = pos[m + 1, 0] - pos[m, 0]
     ey = pos[m + 1, 1] - pos[m, 1]
     ez = pos[m + 1, 2] - pos[m, 2]
     length2 = ex * ex + ey * ey + ez * ez
-    found = first
-    best = np.inf
+    found = -1
+    best = reach * reach
     for k in range(first, first + int(edge[E_COUNT])):
         dx = points[k, P_X] - pos[m, 0]
         dy = points[k, P_Y] - pos[m, 1]
@@ -310,6 +316,7 @@ def _look_around(
     n: int,
     pos: Floats,
     vel: Floats,
+    body: Floats,
     solids: Floats,
     edges: Floats,
     points: Floats,
@@ -325,7 +332,7 @@ def _look_around(
 
     Writes the numbers of the solids near a wheel to `near`, how many to `nears`; for each edge the
     nearest point, -1 where the edge is far, to `rim_at` and `link_at`; and in `rims` whether any is
-    near.
+    near, 0 or more.
     """
     for i in range(n):
         x = pos[i, 0]
@@ -356,23 +363,42 @@ def _look_around(
             rim_at[i, k] = -1
             link_at[i, k] = -1
             if away2 < (edges[k, E_RADIUS] + reach) ** 2:
-                rim_at[i, k] = _nearest_point(x, y, z, edges[k], points)
-                rims[i] = 1
+                rim_at[i, k] = _nearest_point(x, y, z, edges[k], points, reach)
+                rims[i] = max(rims[i], rim_at[i, k] + 1)
             if i == n - 1:
                 continue
             dx += 0.5 * (pos[i + 1, 0] - x)
             dy += 0.5 * (pos[i + 1, 1] - y)
             dz += 0.5 * (pos[i + 1, 2] - z)
-            half = (
-                np.sqrt(
-                    (pos[i + 1, 0] - x) ** 2 + (pos[i + 1, 1] - y) ** 2 + (pos[i + 1, 2] - z) ** 2
-                )
-                / 2.0
-            )
             away2 = dx * dx + dy * dy + dz * dz
-            if away2 < (edges[k, E_RADIUS] + half + reach) ** 2:
-                link_at[i, k] = _nearest_to_link(pos, i, edges[k], points)
-                rims[i] = 1
+            if away2 < (edges[k, E_RADIUS] + 0.5 * body[i, LINK_LENGTH] + reach) ** 2:
+                link_at[i, k] = _nearest_to_link(pos, i, edges[k], points, reach)
+                rims[i] = max(rims[i], link_at[i, k] + 1)
+
+
+@compiled
+def _faces_edge(
+    x: float, y: float, z: float, solids: Floats, edge: Floats, reach: float, hit: Floats
+) -> bool:
+    """Return whether an edge is near a point, and none of the walls that meet there counts.
+
+    `hit` has what `_on_edge` wrote; it gets what `_foot` writes.
+    """
+    if hit[3] >= reach * reach or hit[3] == 0.0:
+        return False
+    away = np.sqrt(hit[3])
+    nx = (x - hit[0]) / away
+    ny = (y - hit[1]) / away
+    nz = (z - hit[2]) / away
+    for m in range(3):
+        solid = int(edge[E_ONE + m])
+        if solid >= 0 and _foot(x, y, z, solids, solid, hit):
+            return False
+    hit[0] = nx
+    hit[1] = ny
+    hit[2] = nz
+    hit[3] = away
+    return True
 
 
 @compiled
@@ -425,24 +451,8 @@ def _find_contacts(
                     continue
                 at = _on_edge(x, y, z, edges[k], points, rim_at[i, k], hit)
                 rim_at[i, k] = at
-                if hit[3] >= reach * reach or hit[3] == 0.0:
-                    continue
-                away = np.sqrt(hit[3])
-                nx = (x - hit[0]) / away
-                ny = (y - hit[1]) / away
-                nz = (z - hit[2]) / away
-                beside = False
-                for m in range(3):
-                    solid = int(edges[k, E_ONE + m])
-                    if solid >= 0 and _foot(x, y, z, solids, solid, hit):
-                        beside = True
-                if beside:
-                    continue
-                hit[0] = nx
-                hit[1] = ny
-                hit[2] = nz
-                hit[3] = away
-                count = _touch(count, i, solids.shape[0] + k, hit, world, con, who)
+                if _faces_edge(x, y, z, solids, edges[k], reach, hit):
+                    count = _touch(count, i, solids.shape[0] + k, hit, world, con, who)
         if world[BLOCK_NODE] == i:
             hit[0] = world[BLOCK_NX]
             hit[1] = world[BLOCK_NY]
@@ -458,6 +468,103 @@ def _find_contacts(
 
 
 @compiled
+def _face(c: int, p: int, radius: float, parts: Floats, con: Floats) -> float:
+    """Write the directions of driving and sliding of a contact; return the sine axle to normal.
+
+    Sliding = s dp + r s (e x N) d roll, with e = b x n. A wheel that lies on its side does not
+    roll, and any direction in the wall will do: then the sine is 0.
+    """
+    nx = con[c, NX]
+    ny = con[c, NY]
+    nz = con[c, NZ]
+    ax = parts[p, N_X]
+    ay = parts[p, N_Y]
+    az = parts[p, N_Z]
+    bx = parts[p, N_BX]
+    by = parts[p, N_BY]
+    bz = parts[p, N_BZ]
+    ex = by * az - bz * ay
+    ey = bz * ax - bx * az
+    ez = bx * ay - by * ax
+    tx = ay * nz - az * ny
+    ty = az * nx - ax * nz
+    tz = ax * ny - ay * nx
+    sine = np.sqrt(tx * tx + ty * ty + tz * tz)
+    length = sine
+    if sine < _LEAST_ROLLING:
+        tx = by * nz - bz * ny
+        ty = bz * nx - bx * nz
+        tz = bx * ny - by * nx
+        length = np.sqrt(tx * tx + ty * ty + tz * tz)
+        sine = 0.0
+    tx /= length
+    ty /= length
+    tz /= length
+    sx = ny * tz - nz * ty
+    sy = nz * tx - nx * tz
+    sz = nx * ty - ny * tx
+    turn = sx * (ey * nz - ez * ny) + sy * (ez * nx - ex * nz) + sz * (ex * ny - ey * nx)
+    con[c, GI_X] = tx
+    con[c, GI_Y] = ty
+    con[c, GI_Z] = tz
+    con[c, SX] = sx
+    con[c, SY] = sy
+    con[c, SZ] = sz
+    con[c, S_TURN] = turn * radius
+    return float(sine)
+
+
+@compiled
+def _recall(
+    c: int, i: int, body: Floats, world: Floats, anchor: Floats, con: Floats, who: Ints
+) -> None:
+    """Set the targets of a contact to what its wheel has kept there, and its friction."""
+    drive = 0.0
+    side = 0.0
+    for k in range(0, 3 * _ANCHORS, 3):
+        if anchor[i, k] == who[c, SURFACE] + 1.0:
+            drive = anchor[i, k + 1]
+            side = anchor[i, k + 2]
+    slipped = _SLIPPED * world[ANCHOR_MAX]
+    slipping = drive * drive + side * side >= slipped * slipped
+    con[c, K_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
+    con[c, TARGET] = drive
+    con[c, S_TARGET] = side
+
+
+@compiled
+def _gear(c: int, i: int, sine: float, body: Floats, world: Floats, w: Floats, con: Floats) -> int:
+    """Let a contact drive: its lever, its motor's limits; return the other wheel of the lever.
+
+    The motor reacts on its link: rolling = t dp - r sine (d link angle + d wheel angle).
+    """
+    radius = world[RADIUS] * sine
+    link = int(body[i, MOTOR_LINK])
+    other = link
+    column = LR_X
+    lever = -radius
+    if link == i:
+        other = link + 1
+        column = LF_X
+        lever = radius
+    own = 0.0
+    across = 0.0
+    for k in range(3):
+        reaction = lever * w[link, column + k]
+        con[c, GI_X + k] -= reaction
+        con[c, GO_X + k] = reaction
+        own += con[c, GI_X + k] ** 2
+        across += reaction * reaction
+    con[c, K_RADIUS] = radius
+    con[c, K_FORCE] = w[i, FORCE] / sine
+    con[c, K_SLOPE] = w[i, SLOPE] * sine * sine
+    con[c, TARGET] += w[i, SPIN] * radius
+    mass_inv = body[i, MASS_INV] * own + body[other, MASS_INV] * across
+    con[c, DRIVE_INV] = 1.0 / (mass_inv + con[c, K_SLOPE])
+    return other
+
+
+@compiled
 def _prepare_contacts(
     count: int,
     body: Floats,
@@ -468,11 +575,7 @@ def _prepare_contacts(
     con: Floats,
     who: Ints,
 ) -> None:
-    """Set gradients, masses, limits and targets of the contacts, and zero their impulses.
-
-    The wheel's motor reacts on its link: rolling = t dp - r q (d link angle + d wheel angle), with
-    q the sine between axle and normal. Sliding = s dp + r s (e x N) d roll, e = b x n.
-    """
+    """Set gradients, masses, limits and targets of the contacts, and zero their impulses."""
     compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
     for c in range(count):
         i = who[c, NODE]
@@ -482,127 +585,51 @@ def _prepare_contacts(
         con[c, PUSH] = 0.0
         con[c, DRIVE] = 0.0
         con[c, SIDE] = 0.0
-        con[c, K_MU] = 0.0
         con[c, PUSH_INV] = 1.0 / (body[i, MASS_INV] + compliance)
         if who[c, SURFACE] < 0:
+            con[c, K_MU] = 0.0
             continue
-        nx = con[c, NX]
-        ny = con[c, NY]
-        nz = con[c, NZ]
-        ax = parts[p, N_X]
-        ay = parts[p, N_Y]
-        az = parts[p, N_Z]
-        tx = ay * nz - az * ny
-        ty = az * nx - ax * nz
-        tz = ax * ny - ay * nx
-        q = np.sqrt(tx * tx + ty * ty + tz * tz)
-        rolls = q >= _LEAST_ROLLING
-        if not rolls:
-            # It lies on its side: any direction in the wall will do, and its motor does nothing.
-            ax = parts[p, N_BX]
-            ay = parts[p, N_BY]
-            az = parts[p, N_BZ]
-            tx = ay * nz - az * ny
-            ty = az * nx - ax * nz
-            tz = ax * ny - ay * nx
-            q = np.sqrt(tx * tx + ty * ty + tz * tz)
-        tx /= q
-        ty /= q
-        tz /= q
-        sx = ny * tz - nz * ty
-        sy = nz * tx - nx * tz
-        sz = nx * ty - ny * tx
-        con[c, SX] = sx
-        con[c, SY] = sy
-        con[c, SZ] = sz
-        # e = b x n
-        bx = parts[p, N_BX]
-        by = parts[p, N_BY]
-        bz = parts[p, N_BZ]
-        ex = by * parts[p, N_Z] - bz * parts[p, N_Y]
-        ey = bz * parts[p, N_X] - bx * parts[p, N_Z]
-        ez = bx * parts[p, N_Y] - by * parts[p, N_X]
-        turn = sx * (ey * nz - ez * ny) + sy * (ez * nx - ex * nz) + sz * (ex * ny - ey * nx)
-        con[c, S_TURN] = turn * world[RADIUS]
-        held_t = 0.0
-        held_s = 0.0
-        for k in range(_ANCHORS):
-            if anchor[i, 3 * k] == who[c, SURFACE] + 1.0:
-                held_t = anchor[i, 3 * k + 1]
-                held_s = anchor[i, 3 * k + 2]
-        held = np.sqrt(held_t * held_t + held_s * held_s)
-        slipping = held >= _SLIPPED * world[ANCHOR_MAX]
-        con[c, K_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
-        con[c, GI_X] = tx
-        con[c, GI_Y] = ty
-        con[c, GI_Z] = tz
-        con[c, TARGET] = held_t
-        con[c, S_TARGET] = held_s
+        sine = _face(c, p, world[RADIUS], parts, con)
+        _recall(c, i, body, world, anchor, con, who)
+        con[c, SIDE_INV] = 1.0 / (body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I])
+        if sine > 0.0:
+            who[c, OTHER] = _gear(c, i, sine, body, world, w, con)
+            continue
+        con[c, K_RADIUS] = 0.0
         con[c, K_SLOPE] = 0.0
         con[c, K_FORCE] = np.inf
-        con[c, K_RADIUS] = 0.0
-        con[c, GO_X] = 0.0
-        con[c, GO_Y] = 0.0
-        con[c, GO_Z] = 0.0
-        mass_inv = body[i, MASS_INV]
-        if rolls:
-            radius = world[RADIUS] * q
-            con[c, K_RADIUS] = radius
-            link = int(body[i, MOTOR_LINK])
-            if link == i:
-                hx = radius * w[link, LF_X]
-                hy = radius * w[link, LF_Y]
-                hz = radius * w[link, LF_Z]
-                other = link + 1
-            else:
-                hx = -radius * w[link, LR_X]
-                hy = -radius * w[link, LR_Y]
-                hz = -radius * w[link, LR_Z]
-                other = link
-            who[c, OTHER] = other
-            con[c, GI_X] = tx - hx
-            con[c, GI_Y] = ty - hy
-            con[c, GI_Z] = tz - hz
-            con[c, GO_X] = hx
-            con[c, GO_Y] = hy
-            con[c, GO_Z] = hz
-            con[c, K_FORCE] = w[i, FORCE] / q
-            con[c, K_SLOPE] = w[i, SLOPE] * q * q
-            con[c, TARGET] += w[i, SPIN] * radius
-            mass_inv *= con[c, GI_X] ** 2 + con[c, GI_Y] ** 2 + con[c, GI_Z] ** 2
-            mass_inv += body[other, MASS_INV] * (hx * hx + hy * hy + hz * hz)
-        con[c, DRIVE_INV] = 1.0 / (mass_inv + con[c, K_SLOPE])
-        con[c, SIDE_INV] = 1.0 / (body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I])
+        con[c, DRIVE_INV] = 1.0 / body[i, MASS_INV]
+        for k in range(3):
+            con[c, GO_X + k] = 0.0
 
 
 @compiled
-def _rolled(c: int, i: int, o: int, pos: Floats, w: Floats, con: Floats) -> float:
+def _rolled(c: int, i: int, o: int, mov: Floats, con: Floats) -> float:
     """Return how far a wheel without its motor would have rolled along the wall."""
-    own = con[c, GI_X] * (pos[i, 0] - w[i, X0])
-    own += con[c, GI_Y] * (pos[i, 1] - w[i, Y0])
-    own += con[c, GI_Z] * (pos[i, 2] - w[i, Z0])
-    other = con[c, GO_X] * (pos[o, 0] - w[o, X0])
-    other += con[c, GO_Y] * (pos[o, 1] - w[o, Y0])
-    other += con[c, GO_Z] * (pos[o, 2] - w[o, Z0])
+    own = con[c, GI_X] * mov[i, 0]
+    own += con[c, GI_Y] * mov[i, 1]
+    own += con[c, GI_Z] * mov[i, 2]
+    other = con[c, GO_X] * mov[o, 0]
+    other += con[c, GO_Y] * mov[o, 1]
+    other += con[c, GO_Z] * mov[o, 2]
     return float(own + other)
 
 
 @compiled
-def _slid(c: int, i: int, pos: Floats, w: Floats, parts: Floats, con: Floats, p: int) -> float:
+def _slid(c: int, i: int, mov: Floats, parts: Floats, con: Floats, p: int) -> float:
     """Return how far a wheel has slid along its axle."""
-    slid = con[c, SX] * (pos[i, 0] - w[i, X0])
-    slid += con[c, SY] * (pos[i, 1] - w[i, Y0])
-    slid += con[c, SZ] * (pos[i, 2] - w[i, Z0])
+    slid = con[c, SX] * mov[i, 0]
+    slid += con[c, SY] * mov[i, 1]
+    slid += con[c, SZ] * mov[i, 2]
     return float(slid + con[c, S_TURN] * parts[p, N_ROLL])
 
 
 @compiled
 def _solve_contacts(
     count: int,
-    pos: Floats,
+    mov: Floats,
     body: Floats,
     compliance: float,
-    w: Floats,
     parts: Floats,
     con: Floats,
     who: Ints,
@@ -611,27 +638,36 @@ def _solve_contacts(
     for c in range(count):
         i = who[c, NODE]
         inv = body[i, MASS_INV]
-        gap = con[c, GAP] + con[c, NX] * (pos[i, 0] - w[i, X0])
-        gap += con[c, NY] * (pos[i, 1] - w[i, Y0])
-        gap += con[c, NZ] * (pos[i, 2] - w[i, Z0])
-        new = max(0.0, con[c, PUSH] - (gap + compliance * con[c, PUSH]) * con[c, PUSH_INV])
-        step = inv * (new - con[c, PUSH])
+        # What a wheel moves stays in registers until it is known.
+        x = mov[i, 0]
+        y = mov[i, 1]
+        z = mov[i, 2]
+        push = con[c, PUSH]
+        gap = con[c, GAP] + con[c, NX] * x + con[c, NY] * y + con[c, NZ] * z
+        new = max(0.0, push - (gap + compliance * push) * con[c, PUSH_INV])
+        step = inv * (new - push)
         con[c, PUSH] = new
-        pos[i, 0] += step * con[c, NX]
-        pos[i, 1] += step * con[c, NY]
-        pos[i, 2] += step * con[c, NZ]
+        x += step * con[c, NX]
+        y += step * con[c, NY]
+        z += step * con[c, NZ]
         limit = con[c, K_MU] * new
         drive = con[c, DRIVE]
         side = con[c, SIDE]
         if con[c, K_MU] == 0.0 or (limit == 0.0 and drive == 0.0 and side == 0.0):
+            mov[i, 0] = x
+            mov[i, 1] = y
+            mov[i, 2] = z
             continue
         o = who[c, OTHER]
         p = who[c, PART]
-        left = con[c, TARGET] - _rolled(c, i, o, pos, w, con) - con[c, K_SLOPE] * drive
+        rolled = con[c, GI_X] * x + con[c, GI_Y] * y + con[c, GI_Z] * z
+        rolled += con[c, GO_X] * mov[o, 0] + con[c, GO_Y] * mov[o, 1] + con[c, GO_Z] * mov[o, 2]
+        slid = con[c, SX] * x + con[c, SY] * y + con[c, SZ] * z
+        slid += con[c, S_TURN] * parts[p, N_ROLL]
+        left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
         to_drive = drive + left * con[c, DRIVE_INV]
         to_drive = min(max(to_drive, -con[c, K_FORCE]), con[c, K_FORCE])
-        left = con[c, S_TARGET] - _slid(c, i, pos, w, parts, con, p)
-        to_side = side + left * con[c, SIDE_INV]
+        to_side = side + (con[c, S_TARGET] - slid) * con[c, SIDE_INV]
         both2 = to_drive * to_drive + to_side * to_side
         if both2 > limit * limit:
             share = limit / np.sqrt(both2)
@@ -641,14 +677,14 @@ def _solve_contacts(
         con[c, SIDE] = to_side
         drive = to_drive - drive
         side = to_side - side
-        pos[i, 0] += inv * (drive * con[c, GI_X] + side * con[c, SX])
-        pos[i, 1] += inv * (drive * con[c, GI_Y] + side * con[c, SY])
-        pos[i, 2] += inv * (drive * con[c, GI_Z] + side * con[c, SZ])
+        mov[i, 0] = x + inv * (drive * con[c, GI_X] + side * con[c, SX])
+        mov[i, 1] = y + inv * (drive * con[c, GI_Y] + side * con[c, SY])
+        mov[i, 2] = z + inv * (drive * con[c, GI_Z] + side * con[c, SZ])
         parts[p, N_ROLL] += parts[p, N_INV_I] * con[c, S_TURN] * side
         step = body[o, MASS_INV] * drive
-        pos[o, 0] += step * con[c, GO_X]
-        pos[o, 1] += step * con[c, GO_Y]
-        pos[o, 2] += step * con[c, GO_Z]
+        mov[o, 0] += step * con[c, GO_X]
+        mov[o, 1] += step * con[c, GO_Y]
+        mov[o, 2] += step * con[c, GO_Z]
 
 
 @compiled
@@ -790,7 +826,7 @@ def _find_leaning(
 
 @compiled
 def _solve_leaning(
-    count: int, pos: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
+    count: int, mov: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
 ) -> None:
     """Push each link that leans on something clear of it once."""
     for c in range(count):
@@ -798,23 +834,23 @@ def _solve_leaning(
         behind = cor[c, K_SHARE]
         ahead = 1.0 - behind
         gap = cor[c, K_GAP]
-        gap += cor[c, K_NX] * ahead * (pos[m, 0] - w[m, X0])
-        gap += cor[c, K_NY] * ahead * (pos[m, 1] - w[m, Y0])
-        gap += cor[c, K_NZ] * ahead * (pos[m, 2] - w[m, Z0])
-        gap += cor[c, K_NX] * behind * (pos[m + 1, 0] - w[m + 1, X0])
-        gap += cor[c, K_NY] * behind * (pos[m + 1, 1] - w[m + 1, Y0])
-        gap += cor[c, K_NZ] * behind * (pos[m + 1, 2] - w[m + 1, Z0])
+        gap += cor[c, K_NX] * ahead * mov[m, 0]
+        gap += cor[c, K_NY] * ahead * mov[m, 1]
+        gap += cor[c, K_NZ] * ahead * mov[m, 2]
+        gap += cor[c, K_NX] * behind * mov[m + 1, 0]
+        gap += cor[c, K_NY] * behind * mov[m + 1, 1]
+        gap += cor[c, K_NZ] * behind * mov[m + 1, 2]
         new = max(0.0, cor[c, K_PUSH] - (gap + compliance * cor[c, K_PUSH]) * cor[c, K_INV])
         delta = new - cor[c, K_PUSH]
         cor[c, K_PUSH] = new
         step = body[m, MASS_INV] * ahead * delta
-        pos[m, 0] += step * cor[c, K_NX]
-        pos[m, 1] += step * cor[c, K_NY]
-        pos[m, 2] += step * cor[c, K_NZ]
+        mov[m, 0] += step * cor[c, K_NX]
+        mov[m, 1] += step * cor[c, K_NY]
+        mov[m, 2] += step * cor[c, K_NZ]
         step = body[m + 1, MASS_INV] * behind * delta
-        pos[m + 1, 0] += step * cor[c, K_NX]
-        pos[m + 1, 1] += step * cor[c, K_NY]
-        pos[m + 1, 2] += step * cor[c, K_NZ]
+        mov[m + 1, 0] += step * cor[c, K_NX]
+        mov[m + 1, 1] += step * cor[c, K_NY]
+        mov[m + 1, 2] += step * cor[c, K_NZ]
 
 
 @compiled
@@ -921,45 +957,41 @@ def _lie_in_planes(n: int, body: Floats, world: Floats, w: Floats, parts: Floats
 
 @compiled
 def _solve_planes(
-    n: int, pos: Floats, body: Floats, world: Floats, w: Floats, parts: Floats
+    n: int, mov: Floats, body: Floats, world: Floats, w: Floats, parts: Floats, off: Floats
 ) -> None:
-    """Bring each link into the plane of its part once."""
+    """Bring each link into the plane of its part once.
+
+    `off` has two rows: how far each wheel has moved out of the plane, and before this.
+    """
     r = int(world[ROLL_LINK])
     compliance = _PLANE_COMPLIANCE_M_N / (world[DT] * world[DT])
-    for m in range(n - 1):
-        if m == r:
-            continue
-        p = 0 if m < r else 1
+    for p in range(2):
+        first = 0 if p == 0 else r
+        last = r + 1 if p == 0 else n - 1
         nx = parts[p, N_X]
         ny = parts[p, N_Y]
         nz = parts[p, N_Z]
-        tilt = w[m, P_TILT]
-        ahead = nx * (pos[m, 0] - w[m, X0] - pos[m + 1, 0] + w[m + 1, X0])
-        ahead += ny * (pos[m, 1] - w[m, Y0] - pos[m + 1, 1] + w[m + 1, Y0])
-        ahead += nz * (pos[m, 2] - w[m, Z0] - pos[m + 1, 2] + w[m + 1, Z0])
-        tilted = nx * (pos[r, 0] - w[r, X0] - pos[r + 1, 0] + w[r + 1, X0])
-        tilted += ny * (pos[r, 1] - w[r, Y0] - pos[r + 1, 1] + w[r + 1, Y0])
-        tilted += nz * (pos[r, 2] - w[r, Z0] - pos[r + 1, 2] + w[r + 1, Z0])
-        value = w[m, P_C] + ahead - tilt * tilted + w[m, P_ROLL] * parts[p, N_ROLL]
-        delta = -(value + compliance * w[m, P_LAM]) * w[m, P_INV]
-        w[m, P_LAM] += delta
-        step = body[m, MASS_INV] * delta
-        pos[m, 0] += step * nx
-        pos[m, 1] += step * ny
-        pos[m, 2] += step * nz
-        step = body[m + 1, MASS_INV] * delta
-        pos[m + 1, 0] -= step * nx
-        pos[m + 1, 1] -= step * ny
-        pos[m + 1, 2] -= step * nz
-        step = body[r, MASS_INV] * delta * tilt
-        pos[r, 0] -= step * nx
-        pos[r, 1] -= step * ny
-        pos[r, 2] -= step * nz
-        step = body[r + 1, MASS_INV] * delta * tilt
-        pos[r + 1, 0] += step * nx
-        pos[r + 1, 1] += step * ny
-        pos[r + 1, 2] += step * nz
-        parts[p, N_ROLL] += parts[p, N_INV_I] * w[m, P_ROLL] * delta
+        for i in range(first, last + 1):
+            off[0, i] = nx * mov[i, 0] + ny * mov[i, 1] + nz * mov[i, 2]
+            off[1, i] = off[0, i]
+        for m in range(first, last):
+            if m == r:
+                continue
+            tilt = w[m, P_TILT]
+            value = w[m, P_C] + off[0, m] - off[0, m + 1]
+            value += w[m, P_ROLL] * parts[p, N_ROLL] - tilt * (off[0, r] - off[0, r + 1])
+            delta = -(value + compliance * w[m, P_LAM]) * w[m, P_INV]
+            w[m, P_LAM] += delta
+            off[0, m] += body[m, MASS_INV] * delta
+            off[0, m + 1] -= body[m + 1, MASS_INV] * delta
+            off[0, r] -= body[r, MASS_INV] * delta * tilt
+            off[0, r + 1] += body[r + 1, MASS_INV] * delta * tilt
+            parts[p, N_ROLL] += parts[p, N_INV_I] * w[m, P_ROLL] * delta
+        for i in range(first, last + 1):
+            step = off[0, i] - off[1, i]
+            mov[i, 0] += step * nx
+            mov[i, 1] += step * ny
+            mov[i, 2] += step * nz
 
 
 @compiled
@@ -993,12 +1025,7 @@ def _begin(
     """
     dt = world[DT]
     r = int(world[ROLL_LINK])
-    for i in range(n):
-        w[i, X0] = pos[i, 0]
-        w[i, Y0] = pos[i, 1]
-        w[i, Z0] = pos[i, 2]
-        if i == n - 1:
-            break
+    for i in range(n - 1):
         dx = pos[i, 0] - pos[i + 1, 0]
         dy = pos[i, 1] - pos[i + 1, 1]
         dz = pos[i, 2] - pos[i + 1, 2]
@@ -1059,13 +1086,13 @@ def _begin(
 
 
 @compiled
-def _predict(n: int, pos: Floats, vel: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
+def _predict(n: int, mov: Floats, vel: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
     """Move the wheels as gravity alone would, and roll the parts on."""
     dt = world[DT]
     for i in range(n):
-        pos[i, 0] += dt * (vel[i, 0] + dt * world[G_X])
-        pos[i, 1] += dt * (vel[i, 1] + dt * world[G_Y])
-        pos[i, 2] += dt * (vel[i, 2] + dt * world[G_Z])
+        mov[i, 0] = dt * (vel[i, 0] + dt * world[G_X])
+        mov[i, 1] = dt * (vel[i, 1] + dt * world[G_Y])
+        mov[i, 2] = dt * (vel[i, 2] + dt * world[G_Z])
     for p in range(2):
         parts[p, N_ROLL] = dt * roll[R_RATE + p]
 
@@ -1090,20 +1117,20 @@ def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Flo
 
 @compiled
 def _solve_joints(
-    n: int, pos: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
+    n: int, mov: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
 ) -> None:
     """Pull each joint once towards its motor-side angle through its spring."""
     for i in range(1, n - 1):
         # Three short sums, because one long sum would wait for each of its terms in turn.
-        ahead = w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
-        ahead += w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
-        ahead += w[i, GA_Z] * (pos[i - 1, 2] - w[i - 1, Z0])
-        middle = w[i, GM_X] * (pos[i, 0] - w[i, X0])
-        middle += w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
-        middle += w[i, GM_Z] * (pos[i, 2] - w[i, Z0])
-        behind = w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
-        behind += w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
-        behind += w[i, GB_Z] * (pos[i + 1, 2] - w[i + 1, Z0])
+        ahead = w[i, GA_X] * mov[i - 1, 0]
+        ahead += w[i, GA_Y] * mov[i - 1, 1]
+        ahead += w[i, GA_Z] * mov[i - 1, 2]
+        middle = w[i, GM_X] * mov[i, 0]
+        middle += w[i, GM_Y] * mov[i, 1]
+        middle += w[i, GM_Z] * mov[i, 2]
+        behind = w[i, GB_X] * mov[i + 1, 0]
+        behind += w[i, GB_Y] * mov[i + 1, 1]
+        behind += w[i, GB_Z] * mov[i + 1, 2]
         turned = behind + middle + ahead
         left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
         delta = left * w[i, J_INV]
@@ -1112,37 +1139,37 @@ def _solve_joints(
         if w[i, J_RESISTS] != 0.0:
             delta += _resist(i, turned, bend[i], body, dt2, w)
         step = body[i - 1, MASS_INV] * delta
-        pos[i - 1, 0] += step * w[i, GA_X]
-        pos[i - 1, 1] += step * w[i, GA_Y]
-        pos[i - 1, 2] += step * w[i, GA_Z]
+        mov[i - 1, 0] += step * w[i, GA_X]
+        mov[i - 1, 1] += step * w[i, GA_Y]
+        mov[i - 1, 2] += step * w[i, GA_Z]
         step = body[i, MASS_INV] * delta
-        pos[i, 0] += step * w[i, GM_X]
-        pos[i, 1] += step * w[i, GM_Y]
-        pos[i, 2] += step * w[i, GM_Z]
+        mov[i, 0] += step * w[i, GM_X]
+        mov[i, 1] += step * w[i, GM_Y]
+        mov[i, 2] += step * w[i, GM_Z]
         step = body[i + 1, MASS_INV] * delta
-        pos[i + 1, 0] += step * w[i, GB_X]
-        pos[i + 1, 1] += step * w[i, GB_Y]
-        pos[i + 1, 2] += step * w[i, GB_Z]
+        mov[i + 1, 0] += step * w[i, GB_X]
+        mov[i + 1, 1] += step * w[i, GB_Y]
+        mov[i + 1, 2] += step * w[i, GB_Z]
 
 
 @compiled
-def _solve_links(n: int, pos: Floats, body: Floats, w: Floats) -> None:
+def _solve_links(n: int, mov: Floats, body: Floats, w: Floats) -> None:
     """Bring each link back to its length once."""
     for m in range(n - 1):
-        dx = pos[m, 0] - pos[m + 1, 0]
-        dy = pos[m, 1] - pos[m + 1, 1]
-        dz = pos[m, 2] - pos[m + 1, 2]
+        dx = w[m, D_X] + mov[m, 0] - mov[m + 1, 0]
+        dy = w[m, D_Y] + mov[m, 1] - mov[m + 1, 1]
+        dz = w[m, D_Z] + mov[m, 2] - mov[m + 1, 2]
         # (d^2 - l^2) / 2l has the same root as d - l and needs no square root.
         scale = body[m, LINK_LENGTH] ** 2 - dx * dx - dy * dy - dz * dz
         scale *= w[m, LINK_SCALE]
         ahead = scale * body[m, MASS_INV]
         behind = scale * body[m + 1, MASS_INV]
-        pos[m, 0] += ahead * dx
-        pos[m, 1] += ahead * dy
-        pos[m, 2] += ahead * dz
-        pos[m + 1, 0] -= behind * dx
-        pos[m + 1, 1] -= behind * dy
-        pos[m + 1, 2] -= behind * dz
+        mov[m, 0] += ahead * dx
+        mov[m, 1] += ahead * dy
+        mov[m, 2] += ahead * dz
+        mov[m + 1, 0] -= behind * dx
+        mov[m + 1, 1] -= behind * dy
+        mov[m + 1, 2] -= behind * dz
 
 
 @compiled
@@ -1159,10 +1186,21 @@ def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: F
 
 
 @compiled
+def _remember(anchor: Floats, surface: float, drive: float, side: float) -> None:
+    """Keep what a wheel has left unsolved at a surface, where there is room."""
+    for k in range(0, 3 * _ANCHORS, 3):
+        if anchor[k] == 0.0:
+            anchor[k] = surface
+            anchor[k + 1] = drive
+            anchor[k + 2] = side
+            return
+
+
+@compiled
 def _turn_wheels(
     n: int,
     count: int,
-    pos: Floats,
+    mov: Floats,
     wheel: Floats,
     anchor: Floats,
     world: Floats,
@@ -1187,9 +1225,9 @@ def _turn_wheels(
         i = who[c, NODE]
         drive = con[c, DRIVE]
         side = con[c, SIDE]
-        rolled = _rolled(c, i, who[c, OTHER], pos, w, con)
+        rolled = _rolled(c, i, who[c, OTHER], mov, con)
         left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
-        aside = con[c, S_TARGET] - _slid(c, i, pos, w, parts, con, who[c, PART])
+        aside = con[c, S_TARGET] - _slid(c, i, mov, parts, con, who[c, PART])
         tally[i, T_DRIVE] += abs(drive) * con[c, K_RADIUS]
         tally[i, T_GRIP] += drive
         friction = con[c, K_MU] * con[c, PUSH]
@@ -1203,12 +1241,7 @@ def _turn_wheels(
         if away > most:
             left *= most / away
             aside *= most / away
-        for k in range(_ANCHORS):
-            if anchor[i, 3 * k] == 0.0:
-                anchor[i, 3 * k] = who[c, SURFACE] + 1.0
-                anchor[i, 3 * k + 1] = left
-                anchor[i, 3 * k + 2] = aside
-                break
+        _remember(anchor[i], who[c, SURFACE] + 1.0, left, aside)
         if touch[i] == c:
             if con[c, K_RADIUS] == 0.0 or (slips and not stalled):
                 wheel[i] += w[i, SPIN]
@@ -1409,6 +1442,8 @@ def advance(
     read = state[S_READ * n : S_ROLL * n]
     roll = state[S_ROLL * n : S_ROLL * n + ROLL_ENTRIES]
     w = np.zeros((n, _NODE_COLUMNS))
+    mov = np.zeros((n, 3))
+    off = np.empty((2, n))
     parts = np.zeros((2, _PART_COLUMNS))
     tally = np.zeros((n, _T_COLUMNS))
     con = np.empty((_CONTACTS_EACH * n, _CONTACT_COLUMNS))
@@ -1434,7 +1469,7 @@ def advance(
     parts[1, N_INV_I] = 1.0 / world[INERTIA_REAR]
     _prepare(n, command, body, world, w)
     _look_around(
-        n, pos, vel, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
+        n, pos, vel, body, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
     )
     current = 0.0
     deepest = 0.0
@@ -1455,21 +1490,24 @@ def advance(
             deepest = min(deepest, con[c, GAP])
         for c in range(leans):
             deepest = min(deepest, cor[c, K_GAP])
-        _predict(n, pos, vel, roll, world, parts)
+        _predict(n, mov, vel, roll, world, parts)
         twist = 0.0
         for _ in range(int(world[ITERATIONS])):
-            _solve_joints(n, pos, bend, motor, body, dt * dt, w)
-            _solve_planes(n, pos, body, world, w, parts)
+            _solve_joints(n, mov, bend, motor, body, dt * dt, w)
+            _solve_planes(n, mov, body, world, w, parts, off)
             twist = _solve_twist(roll, parts, dt, twist)
-            _solve_contacts(count, pos, body, compliance, w, parts, con, who)
-            _solve_leaning(leans, pos, body, compliance, w, cor, leaning)
-            _solve_links(n, pos, body, w)
+            _solve_contacts(count, mov, body, compliance, parts, con, who)
+            _solve_leaning(leans, mov, body, compliance, w, cor, leaning)
+            _solve_links(n, mov, body, w)
         for i in range(n):
-            vel[i, 0] = (pos[i, 0] - w[i, X0]) / dt
-            vel[i, 1] = (pos[i, 1] - w[i, Y0]) / dt
-            vel[i, 2] = (pos[i, 2] - w[i, Z0]) / dt
+            vel[i, 0] = mov[i, 0] / dt
+            pos[i, 0] += mov[i, 0]
+            vel[i, 1] = mov[i, 1] / dt
+            pos[i, 1] += mov[i, 1]
+            vel[i, 2] = mov[i, 2] / dt
+            pos[i, 2] += mov[i, 2]
             tally[i, T_TORQUE] += body[i, JOINT_K] * (motor[i] - bend[i])
-        _turn_wheels(n, count, pos, wheel, anchor, world, w, parts, con, who, touch, tally)
+        _turn_wheels(n, count, mov, wheel, anchor, world, w, parts, con, who, touch, tally)
         _keep(roll, parts, dt)
     _stand(pos, roll, world, parts)
     _project(n, pos, legs, world, parts, spot, out)
@@ -1487,7 +1525,8 @@ def advance(
         out[8 * n + i] = tally[i, T_GRIP] * per_step
     out[OUT_PER_WHEEL * n] = roll[R_ANGLE]
     out[OUT_PER_WHEEL * n + 1] = current / steps
-    out[OUT_PER_WHEEL * n + OUT_SINGLE + OUT_DEEPEST] = -deepest
+    k = OUT_PER_WHEEL * n + OUT_SINGLE + OUT_DEEPEST
+    out[k] = max(out[k], -deepest)
     _feel(
         n,
         pos,

@@ -1,0 +1,175 @@
+"""How often a robot passes what round pipes are made of, in space, when seeds vary.
+
+    python -m benchmarks.space [--row NAME] [--seeds 100] [--workers 2]
+
+Each seed shifts the start by up to 20 mm, friction by up to 20 % and all diameters by up to 2 mm,
+and draws its own noise. A run counts when the mission succeeds, every wheel is beyond the joint in
+truth, and none is folded back. Rows that are also possible between bars on a plate print how long
+the same missions take there. In no row may a wheel or link be 2 mm in a wall; the first number is
+what a clamp's force makes of the contact's stiffness.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from statistics import median
+from tempfile import TemporaryDirectory
+
+from benchmarks.campaign import Outcome, run_all
+from pirate_sm.wiring import Order
+
+BEND = str(Path(__file__).with_name("round_bend.yaml"))
+DRIVE = str(Path(__file__).with_name("drive_on.yaml"))
+UPRIGHT = "mitre_bend_upright"
+BAR, DEEPEST_M = 0.99, 0.002
+
+MITRE = "{straight: 1 m}, {mitre: 90 deg}, {straight: 1 m}"
+ELBOW = "{straight: 1 m}, {elbow: 90 deg, radius: 180 mm}, {straight: 1 m}"
+LEVEL = "{}"
+TILTED, TILTED_BACK = "{roll: 28 deg}", "{roll: -28 deg}"
+UP, DOWN = "{roll: 90 deg}", "{roll: -90 deg}"
+CLIMBING, DESCENDING = "{pitch: 90 deg}", "{pitch: -90 deg}"
+
+
+@dataclass(frozen=True)
+class Row:
+    """A pipe and the mission through it.
+
+    Attributes:
+        name: What is printed, and what ``--row`` takes.
+        segments: Of the pipe.
+        frame: How its first run lies; up and down are where the far leg of a bend goes.
+        mission: Name or file of the mission.
+        diameter: Inner diameter at the start.
+        beyond_m: Every wheel must end beyond this arc length.
+        bars: Name of the pipe of bars in which the mission takes the same time.
+        bar: Least share of runs that must count; 0 for a row that is only shown.
+    """
+
+    name: str
+    segments: str
+    frame: str = LEVEL
+    mission: str = BEND
+    diameter: str = "120 mm"
+    beyond_m: float = 1.0
+    bars: str = ""
+    bar: float = BAR
+
+
+def tee(take: str, roll: str = "0 deg", branch: str = "120 mm") -> str:
+    """Return the segments of a pipe with a tee; the arm that is not taken is a closed stub."""
+    of = f"{{tee: 90 deg, take: {take}, roll: {roll}, diameter: {branch}}}"
+    return f"{{straight: 1 m}}, {of}, {{straight: 1 m}}"
+
+
+def reducer(length: str, to: str) -> str:
+    """Return the segments of a pipe with a reducer."""
+    return f"{{straight: 1 m}}, {{reducer: {length}, to: {to}}}, {{straight: 1.2 m}}"
+
+
+ROWS = (
+    Row("mitre", MITRE, bars="mitre_90"),
+    Row("mitre, tilted up", MITRE, TILTED, bars="mitre_90_tilted"),
+    Row("mitre, tilted down", MITRE, TILTED_BACK),
+    Row("mitre, up", MITRE, UP, UPRIGHT, bars="mitre_90_up"),
+    Row("mitre, down", MITRE, DOWN, UPRIGHT, bars="mitre_90_down"),
+    Row("mitre, climbing", MITRE, CLIMBING, UPRIGHT, bars="mitre_90_from_below"),
+    Row("mitre, descending", MITRE, DESCENDING, UPRIGHT, bars="mitre_90_from_above"),
+    Row("elbow", ELBOW),
+    Row("elbow, up", ELBOW, UP),
+    Row("elbow, down", ELBOW, DOWN),
+    Row("tee, in", tee("branch")),
+    Row("tee, in, up", tee("branch"), UP),
+    Row("tee, in, down", tee("branch"), DOWN),
+    Row("tee, in, tilted", tee("branch"), TILTED),
+    Row("tee, in, climbing", tee("branch"), CLIMBING, UPRIGHT),
+    Row("tee, in, descending", tee("branch"), DESCENDING, UPRIGHT),
+    Row("tee, in 110 mm", tee("branch", branch="110 mm")),
+    Row("tee, on, square", tee("on", "90 deg"), mission=DRIVE),
+    Row("tee, on, in plane", tee("on"), mission=DRIVE, bar=0.0),
+    Row("120 to 105 mm", reducer("60 mm", "105 mm"), mission=DRIVE),
+    Row("120 to 110, climbing", reducer("60 mm", "110 mm"), CLIMBING, DRIVE),
+    Row("step to 110 mm", reducer("0 mm", "110 mm"), mission=DRIVE),
+    Row("110 to 120 mm", reducer("60 mm", "120 mm"), mission=DRIVE, diameter="110 mm"),
+    Row("step to 120 mm", reducer("0 mm", "120 mm"), mission=DRIVE, diameter="110 mm"),
+)
+
+
+def main() -> int:
+    """Print each row; return 1 when one misses its bar."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--row", action="append", choices=[row.name for row in ROWS])
+    parser.add_argument("--seeds", type=int, default=100, help="runs of every row")
+    parser.add_argument("--workers", type=int, help="processes; all processors by default")
+    wishes = parser.parse_args()
+    good = True
+    with TemporaryDirectory() as folder:
+        for row in ROWS:
+            if wishes.row is None or row.name in wishes.row:
+                good &= _show(row, Path(folder), wishes.seeds, wishes.workers)
+    return 0 if good else 1
+
+
+def pipe_of(row: Row, folder: Path) -> Path:
+    """Write the pipe of a row to a file and return its path."""
+    path = folder / f"row_{ROWS.index(row)}.yaml"
+    path.write_text(
+        f"format: 1\npipe: {path.stem}\nsection: round\ndiameter: {row.diameter}\n"
+        f"frame: {row.frame}\nsegments: [{row.segments}]\nstart: {{at: 700 mm}}\n",
+        encoding="utf-8",
+    )
+    return path
+
+
+def _show(row: Row, folder: Path, seeds: int, workers: int | None) -> bool:
+    """Run a row and print what came of it; return whether it is good enough."""
+    outcomes = _run(row.mission, str(pipe_of(row, folder)), seeds, workers)
+    whys = [failure(outcome, row) for outcome in outcomes]
+    passed = whys.count("")
+    deepest_m = max(outcome.deepest_m for outcome in outcomes)
+    times = [outcome.time_s for outcome, why in zip(outcomes, whys, strict=True) if not why]
+    beside = ""
+    if row.bars and times:
+        flat = _run(row.mission, row.bars, seeds, workers)
+        usual = median(each.time_s for each in flat if each.outcome == "succeeded")
+        beside = f", {median(times) / usual - 1:+.1%} against bars"
+    bar = f"bar {row.bar:.0%}" if row.bar else "no bar"
+    print(
+        f"{row.name:20} {passed:4} of {seeds} passed ({bar}), median {median(times or [0.0]):.1f} s"
+        f"{beside}, {deepest_m * 1000:.2f} mm in a wall",
+        flush=True,
+    )
+    for why, count in Counter(why for why in whys if why).most_common():
+        failed = ", ".join(str(seed) for seed, each in enumerate(whys) if each == why)
+        print(f"    {count:4} × {why} (seeds {failed})", flush=True)
+    return passed >= row.bar * seeds and deepest_m < DEEPEST_M
+
+
+def _run(mission: str, pipe: str, seeds: int, workers: int | None) -> Sequence[Outcome]:
+    usual = Order(
+        mission, "sim", pipe=pipe,
+        start_jitter_m=0.02, friction_jitter=0.20, diameter_jitter_m=0.002,
+    )  # fmt: skip
+    return run_all([replace(usual, seed=seed) for seed in range(seeds)], workers=workers)
+
+
+def failure(outcome: Outcome, row: Row) -> str:
+    """Return why a run did not pass; empty when it did."""
+    if outcome.outcome != "succeeded":
+        return outcome.message
+    if outcome.gone or min(outcome.arcs_m) < row.beyond_m:
+        return "said to have passed, with wheels not beyond the joint"
+    if list(outcome.arcs_m) != sorted(outcome.arcs_m, reverse=True):
+        return "said to have passed, with a part folded back on itself"
+    return ""
+
+
+if __name__ == "__main__":
+    sys.exit(main())
