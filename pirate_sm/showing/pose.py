@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from itertools import pairwise
-from math import isnan
+from math import inf, isnan
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_state import confirmed_parts
@@ -11,7 +12,7 @@ from pirate_sm.geometry.plane import nearest_on
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.true_position import Truth
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.unrolled import Dial, JointMark, Unrolled, unroll
+from pirate_sm.showing.unrolled import Dial, JointMark, unroll
 
 SIDES = "AB~"
 """The walls; the last one is beside the plane in which the part of a wheel lies."""
@@ -47,7 +48,25 @@ class RobotPose(NamedTuple):
 
 def pose_of(snapshot: Snapshot) -> RobotPose:
     """Return the robot as it is to be drawn."""
-    robot, state, truth = snapshot.scene.robot, snapshot.state, snapshot.truth
+    truth, (links, by_part) = snapshot.truth, _held(snapshot)
+    # A place in the plane of the drawing says nothing where the pipe does not lie in it.
+    if truth is None or not (truth.walls or truth.z_m or snapshot.scene.route is None):
+        wheels, seen = _chain(snapshot)
+        origin = "drawn from joint angles" if seen else "drawn straight: no sensor speaks"
+        return RobotPose(wheels, (), by_part, links, origin)
+    unrolled = unroll(snapshot.scene, truth)
+    if unrolled is not None:
+        touching = _touching(unrolled.wheels, unrolled.walls, truth, _BESIDE_M)
+        wheels, walls, joints, dials, place = unrolled
+        return RobotPose(wheels, walls, touching or by_part, links, "", joints, dials, place)
+    touching = _touching(truth.wheels, truth.walls, truth, inf)
+    origin = "reckoned from odometry" if snapshot.reckoned and not touching else ""
+    return RobotPose(truth.wheels, truth.walls, touching or by_part, links, origin)
+
+
+def _held(snapshot: Snapshot) -> tuple[tuple[bool, ...], tuple[int, ...]]:
+    """Return for each link whether its part is held, and for each wheel the wall by command."""
+    robot, state = snapshot.scene.robot, snapshot.state
     held: frozenset[int] = frozenset()
     sure: frozenset[int] = frozenset()
     if state is not None:
@@ -59,33 +78,26 @@ def pose_of(snapshot: Snapshot) -> RobotPose:
         int(side < 0) if part in sure else -1
         for part, side in zip(parts, robot.body.sides, strict=True)
     )
-    if truth is None:
-        wheels, seen = _chain(snapshot)
-        origin = "drawn from joint angles" if seen else "drawn straight: no sensor speaks"
-        return RobotPose(wheels, (), by_part, links, origin)
-    if (unrolled := unroll(snapshot.scene, truth)) is not None:
-        touching = _touching(truth, unrolled) if truth.touching else by_part
-        wheels, walls, joints, dials, place = unrolled
-        return RobotPose(wheels, walls, touching, links, "", joints, dials, place)
-    if not truth.touching:
-        origin = "reckoned from odometry" if snapshot.reckoned else ""
-        return RobotPose(truth.wheels, truth.walls, by_part, links, origin)
-    sides = range(len(truth.walls))
-    touching = tuple(
-        min(sides, key=lambda side: nearest_on(truth.walls[side], place)[0], default=2)
-        if touches
-        else -1
-        for place, touches in zip(truth.wheels, truth.touching, strict=True)
-    )
-    return RobotPose(truth.wheels, truth.walls, touching, links, "")
+    return links, by_part
 
 
-def _touching(truth: Truth, unrolled: Unrolled) -> tuple[int, ...]:
-    """Return the wall that each wheel touches in an unrolled pipe."""
+def _touching(
+    wheels: Sequence[Place], walls: Sequence[Sequence[Place]], truth: Truth, beside_m: float
+) -> tuple[int, ...]:
+    """Return the wall that each wheel touches; empty if that is unknown.
+
+    Args:
+        wheels: The wheels as they are drawn.
+        walls: The walls as they are drawn.
+        truth: What is known of the robot.
+        beside_m: A wheel that is farther from both walls touches beside the plane.
+    """
     found = []
-    for place, touches in zip(unrolled.wheels, truth.touching, strict=True):
-        away, side = min((nearest_on(wall, place)[0], n) for n, wall in enumerate(unrolled.walls))
-        beside = away > truth.wheel_radius_m + _BESIDE_M
+    for place, touches in zip(wheels, truth.touching, strict=False):
+        away, side = min(
+            ((nearest_on(wall, place)[0], n) for n, wall in enumerate(walls)), default=(inf, 2)
+        )
+        beside = away > truth.wheel_radius_m + beside_m
         found.append(-1 if not touches else 2 if beside else side)
     return tuple(found)
 

@@ -64,32 +64,35 @@ const orbit = (canvas, home, changed) => {
 };
 
 /** A text that is as large on the screen wherever it stands. */
-const label = (text, px, style) => {
+const label = (text, px, bold) => {
+  const fine = Math.max(1, Math.round(window.devicePixelRatio || 1));
   const board = document.createElement('canvas'), pen = board.getContext('2d');
-  const font = `${style.bold ? 'bold ' : ''}${4 * px}px system-ui, sans-serif`;
+  const font = `${bold ? 'bold ' : ''}${fine * px}px system-ui, sans-serif`;
   pen.font = font;
-  board.width = Math.ceil(pen.measureText(text).width) + 8 * 4;
-  board.height = 6 * px;
+  board.width = Math.ceil(pen.measureText(text).width) + 8 * fine;
+  board.height = 2 * Math.round(0.8 * fine * px);
   pen.font = font;
   pen.textBaseline = 'middle';
   pen.lineJoin = 'round';
-  pen.lineWidth = 10;
+  pen.lineWidth = 3 * fine;
   pen.strokeStyle = colour('--paper');
-  pen.strokeText(text, 16, board.height / 2);
-  pen.fillStyle = colour(style.ink);
-  pen.fillText(text, 16, board.height / 2);
+  pen.strokeText(text, 4 * fine, board.height / 2);
+  pen.fillStyle = colour('--ink');
+  pen.fillText(text, 4 * fine, board.height / 2);
   const map = new THREE.CanvasTexture(board);
   map.colorSpace = THREE.SRGBColorSpace;
+  map.generateMipmaps = false;
+  map.minFilter = THREE.LinearFilter;
   const sprite = new THREE.Sprite(new THREE.SpriteMaterial({ map, depthTest: false, sizeAttenuation: false }));
   sprite.renderOrder = 2;
-  sprite.userData = { wide: board.width / 4, high: board.height / 4 };
+  sprite.userData = { wide: board.width / fine, high: board.height / fine };
   return sprite;
 };
 
 /** The pipes: their walls let the robot be seen. */
 const drawnPipes = (space, paint) => {
   const group = new THREE.Group();
-  const glass = paint(new THREE.MeshPhongMaterial({ transparent: true, opacity: 0.2, side: THREE.DoubleSide, depthWrite: false, shininess: 60 }), '--wall');
+  const glass = paint(new THREE.MeshPhongMaterial({ transparent: true, opacity: 0.16, side: THREE.DoubleSide, depthWrite: false, shininess: 60 }), '--wall');
   const edge = paint(new THREE.LineBasicMaterial({ transparent: true, opacity: 0.55 }), '--wall');
   const axis = paint(new THREE.LineDashedMaterial({ dashSize: 0.03, gapSize: 0.02 }), '--faint');
   for (const wall of space.walls) {
@@ -263,11 +266,11 @@ const drawSpace = () => {
     for (const [material, name] of painted) material.color.set(colour(name));
     for (const each of [...labels, ...tags]) { world.remove(each); each.material.map.dispose(); each.material.dispose(); }
     labels = space.names.map(([name, x, y, z]) => {
-      const sprite = label(name, 13, { ink: '--ink' });
+      const sprite = label(name, 13, false);
       sprite.position.set(x, y, z);
       return sprite;
     });
-    tags = motion.scene.wheels.map((_, i) => label(String(i + 1), 12, { ink: '--ink', bold: i === 0 }));
+    tags = motion.scene.wheels.map((_, i) => label(String(i + 1), 12, i === 0));
     world.add(...labels, ...tags);
     resize();
   };

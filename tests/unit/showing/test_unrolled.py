@@ -13,6 +13,7 @@ import pytest
 from rich.console import Console
 from rich.theme import Theme
 
+from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.model.true_position import Truth
 from pirate_sm.showing import panels
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
@@ -154,10 +155,15 @@ def test_without_a_third_coordinate_nothing_is_unrolled(still: Snapshot) -> None
     assert snapshot.truth is not None
     found = pose(replace(snapshot, truth=replace(snapshot.truth, z_m=())))
     assert found.dials == ()
-    assert found.wheels == snapshot.truth.wheels
+    # Nor is it drawn at a place that was reckoned in a plane: the pipe does not lie in one.
+    assert found.origin.startswith("drawn")
 
 
 def test_between_bars_nothing_is_unrolled() -> None:
     snapshot = placed(beginning("mitre_90"), 0.5)
-    found = pose(snapshot)
+    assert snapshot.truth is not None
+    assert snapshot.scene.route is not None
+    planar = replace(snapshot.truth, walls=drawn_walls(snapshot.scene.route), z_m=())
+    found = pose(replace(snapshot, truth=planar))
+    assert found.wheels == planar.wheels
     assert (found.dials, found.joints) == ((), ())

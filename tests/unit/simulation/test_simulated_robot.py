@@ -15,8 +15,8 @@ from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.kinematic import kinematic
+from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import World
 
 from .conftest import CYCLE_S
