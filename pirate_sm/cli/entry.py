@@ -46,6 +46,7 @@ COMMANDS = {
     "camera survey": ("cameras:SurveyOptions", "camera_survey:survey_camera"),
     "camera look": ("cameras:LookOptions", "camera_look:look"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
+    "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
     "new robot": ("files:NewRobotOptions", "new:write_robot"),
 }
 """Each command with its options in ``cli/options`` and its work in ``cli/commands``.

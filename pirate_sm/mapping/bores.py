@@ -13,8 +13,12 @@ from pirate_sm.mapping.legs import Bore
 _BIN_M = 0.01
 """Diameters are averaged over so much of the way [decided]."""
 
-_PLATEAU_BINS = 4
-"""So many of these, one after the other, show the diameter of a plain pipe [decided]."""
+_STRETCH_BINS = 4
+"""So many of these, one after the other, are a stretch of one diameter [decided]."""
+
+_PLATEAU_BINS = 7
+"""A plain pipe shows its diameter for so long: half a V is shorter, and while a step is between two
+of its wheels a V shows a diameter that is none [decided]."""
 
 _EVEN = 0.01
 """They differ by less than this share [decided]."""
@@ -27,13 +31,11 @@ class Narrowing(NamedTuple):
     """A change of the diameter.
 
     Attributes:
-        from_m: Place in the leg up to which the pipe had the diameter before.
-        to_m: Place from which on it has the one behind.
+        middle_m: Place in the leg of its middle; how long it is a V does not show.
         diameter_m: The inner diameter behind it.
     """
 
-    from_m: float
-    to_m: float
+    middle_m: float
     diameter_m: float
 
 
@@ -59,10 +61,8 @@ def narrowings(bores: Sequence[Bore]) -> Iterator[Narrowing]:
     the last wheel, where a V shows the new one first.
     """
     for before, after in pairwise(_plateaus(bores)):
-        from_m, to_m = before[-1].front_m, after[0].rear_m
-        if to_m < from_m:  # a step: both are its place
-            from_m = to_m = (from_m + to_m) / 2
-        yield Narrowing(from_m, to_m, median(each.diameter_m for each in after))
+        middle_m = (before[-1].front_m + after[0].rear_m) / 2
+        yield Narrowing(middle_m, median(each.diameter_m for each in after))
 
 
 def _plateaus(bores: Sequence[Bore]) -> list[list[_Bin]]:
@@ -74,10 +74,10 @@ def _plateaus(bores: Sequence[Bore]) -> list[list[_Bin]]:
         if each is not None and abs(each.diameter_m - known) <= _EVEN * known:
             part.append(each)
             continue
-        if len(part) >= _PLATEAU_BINS:
+        if len(part) >= _STRETCH_BINS:
             _add(found, part)
         part = [each] if each is not None else []
-    return found
+    return [stretch for stretch in found if len(stretch) >= _PLATEAU_BINS]
 
 
 def _add(found: list[list[_Bin]], part: list[_Bin]) -> None:

@@ -51,7 +51,7 @@ class Look(NamedTuple):
 
 
 def looks(robot: RobotSpec, steps: Iterable[Step], origin_s: float = 0.0) -> Iterator[Look]:
-    """Yield what is known of the robot after each step of a recording.
+    """Yield what is known of the robot after each step that tells something of it.
 
     Args:
         robot: The robot.
@@ -60,7 +60,9 @@ def looks(robot: RobotSpec, steps: Iterable[Step], origin_s: float = 0.0) -> Ite
     """
     listener = _Listener(robot)
     for step in steps:
-        yield listener.hear(step, step.at_s - origin_s)
+        heard = isinstance(step.event, SensorFrame | DetectorWord | SubmitResult)
+        if heard or any(isinstance(each, StateChange | Setpoints) for each in step.effects):
+            yield listener.hear(step, step.at_s - origin_s)
 
 
 class _Listener:

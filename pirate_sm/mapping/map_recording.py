@@ -21,4 +21,4 @@ def mapped(recording: Recording) -> Map:
     mapper = Mapper(recorded_robot(recording.header))
     for look in looks(mapper.robot, recording.steps(), recording.origin_s):
         mapper.look(look)
-    return mapper.map
+    return mapper.finish()

@@ -16,23 +16,23 @@ Neglected: slip of all wheels of a part at once; motion of an anchor that the od
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass
-from math import acos, cos, inf, isnan, nan, pi, radians, remainder, sin
-from typing import NamedTuple
+from math import inf, isnan, nan, pi, radians, remainder
 
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
-from pirate_sm.engine.sensing.part_axes import (
-    axis_at,
-    axis_of,
-    meeting,
-    plane_of,
-    wheel_at,
-)
-from pirate_sm.geometry.space import Frame, Vector, between, combined, dot, scaled
+from pirate_sm.engine.sensing.part_axes import axis_at, axis_of, wheel_at
+from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.legs import Bend, Bore, Leg, Map, middle
 from pirate_sm.mapping.listening import Look
+from pirate_sm.mapping.meetings import (
+    Reached,
+    angle_between,
+    away_by_last_wheel,
+    outermost,
+    reached,
+)
+from pirate_sm.mapping.spots import Anchor, Passage, Spot
 
 _AGREEING = 0.03
 """A V that shows the diameter of its leg up to this share lies along it [decided]."""
@@ -43,9 +43,6 @@ _ALONG_RAD = radians(10)
 _PARALLEL_RAD = radians(2)
 """Two parts whose axes differ by less show the diameters of plain pipes [decided]."""
 
-_BEND_RAD = radians(20)
-"""The least angle of a bend that is told from a slanting part [decided]."""
-
 _STEEP_RAD = radians(60)
 """In a steeper leg a robot's roll is not taken from gravity [decided]."""
 
@@ -55,39 +52,11 @@ _FELT = 9
 _BORE_EVERY_M = 0.02
 """The diameter that a part shows counts again after so much of the way [decided]."""
 
+_STILL_RAD = radians(3)
+"""Joints that differ by less from the start have not moved [decided]."""
+
 _MOST_MOVED_M = 0.05
 """By more than this the anchor's place in a new leg is not corrected [decided]."""
-
-
-class Spot(NamedTuple):
-    """Where a held part is.
-
-    Attributes:
-        leg: Index of its leg.
-        along_m: Place in the leg of the middle of the wheels.
-        wheels: These wheels: the part's, or the two of its outermost link.
-    """
-
-    leg: int
-    along_m: float
-    wheels: tuple[int, ...]
-
-
-@dataclass
-class _Passage:
-    """A bend that the robot is in.
-
-    Attributes:
-        bend: Index of the bend.
-        leads: 1 if the front part has gone first, -1 if the rear part has.
-        last: The part that comes last.
-        placed: Whether that part has given the place of the other one.
-    """
-
-    bend: int
-    leads: int
-    last: int
-    placed: bool = False
 
 
 class Mapper:
@@ -111,7 +80,9 @@ class Mapper:
         self._spots: dict[int, Spot] = {}
         self._bores: dict[int, deque[float]] = {}
         self._bored_m: dict[int, float] = {}
-        self._passage: _Passage | None = None
+        self._started: tuple[float, ...] = ()
+        self._links: dict[int, tuple[tuple[int, ...], float]] = {}
+        self._passage: Passage | None = None
         self._rho_rad = 0.0
         self._felt_s = -1.0
         self._announced = ""
@@ -126,14 +97,25 @@ class Mapper:
             self._begin(look)
             return
         self._release(look)
-        anchor = self._anchor(look)
+        anchor, passage = self._anchor(look), self._passage
         for part in sorted(look.held - self._spots.keys()):
-            if anchor is not None and self._along(look, part, *anchor):
+            if anchor is not None and self._along(look, part, anchor):
                 continue
-            if anchor is not None and not look.driven:
-                self._across(look, part, *anchor)
+            if passage is not None:
+                if part == passage.last and not passage.placed:
+                    self._correct(look, passage)
+            elif anchor is not None and not look.driven:
+                self._reach_into(look, part, anchor)
         self._feel(look)
         self._measure(look)
+
+    def finish(self) -> Map:
+        """Return the map; to be called after the last look."""
+        if self._passage is not None:
+            self.map.notes.append(
+                "the last bend was not passed, so its angle and its place are not sure"
+            )
+        return self.map
 
     # --- where the robot is -------------------------------------------------------------------
 
@@ -150,13 +132,19 @@ class Mapper:
         frame = self._whole(look)
         if frame is None:
             return
-        wheels = self._body.wheels_of(WHOLE)
-        self._spots[WHOLE] = Spot(0, 0.0, wheels)
-        places = [self._ahead_of(look, wheel, frame) for wheel in wheels]
-        self.map.legs[0].reach(*places)
-        self.map.start = (0, places[0])
+        self._spots[WHOLE] = Spot(0, 0.0, self._body.wheels_of(WHOLE))
+        self._started = self._body.angles(look.numbers)
+        self._start_at(look, frame, 0.0)
         if look.held:
             self._release(look)
+
+    def _start_at(self, look: Look, frame: Frame, along_m: float) -> None:
+        """Take the wheels' present places as those at the start."""
+        wheels = self._body.wheels_of(WHOLE)
+        places = [along_m + self._ahead_of(look, wheel, frame) for wheel in wheels]
+        self.map.legs[0] = leg = Leg()
+        leg.reach(*places)
+        self.map.start = (0, places[0])
 
     def _release(self, look: Look) -> None:
         """Forget parts that hold no more; a robot that nothing holds lies where it was."""
@@ -174,11 +162,18 @@ class Mapper:
             axis = axis_at(self._body, look.numbers, part)
             if axis is not None:
                 away_m = dot(between(frame.origin, axis.origin), axis.ahead)
-                wheels = self._body.wheels_of(part)
-                self._spots[part] = Spot(known[1].leg, known[1].along_m + away_m, wheels)
+                wheels, place_m = self._body.wheels_of(part), known[1].along_m + away_m
+                self._spots[part] = Spot(known[1].leg, place_m, wheels)
+                if self._as_started(look):  # it was clamped already
+                    self._start_at(look, axis, place_m)
         else:
             self.lost = True
             self.map.notes.append(f"the robot's place was lost at {look.at_s:.1f} s")
+
+    def _as_started(self, look: Look) -> bool:
+        """Return whether the robot has neither moved nor changed its shape since the start."""
+        pairs = zip(self._started, self._body.angles(look.numbers), strict=True)
+        return not self._way_m and all(abs(one - now) < _STILL_RAD for one, now in pairs)
 
     def _laid(self, look: Look, part: int, spot: Spot) -> Spot:
         """Return the place of the whole robot from that of a part."""
@@ -188,8 +183,8 @@ class Mapper:
             away_m = dot(between(frame.origin, whole.origin), frame.ahead)
         return Spot(spot.leg, spot.along_m + away_m, self._body.wheels_of(WHOLE))
 
-    def _anchor(self, look: Look) -> tuple[int, Frame] | None:
-        """Return a part that lies along its leg, with its axis; None without one."""
+    def _anchor(self, look: Look) -> Anchor | None:
+        """Return a part that lies along its leg, or whose outermost link does; None without one."""
         for part, spot in self._spots.items():
             if part == WHOLE or not self._lies(look, part):
                 continue
@@ -201,106 +196,126 @@ class Mapper:
                 link = self._frame(look, part, spot)
                 away_m = dot(between(link.origin, frame.origin), frame.ahead) if link else 0.0
                 self._spots[part] = Spot(spot.leg, spot.along_m + away_m, own)
-            return part, frame
+            wheels = outermost(self._body, part, 1 if own[0] == 0 else -1)
+            link = axis_of(self._body, look.numbers, wheels, self._bore(part))
+            if link is not None:
+                away_m = dot(between(frame.origin, link.origin), frame.ahead)
+                self._links[part] = wheels, away_m
+            return Anchor(part, frame, self._spots[part].along_m, whole=True)
+        return self._pulled(look)
+
+    def _pulled(self, look: Look) -> Anchor | None:
+        """Return a part that another one has pulled out of shape, by its outermost link."""
+        for part, spot in self._spots.items():
+            if part in self._links and spot.wheels == self._body.wheels_of(part):
+                wheels, away_m = self._links[part]
+                frame = axis_of(self._body, look.numbers, wheels, self._bore(part))
+                if frame is not None:
+                    return Anchor(part, frame, spot.along_m + away_m, whole=False)
         return None
 
-    def _lies(self, look: Look, part: int) -> bool:
-        """Return whether the V of a part shows the diameter of its leg."""
-        shown, known = self._shown(look, part), self._bore(part)
+    def _lies(self, look: Look, part: int, like: int | None = None) -> bool:
+        """Return whether the V of a part shows the diameter of its leg, or of another part's."""
+        shown, known = self._shown(look, part), self._bore(part if like is None else like)
         return isnan(known) or abs(shown - known) <= _AGREEING * known
 
     # --- another part clamps ------------------------------------------------------------------
 
-    def _along(self, look: Look, part: int, anchor: int, axis: Frame) -> bool:
+    def _along(self, look: Look, part: int, anchor: Anchor) -> bool:
         """Place a part in the anchor's leg if it lies along it; return whether it does."""
-        own = axis_at(self._body, look.numbers, part)
-        if own is None or not self._lies(look, part) or _between(own, axis) > _ALONG_RAD:
+        own, axis = axis_at(self._body, look.numbers, part), anchor.axis
+        lies = self._lies(look, part) or self._lies(look, part, anchor.part)
+        if own is None or not lies or angle_between(own, axis) > _ALONG_RAD:
             return False
-        spot = self._spots[anchor]
-        away_m = dot(between(axis.origin, own.origin), axis.ahead)
-        self._spots[part] = Spot(spot.leg, spot.along_m + away_m, self._body.wheels_of(part))
+        place_m = anchor.along_m + dot(between(axis.origin, own.origin), axis.ahead)
+        leg = self._spots[anchor.part].leg
+        self._spots[part] = Spot(leg, place_m, self._body.wheels_of(part))
         if self._passage is not None and self._passage.last == part:
             self._passage = None
         return True
 
-    def _across(self, look: Look, part: int, anchor: int, axis: Frame) -> None:
-        """Place a part, or the anchor by it, if there is a bend between them."""
-        passage = self._passage
-        if passage is None:
-            self._reach_into(look, part, anchor, axis)
-        elif passage.last == part and not passage.placed:
-            passage.placed = True
-            self._correct(look, passage, anchor, axis)
-
-    def _reach_into(self, look: Look, part: int, anchor: int, axis: Frame) -> None:
+    def _reach_into(self, look: Look, part: int, anchor: Anchor) -> None:
         """Find the bend between the anchor and a part that has gone first into another leg."""
-        wheels = self._body.wheels_of(part)
-        leads = 1 if wheels[0] < self._body.wheels_of(anchor)[0] else -1
-        outermost = wheels[:2] if leads > 0 else wheels[-2:]
-        own = axis_of(self._body, look.numbers, outermost, self._bore(part))
-        if own is None or _between(own, axis) < _BEND_RAD:
+        leads = 1 if self._body.wheels_of(part) < self._body.wheels_of(anchor.part) else -1
+        numbers, bore_m = look.numbers, self._bore(part)
+        found = reached(self._body, numbers, anchor.axis, part, leads, bore_m)
+        if found is None:
             return
-        spot, behind, ahead = self._spots[anchor], axis, own
-        if leads < 0:
-            behind, ahead = own, axis
-        met = meeting(behind, ahead)
-        towards = behind.roll_of(_across(ahead.ahead, behind.ahead))
-        if leads < 0:
-            towards = ahead.roll_of(scaled(-1.0, _across(behind.ahead, ahead.ahead)))
-        rolled = self._roll_of_part(look, anchor)
-        bend = Bend(met.angle_rad, remainder(towards + rolled, 2 * pi), self._announced)
+        rolled = self._roll_of_part(look, anchor.part)
+        roll_rad = remainder(found.towards_rad + rolled, 2 * pi)
+        into, new = self._join(anchor, leads, Bend(found.angle_rad, roll_rad, self._announced))
         self._announced = ""
-        into = self._join(spot, leads, bend, met.behind_m if leads > 0 else met.ahead_m)
+        passage = Passage(into - 1 if leads > 0 else into, leads, part, anchor, numbers, new)
+        self._passage = passage
+        self._meet(passage, found)
         leg = self.map.legs[into]
-        place_m = leg.begins_m + met.ahead_m if leads > 0 else leg.ends_m - met.behind_m
-        self._spots[part] = Spot(into, place_m, tuple(outermost))
-        self._passage = _Passage(into - 1 if leads > 0 else into, leads, anchor)
+        begins_m = leg.begins_m if leads > 0 else leg.ends_m
+        wheels = outermost(self._body, part, leads)
+        self._spots[part] = Spot(into, begins_m + leads * found.beyond_m, wheels)
 
-    def _join(self, spot: Spot, leads: int, bend: Bend, away_m: float) -> int:
-        """Add a bend at a distance from the anchor, or find it; return the leg beyond it."""
-        legs, at_m = self.map.legs, spot.along_m + leads * away_m
-        known = spot.leg + leads
-        if 0 <= known < len(legs):  # it comes back: the bend says where it is
-            place_m = legs[spot.leg].ends_m if leads > 0 else legs[spot.leg].begins_m
-            self._shift(spot.leg, place_m - at_m)
-            return known
+    def _join(self, anchor: Anchor, leads: int, bend: Bend) -> tuple[int, bool]:
+        """Return the leg beyond the anchor's, and whether it is new, as is the bend then."""
+        here, legs = self._spots[anchor.part].leg, self.map.legs
+        if 0 <= here + leads < len(legs):
+            return here + leads, False
         if leads > 0:
-            legs[spot.leg].ends_m = at_m
             legs.append(Leg(begins_m=0.0))
             self.map.bends.append(bend)
-            return known
-        legs[spot.leg].begins_m = at_m
+            return here + 1, True
         legs.insert(0, Leg(ends_m=0.0))
         self.map.bends.insert(0, bend)
         self.map.start = (self.map.start[0] + 1, self.map.start[1])
         self._spots = {n: each._replace(leg=each.leg + 1) for n, each in self._spots.items()}
-        return 0
+        return 0, True
 
-    def _shift(self, leg: int, by_m: float) -> None:
-        for part, spot in self._spots.items():
-            if spot.leg == leg:
-                self._spots[part] = spot._replace(along_m=spot.along_m + by_m)
+    def _meet(self, passage: Passage, found: Reached) -> None:
+        """Fix the place of a new bend by the anchor, or the anchor's by a known bend."""
+        leads, anchor = passage.leads, passage.anchor
+        leg = passage.bend if leads > 0 else passage.bend + 1
+        at_m, behind = anchor.along_m + leads * found.away_m, self.map.legs[leg]
+        if not passage.new:
+            known_m = behind.ends_m if leads > 0 else behind.begins_m
+            for part, spot in self._spots.items():
+                if spot.leg == leg:
+                    self._spots[part] = spot._replace(along_m=spot.along_m + known_m - at_m)
+        elif leads > 0:
+            behind.ends_m = at_m
+        else:
+            behind.begins_m = at_m
 
-    def _correct(self, look: Look, passage: _Passage, anchor: int, axis: Frame) -> None:
-        """Correct the anchor's place by the outermost wheel of the part that comes last."""
-        bend, leads = self.map.bends[passage.bend], passage.leads
-        wheels = self._body.wheels_of(passage.last)
-        wheel = wheels[-1] if leads > 0 else wheels[0]
-        rolled = self._roll_of_part(look, anchor)
-        towards = axis.towards(bend.roll_rad - rolled)
-        other = combined((cos(bend.angle_rad), axis.ahead), (-leads * sin(bend.angle_rad), towards))
-        side = _cross(plane_of(self._body, look.numbers, passage.last).normal, other)
-        slope = dot(axis.ahead, side)
-        if abs(slope) < sin(_BEND_RAD):
+    def _correct(self, look: Look, passage: Passage) -> None:
+        """Correct the place in the new leg when the part that comes last clamps there."""
+        passage.placed = True
+        first, leads = passage.first, passage.leads
+        axis, spot = axis_at(self._body, look.numbers, first), self._spots.get(first)
+        if axis is None or spot is None:
             return
-        place = between(axis.origin, wheel_at(self._body, look.numbers, wheel))
-        aside_m = self._body.sides[wheel] * (self._bore(passage.last) / 2 - self._radius_m)
-        away_m = leads * (aside_m - dot(place, side)) / slope
-        spot = self._spots[anchor]
+        if not self._lies(look, first):  # the new leg has another diameter
+            self._bores[first] = deque([self._shown(look, first)], maxlen=_FELT)
+            self._refine(passage)
+        bend = self.map.bends[passage.bend]
+        towards = bend.roll_rad - self._roll_of_part(look, first)
+        away_m = away_by_last_wheel(
+            self._body,
+            look.numbers,
+            axis,
+            passage.anchor.part,
+            Reached(bend.angle_rad, towards, 0.0, 0.0),
+            leads,
+            self._bore(passage.anchor.part),
+        )
         leg = self.map.legs[spot.leg]
         at_m = leg.begins_m + away_m if leads > 0 else leg.ends_m - away_m
         if abs(at_m - spot.along_m) <= _MOST_MOVED_M:
-            self._spots[anchor] = spot._replace(along_m=at_m)
+            self._spots[first] = Spot(spot.leg, at_m, self._body.wheels_of(first))
+
+    def _refine(self, passage: Passage) -> None:
+        """Find a bend anew, once the diameter behind it is known."""
+        bore_m, axis = self._bore(passage.first), passage.anchor.axis
+        found = reached(self._body, passage.numbers, axis, passage.first, passage.leads, bore_m)
+        if found is not None and passage.new:
+            self.map.bends[passage.bend].angle_rad = found.angle_rad
+            self._meet(passage, found)
 
     # --- what the legs are like ---------------------------------------------------------------
 
@@ -343,7 +358,7 @@ class Mapper:
         }
         known = [axis for axis in axes.values() if axis is not None]
         together = len(known) > 1 and len({self._spots[part].leg for part in axes}) == 1
-        parallel = together and _between(known[0], known[-1]) <= _PARALLEL_RAD
+        parallel = together and angle_between(known[0], known[-1]) <= _PARALLEL_RAD
         for part, axis in axes.items():
             spot, shown_m = self._spots[part], self._shown(look, part)
             if axis is None or isnan(shown_m) or spot.wheels != self._body.wheels_of(part):
@@ -393,18 +408,3 @@ class Mapper:
         """Return how far a wheel is ahead of the origin of a frame, m."""
         place = wheel_at(self._body, look.numbers, wheel)
         return dot(between(frame.origin, place), frame.ahead)
-
-
-def _between(one: Frame, other: Frame) -> float:
-    """Return the angle between two axes, rad."""
-    return acos(max(-1.0, min(1.0, dot(one.ahead, other.ahead))))
-
-
-def _across(direction: Vector, axis: Vector) -> Vector:
-    """Return the part of a direction across an axis."""
-    return combined((1.0, direction), (-dot(direction, axis), axis))
-
-
-def _cross(one: Vector, other: Vector) -> Vector:
-    (ax, ay, az), (bx, by, bz) = one, other
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

@@ -9,7 +9,6 @@ from typing import NamedTuple
 from pirate_sm.geometry.space import dot
 from pirate_sm.mapping.bores import diameter_of, narrowings
 from pirate_sm.mapping.legs import LEAST_ACROSS, Bend, Leg, Map
-from pirate_sm.schemas.schema_files import MODELINE
 
 _IN_PLANE_RAD = radians(3)
 """Bends whose planes differ by less lie in one plane [decided]."""
@@ -42,7 +41,6 @@ def pipe_text(made: Map, name: str, source: str, first_wheel_m: float | None = N
     into_m = start_m - legs[start_leg].from_m + sum(_length_m(leg) for leg in legs[:start_leg])
     longer_m = 0.0 if first_wheel_m is None else first_wheel_m - into_m
     lines = [
-        f"{MODELINE}pipe.schema.json",
         f"# Mapped from {source}, by the robot's signals and words alone.",
         *(f"# {note}" for note in _notes(made, longer_m)),
         "format: 1",
@@ -99,18 +97,17 @@ def _segments(made: Map, flat: bool, longer_m: float) -> Iterator[_Segment]:
         begin_m = leg.from_m - (longer_m if number == 0 else 0.0)
         own_m = diameter_of(leg.bores)
         if own_m and diameter_m and abs(own_m - diameter_m) > 0.03 * diameter_m:
-            at_m = min(each.rear_m for each in leg.bores)
+            at_m = max(min(each.rear_m for each in leg.bores), leg.from_m + diameter_m)
             yield _straight(at_m - begin_m)
             reducer = f"{{reducer: 0 mm, to: {_mm(own_m)}}}"
             yield _Segment(reducer, "Its place and length are not known: it is near the bend.")
             begin_m = at_m
         diameter_m = own_m or diameter_m
         for change in narrowings(leg.bores):
-            yield _straight(change.from_m - begin_m)
-            length_m = change.to_m - change.from_m
-            reducer = f"{{reducer: {_mm(length_m)}, to: {_mm(change.diameter_m)}}}"
-            yield _Segment(reducer, "Its length is known to some centimetres.")
-            begin_m, diameter_m = change.to_m, change.diameter_m
+            yield _straight(change.middle_m - begin_m)
+            reducer = f"{{reducer: 0 mm, to: {_mm(change.diameter_m)}}}"
+            yield _Segment(reducer, "This is its middle; its length is not known.")
+            begin_m, diameter_m = change.middle_m, change.diameter_m
         yield _straight(leg.to_m - begin_m)
         if number < len(made.bends):
             yield _bend(made.bends[number], flat)

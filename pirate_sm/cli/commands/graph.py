@@ -1,4 +1,4 @@
-"""`pirate graph`: draws a robot's chart or a mission."""
+"""`pirate graph`: draws a robot's chart, a mission or a pipe."""
 
 from __future__ import annotations
 
@@ -13,6 +13,7 @@ from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Graph
 from pirate_sm.drawing.graph.highlight import Stop, highlight
 from pirate_sm.drawing.graph.mission_graph import called_missions, mission_graph
+from pirate_sm.drawing.graph.pipe_graph import pipe_graph
 from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.drawing.text_formats.dot import dot
 from pirate_sm.drawing.text_formats.mermaid import mermaid
@@ -21,12 +22,15 @@ from pirate_sm.loading import library
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.spelling import meant
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
+_PIPES_HAVE = ("segments", "runs")
 _BY_SUFFIX = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
 
 
@@ -73,11 +77,19 @@ def _graph(options: GraphOptions) -> Graph:
     document = read_document(path, shown(path))
     if isinstance(document.data, dict) and "states" in document.data:
         return _chart(document, str(document.data.get("name") or path.stem))
-    if isinstance(document.data, dict) and "segments" in document.data:
-        raise UsageError(f"'{options.file}' is a pipe: expected a mission, a robot or a chart")
+    if isinstance(document.data, dict) and not document.data.keys().isdisjoint(_PIPES_HAVE):
+        return _pipe(path)
     loaded = load_mission(path, settings=read_settings(options.settings))
     called = called_missions(loaded.mission, path) if options.calls else ()
     return mission_graph(loaded.mission, called)
+
+
+def _pipe(path: Path) -> Graph:
+    pipe, document = load_pipe(path)
+    problems = Problems(document)
+    check_pipe(pipe, document, problems)
+    problems.raise_errors()
+    return pipe_graph(pipe, pipe.pipe or path.stem)
 
 
 def _is_mission(path: Path) -> bool:
@@ -95,11 +107,12 @@ def _found(what: str) -> Path:
     if "/" in what or path.suffix:
         return library.find_mission(what)
     known = {robot.name: robot for robot in library.robots()}
+    known |= {pipe.stem: pipe for pipe in library.pipes()}
     known |= {mission.stem: mission for mission in library.missions()}
     if what in known:
         return known[what]
     hint = meant(what, sorted(known))
-    raise UsageError(f"there is no mission, robot or file '{what}'; {hint}")
+    raise UsageError(f"there is no mission, robot, pipe or file '{what}'; {hint}")
 
 
 def _chart(document: Document, title: str) -> Graph:

@@ -1,4 +1,4 @@
-"""`pirate new`: writes a mission or a robot from a template that runs at once."""
+"""`pirate new`: writes a mission, a pipe or a robot from a template that runs at once."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from string import Template
 
-from pirate_sm.cli.options.files import NewMissionOptions, NewRobotOptions
+from pirate_sm.cli.options.files import NewMissionOptions, NewPipeOptions, NewRobotOptions
 from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
@@ -58,6 +58,35 @@ def write_mission(options: NewMissionOptions) -> int:
         texts[schema] = mission_schema_text(loaded)
     _write(texts)
     print(f"{path} is a mission for {loaded.profile.robot}; run it with: pirate-run {path}")
+    return 0
+
+
+def write_pipe(options: NewPipeOptions) -> int:
+    """Write a pipe in which the robot fits, NAME.yaml in the working directory; return the code.
+
+    Raises:
+        LoadError: The robot's files cannot be used.
+        UsageError: The name is invalid or taken, or there is no such robot.
+    """
+    name = options.name
+    _check(name)
+    folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
+    loaded = load_robot(folder)
+    schema = Path("pipe.schema.json")
+    length_m = sum(link.length for link in loaded.profile.body.links)
+    text = _fill(
+        "round_pipe.yaml" if options.round else "pipe.yaml",
+        name=name,
+        modeline=f"{MODELINE}{schema}",
+        diameter=f"{_diameter_m(loaded) * 1e3:.0f} mm",
+        start=f"{(1.0 + length_m) / 2 * 1e3:.0f} mm",
+    )
+    path = Path(f"{name}.yaml")
+    texts = {path: text}
+    if not schema.exists():
+        texts[schema] = schema_text("pipe")
+    _write(texts)
+    print(f"{path} is a pipe for {loaded.profile.robot}; draw it with: pirate graph {path}")
     return 0
 
 

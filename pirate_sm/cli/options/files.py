@@ -57,13 +57,14 @@ class SchemaOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class GraphOptions:
-    """Draw a mission or a robot's chart.
+    """Draw a mission, a robot's chart or a pipe.
 
     Exit codes: 0 drawn, 2 invalid files or arguments.
     """
 
     file: Annotated[
-        str, typer.Argument(metavar="FILE", help="A mission, a robot or a chart: name or path.")
+        str,
+        typer.Argument(metavar="FILE", help="A mission, a robot, a chart or a pipe: name or path."),
     ]
     format: Annotated[
         Literal["mermaid", "dot", "svg"] | None,
@@ -142,6 +143,20 @@ class NewMissionOptions:
     robot: Annotated[
         str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
     ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewPipeOptions:
+    """Write a pipe with one bend, or a network of round pipes."""
+
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
+    robot: Annotated[
+        str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
+    ] = None
+    round: Annotated[
+        bool, typer.Option("--round", help="Round pipes, with a tee and a branch.")
+    ] = False
     debug: common.Debug = False
 
 

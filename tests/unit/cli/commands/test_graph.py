@@ -88,7 +88,6 @@ def test_what_is_wrong_with_a_chart_is_told_with_its_place(pirate: Any, tmp_path
         (["climb", "--highlight", "upp"], "did you mean 'up'?"),
         (["climb", "--set", "height"], "expected NAME=VALUE"),
         (["climb", "-o", "no/such/folder/a.svg"], "cannot be written"),
-        ([ROOT / "sequences" / "pipes" / "mitre_90.yaml"], "is a pipe"),
         ([ROOT / "sequences"], "there is no robot"),
     ],
 )
@@ -159,3 +158,14 @@ def test_what_cannot_be_marked_is_said(
 
     assert (result.exit_code, result.stdout) == (2, "")
     assert words in result.stderr
+
+
+def test_a_pipe_is_drawn_by_name_or_file(pirate: Any, tmp_path: Path) -> None:
+    named = pirate("graph", "mitre_90")
+    assert named.exit_code == 0
+    assert "mitre 90" in named.stdout
+    faulty = tmp_path / "faulty.yaml"
+    faulty.write_text("diameter: 120 mm\nsegments: [{mitre: 90 deg}]\n", encoding="utf-8")
+    result = pirate("graph", faulty)
+    assert result.exit_code == 2
+    assert "begins and ends with a straight" in result.stderr
