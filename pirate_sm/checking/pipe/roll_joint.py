@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import isnan, nan, pi, remainder
 from typing import NamedTuple
 
+from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
 
@@ -82,11 +83,18 @@ class RollJoint:
         return self._aims[configuration]
 
     def _aim(self, configuration: int) -> float | None:
+        write = self._asked(configuration)
+        if write is None:
+            return None
+        plain = write.how == "set" and write.share_of < 0
+        return round(write.value / QUARTER_RAD, _DIGITS) if plain else nan
+
+    def _asked(self, configuration: int) -> Write | None:
+        """Return what a configuration writes to the joint; None if it keeps its angle."""
         for region, state in enumerate(self._robot.table.configurations[configuration]):
             for write in self._robot.actuation[region][state][-1]:
                 if write.slot in self._slots and write.how != "keep":
-                    plain = write.how == "set" and write.share_of < 0
-                    return round(write.value / QUARTER_RAD, _DIGITS) if plain else nan
+                    return write
         return None
 
     def commands_to(self, joint: float) -> tuple[str, ...]:
@@ -102,8 +110,8 @@ class RollJoint:
 
     def turns(self, before: int, after: int) -> bool:
         """Return whether the joint is asked for another angle after a command than before."""
-        aim = self.aim(after)
-        return aim is not None and aim != self.aim(before)
+        asked = self._asked(after)
+        return asked is not None and asked != self._asked(before)
 
     def turning(self, configuration: int) -> frozenset[int]:
         """Return the parts that turn if the joint turns: those on the side that does not hold.
@@ -128,7 +136,7 @@ class RollJoint:
         aim, held = self.aim(after), self._robot.held
         if rolls is None or (held[before] and not held[after]):
             return None  # a loose robot rolls in a round pipe as it likes
-        if aim is None or aim == rolls.joint:
+        if aim is None or aim == rolls.joint or not self.turns(before, after):
             return rolls
         turning = self.turning(after)
         if isnan(aim) or not turning:
