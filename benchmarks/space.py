@@ -16,6 +16,7 @@ import sys
 from collections import Counter
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from math import inf
 from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
@@ -23,9 +24,7 @@ from tempfile import TemporaryDirectory
 from benchmarks.campaign import Outcome, run_all
 from pirate_sm.wiring import Order
 
-BEND = str(Path(__file__).with_name("round_bend.yaml"))
-DRIVE = str(Path(__file__).with_name("drive_on.yaml"))
-UPRIGHT = "mitre_bend_upright"
+BEND, ROUND, BRANCH, DRIVE = "take_bend", "take_elbow", "take_branch", "drive_on"
 BAR, DEEPEST_M = 0.99, 0.002
 
 MITRE = "{straight: 1 m}, {mitre: 90 deg}, {straight: 1 m}"
@@ -42,21 +41,25 @@ class Row:
 
     Attributes:
         name: What is printed, and what ``--row`` takes.
-        segments: Of the pipe.
+        segments: Of the pipe; empty for one that is shipped.
         frame: How its first run lies; up and down are where the far leg of a bend goes.
         mission: Name or file of the mission.
         diameter: Inner diameter at the start.
+        pipe: Name of a shipped pipe.
         beyond_m: Every wheel must end beyond this arc length.
+        before_m: And before this one.
         bars: Name of the pipe of bars in which the mission takes the same time.
         bar: Least share of runs that must count; 0 for a row that is only shown.
     """
 
     name: str
-    segments: str
+    segments: str = ""
     frame: str = LEVEL
     mission: str = BEND
     diameter: str = "120 mm"
+    pipe: str = ""
     beyond_m: float = 1.0
+    before_m: float = inf
     bars: str = ""
     bar: float = BAR
 
@@ -76,20 +79,20 @@ ROWS = (
     Row("mitre", MITRE, bars="mitre_90"),
     Row("mitre, tilted up", MITRE, TILTED, bars="mitre_90_tilted"),
     Row("mitre, tilted down", MITRE, TILTED_BACK),
-    Row("mitre, up", MITRE, UP, UPRIGHT, bars="mitre_90_up"),
-    Row("mitre, down", MITRE, DOWN, UPRIGHT, bars="mitre_90_down"),
-    Row("mitre, climbing", MITRE, CLIMBING, UPRIGHT, bars="mitre_90_from_below"),
-    Row("mitre, descending", MITRE, DESCENDING, UPRIGHT, bars="mitre_90_from_above"),
-    Row("elbow", ELBOW),
-    Row("elbow, up", ELBOW, UP),
-    Row("elbow, down", ELBOW, DOWN),
-    Row("tee, in", tee("branch")),
-    Row("tee, in, up", tee("branch"), UP),
-    Row("tee, in, down", tee("branch"), DOWN),
-    Row("tee, in, tilted", tee("branch"), TILTED),
-    Row("tee, in, climbing", tee("branch"), CLIMBING, UPRIGHT),
-    Row("tee, in, descending", tee("branch"), DESCENDING, UPRIGHT),
-    Row("tee, in 110 mm", tee("branch", branch="110 mm")),
+    Row("mitre, up", MITRE, UP, bars="mitre_90_up"),
+    Row("mitre, down", MITRE, DOWN, bars="mitre_90_down"),
+    Row("mitre, climbing", MITRE, CLIMBING, bars="mitre_90_from_below"),
+    Row("mitre, descending", MITRE, DESCENDING, bars="mitre_90_from_above"),
+    Row("elbow", ELBOW, mission=ROUND),
+    Row("elbow, up", ELBOW, UP, ROUND),
+    Row("elbow, down", ELBOW, DOWN, ROUND),
+    Row("tee, in", tee("branch"), mission=BRANCH),
+    Row("tee, in, up", tee("branch"), UP, BRANCH),
+    Row("tee, in, down", tee("branch"), DOWN, BRANCH),
+    Row("tee, in, tilted", tee("branch"), TILTED, BRANCH),
+    Row("tee, in, climbing", tee("branch"), CLIMBING, BRANCH),
+    Row("tee, in, descending", tee("branch"), DESCENDING, BRANCH),
+    Row("tee, in 110 mm", tee("branch", branch="110 mm"), mission=BRANCH),
     Row("tee, on, square", tee("on", "90 deg"), mission=DRIVE),
     Row("tee, on, in plane", tee("on"), mission=DRIVE, bar=0.0),
     Row("120 to 105 mm", reducer("60 mm", "105 mm"), mission=DRIVE),
@@ -97,6 +100,16 @@ ROWS = (
     Row("step to 110 mm", reducer("0 mm", "110 mm"), mission=DRIVE),
     Row("110 to 120 mm", reducer("60 mm", "120 mm"), mission=DRIVE, diameter="110 mm"),
     Row("step to 120 mm", reducer("0 mm", "120 mm"), mission=DRIVE, diameter="110 mm"),
+    Row("two planes, up", pipe="two_mitres_up", mission="two_bends_up", beyond_m=2.2),
+    Row("two planes, down", pipe="two_mitres_down", mission="two_bends_down", beyond_m=2.2),
+    Row("house", pipe="house", mission="house_connection", beyond_m=3.3),
+    Row(
+        "house, back",
+        pipe="house_back",
+        mission="house_connection_back",
+        beyond_m=0.0,
+        before_m=1.2,
+    ),
 )
 
 
@@ -130,7 +143,8 @@ def pipe_of(row: Row, folder: Path) -> Path:
 
 def _show(row: Row, folder: Path, seeds: int, workers: int | None) -> bool:
     """Run a row and print what came of it; return whether it is good enough."""
-    outcomes = _run(row.mission, str(pipe_of(row, folder)), seeds, workers)
+    pipe = row.pipe or str(pipe_of(row, folder))
+    outcomes = _run(row.mission, pipe, seeds, workers)
     whys = [failure(outcome, row) for outcome in outcomes]
     passed = whys.count("")
     deepest_m = max(outcome.deepest_m for outcome in outcomes)
@@ -154,7 +168,7 @@ def _show(row: Row, folder: Path, seeds: int, workers: int | None) -> bool:
 
 def _run(mission: str, pipe: str, seeds: int, workers: int | None) -> Sequence[Outcome]:
     usual = Order(
-        mission, "sim", pipe=pipe,
+        mission, "sim", pipe=pipe, settings={"way": "1 m"} if mission == DRIVE else {},
         start_jitter_m=0.02, friction_jitter=0.20, diameter_jitter_m=0.002,
     )  # fmt: skip
     return run_all([replace(usual, seed=seed) for seed in range(seeds)], workers=workers)
@@ -164,7 +178,8 @@ def failure(outcome: Outcome, row: Row) -> str:
     """Return why a run did not pass; empty when it did."""
     if outcome.outcome != "succeeded":
         return outcome.message
-    if outcome.gone or min(outcome.arcs_m) < row.beyond_m:
+    arcs_m = outcome.arcs_m
+    if outcome.gone or min(arcs_m) < row.beyond_m or max(arcs_m) > row.before_m:
         return "said to have passed, with wheels not beyond the joint"
     if list(outcome.arcs_m) != sorted(outcome.arcs_m, reverse=True):
         return "said to have passed, with a part folded back on itself"
