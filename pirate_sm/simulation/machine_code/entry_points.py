@@ -1,8 +1,8 @@
 """The functions whose machine code is built with the package: those that Python itself calls.
 
 To build another function, add its line to `ENTRY_POINTS` and install the package again. What it
-calls is built with it. This module imports nothing but the standard library: the build reads the
-table before numpy is there.
+calls is built with it. What it takes is in its `signatures` after a run with `PIRATE_SM_JIT=1`.
+This module imports the standard library alone: the build reads the table before numpy is there.
 """
 
 from __future__ import annotations

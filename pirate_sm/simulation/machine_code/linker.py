@@ -52,9 +52,9 @@ def link(parts: Sequence[Path], into: Path) -> None:
     if target is None:
         raise RuntimeError(f"nothing is built for {sysconfig.get_platform()}")
     command = [sys.executable, "-m", "ziglang", "cc", "-target", target.zig, "-O2", "-shared"]
-    command += ["-fPIC", "-fvisibility=hidden", "-s"]
-    if sys.platform == "linux":  # what is left open would stop the library from loading
-        command.append("-Wl,--no-undefined")
+    command += ["-fPIC", "-s"]
+    if sys.platform == "linux":  # elsewhere a name that is left open is an error anyway
+        command += ["-fvisibility=hidden", "-Wl,--no-undefined"]
     command += [*map(str, parts), "-lm", "-o", str(into)]
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     if done.returncode:

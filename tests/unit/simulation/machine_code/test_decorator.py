@@ -84,6 +84,7 @@ def test_without_machine_code_and_numba_it_is_told_what_to_install() -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(900)  # on a busy machine numba takes minutes
 @built
 def test_built_and_compiled_when_called_agree_in_every_bit() -> None:
     pytest.importorskip("numba")

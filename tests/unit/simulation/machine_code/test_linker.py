@@ -1,0 +1,56 @@
+"""Where libraries are built, and what is told where one is not."""
+
+from __future__ import annotations
+
+import subprocess
+import sys
+import sysconfig
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pirate_sm.simulation.machine_code import linker
+
+
+def test_on_other_systems_nothing_is_built(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setattr(sys, "platform", "sunos5")
+
+    assert linker.this_target() is None
+    with pytest.raises(RuntimeError, match=f"nothing is built for {sysconfig.get_platform()}"):
+        linker.link([], tmp_path / "library")
+
+
+def test_a_c_library_that_numba_is_not_made_for_counts_as_another_system(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(sys, "platform", "linux")
+    monkeypatch.setattr(linker.platform, "machine", lambda: "x86_64")
+    for name, there in (("glibc", True), ("", False)):
+        monkeypatch.setattr(linker.platform, "libc_ver", lambda name=name: (name, ""))
+        assert (linker.this_target() is not None) == there
+
+
+@pytest.mark.parametrize(
+    ("told", "said"),
+    [
+        (
+            "error: undefined symbol: PyErr_SetString\n    note: referenced by f\n"
+            "error: undefined symbol: NRT_Free\n",
+            r"more of numba's runtime than support.c has \(NRT_Free, PyErr_SetString\)",
+        ),
+        ("No module named ziglang\n", "zig did not link it: No module named ziglang"),
+        ("", "zig did not link it: it said nothing"),
+    ],
+)
+def test_a_failure_names_its_cause(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, told: str, said: str
+) -> None:
+    def failing(command: list[str], **options: Any) -> subprocess.CompletedProcess[str]:
+        return subprocess.CompletedProcess(command, 1, "", told)
+
+    monkeypatch.setattr(linker, "this_target", lambda: linker.Target("x86_64-linux-gnu", "any"))
+    monkeypatch.setattr(linker.subprocess, "run", failing)
+
+    with pytest.raises(RuntimeError, match=said):
+        linker.link([], tmp_path / "library")
