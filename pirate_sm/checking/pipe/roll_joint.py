@@ -102,8 +102,10 @@ class RollJoint:
 
     def turns(self, before: int, after: int) -> bool:
         """Return whether the joint is asked for another angle after a command than before."""
-        aim = self.aim(after)
-        return aim is not None and aim != self.aim(before)
+        aim, was = self.aim(after), self.aim(before)
+        if aim is None or was is None:
+            return aim is not None
+        return aim != was and not (isnan(aim) and isnan(was))
 
     def turning(self, configuration: int) -> frozenset[int]:
         """Return the parts that turn if the joint turns: those on the side that does not hold.
