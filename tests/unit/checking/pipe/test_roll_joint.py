@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isnan
 
 import pytest
@@ -89,6 +90,26 @@ def test_a_command_is_known_by_the_angle_that_it_turns_to(joint: RollJoint) -> N
     assert joint.commands_to(-1) == ("AlignLeft",)
     assert joint.commands_to(0) == ("AlignStraight",)
     assert joint.commands_to(2) == ()
+
+
+def test_an_angle_that_only_the_run_will_know_is_asked_for_once(
+    loaded: LoadedRobot, robot: RobotSpec
+) -> None:
+    region = robot.regions.index("RotationState")
+    states = dict(robot.actuation[region])
+    (stage,) = states["AlignedRight"]
+    states["AlignedRight"] = (tuple(write._replace(share_of=0) for write in stage),)
+    actuation = (*robot.actuation[:region], states, *robot.actuation[region + 1 :])
+    joint = RollJoint(replace(robot, actuation=actuation), loaded.profile)
+    right, hold, relax = course(robot, *REAR, "AlignRight", "ClampFront", "RelaxRear")[1:]
+
+    aim = joint.aim(right[2])
+    assert aim is not None
+    assert isnan(aim)
+    assert joint.turns(right[0], right[2])
+    assert not joint.turns(hold[0], hold[2])
+    assert not joint.turns(relax[0], relax[2])
+    assert joint.after(Rolls(), right[0], right[2]) is None
 
 
 @pytest.mark.parametrize(
