@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from itertools import pairwise
 from math import cos, dist, pi, sin
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -12,6 +13,7 @@ import numpy.typing as npt
 import pytest
 from recording_runs import ROOT, record_with_viewers
 
+from pirate_sm.console.recorded_snapshots import recorded_snapshots
 from pirate_sm.geometry.network import Elbow, Mitre, Reducer, Straight, planar
 from pirate_sm.geometry.part_planes import part_normals
 from pirate_sm.geometry.route import Route
@@ -19,6 +21,7 @@ from pirate_sm.geometry.space import dot
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.viewers.pipes_in_space import Cylinder, Mesh, walls_to_draw
 from pirate_sm.recording.viewers.quaternions import Quaternion, about, of_axes
+from pirate_sm.showing.pose import pose_of
 from pirate_sm.wiring import Order
 
 HOUSE = str(ROOT / "tests" / "pipes" / "house.yaml")
@@ -26,14 +29,20 @@ Floats = npt.NDArray[np.float64]
 
 
 @pytest.fixture(scope="module")
-def shown(tmp_path_factory: pytest.TempPathFactory) -> dict[str, list[dict[str, Any]]]:
-    """The messages of a run, by topic."""
-    path = tmp_path_factory.mktemp("runs") / "run.mcap"
+def run(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The recording of a run in a network."""
+    path: Path = tmp_path_factory.mktemp("runs") / "run.mcap"
     kept = record_with_viewers(path, Order("mitre_bend", pipe=HOUSE))
     assert kept.recording is not None
     assert kept.recording.side.failure == ""
+    return path
+
+
+@pytest.fixture(scope="module")
+def shown(run: Path) -> dict[str, list[dict[str, Any]]]:
+    """Its messages by topic."""
     found: dict[str, list[dict[str, Any]]] = defaultdict(list)
-    for each in read_recording(path).shown():
+    for each in read_recording(run).shown():
         found[each.topic].append(each.content)
     return found
 
@@ -86,6 +95,19 @@ def test_the_axles_of_the_first_wheels_are_rolled_as_the_front_is(
             assert found[wheel][:3, 2] == pytest.approx([0.0, sin(roll), cos(roll)], abs=0.12)
         checked += 1
     assert checked > 10
+
+
+def test_a_recording_is_shown_unrolled_by_the_console(
+    run: Path, shown: dict[str, list[dict[str, Any]]]
+) -> None:
+    snapshot = recorded_snapshots(read_recording(run)).at(10.0)
+    assert snapshot.truth is not None
+    assert snapshot.truth.z_m in [
+        tuple(each[f"wheel_{number}_z_m"] for number in range(1, 7)) for each in shown["/places"]
+    ]
+    pose = pose_of(snapshot)
+    assert [dial.part for dial in pose.dials] == ["front", "rear"]
+    assert all(0.3 < x < 1.3 and abs(y) < 0.06 for x, y in pose.wheels)
 
 
 def test_down_is_down_in_the_world(shown: dict[str, list[dict[str, Any]]]) -> None:
