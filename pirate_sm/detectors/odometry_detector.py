@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import isnan
 
 from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
+from pirate_sm.detectors.known_bends import KnownBends
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.route_report import RouteReport
 from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
@@ -75,6 +76,7 @@ class Odometry:
         """Follow this robot from now on."""
         self._robot = robot
         self._reckoner = Reckoner(robot.body, self._route, robot.odometry)
+        self._bends = KnownBends(robot.body, self._route)
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
@@ -88,7 +90,11 @@ class Odometry:
         numbers[robot.odometry] = self._odometer.look(state, now_s, wheels)
         held = confirmed_parts(robot, state.robot)
         if self.reckoned is not None:
-            self.reckoned = self._follow(self.reckoned, numbers, held, now_s)
+            before = self.reckoned
+            self.reckoned = self._follow(before, numbers, held, now_s)
+            corrected = self._bends.corrected(before, self.reckoned, numbers)
+            if corrected is not None:
+                self.reckoned = self._reckoner.look(corrected, numbers, held)
         elif any(isnan(angle) for angle in robot.body.angles(numbers)):
             return self._warn(numbers) if now_s >= _PATIENCE_S else ()
         else:

@@ -18,6 +18,13 @@ from __future__ import annotations
 from collections import deque
 from math import inf, isnan, nan, pi, radians, remainder
 
+from pirate_sm.detectors.leg_meetings import (
+    Reached,
+    angle_between,
+    away_by_last_wheel,
+    outermost,
+    reached,
+)
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
@@ -25,13 +32,6 @@ from pirate_sm.engine.sensing.part_axes import axis_at, axis_of, wheel_at
 from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.legs import Bend, Bore, Leg, Map, middle
 from pirate_sm.mapping.listening import Look
-from pirate_sm.mapping.meetings import (
-    Reached,
-    angle_between,
-    away_by_last_wheel,
-    outermost,
-    reached,
-)
 from pirate_sm.mapping.spots import Anchor, Passage, Spot
 
 _AGREEING = 0.03

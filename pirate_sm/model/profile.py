@@ -37,6 +37,7 @@ from pirate_sm.model.safety import SafetyRule
 from pirate_sm.model.seen import Seen
 from pirate_sm.model.serial_link import Serial
 from pirate_sm.model.simulation import Simulation
+from pirate_sm.model.travel import Travel
 
 PositiveDuration = Annotated[Duration, Field(gt=0)]
 
@@ -286,6 +287,7 @@ class Profile(Frozen):
         faults: Faults that are derived from signals.
         rules: Safety rules, against which missions are checked, and every run is monitored.
         detector: The words of a detector.
+        travel: How it travels along routes; absent for a robot that cannot.
         simulation: Settings for the simulator only.
         serial: The serial link; absent for a robot that is only simulated.
     """
@@ -313,6 +315,7 @@ class Profile(Frozen):
     faults: tuple[FaultRule, ...] = ()
     rules: tuple[SafetyRule, ...] = ()
     detector: Detector
+    travel: Travel | None = None
     simulation: Simulation
     serial: Serial | None = None
 

@@ -13,8 +13,12 @@ from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.mission.route_mission import course_along, mission_along
+from pirate_sm.loading.pipe_file import check_fit, load_pipe
+from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.schemas.schema_files import MODELINE, mission_schema_text, schema_text
+from pirate_sm.spelling import meant
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")
@@ -43,15 +47,22 @@ def write_mission(options: NewMissionOptions) -> int:
     own = folder / _SCHEMA
     beside = Path(f"{loaded.profile.robot}.{_SCHEMA}")
     schema = beside if shipped or not own.exists() else Path(os.path.relpath(own))
-    text = _fill(
-        "mission.yaml",
-        name=name,
-        modeline=f"{MODELINE}{schema}",
-        robot=folder.name if shipped else os.path.relpath(folder),
-        diameter=f"{_diameter_m(loaded) * 1e3:.0f} mm",
-        command=_first_command(loaded),
-        commands=", ".join(command.name for command in loaded.normal.commands),
-    )
+    modeline = f"{MODELINE}{schema}"
+    called = folder.name if shipped else os.path.relpath(folder)
+    if options.pipe is not None:
+        text = f"{modeline}\n{_along_route(options, loaded, called)}"
+    elif options.route is not None:
+        raise UsageError("--route needs the pipe that it leads through: --pipe NAME")
+    else:
+        text = _fill(
+            "mission.yaml",
+            name=name,
+            modeline=modeline,
+            robot=called,
+            diameter=f"{_diameter_m(loaded) * 1e3:.0f} mm",
+            command=_first_command(loaded),
+            commands=", ".join(command.name for command in loaded.normal.commands),
+        )
     path = Path(f"{name}.yaml")
     texts = {path: text}
     if not schema.exists():
@@ -59,6 +70,28 @@ def write_mission(options: NewMissionOptions) -> int:
     _write(texts)
     print(f"{path} is a mission for {loaded.profile.robot}; run it with: pirate-run {path}")
     return 0
+
+
+def _along_route(options: NewMissionOptions, loaded: LoadedRobot, robot: str) -> str:
+    """Return a mission along a route of a pipe.
+
+    Raises:
+        LoadError: The pipe has faults, or the robot does not fit into it.
+        UsageError: There is no such pipe or route, or no mission passes one of its joints.
+    """
+    assert options.pipe is not None
+    file = library.find_pipe(options.pipe, Path.cwd())
+    pipe, document = load_pipe(file)
+    problems = Problems(document)
+    check_fit(pipe, loaded.profile, document, problems)
+    problems.raise_errors()
+    route = options.route or ""
+    if route and route not in pipe.ways:
+        hint = meant(route, sorted(pipe.ways))
+        raise UsageError(f"'{options.pipe}' has no route '{route}': {hint}")
+    course = course_along(pipe.along(route) if route else pipe, loaded.profile)
+    assert loaded.profile.travel is not None  # as course_along has seen
+    return mission_along(options.name, route, options.pipe, robot, course, loaded.profile.travel)
 
 
 def write_pipe(options: NewPipeOptions) -> int:

@@ -137,11 +137,21 @@ class RobotOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class NewMissionOptions:
-    """Write a mission that runs."""
+    """Write a mission that runs.
+
+    With --pipe it leads along a route to its end, composed of the shipped missions that pass the
+    joints on the way; the robot's profile says which (`travel`).
+    """
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     robot: Annotated[
         str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
+    ] = None
+    pipe: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Along a route of this pipe: name or file.")
+    ] = None
+    route: Annotated[
+        str | None, typer.Option(metavar="NAME", help="Along this route, in place of the first.")
     ] = None
     debug: common.Debug = False
 

@@ -34,7 +34,13 @@ def run(mission: str, **order) -> tuple:
 def test_the_bend_is_passed_on_reckoning_alone(mission: str) -> None:
     result, places, truth = run(mission, detector="odometry")
     assert result.ended.outcome == "succeeded"
-    assert places == pytest.approx(truth, abs=0.03)
+    assert places == pytest.approx(truth, abs=0.006)
+
+
+@pytest.mark.parametrize("off_m", [0.015, -0.015])
+def test_an_error_of_the_start_is_gone_behind_the_bend(off_m: float) -> None:
+    _, places, truth = run("mitre_bend", detector="odometry", start_at_m=0.7 + off_m)
+    assert places == pytest.approx(truth, abs=0.006)
 
 
 def test_the_simulators_own_words_are_not_said() -> None:

@@ -1,0 +1,118 @@
+"""Missions along a route, composed of those that pass its joints."""
+
+from __future__ import annotations
+
+from math import pi
+
+import pytest
+
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.mission.route_mission import course_along, mission_along
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.yaml.document import parse_document
+from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.model.mission import CallStep, Mission
+from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
+
+
+@pytest.fixture(scope="module")
+def profile() -> Profile:
+    return load_robot(library.find_robot("pirate_ii")).profile
+
+
+def straights(*fittings: object) -> list[object]:
+    found: list[object] = [{"straight": "1.2 m"}]
+    for fitting in fittings:
+        found += [fitting, {"straight": "1.2 m"}]
+    return found
+
+
+def bars(*fittings: object, **more: object) -> Pipe:
+    segments = straights(*fittings)
+    return Pipe.model_validate({"diameter": "120 mm", "segments": segments, **more})
+
+
+def round_pipe(*fittings: object, **more: object) -> Pipe:
+    return bars(*fittings, section="round", **more)
+
+
+def test_each_bend_is_passed_by_its_mission(profile: Profile) -> None:
+    course = course_along(bars({"mitre": "90 deg"}, {"mitre": "60 deg"}), profile)
+    assert [call for _, call in course.calls] == ["round_bend", "round_bend"]
+    assert course.polarity == "normal"
+    assert 0.5 < course.last_m < 1.0
+
+
+def test_bends_to_the_other_side_are_passed_in_mirrored_polarity(profile: Profile) -> None:
+    course = course_along(bars({"mitre": "-90 deg"}), profile)
+    assert course.polarity == "mirrored"
+    text = mission_along("m", "", "p", "pirate_ii", course, profile.travel)
+    assert "polarity: mirrored\n" in text
+
+
+@pytest.mark.parametrize(
+    "fittings",
+    [
+        [{"mitre": "90 deg"}, {"mitre": "-90 deg"}],
+        [{"mitre": "90 deg", "roll": "90 deg"}],
+        [{"tee": "90 deg", "take": "on"}],
+        [{"elbow": "90 deg", "radius": "180 mm"}],
+    ],
+)
+def test_a_joint_that_nothing_passes_is_named(profile: Profile, fittings: list[object]) -> None:
+    with pytest.raises(UsageError, match=r"no mission of pirate_ii passes the \w+ at \d+ mm"):
+        course_along(round_pipe(*fittings), profile)
+
+
+def test_a_robot_that_is_rolled_passes_what_lies_in_its_plane(profile: Profile) -> None:
+    start = {"at": "700 mm", "roll": "90 deg"}
+    pipe = round_pipe({"mitre": "90 deg", "roll": "90 deg"}, start=start)
+    assert len(course_along(pipe, profile).calls) == 1
+
+
+def test_it_drives_on_past_square_openings_and_through_reducers(profile: Profile) -> None:
+    pipe = round_pipe(
+        {"tee": "90 deg", "take": "on", "roll": "90 deg"}, {"reducer": "60 mm", "to": "110 mm"}
+    )
+    course = course_along(pipe, profile)
+    assert course.calls == ()
+    assert course.last_m > 2.0
+
+
+def test_joints_behind_the_start_are_not_passed(profile: Profile) -> None:
+    pipe = bars({"mitre": "90 deg"}, {"mitre": "-90 deg"}, start={"at": "2 m"})
+    course = course_along(pipe, profile)
+    assert [abs(joint.towards_rad) for joint, _ in course.calls] == [pytest.approx(pi)]
+
+
+def test_a_route_that_ends_in_its_last_joint_is_refused(profile: Profile) -> None:
+    pipe = Pipe.model_validate(
+        {
+            "diameter": "120 mm",
+            "segments": [{"straight": "1 m"}, {"mitre": "90 deg"}, {"straight": "400 mm"}],
+        }
+    )
+    with pytest.raises(UsageError, match="no room behind the last joint"):
+        course_along(pipe, profile)
+
+
+def test_a_robot_that_does_not_say_how_it_travels_is_told_so(profile: Profile) -> None:
+    still = profile.model_copy(update={"travel": None})
+    with pytest.raises(UsageError, match="does not say how it travels"):
+        course_along(bars(), still)
+
+
+def test_the_text_is_a_mission_that_calls_them_in_order(profile: Profile) -> None:
+    course = course_along(bars({"mitre": "90 deg"}, {"mitre": "60 deg"}), profile)
+    text = mission_along("m", "main", "p", "pirate_ii", course, profile.travel)
+    mission = validate(parse_document(text, "m.yaml"), Mission)
+    called = [
+        step.call
+        for phase in mission.phases.values()
+        for step in phase.do
+        if isinstance(step, CallStep)
+    ]
+    assert called == ["enter_2d", "round_bend", "round_bend"]
+    assert (mission.route, mission.start) == ("main", "enter")
