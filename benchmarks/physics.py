@@ -27,6 +27,7 @@ from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.mujoco.world import World as MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics, Physics, QuantityLayout
 from pirate_sm.simulation.start_pose import stand
+from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 from pirate_sm.wiring import Order
 
@@ -76,7 +77,8 @@ def main() -> int:
         )
     print("Times real time, clamped and driving, one processor (by its own time, best of three):")
     worlds: tuple[tuple[str, MakePhysics, Section], ...] = (
-        ("kinematic", KinematicWorld, "bars"),
+        ("kinematic, plane", KinematicWorld, "bars"),
+        ("kinematic, space", SpaceWorld, "round"),
         ("MuJoCo, plane", MujocoWorld, "bars"),
         ("MuJoCo, space", MujocoWorld, "round"),
     )
@@ -84,7 +86,8 @@ def main() -> int:
         print(f"    {name:24} {speed(chain, physics, section):6.0f} ×", flush=True)
     print("Times real time of a mission, with engine, boards and noise:")
     for name, backend, pipe in (
-        ("kinematic", "sim", "straight_113"),
+        ("kinematic, plane", "sim", "straight_113"),
+        ("kinematic, space", "sim", "straight_113_round"),
         ("MuJoCo, plane", "physics", "straight_113"),
         ("MuJoCo, space", "physics", "straight_113_round"),
     ):
