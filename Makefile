@@ -66,7 +66,7 @@ golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli
 
 schemas: $(VENV)/.ready-dev
-	for kind in mission pipe profile chart camera panel; do \
+	for kind in mission pipe profile chart profile_extension chart_extension camera panel; do \
 	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
 	for robot in hardware_profiles/*/; do \
 	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done

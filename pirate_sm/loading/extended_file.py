@@ -1,4 +1,4 @@
-"""Read a YAML file that may extend another one: `extends: ../pirate_ii/profile.yaml`."""
+"""Read a YAML file that may extend another one: `extends: ../newt/profile.yaml`."""
 
 from __future__ import annotations
 

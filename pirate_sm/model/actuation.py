@@ -144,7 +144,12 @@ SlotSetpoint = Annotated[
                     "type": "object",
                     "additionalProperties": False,
                     "required": ["level"],
-                    "properties": {"level": written(ANGLE, {})},
+                    "properties": {
+                        "level": {
+                            **written(ANGLE, {}),
+                            "description": "The angle to the horizontal.",
+                        }
+                    },
                     "description": (
                         "An angle against the horizontal, such as {level: 90 deg}, to which the"
                         " part ahead of or behind a roll joint turns: the one that does not hold."

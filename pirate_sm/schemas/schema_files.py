@@ -13,6 +13,7 @@ from pirate_sm.model.panel import Panel
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.schemas.chart_schema import chart_schema
+from pirate_sm.schemas.extension_schema import extension_of
 from pirate_sm.schemas.model_schema import schema_of
 from pirate_sm.schemas.robot_mission_schema import narrowed
 
@@ -21,6 +22,8 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "pipe": lambda: schema_of(Pipe, "Pipe"),
     "profile": lambda: schema_of(Profile, "Profile of a robot"),
     "chart": chart_schema,
+    "profile_extension": lambda: extension_of(schema_of(Profile, "Profile of a robot")),
+    "chart_extension": lambda: extension_of(chart_schema()),
     "camera": lambda: schema_of(Camera, "Camera over the setup"),
     "panel": lambda: schema_of(Panel, "Control panel"),
 }

@@ -45,7 +45,16 @@ class SchemaOptions:
     """Print the JSON Schema by which an editor completes files."""
 
     files: Annotated[
-        Literal["mission", "pipe", "profile", "chart", "camera", "panel"],
+        Literal[
+            "mission",
+            "pipe",
+            "profile",
+            "chart",
+            "profile_extension",
+            "chart_extension",
+            "camera",
+            "panel",
+        ],
         typer.Argument(help="Of which files."),
     ]
     robot: Annotated[

@@ -24,12 +24,18 @@ ROBOTS = sorted(path.parent for path in (ROOT / "hardware_profiles").glob("*/pro
 PANELS = sorted((ROOT / "panels").glob("*.yaml"))
 NEWT = ROOT / "tests" / "robots" / "newt"
 
+
+def of_robot(kind: str, path: Path) -> tuple[str, Path]:
+    """The kind of a profile or chart, which may extend another one."""
+    return (f"{kind}_extension" if "\nextends: " in path.read_text("utf-8") else kind), path
+
+
 SHIPPED = [
     *(("mission", path) for path in MISSIONS),
     *(("pipe", path) for path in PIPES),
     *(("camera", path) for path in CAMERAS),
-    *(("profile", robot / "profile.yaml") for robot in ROBOTS),
-    *(("chart", robot / "chart.yaml") for robot in ROBOTS),
+    *(of_robot("profile", robot / "profile.yaml") for robot in ROBOTS),
+    *(of_robot("chart", robot / "chart.yaml") for robot in ROBOTS),
     *(("panel", path) for path in PANELS),
 ]
 

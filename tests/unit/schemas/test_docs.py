@@ -17,6 +17,8 @@ PAGES = {
     "pipe": ["pipes.md"],
     "profile": ["robots.md", "connecting.md", "serial.md", "simulator.md", "traction.md"],
     "chart": ["robots.md"],
+    "profile_extension": ["robots.md", "connecting.md", "serial.md", "simulator.md", "traction.md"],
+    "chart_extension": ["robots.md"],
     "camera": ["camera.md"],
     "panel": ["panel.md"],
 }
