@@ -12,10 +12,13 @@ from typing import NamedTuple
 from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.plane import Walls
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Place
+from pirate_sm.geometry.space import Place, Vector
 from pirate_sm.geometry.views import clock_rad, unrolled, unrolled_walls
 from pirate_sm.model.true_position import Truth
 from pirate_sm.showing.snapshot import Scene
+
+_CORNER = 2.0
+"""The outer corner of a mitre of 120 deg is this many radii away from where the axes cross."""
 
 ARROWS = "→↗↑↖←↙↓↘"
 """The directions across a pipe for who looks ahead, counter-clockwise from the right."""
@@ -97,7 +100,15 @@ def unroll(scene: Scene, truth: Truth) -> Unrolled | None:
         dials.append(Dial(name, clock_rad(route, sum(arcs) / len(arcs), roll)))
     first_m = wheels[0][0]
     place = f"{route.piece_at(first_m).run}, {first_m:.2f} m"
+    if any(_off(route, point) for point in truth.points):
+        place = "not on its route"
     return Unrolled(wheels, unrolled_walls(route), tuple(_marks(route)), tuple(dials), place)
+
+
+def _off(route: Route, point: Vector) -> bool:
+    """Return whether a point is outside the route, as in an arm of a tee that it passes."""
+    arc_m, away_m = route.nearest(point)
+    return away_m > _CORNER * route.diameter_at(arc_m) / 2
 
 
 def _marks(route: Route) -> Iterator[JointMark]:

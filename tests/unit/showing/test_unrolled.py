@@ -118,6 +118,14 @@ def test_joints_say_what_they_are_and_where_they_lead(still: Snapshot) -> None:
     assert (mitre.from_m, mitre.at, mitre.to_m) == pytest.approx((1.14, 1.2, 1.26))
 
 
+def test_a_robot_that_has_left_its_route_is_said_to_have(still: Snapshot) -> None:
+    on = placed(still, 0.9)
+    assert pose(on).place == "main, 0.90 m"
+    assert on.truth is not None
+    away = replace(on.truth, z_m=tuple(z - 0.5 for z in on.truth.z_m))
+    assert pose(replace(on, truth=away)).place == "not on its route"
+
+
 def test_the_picture_has_walls_joints_and_dials(still: Snapshot) -> None:
     rows = [line.plain for line in draw(placed(still, 1.1), 120, 30).rows()]
     text = "\n".join(rows)
