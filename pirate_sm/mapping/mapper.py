@@ -10,7 +10,7 @@ moves by what the odometer counts. When another part clamps, the joint angles sa
   estimated: it was not pressed between the walls then. The outermost wheel of the last part still
   touches its wall in the leg behind, which gives the anchor's place in the new leg anew.
 
-Neglected: slip of all wheels of both parts at once; motion of an anchor that the odometer does not see.
+Neglected: slip of all wheels of both parts at once; motion of an anchor that no odometer sees.
 """
 
 from __future__ import annotations
