@@ -10,7 +10,7 @@ moves by what the odometer counts. When another part clamps, the joint angles sa
   estimated: it was not pressed between the walls then. The outermost wheel of the last part still
   touches its wall in the leg behind, which gives the anchor's place in the new leg anew.
 
-Neglected: slip of all wheels of a part at once; motion of an anchor that the odometer does not see.
+Neglected: slip of all wheels of both parts at once; motion of an anchor that no odometer sees.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from pirate_sm.detectors.leg_meetings import (
     outermost,
     reached,
 )
-from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.sensing.part_axes import axis_at, axis_of, wheel_at
@@ -33,6 +32,7 @@ from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.legs import Bend, Bore, Leg, Map, middle
 from pirate_sm.mapping.listening import Look
 from pirate_sm.mapping.spots import Anchor, Passage, Spot
+from pirate_sm.mapping.way import Way
 
 _AGREEING = 0.03
 """A V that shows the diameter of its leg up to this share lies along it [decided]."""
@@ -75,7 +75,7 @@ class Mapper:
         self.map = Map()
         self.lost = False
         self.robot, self._body = robot, robot.body
-        self._odometer = Odometer(robot)
+        self._way = Way(robot)
         self._way_m = 0.0
         self._spots: dict[int, Spot] = {}
         self._bores: dict[int, deque[float]] = {}
@@ -121,8 +121,7 @@ class Mapper:
 
     def _move(self, look: Look) -> None:
         """Move what is known by what the odometer has counted since the last look."""
-        anchor = min(self._spots, default=WHOLE)
-        counted_m = look.travelled(self._odometer, self._body.wheels_of(anchor))
+        counted_m = self._way.until(look, [part for part in self._spots if part != WHOLE])
         moved_m, self._way_m = counted_m - self._way_m, counted_m
         for part, spot in self._spots.items():
             self._spots[part] = spot._replace(along_m=spot.along_m + moved_m)

@@ -7,7 +7,7 @@ from math import acos, asin, atan2, cos, degrees, inf, isnan, pi, radians, remai
 from typing import NamedTuple
 
 from pirate_sm.geometry.space import dot
-from pirate_sm.mapping.bores import diameter_of, narrowings
+from pirate_sm.mapping.bores import STEP, diameter_of, narrowings
 from pirate_sm.mapping.legs import LEAST_ACROSS, Bend, Leg, Map
 
 _IN_PLANE_RAD = radians(3)
@@ -96,7 +96,7 @@ def _segments(made: Map, flat: bool, longer_m: float) -> Iterator[_Segment]:
     for number, leg in enumerate(made.legs):
         begin_m = leg.from_m - (longer_m if number == 0 else 0.0)
         own_m = diameter_of(leg.bores)
-        if own_m and diameter_m and abs(own_m - diameter_m) > 0.03 * diameter_m:
+        if own_m and diameter_m and abs(own_m - diameter_m) > STEP * diameter_m:
             at_m = max(min(each.rear_m for each in leg.bores), leg.from_m + diameter_m)
             yield _straight(at_m - begin_m)
             reducer = f"{{reducer: 0 mm, to: {_mm(own_m)}}}"
@@ -137,7 +137,7 @@ def _is_flat(made: Map) -> bool:
     if -dot(made.frame(0).normal, made.up) < -sin(_IN_PLANE_RAD):  # the robot lies on its back
         return False
     shown = [it for it in (diameter_of(leg.bores) for leg in made.legs) if it]
-    if shown and max(shown) - min(shown) > 0.03 * max(shown):
+    if shown and max(shown) - min(shown) > STEP * max(shown):
         return False
     return not any(any(True for _ in narrowings(leg.bores)) for leg in made.legs)
 

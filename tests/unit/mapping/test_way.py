@@ -1,0 +1,48 @@
+"""The way of a robot whose parts do not agree on it."""
+
+from __future__ import annotations
+
+from types import SimpleNamespace
+
+import pytest
+
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.mapping.way import Way
+
+
+@pytest.fixture
+def way() -> Way:
+    return Way(load_robot(library.find_robot("pirate_ii")).normal)
+
+
+def look(at_s: float, front_m: float, rear_m: float):
+    """A look at which the odometers of the two parts have counted this."""
+
+    def travelled(_, wheels):
+        return front_m if 0 in wheels else rear_m
+
+    return SimpleNamespace(at_s=at_s, travelled=travelled)
+
+
+def test_of_two_parts_the_one_counts_that_has_rolled_less(way: Way) -> None:
+    way.until(look(0.0, 0.0, 0.0), [0, 1])
+    for step in range(1, 101):  # first the front slips, then the rear
+        front_m = 0.011 * min(step, 50) + 0.010 * max(step - 50, 0)
+        rear_m = 0.010 * min(step, 50) + 0.012 * max(step - 50, 0)
+        found = way.until(look(0.1 * step, front_m, rear_m), [0, 1])
+    assert found == pytest.approx(1.0, abs=0.01)
+
+
+def test_backward_the_same_holds(way: Way) -> None:
+    way.until(look(0.0, 0.0, 0.0), [0, 1])
+    for step in range(1, 51):
+        found = way.until(look(0.1 * step, -0.011 * step, -0.010 * step), [0, 1])
+    assert found == pytest.approx(-0.5, abs=0.01)
+
+
+def test_a_part_that_does_not_hold_does_not_count(way: Way) -> None:
+    way.until(look(0.0, 0.0, 0.0), [1])
+    for step in range(1, 51):
+        found = way.until(look(0.1 * step, 0.0, 0.010 * step), [1])
+    assert found == pytest.approx(0.5)
