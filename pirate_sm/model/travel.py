@@ -16,20 +16,22 @@ _OFF_RAD = radians(20)
 
 
 class PassedBy(Frozen):
-    """A kind of joint, and the mission that passes it.
+    """A kind of joint, and the missions that pass it.
 
     Attributes:
         joints: The kinds of joints.
         turns: Whether the route turns there, or leads straight on; absent: either.
         towards: Directions of the turn or of the opening about the direction of travel, against the
             robot's plane: 0 deg is towards side A in normal polarity. Absent: any.
-        call: The mission that passes it, from driving to driving; absent: the robot drives on.
+        calls: The missions that pass it, one after the other; none: the robot drives on.
+        rolls: By how much they turn the robot, side A up where the pipe is flat.
     """
 
     joints: Annotated[tuple[JointKind, ...], Field(min_length=1)]
     turns: bool | None = None
     towards: tuple[Angle, ...] = ()
-    call: str | None = None
+    calls: tuple[str, ...] = ()
+    rolls: Angle = 0.0
 
     def passes(self, kind: JointKind, turns: bool, towards_rad: float) -> bool:
         """Return whether this passes a joint of a kind that turns towards a direction."""
@@ -40,16 +42,14 @@ class PassedBy(Frozen):
 
 
 class Travel(Frozen):
-    """The missions that a mission along a route is made of.
+    """The missions that a mission along a route is made of; each begins and ends in one state.
 
     Attributes:
-        enter: From the robot's state at the start to driving.
-        starts_in: That state.
-        stop: The command that stops it where it has arrived.
+        starts_in: This state of the robot.
+        last: The mission that drives on to the end of the route; its parameter `way` says how far.
         passages: What passes the joints; the first that fits is taken.
     """
 
-    enter: str
     starts_in: dict[str, str] = {}
-    stop: str
+    last: str
     passages: tuple[PassedBy, ...] = ()

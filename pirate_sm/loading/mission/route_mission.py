@@ -21,12 +21,12 @@ class Course(NamedTuple):
 
     Attributes:
         polarity: Which sides the wheels touch.
-        calls: For each joint that a mission passes, the joint and the mission.
+        calls: For each joint that missions pass, the joint and these missions.
         last_m: How far the robot drives behind the last of these, to the end of the route.
     """
 
     polarity: str
-    calls: tuple[tuple[Joint, str], ...]
+    calls: tuple[tuple[Joint, tuple[str, ...]], ...]
     last_m: float
 
 
@@ -48,7 +48,7 @@ def course_along(pipe: Pipe, profile: Profile) -> Course:
     rolled_rad = (pipe.start.roll if pipe.start else 0.0) - pipe.roll
     found = _normal_or_mirrored(ahead, travel, rolled_rad, profile.robot)
     polarity, passed = found
-    calls = tuple((joint, by.call) for joint, by in passed if by.call is not None)
+    calls = tuple((joint, by.calls) for joint, by in passed if by.calls)
     from_m = calls[-1][0].arc_m + length_m if calls else start_m
     last_m = route.length_m - _SPARE_M - from_m
     if last_m <= 0:
@@ -64,11 +64,13 @@ def _normal_or_mirrored(
     failed: Joint | None = None
     for polarity, turned_rad in (("normal", 0.0), ("mirrored", pi)):
         passed: list[tuple[Joint, PassedBy]] = []
+        roll_rad = rolled_rad + turned_rad
         for joint in joints:
-            by = _by(joint, travel, rolled_rad + turned_rad)
+            by = _by(joint, travel, roll_rad)
             if by is None:
                 failed = failed or joint
                 break
+            roll_rad += by.rolls
             passed.append((joint, by))
         else:
             return polarity, passed
@@ -104,18 +106,14 @@ def mission_along(
     """
     states = ", ".join(f"{region}: {state}" for region, state in travel.starts_in.items())
     names = [f"joint_{number}" for number in range(1, len(course.calls) + 1)]
-    following = [*names[1:], "arrive"] if names else []
-    phases = [
-        "  enter:",
-        f"    do: [{{call: {travel.enter}}}]",
-        f"    go: {names[0] if names else 'arrive'}",
-    ]
-    for phase, (joint, call), after in zip(names, course.calls, following, strict=True):
+    phases: list[str] = []
+    for phase, (joint, calls), after in zip(names, course.calls, _following(names), strict=True):
         at = f"{joint.kind} {joint.junction}".strip()
+        steps = ", ".join(f"{{call: {call}}}" for call in calls)
         phases += [
             f"  {phase}:",
             f"    description: The {at} at {joint.arc_m * 1e3:.0f} mm of the route",
-            f"    do: [{{call: {call}}}]",
+            f"    do: [{steps}]",
             f"    go: {after}",
         ]
     lines = [
@@ -128,22 +126,24 @@ def mission_along(
         *([f"route: {route}"] if route else []),
         *(["polarity: mirrored"] if course.polarity == "mirrored" else []),
         "parameters:",
-        f"  last: {{type: length, default: {course.last_m * 1e3:.0f} mm, min: 0 mm, max: 100 m,"
+        f"  last: {{type: length, default: {course.last_m * 1e3:.0f} mm, min: 10 mm, max: 100 m,"
         " description: How far to drive behind the last joint}",
-        "  give_up: {type: duration, default: 10 min, min: 5 s, max: 1 h,"
-        " description: Longest time for that}",
         *([f"starts_in: {{{states}}}"] if states else []),
-        "time_limit: 1 h",
-        "start: enter",
+        "time_limit: 2 h",
+        "on_failure: stopped",
+        f"start: {names[0] if names else 'arrive'}",
         "phases:",
         *phases,
         "  arrive:",
-        "    wait: [{name: there, when: change(odometry) >= $last, go: stop}]",
-        "    within: {time: $give_up, go: late}",
-        f"  stop: {{do: [{travel.stop}], go: arrived}}",
-        f"  late: {{do: [{travel.stop}], go: not_there}}",
+        f"    do: [{{call: {travel.last}, with: {{way: $last}}}}]",
+        "    go: arrived",
         "ends:",
         "  arrived: {succeed: At the end of the route}",
-        '  not_there: {fail: "Not at the end within {give_up}"}',
+        '  stopped: {fail: "Stopped on the way: {cause}"}',
     ]
     return "\n".join(lines) + "\n"
+
+
+def _following(phases: Sequence[str]) -> Sequence[str]:
+    """Return the phase after each."""
+    return (*phases[1:], "arrive") if phases else ()

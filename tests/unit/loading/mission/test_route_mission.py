@@ -40,7 +40,7 @@ def round_pipe(*fittings: object, **more: object) -> Pipe:
 
 def test_each_bend_is_passed_by_its_mission(profile: Profile) -> None:
     course = course_along(bars({"mitre": "90 deg"}, {"mitre": "60 deg"}), profile)
-    assert [call for _, call in course.calls] == ["round_bend", "round_bend"]
+    assert [call for _, call in course.calls] == [("take_bend",), ("take_bend",)]
     assert course.polarity == "normal"
     assert 0.5 < course.last_m < 1.0
 
@@ -56,9 +56,8 @@ def test_bends_to_the_other_side_are_passed_in_mirrored_polarity(profile: Profil
     "fittings",
     [
         [{"mitre": "90 deg"}, {"mitre": "-90 deg"}],
-        [{"mitre": "90 deg", "roll": "90 deg"}],
+        [{"mitre": "90 deg", "roll": "45 deg"}],
         [{"tee": "90 deg", "take": "on"}],
-        [{"elbow": "90 deg", "radius": "180 mm"}],
     ],
 )
 def test_a_joint_that_nothing_passes_is_named(profile: Profile, fittings: list[object]) -> None:
@@ -70,6 +69,14 @@ def test_a_robot_that_is_rolled_passes_what_lies_in_its_plane(profile: Profile) 
     start = {"at": "700 mm", "roll": "90 deg"}
     pipe = round_pipe({"mitre": "90 deg", "roll": "90 deg"}, start=start)
     assert len(course_along(pipe, profile).calls) == 1
+
+
+def test_it_turns_by_a_quarter_before_what_lies_square_to_it(profile: Profile) -> None:
+    elbow = {"elbow": "90 deg", "radius": "180 mm", "roll": "90 deg"}
+    pipe = round_pipe({"mitre": "90 deg"}, elbow, {"mitre": "90 deg", "roll": "90 deg"})
+    course = course_along(pipe, profile)
+    passed = [calls for _, calls in course.calls]
+    assert passed == [("take_bend",), ("turn_right", "take_elbow"), ("take_bend",)]
 
 
 def test_it_drives_on_past_square_openings_and_through_reducers(profile: Profile) -> None:
@@ -114,5 +121,5 @@ def test_the_text_is_a_mission_that_calls_them_in_order(profile: Profile) -> Non
         for step in phase.do
         if isinstance(step, CallStep)
     ]
-    assert called == ["enter_2d", "round_bend", "round_bend"]
-    assert (mission.route, mission.start) == ("main", "enter")
+    assert called == ["take_bend", "take_bend", "drive_on"]
+    assert (mission.route, mission.start) == ("main", "joint_1")
