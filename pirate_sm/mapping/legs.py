@@ -106,6 +106,25 @@ class Map:
         roll = 0.0 if isnan(self.roll_rad) else self.roll_rad
         return sin(pitch), cos(pitch) * sin(roll), -cos(pitch) * cos(roll)
 
+    def beyond(self, leg: int, leads: int, bend: Bend) -> tuple[int, bool]:
+        """Return the leg ahead of a leg, or behind it, and whether it is new, as is the bend then.
+
+        Args:
+            leg: Index of the leg.
+            leads: 1 for the leg ahead, -1 for that behind, which becomes the first if it is new.
+            bend: The bend between the two, if it is new.
+        """
+        if 0 <= leg + leads < len(self.legs):
+            return leg + leads, False
+        if leads > 0:
+            self.legs.append(Leg(begins_m=0.0))
+            self.bends.append(bend)
+            return leg + 1, True
+        self.legs.insert(0, Leg(ends_m=0.0))
+        self.bends.insert(0, bend)
+        self.start = (self.start[0] + 1, self.start[1])
+        return 0, True
+
     def frame(self, leg: int) -> Frame:
         """Return the frame of a leg; that of the leg in which the robot began is the drawing's."""
         frame = DRAWING

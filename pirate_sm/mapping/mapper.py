@@ -242,8 +242,11 @@ class Mapper:
             return
         rolled = self._roll_of_part(look, anchor.part)
         roll_rad = remainder(found.towards_rad + rolled, 2 * pi)
-        into, new = self._join(anchor, leads, Bend(found.angle_rad, roll_rad, self._announced))
+        bend = Bend(found.angle_rad, roll_rad, self._announced)
         self._announced = ""
+        into, new = self.map.beyond(self._spots[anchor.part].leg, leads, bend)
+        if new and leads < 0:  # the new leg is the first one
+            self._spots = {n: each._replace(leg=each.leg + 1) for n, each in self._spots.items()}
         passage = Passage(into - 1 if leads > 0 else into, leads, part, anchor, numbers, new)
         self._passage = passage
         self._meet(passage, found)
@@ -251,21 +254,6 @@ class Mapper:
         begins_m = leg.begins_m if leads > 0 else leg.ends_m
         wheels = outermost(self._body, part, leads)
         self._spots[part] = Spot(into, begins_m + leads * found.beyond_m, wheels)
-
-    def _join(self, anchor: Anchor, leads: int, bend: Bend) -> tuple[int, bool]:
-        """Return the leg beyond the anchor's, and whether it is new, as is the bend then."""
-        here, legs = self._spots[anchor.part].leg, self.map.legs
-        if 0 <= here + leads < len(legs):
-            return here + leads, False
-        if leads > 0:
-            legs.append(Leg(begins_m=0.0))
-            self.map.bends.append(bend)
-            return here + 1, True
-        legs.insert(0, Leg(ends_m=0.0))
-        self.map.bends.insert(0, bend)
-        self.map.start = (self.map.start[0] + 1, self.map.start[1])
-        self._spots = {n: each._replace(leg=each.leg + 1) for n, each in self._spots.items()}
-        return 0, True
 
     def _meet(self, passage: Passage, found: Reached) -> None:
         """Fix the place of a new bend by the anchor, or the anchor's by a known bend."""
