@@ -14,6 +14,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
+from pirate_sm.model.word_watch import Look, WordWatch
 
 
 class Companion(Protocol):
@@ -64,6 +65,17 @@ class Following(Protocol):
 
     def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
         """Use this source of the run's state from now on; it returns None before the start."""
+
+
+@runtime_checkable
+class Relieved(Protocol):
+    """A companion by positions whose looks others can make, as long as it has nothing to say."""
+
+    def word_watch(self, state: EngineState) -> WordWatch | None:
+        """Return what it knows now; None where it must look itself."""
+
+    def relieve(self, looks: Sequence[Look], due_s: float) -> None:
+        """Take looks that others have made; the next one is due at ``due_s``."""
 
 
 @contextmanager

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pirate_sm.detectors.place_filter import Tracker
+from pirate_sm.detectors.place_filter import WINDOW_S, Tracker
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.word_watch import Look, WordWatch
 
 # A word stays valid until its wheel is this far before the point, so that noise does not switch it
 # on and off.
@@ -76,6 +77,15 @@ class Repeater:
         self._reported_s = now_s
         return DetectorWord(word, self._valid_for_s)
 
+    def silent(self, word: str) -> tuple[float, float] | None:
+        """Return when a word was reported that holds, and after which time it is repeated.
+
+        Without a word it is never repeated. None: the word that holds is not the reported one.
+        """
+        if word != self._word:
+            return None
+        return (self._reported_s, _REPEAT_SHARE * self._valid_for_s) if word else (0.0, math.inf)
+
 
 class Detector:
     """Reports a word when it begins, and repeats it while it holds.
@@ -125,6 +135,46 @@ class Detector:
             self._repeater.say("", time_s)  # what follows is a new report
         self._word = self._holding()
         return self._repeater.say(self._word, time_s)
+
+    def watch(
+        self, places_m: Callable[[], Sequence[float]], due_s: float, travel: int
+    ) -> WordWatch | None:
+        """Return what it knows between two looks; None where only a look of its own will do.
+
+        Args:
+            places_m: Returns the position of each wheel.
+            due_s: When it looks next.
+            travel: As for :meth:`look`.
+        """
+        driven, direction = travel != 0, self._direction
+        said = self._repeater.silent(self._word)
+        if driven != self._tracker.driven or (driven and travel != direction) or said is None:
+            return None
+        names = [word.name for word, _ in self._words]
+        return WordWatch(
+            places_m,
+            due_s,
+            LOOK_EVERY_S,
+            WINDOW_S,
+            self._tracker.seen,
+            driven,
+            direction,
+            self._points(direction),
+            self._crossings,
+            _SLACK_M,
+            _FORGOTTEN_M,
+            names.index(self._word) if self._word else -1,
+            *said,
+        )
+
+    def _points(self, direction: int) -> tuple[tuple[int, float], ...]:
+        points = [(word.forward if direction > 0 else word.backward, e) for word, e in self._words]
+        return tuple((point.wheel, error - point.passed_m) for point, error in points)
+
+    def relieve(self, looks: Sequence[Look]) -> None:
+        """Take looks that others have made, none of which had anything to say."""
+        for time_s, places_m in looks:
+            self._tracker.see(time_s, places_m, driven=self._tracker.driven)
 
     def see(
         self, time_s: float, places_m: Sequence[float] | None, travel: int, seen_s: float

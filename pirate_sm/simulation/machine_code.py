@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from hashlib import sha256
 from typing import Any, TypeVar, cast
 
 import numba
@@ -14,12 +15,14 @@ def compiled(function: _F) -> _F:
     """Return a function that is compiled on its first call, with its machine code kept on disk.
 
     numba keeps it beside the function's file or else in the user's cache folder. If neither is
-    writable, each process compiles for itself.
+    writable, each process compiles for itself. It is compiled again after an edit of its file, of
+    the file of a compiled function that it calls, or of a constant that it uses.
     """
     try:
         dispatcher = numba.njit(cache=True, error_model="numpy")(function)
     except RuntimeError:
         return cast(_F, numba.njit(error_model="numpy")(function))
+    _notice_edits(dispatcher, function)
     _forgive_damage(dispatcher)
     return cast(_F, dispatcher)
 
@@ -38,6 +41,26 @@ def is_kept(function: Callable[..., Any]) -> bool:
         return any(machine in key for key in index)
     except Exception:  # unpickling a damaged index can raise anything
         return False
+
+
+def _notice_edits(dispatcher: Any, function: Callable[..., Any]) -> None:
+    """Make the kept machine code depend on everything that was compiled into it.
+
+    numba itself looks at the function's own file only, and takes constants as they were.
+    """
+    kept = _kept(dispatcher)
+    if kept is None:
+        return
+    used = [function.__globals__.get(name) for name in function.__code__.co_names]
+    constants = [repr(each) for each in used if isinstance(each, int | float | tuple)]
+    called = [_kept(each)._source_stamp for each in used if _kept(each) is not None]
+    made_of = repr((kept._source_stamp, constants, called))
+    kept._source_stamp = sha256(made_of.encode()).hexdigest()
+
+
+def _kept(function: Any) -> Any:
+    """Return numba's record of a compiled function's machine code on disk; None without one."""
+    return getattr(getattr(function, "_cache", None), "_cache_file", None)
 
 
 def _forgive_damage(dispatcher: Any) -> None:

@@ -52,12 +52,22 @@ class Obstacles:
         self._pushed_s = 0.0
         self._reported: set[float] = set()
 
+    @property
+    def idle(self) -> bool:
+        """Whether no obstacle stands or waits, so that only a bend out of plane can be met."""
+        return not self._waiting and self._standing is None
+
+    @property
+    def out_of_plane_rad(self) -> float:
+        """How far a part may be turned where there are bends; infinite where there are none."""
+        return _OUT_OF_PLANE_RAD if self._route.crossings_m else math.inf
+
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
         """Update the obstacles; return the fault of an impassable bend, if any."""
         rolls = self._physics.rolls()
         _, ahead, behind = rolls
         in_plane = abs(ahead) < _OUT_OF_PLANE_RAD and abs(behind) < _OUT_OF_PLANE_RAD
-        if in_plane and not self._waiting and self._standing is None:
+        if in_plane and self.idle:
             return None
         arcs: list[float] = self._arcs.tolist()
         fault = self._out_of_plane(rolls, arcs)

@@ -35,6 +35,9 @@ class PipeChanges:
         pipe: Where it is.
         friction: Of the wall outside its patches.
         scale: What the coefficients of the patches are multiplied by.
+
+    Attributes:
+        idle: Whether nothing ever changes.
     """
 
     def __init__(
@@ -49,11 +52,11 @@ class PipeChanges:
         self._usual = (friction.static, friction.kinetic)
         self._given = [self._usual] * wheels
         self._gravity, self._up = gravity_of(pipe), (0.0, 0.0, 0.0)
-        self._idle = self._gravity is None and not self._stretches
+        self.idle = self._gravity is None and not self._stretches
 
     def step(self, now_s: float) -> None:
         """Give the physics what is true of a cycle that begins now."""
-        if self._idle:
+        if self.idle:
             return
         if self._gravity is not None:
             up = self._gravity(now_s)

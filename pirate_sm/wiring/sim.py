@@ -100,7 +100,7 @@ def simulated(
         companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
         notices=notices,
         usual_detector="sim",
-        places=Places(backend.crossings_m, lambda: backend.arcs_m),
+        places=Places(backend.crossings_m, backend.places_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
     )

@@ -52,3 +52,38 @@ def test_damaged_machine_code_is_made_again(
 
     assert run(tmp_path).endswith(" 42.0")
     assert run(tmp_path) == "True 42.0"
+
+
+CALLED = """
+from pirate_sm.simulation.machine_code import compiled
+
+@compiled
+def tripled(x: float) -> float:
+    return 3.0 * x
+"""
+
+CALLING = """
+from pirate_sm.simulation.machine_code import compiled, is_kept
+from called import tripled
+from constants import MORE
+
+@compiled
+def more(x: float) -> float:
+    return tripled(x) + MORE
+
+print(is_kept(more), more(2.0))
+"""
+
+
+@pytest.mark.slow
+def test_an_edit_of_what_a_function_calls_or_uses_is_noticed(tmp_path: Path) -> None:
+    (tmp_path / "called.py").write_text(CALLED, encoding="utf-8")
+    (tmp_path / "constants.py").write_text("MORE = 1.0", encoding="utf-8")
+    (tmp_path / "doubling.py").write_text(CALLING, encoding="utf-8")
+    assert [run(tmp_path), run(tmp_path)] == ["False 7.0", "True 7.0"]
+
+    (tmp_path / "constants.py").write_text("MORE = 10.0", encoding="utf-8")
+    assert [run(tmp_path), run(tmp_path)] == ["False 16.0", "True 16.0"]
+
+    (tmp_path / "called.py").write_text(CALLED.replace("3.0", "30.0"), encoding="utf-8")
+    assert [run(tmp_path), run(tmp_path)] == ["False 70.0", "True 70.0"]

@@ -1,0 +1,183 @@
+"""Lets cycles of a simulated robot pass in one compiled call, for one engine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pirate_sm.engine.gliding.glided import Glided
+from pirate_sm.engine.gliding.watch import Watch
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.expressions.bytecode import DEEPEST
+from pirate_sm.model.events import SensorFrame
+from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.word_watch import Look, WordWatch
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.gliding.look_tables import LookTables
+from pirate_sm.simulation.gliding.protocol import GlidingPhysics
+from pirate_sm.simulation.gliding.robot_tables import robot_tables
+from pirate_sm.simulation.gliding.signal_tables import SignalTables
+from pirate_sm.simulation.gliding.survey_tables import SurveyTables
+from pirate_sm.simulation.gliding.watch_tables import WatchTables
+from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
+
+_MOST_FRAMES = 256
+"""How many frames one call may take."""
+
+
+class Passed(NamedTuple):
+    """What has passed in one call.
+
+    Attributes:
+        now_s: The time of the last cycle.
+        cycles: How many cycles have passed, in all.
+        after: The signals after the frames that were taken; None without any.
+        frames: The frames that were taken.
+        looks: The looks that were made for a detector, and when the next one is due.
+        waiting: A frame that waits for the engine; None without one.
+        met: Whether the surroundings must act on the robot.
+    """
+
+    now_s: float
+    cycles: int
+    after: Glided | None
+    frames: FrameBlock
+    looks: tuple[Sequence[Look], float]
+    waiting: SensorFrame | None
+    met: bool
+
+
+class Glider:
+    """Lets cycles pass, for an engine that knows the robot.
+
+    Args:
+        robot: The robot as the engine knows it.
+        simulated: The simulated robot.
+        turns: The turns of the cycles.
+        cycle_s: Duration of a cycle.
+    """
+
+    def __init__(
+        self,
+        robot: RobotSpec,
+        simulated: SimulatedRobot,
+        turns: Sequence[Turn],
+        cycle_s: float,
+    ) -> None:
+        self.robot = robot
+        self._cycle_s = cycle_s
+        self._simulated = simulated
+        physics = simulated.physics
+        self._physics = physics if isinstance(physics, GlidingPhysics) else None
+        electronics = simulated.electronics
+        self._electronics = electronics
+        self._tables = robot_tables(robot, electronics.boards)
+        self._ids = [each.id for each in sorted(robot.boards.values(), key=lambda b: b.position)]
+        self._widths = {each.board: each.last - each.first for each in electronics.boards}
+        self._watch = WatchTables(len(robot.slots), len(robot.vocabulary.numbers))
+        self._signals = SignalTables(robot)
+        self._survey = SurveyTables(robot)
+        self._looks = LookTables(len(simulated.arcs))
+        self._around: Floats = np.array([cycle_s, *simulated.leeway])
+        self._turns = _turn_table(robot, turns)
+        self._forced: Floats = np.full(len(electronics.counts), nan)
+        self._clock: Floats = np.zeros(4)
+        self._scratch: tuple[Floats, Floats, Floats] = (
+            np.zeros(len(robot.vocabulary.numbers)),
+            np.zeros(len(robot.wheels)),
+            np.zeros(DEEPEST),
+        )
+        self._times_s: Floats = np.zeros(_MOST_FRAMES)
+        self._reporters: Ints = np.zeros(_MOST_FRAMES + 1, dtype=np.int64)
+        width = max(self._widths.values(), default=0)
+        self._reports: Floats = np.zeros((_MOST_FRAMES + 1, width))
+        self._met: Ints = np.zeros(4, dtype=np.int64)
+
+    def glide(
+        self, watch: Watch, words: WordWatch | None, now_s: float, cycles: int, until_s: float
+    ) -> Passed | None:
+        """Let cycles pass while frames are quiet.
+
+        Args:
+            watch: What must stay true.
+            words: What a detector knows that is to be relieved; None without one.
+            now_s: The time.
+            cycles: How many cycles have passed, in all.
+            until_s: When time stops.
+
+        Returns:
+            What has passed; None if no cycle may pass.
+        """
+        simulated, physics = self._simulated, self._physics
+        until_s = min(until_s, simulated.glides_until_s(now_s))
+        if self._tables is None or physics is None or (cycles + 1) * self._cycle_s >= until_s:
+            return None
+        if not (self._watch.take(watch, until_s) and self._looks.take(words)):
+            return None
+        self._signals.take(watch.sensing)
+        self._survey.take(watch)
+        self._force(now_s)
+        self._clock[:] = now_s, cycles, simulated.time_s, watch.sensing.loss
+        self._met[:] = 0
+        physics.glide(*self._arguments(physics))
+        return self._passed(cycles)
+
+    def _force(self, now_s: float) -> None:
+        """Show what defects show in place of what is measured."""
+        forced = self._simulated.forced(now_s)
+        self._forced[:] = nan
+        for row, shown in forced.items():
+            self._forced[row] = shown
+
+    def _arguments(self, physics: GlidingPhysics) -> tuple[Any, ...]:
+        electronics, signals, watch = self._electronics, self._signals, self._watch
+        assert self._tables is not None  # glide has looked
+        return (
+            *(physics.roll_angles, self._simulated.arcs, self._around, self._turns),
+            *(electronics.channels, electronics.counts, electronics.rng, self._forced),
+            *self._tables,
+            *(watch.slots, watch.conditions, watch.pool.code, watch.origin, watch.duties),
+            *(watch.watch, self._clock),
+            *(signals.numbers, signals.heard_s, signals.shares, signals.angles, signals.memory),
+            *self._scratch,
+            *self._survey.arrays,
+            *(self._times_s, self._reporters, self._reports, self._met),
+            *self._looks.arrays,
+        )
+
+    def _passed(self, before: int) -> Passed:
+        now_s, cycles, time_s, loss = self._clock.tolist()
+        count, waits, position, met = self._met.tolist()
+        frames = self._block(count)
+        waiting = None
+        if waits:
+            board = self._ids[position]
+            values = self._reports[count, : self._widths[board]].tolist()
+            waiting = SensorFrame(board, tuple(values))
+        self._simulated.glided(round(cycles) - before, time_s, frames, waiting)
+        after = self._signals.given(loss, self._survey.given()) if count else None
+        looks = self._looks.made()
+        return Passed(now_s, round(cycles), after, frames, looks, waiting, bool(met))
+
+    def _block(self, count: int) -> FrameBlock:
+        boards = [self._ids[position] for position in self._reporters[:count].tolist()]
+        times_s: list[float] = self._times_s[:count].tolist()
+        return FrameBlock(times_s, boards, self._reports[:count].copy(), self._widths)
+
+
+def _turn_table(robot: RobotSpec, turns: Sequence[Turn]) -> Ints:
+    """Return which channels each cycle reads, and whose board reports after it."""
+    rows = [
+        (
+            robot.boards[turn.board.board].position,
+            turn.first,
+            turn.last,
+            turn.last == turn.board.last,
+        )
+        for turn in turns
+        if turn.board.board in robot.boards
+    ]
+    return np.array(rows, dtype=np.int64).reshape(-1, 4)

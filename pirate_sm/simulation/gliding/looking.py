@@ -1,0 +1,121 @@
+"""Look for a detector by positions, in compiled code, as long as it has nothing to say.
+
+The same operations in the same order give the same bits as
+:class:`pirate_sm.detectors.word_timing.Detector` and
+:class:`pirate_sm.detectors.place_filter.Tracker`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.gliding.columns import (
+    L_DIRECTION,
+    L_DRIVEN,
+    L_DUE_S,
+    L_EVERY_S,
+    L_FORGOTTEN_M,
+    L_LOOKS,
+    L_REPEAT_S,
+    L_SAID_S,
+    L_SEEN,
+    L_SLACK_M,
+    L_WINDOW_S,
+    L_WORD,
+    O_MORE_M,
+    O_WHEEL,
+)
+from pirate_sm.simulation.gliding.sorting import median_of
+from pirate_sm.simulation.machine_code import compiled
+
+
+@compiled
+def _place(column: int, count: int, driven: bool, seen: Floats, values: Floats) -> float:
+    """Return the filtered position of a wheel at the time of the last look."""
+    slope = 0.0
+    if driven and count >= 2:
+        half = count // 2
+        pairs = 0
+        for i in range(count - half):
+            passed_s = seen[i + half, 0] - seen[i, 0]
+            if seen[i + half, 0] > seen[i, 0]:
+                values[pairs] = (seen[i + half, column] - seen[i, column]) / passed_s
+                pairs += 1
+        slope = median_of(values, pairs)
+    latest_s = seen[count - 1, 0]
+    for i in range(count):
+        values[i] = seen[i, column] + slope * (latest_s - seen[i, 0])
+    return median_of(values, count)
+
+
+@compiled
+def _word(
+    count: int, looker: Floats, points: Floats, crossings: Floats, seen: Floats, values: Floats
+) -> int:
+    """Return the index of the word that holds; -1 for none, -2 if a position is unknown."""
+    direction = looker[L_DIRECTION]
+    if direction == 0.0:
+        return -1
+    driven = looker[L_DRIVEN] != 0.0
+    for k in range(crossings.shape[0]):
+        for p in range(points.shape[0]):
+            place_m = _place(int(points[p, O_WHEEL]) + 1, count, driven, seen, values)
+            passed_m = direction * (place_m - crossings[k])
+            passed_m += points[p, O_MORE_M]
+            if np.isnan(passed_m):
+                return -2
+            if passed_m >= (-looker[L_SLACK_M] if p == looker[L_WORD] else 0.0):
+                if passed_m < looker[L_FORGOTTEN_M]:
+                    return p
+                break
+    return -1
+
+
+@compiled
+def look(
+    arcs: Floats,
+    looker: Floats,
+    points: Floats,
+    crossings: Floats,
+    seen: Floats,
+    looks: Floats,
+    values: Floats,
+) -> bool:
+    """Look at the time at which it is due; return whether there is nothing to say.
+
+    If there is, the look has not been made.
+
+    Args:
+        arcs: Position of each wheel along the pipe, m.
+        looker: What the detector knows; see `columns.py`.
+        points: Where words begin; see `columns.py`.
+        crossings: Positions of the bends along the pipe.
+        seen: The looks of the window, a row each: the time, and the positions.
+        looks: The looks that have been made, likewise; written.
+        values: Scratch, as long as `seen`.
+    """
+    now_s = looker[L_DUE_S]
+    count = int(looker[L_SEEN])
+    made = int(looker[L_LOOKS])
+    if now_s - looker[L_SAID_S] >= looker[L_REPEAT_S]:
+        return False
+    if made == looks.shape[0]:
+        return False
+    first = 0
+    while first < count and seen[first, 0] < now_s - looker[L_WINDOW_S]:
+        first += 1
+    if first == 0 and count == seen.shape[0]:
+        return False
+    looks[made, 0] = now_s
+    looks[made, 1:] = arcs
+    for i in range(first, count):
+        seen[i - first] = seen[i]
+    count -= first
+    seen[count] = looks[made]
+    if _word(count + 1, looker, points, crossings, seen, values) != int(looker[L_WORD]):
+        return False
+    looker[L_SEEN] = count + 1
+    looker[L_LOOKS] = made + 1
+    looker[L_DUE_S] = now_s + looker[L_EVERY_S]
+    return True
