@@ -224,7 +224,7 @@ class SimulatorBackend:
         fault = self.robot.meet_obstacles() if passed.met else None
         if fault is not None:
             self._pending.append(fault)
-        return Glide(passed.now_s, passed.after, passed.frames, *passed.looks)
+        return Glide(passed.now_s, passed.after, passed.frames, passed.ticks, *passed.looks)
 
     def _cycle(self) -> list[Event]:
         """Simulate one cycle of the bus."""

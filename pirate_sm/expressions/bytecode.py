@@ -20,10 +20,10 @@ from pirate_sm.expressions import tree
 Code: TypeAlias = tuple[tuple[int, float], ...]
 """Instructions, each with its argument, in the order in which they are executed."""
 
-# The instructions. CONSTANT and NUMBER push a value, the latter with the index of a signal; the
-# argument of LEAST, GREATEST, ALL and ANY is how many values they take.
-CONSTANT, NUMBER, NEGATE, ADD, SUBTRACT, MULTIPLY, DIVIDE, ABSOLUTE, LEAST, GREATEST = range(10)
-EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, KNOWN, NOT, ALL, ANY = range(10, 20)
+# The instructions: those that push a value (NUMBER: a signal, by its index), that change one, that
+# take two, and that take as many as their argument says.
+CONSTANT, NUMBER, NEGATE, ABSOLUTE, KNOWN, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE = range(10)
+EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, LEAST, GREATEST, ALL, ANY = range(10, 20)
 
 DEEPEST: Final = 32
 """How many values the machine can remember."""
@@ -118,9 +118,9 @@ def depth_of(code: Code) -> int:
     for operation, argument in code:
         if operation in (CONSTANT, NUMBER):
             depth += 1
-        elif operation in (LEAST, GREATEST, ALL, ANY):
+        elif operation >= LEAST:
             depth += 1 - int(argument)
-        elif operation not in (NEGATE, ABSOLUTE, KNOWN, NOT):
+        elif operation >= ADD:
             depth -= 1
         deepest = max(deepest, depth)
     return deepest

@@ -16,7 +16,7 @@ from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
 from pirate_sm.runtime.last_frames import LastFrames
 from pirate_sm.runtime.observers import Tap
-from pirate_sm.runtime.quiet_time import QuietTime
+from pirate_sm.runtime.quiet_time import BlockTap, Part, QuietTime, parts_of
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -90,6 +90,7 @@ class Pump:
         self._heard: LastFrames = after._heard if after else LastFrames()
         self._last_id: int = after._last_id if after else 0
         self._quiet = QuietTime(engine, backend, companions)
+        self._may_glide = tap is None or (isinstance(tap, BlockTap) and not tap.stepwise)
         self._wake_s = self._until_s = inf
         self._kept_s = -inf
         self._idle_turns = 0
@@ -142,19 +143,32 @@ class Pump:
         Raises:
             BackendRaisedError: The backend has raised.
         """
-        if self._tap is not None or self.state is None or self.ended is not None:
+        if self.state is None or self.ended is not None or not self._may_glide:
             return
         try:
-            passed = self._quiet.run(self.state, min(until_s, self._wake_s))
+            passed = self._quiet.run(self.state, until_s)
         except Exception as error:
             raise BackendRaisedError from error
         if passed is None:
             return
-        self.now_s = passed.now_s
         if passed.after is not None:
             self.state = self._engine.glided(self.state, passed.after)
             self._heard.hear_block(passed.frames)
+        for part in parts_of(passed):
+            self._tell_part(part)
+        self.now_s = passed.now_s
         self._plan()
+
+    def _tell_part(self, part: Part) -> None:
+        """Tell the tap of frames that the backend has taken, and all of the tick after them."""
+        if isinstance(self._tap, BlockTap) and part.frames:
+            self._tap.take_block(part.frames)
+        if part.tick is not None:
+            self.now_s, wake_s = part.tick
+            effects = (WakeAt(wake_s),)
+            if self._tap is not None:
+                self._tap.take(Tick(), self.now_s, effects)
+            self._perform(effects)
 
     def wait(self, until_s: float = inf) -> tuple[float, Sequence[Event]]:
         """Let time run until an event occurs or a companion is due.

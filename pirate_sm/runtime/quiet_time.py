@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
+from bisect import bisect_left
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 from pirate_sm.backends.protocol import Gliding
 from pirate_sm.companion import Companion, Relieved
+from pirate_sm.model.frame_block import FrameBlock
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -14,6 +16,52 @@ if TYPE_CHECKING:
     from pirate_sm.engine.gliding.glided import Glide
     from pirate_sm.engine.state import EngineState
     from pirate_sm.model.word_watch import WordWatch
+
+
+@runtime_checkable
+class BlockTap(Protocol):
+    """A tap that can receive many steps of the engine at once.
+
+    Attributes:
+        stepwise: Whether it looks at the run after each step, so that it cannot use blocks.
+    """
+
+    stepwise: bool
+
+    def take_block(self, block: FrameBlock) -> None:
+        """Receive steps without effects, all at once."""
+
+
+class Part(NamedTuple):
+    """A part of a glide: frames, and the tick after them.
+
+    Attributes:
+        frames: The frames, often none.
+        tick: When silent boards were looked for, and when something would change after that; None
+            after the last frames.
+    """
+
+    frames: FrameBlock
+    tick: tuple[float, float] | None
+
+
+def parts_of(glide: Glide) -> Iterator[Part]:
+    """Yield the frames and ticks of a glide in the order of time."""
+    frames, begin = glide.frames, 0
+    for tick in glide.ticks:
+        end = bisect_left(frames.times_s, tick[0])
+        yield Part(_between(frames, begin, end), tick)
+        begin = end
+    yield Part(_between(frames, begin, len(frames)), None)
+
+
+def _between(block: FrameBlock, begin: int, end: int) -> FrameBlock:
+    if end - begin == len(block):
+        return block
+    values: Any = block.values
+    return FrameBlock(
+        block.times_s[begin:end], block.boards[begin:end], values[begin:end], block.widths
+    )
 
 
 class QuietTime:

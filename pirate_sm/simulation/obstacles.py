@@ -58,6 +58,13 @@ class Obstacles:
         return not self._waiting and self._standing is None
 
     @property
+    def due_s(self) -> float:
+        """When the next obstacle may appear; before any time if one stands."""
+        if self._standing is not None:
+            return -math.inf
+        return min((each.from_s for each in self._waiting), default=math.inf)
+
+    @property
     def out_of_plane_rad(self) -> float:
         """How far a part may be turned where there are bends; infinite where there are none."""
         return _OUT_OF_PLANE_RAD if self._route.crossings_m else math.inf

@@ -12,7 +12,7 @@ import pytest
 
 from agreement.missions import invent
 from agreement.robots import NEWT, PIRATE
-from agreement.stepping import assert_the_same
+from agreement.stepping import Kept, assert_the_same, course
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.wiring import Order
@@ -30,6 +30,23 @@ def test_most_frames_are_taken_for_the_engine() -> None:
     taken = assert_the_same(Order("mitre_bend"))
 
     assert taken > 1600  # of 1860
+
+
+def test_a_recording_of_blocks_has_every_step() -> None:
+    glided, stepped, order = Kept(), Kept(), Order("mitre_bend")
+    _, taken = course(order, glides=True, tap=glided)
+    course(order, glides=False, tap=stepped)
+
+    assert taken > 1600
+    assert 0 < glided.blocks < 300
+    assert glided.steps == stepped.steps
+
+
+def test_a_tap_that_looks_at_every_step_sees_every_step() -> None:
+    tap = Kept()
+    tap.stepwise = True
+
+    assert course(Order("enter_2d"), glides=True, tap=tap)[1] == 0
 
 
 @pytest.mark.parametrize("mission", [

@@ -18,7 +18,8 @@ class Glided(NamedTuple):
     """What quiet frames change.
 
     The first are as in :class:`~pirate_sm.engine.sensing.known_signals.Sensing`; ``surveyed`` is
-    what the survey remembers.
+    what the survey remembers, ``wake_at_s`` the next time at which something changes without an
+    event.
     """
 
     numbers: Numbers
@@ -27,6 +28,8 @@ class Glided(NamedTuple):
     angles: Numbers
     records: tuple[BoardMemory, ...]
     loss: float
+    checked_s: float
+    wake_at_s: float
     surveyed: Surveyed
 
 
@@ -35,8 +38,9 @@ class Glide(NamedTuple):
 
     Attributes:
         now_s: The time reached.
-        after: The signals after the frames that were taken; None without any.
+        after: The signals after them; None where nothing has been taken.
         frames: The frames that were taken.
+        ticks: When silent boards were looked for, and when something would change after that.
         looks: The looks that were made for a detector.
         due_s: When its next one is due.
     """
@@ -44,6 +48,7 @@ class Glide(NamedTuple):
     now_s: float
     after: Glided | None
     frames: FrameBlock
+    ticks: Sequence[tuple[float, float]] = ()
     looks: Sequence[Look] = ()
     due_s: float = inf
 
@@ -51,13 +56,13 @@ class Glide(NamedTuple):
 def after_glide(state: EngineState, after: Glided) -> EngineState:
     """Return the state with the signals after quiet frames."""
     sensing = sensing_after(state.sensing, after)
-    return state._replace(sensing=sensing, surveyed=after.surveyed)
+    return state._replace(sensing=sensing, surveyed=after.surveyed, wake_at_s=after.wake_at_s)
 
 
 def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
     """Return the signals after quiet frames."""
-    numbers, heard_s, shares, angles, records, loss, _ = after
+    numbers, heard_s, shares, angles, records, loss, checked_s, *_ = after
     return Sensing(
-        *(numbers, heard_s, sensing.checked_s, sensing.stale, shares, angles, records),
+        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, records),
         *(sensing.asked, loss, sensing.told, sensing.traction, sensing.outside_until_s),
     )

@@ -14,11 +14,13 @@ from pirate_sm.engine.gliding.command_watch import command_conditions, same_duti
 from pirate_sm.engine.gliding.conditions import codes_of
 from pirate_sm.engine.gliding.watch import Condition, Watch
 from pirate_sm.engine.mission.program import Do, Program, Question, SwitchControl, Wait
+from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.sensing.environment import announced, held_parts
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.engine.state import EngineState, MissionState
+from pirate_sm.engine.waking import deadline_s, listening_s
 
 
 class Lookout:
@@ -35,6 +37,7 @@ class Lookout:
         self._robot = robot
         self._program = program
         self._codes = codes_of(robot)
+        self._moment = Moment(robot, program, nominal=False, now_s=0.0)
         self._last: tuple[EngineState, Watch, float] | None = None
 
     def watch(self, state: EngineState) -> Watch | None:
@@ -49,18 +52,24 @@ class Lookout:
             found = self._conditions(state)
             if found is None:
                 return None
-            self._last = state, *found
+            self._last = state, found, deadline_s(self._moment, state)
         _, watch, due_s = self._last
-        surveyed, due_s = state.surveyed, min(due_s, state.wake_at_s)
+        due_s = min(due_s, state.word_until_s)
+        surveyed, listening = state.surveyed, listening_s(self._robot, state.sensing)
+        if state.wake_at_s != min(due_s, listening):  # the engine has not been told yet
+            due_s, listening = min(due_s, state.wake_at_s), inf
+        word, frames_until_s = state.words[-2], min(due_s, watch.deadline_s)
         if surveyed.outside_until_s > -inf:
-            due_s = min(due_s, surveyed.due_s)
-        word = state.words[-2]
+            frames_until_s = min(frames_until_s, surveyed.due_s)
         return watch._replace(
             sensing=state.sensing,
             surveyed=surveyed,
             has_word=word is not None,
             in_bend=announced(self._robot, surveyed, word),
-            deadline_s=due_s,
+            deadline_s=frames_until_s,
+            wake_s=state.wake_at_s,
+            alarm_s=due_s,
+            listening_s=listening,
         )
 
     def _waits(self, mission: MissionState, body: RobotState) -> bool:
@@ -77,15 +86,15 @@ class Lookout:
             case _:
                 return False
 
-    def _conditions(self, state: EngineState) -> tuple[Watch, float] | None:
-        """Return what must stay true, and when a fault rule will have held for long enough."""
+    def _conditions(self, state: EngineState) -> Watch | None:
+        """Return what must stay true, until a fault rule has held for long enough."""
         robot, body = self._robot, state.robot
         rules, due_s = self._rules(state)
         command = command_conditions(robot, body, state.faults.raised)
         if command is None:
             return None
         waiting = self._triggers(state)
-        watch = Watch(
+        return Watch(
             robot,
             state.sensing,
             body.values,
@@ -98,8 +107,10 @@ class Lookout:
             False,
             False,
             due_s,
+            inf,
+            inf,
+            inf,
         )
-        return watch, due_s
 
     def _rules(self, state: EngineState) -> tuple[tuple[Condition, ...], float]:
         """Return the fault rules, and when one that holds must be raised."""

@@ -66,6 +66,10 @@ class Watch(NamedTuple):
         has_word: Whether a word of the detector is valid.
         in_bend: Whether a word has announced a bend that is not passed yet.
         deadline_s: When something happens without a frame. A frame then is not quiet.
+        wake_s: When the engine has asked to be called; what follows is what that is made of.
+        alarm_s: When the engine must be called although no event comes.
+        listening_s: When silent boards are looked for next, which happens at intervals as long as
+            all have reported; infinite where the engine must do it.
     """
 
     robot: RobotSpec
@@ -80,3 +84,6 @@ class Watch(NamedTuple):
     has_word: bool
     in_bend: bool
     deadline_s: float
+    wake_s: float
+    alarm_s: float
+    listening_s: float

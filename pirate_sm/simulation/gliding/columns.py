@@ -5,6 +5,9 @@ They are numbers in one file, which fills in nothing: `robot_tables.py` and `wat
 
 from __future__ import annotations
 
+TOLERANCE_S = 2e-9
+"""The engine is called this long before a deadline; its own tolerance of times is less."""
+
 # Columns of `boards`, a row per board by its position: ranges of rows in the tables below, the
 # first row of its channels in the electronics, and how many values it reports.
 B_CHANNELS, B_DERIVED, B_WHEELS, B_SENSORS, B_ROW, B_VALUES = (0, 2, 4, 6, 8, 9)
@@ -26,15 +29,16 @@ W_PLACE, W_ANGLE, W_SPEED, W_SLOT, W_METRES, W_BOARD = range(6)
     S_NUMBER, S_LOW, S_HIGH, S_RATE, S_SLACK, S_MOVED, S_SLOT, S_LEAST_DUTY, S_LOAD, S_FULL_LOAD,
 ) = range(10)  # fmt: skip
 
-# Columns of `memory`, a row per row of `sensors`; see `sensor_memory.SensorMemory`.
+# Columns of the memory of sensors, a row per row of `sensors`; see `sensor_memory.SensorMemory`.
 M_SAME, M_SAME_S, M_REST, M_REST_OF_S, M_PROVEN, M_AWAY, M_CHANGED = range(7)
 MEMORY_COLUMNS = 7
 
 # Entries of `robot`.
 (
     R_PERIOD_S, R_SILENT_AFTER_S, R_SETTLE_S, R_UNLOADED, R_STUCK_AFTER_S, R_ODOMETRY, R_SPEED,
-    R_LOSS_GAIN,
-) = range(8)  # fmt: skip
+    R_LOSS_GAIN, R_STALE_AFTER_S, R_LISTEN_EVERY_S,
+) = range(10)  # fmt: skip
+ROBOT_ENTRIES = 10
 
 # Columns of `slots`: the value in force, the value in force or sent last, the value asked for.
 V_FORCE, V_DRIVEN, V_ASKED = range(3)
@@ -45,11 +49,14 @@ K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
 # Columns of `duties`; see `watch.SameDuty`.
 P_ANGLE, P_TARGET, P_THRESHOLD, P_GAIN, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT = range(8)
 
-# Entries of `watch`.
-A_UNTIL_S, A_DEADLINE_S, A_ASKED_S, A_DRIVING, A_ASKED = range(5)
+# Entries of `watch`; see `watch.Watch`: when time stops, from when on no frame is quiet, when the
+# engine must be called; when the setpoints were asked for, whether they drive, whether there are
+# any.
+A_UNTIL_S, A_DEADLINE_S, A_ALARM_S, A_ASKED_S, A_DRIVING, A_ASKED = range(6)
 
-# Entries of `clock`: time, cycles, the time that the surroundings go by, loss of reports.
-T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS = range(4)
+# Entries of `clock`: time, cycles, the time that the surroundings go by, loss of reports, when
+# silent boards were looked for, when they will be next.
+T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS, T_CHECKED_S, T_LISTENING_S = range(6)
 
 # Columns of `turns`, one per cycle in turn: the board's position, the channels that the cycle
 # reads, and whether the board reports after it.
@@ -60,8 +67,11 @@ U_BOARD, U_FIRST, U_LAST, U_REPORTS = range(4)
 G_CYCLE_S, G_OUT_OF_PLANE, G_BEFORE_M, G_BEHIND_M = range(4)
 
 # Entries of `met`: frames taken, whether a frame waits for the engine, its board, whether the
-# surroundings must be looked at.
-N_FRAMES, N_WAITING, N_BOARD, N_SURROUNDINGS = range(4)
+# surroundings must be looked at, how often silent boards were looked for.
+N_FRAMES, N_WAITING, N_BOARD, N_SURROUNDINGS, N_TICKS = range(5)
+
+# Columns of `ticks`: when silent boards were looked for, when the engine would be called next.
+J_AT_S, J_WAKE_S = range(2)
 
 # Entries of `looker`, what a detector by positions knows: when it looks and how often, over which
 # time it filters, whether wheels are driven and which way, its limits, the present word, when it
@@ -91,7 +101,7 @@ I_RADIUS_M, I_LINK, I_AHEAD, I_SIDE, I_UP, I_ROLL, I_LASTING_S = range(7)
 # Entries of `surveyed`; see `environment.Surveyed`: when the survey is due, the part that gives the
 # axis, whether a bend is announced, when the last force was felt, the diameter of the last
 # straight, how many forces are remembered; what was reported last (the segment as a number);
-# whether a word is valid; how many surveys have been made.
+# whether a word is valid; how many surveys have been made. Then come the remembered forces.
 (
     E_DUE_S, E_PART, E_IN_BEND, E_FELT_S, E_STRAIGHT_M, E_FORCES, E_SEGMENT, E_ROLL, E_PITCH,
     E_DIAMETER_M, E_WORD, E_MADE,

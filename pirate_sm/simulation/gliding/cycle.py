@@ -24,6 +24,7 @@ from pirate_sm.simulation.gliding.columns import (
     N_SURROUNDINGS,
     N_WAITING,
     T_CYCLES,
+    T_LISTENING_S,
     T_NOW_S,
     T_PASSED_S,
     U_BOARD,
@@ -31,8 +32,9 @@ from pirate_sm.simulation.gliding.columns import (
     U_LAST,
     U_REPORTS,
 )
+from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.looking import look
-from pirate_sm.simulation.gliding.quiet import take_frame
+from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
 from pirate_sm.simulation.machine_code import compiled
 
 
@@ -40,10 +42,20 @@ from pirate_sm.simulation.machine_code import compiled
 def may_begin(
     arcs: Floats,
     around: Floats,
+    boards: Ints,
+    robot: Floats,
+    origin: Floats,
     watch: Floats,
     clock: Floats,
-    met: Ints,
+    signals: Floats,
+    chain: Floats,
+    parts: Floats,
+    body: Floats,
+    held: Ints,
+    surveyed: Floats,
     times_s: Floats,
+    ticks: Floats,
+    met: Ints,
     looker: Floats,
     points: Floats,
     crossings: Floats,
@@ -53,12 +65,23 @@ def may_begin(
 ) -> bool:
     """Return whether another cycle may pass; if so, the clock stands at its end.
 
-    A detector looks before, as often as it is due.
+    Before, silent boards are looked for, and a detector looks, as often as that is due.
     """
     due_s = (clock[T_CYCLES] + 1.0) * around[G_CYCLE_S]
-    while looker[L_DUE_S] < due_s and looker[L_DUE_S] < watch[A_UNTIL_S]:
+    limit_s = min(due_s, watch[A_UNTIL_S])
+    while min(looker[L_DUE_S], clock[T_LISTENING_S]) < limit_s:
         now_s = looker[L_DUE_S]
-        if not look(arcs, looker, points, crossings, seen, looks, values):
+        if clock[T_LISTENING_S] <= now_s:  # the engine comes before the detector
+            now_s = clock[T_LISTENING_S]
+            numbers = signals[: origin.shape[0]]
+            heard_s = signals[origin.shape[0] : origin.shape[0] + boards.shape[0]]
+            if not (
+                may_listen(now_s, heard_s, robot, watch, ticks, met)
+                and looks_round(now_s, numbers, chain, parts, body, held, surveyed)
+            ):
+                return False
+            listen(now_s, robot, watch, clock, ticks, met)
+        elif not look(arcs, looker, points, crossings, seen, looks, values):
             return False
         clock[T_NOW_S] = max(clock[T_NOW_S], now_s)
     if not due_s < watch[A_UNTIL_S] or met[N_FRAMES] == times_s.shape[0]:
@@ -75,7 +98,11 @@ def _stays(around: Floats, rolls: Floats, arcs: Floats) -> bool:
     for part in range(1, rolls.shape[0]):
         if abs(rolls[part]) >= around[G_OUT_OF_PLANE]:
             return False
-    return bool(arcs.max() > around[G_BEFORE_M] and arcs.min() < around[G_BEHIND_M])
+    before, behind = True, True
+    for arc_m in arcs:
+        before = before and arc_m <= around[G_BEFORE_M]
+        behind = behind and arc_m >= around[G_BEHIND_M]
+    return not before and not behind
 
 
 @compiled
@@ -103,21 +130,14 @@ def goes_on(
     duties: Floats,
     watch: Floats,
     clock: Floats,
-    numbers: Floats,
-    heard_s: Floats,
-    shares: Floats,
-    angles: Floats,
-    memory: Floats,
+    signals: Floats,
     fresh: Floats,
-    turned: Floats,
     stack: Floats,
     chain: Floats,
     parts: Floats,
     body: Floats,
     held: Ints,
     surveyed: Floats,
-    forces: Floats,
-    sorted_: Floats,
     times_s: Floats,
     reporters: Ints,
     reports: Floats,
@@ -172,21 +192,14 @@ def goes_on(
         duties,
         watch,
         clock,
-        numbers,
-        heard_s,
-        shares,
-        angles,
-        memory,
+        signals,
         fresh,
-        turned,
         stack,
         chain,
         parts,
         body,
         held,
         surveyed,
-        forces,
-        sorted_,
     )
     if quiet:
         met[N_FRAMES] = at + 1

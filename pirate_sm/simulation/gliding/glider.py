@@ -24,8 +24,8 @@ from pirate_sm.simulation.gliding.survey_tables import SurveyTables
 from pirate_sm.simulation.gliding.watch_tables import WatchTables
 from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
 
-_MOST_FRAMES = 256
-"""How many frames one call may take."""
+_MOST_FRAMES, _MOST_TICKS = 256, 64
+"""How many frames one call may take, and how often it may look for silent boards."""
 
 
 class Passed(NamedTuple):
@@ -36,6 +36,7 @@ class Passed(NamedTuple):
         cycles: How many cycles have passed, in all.
         after: The signals after the frames that were taken; None without any.
         frames: The frames that were taken.
+        ticks: When silent boards were looked for, and when the engine would be called after that.
         looks: The looks that were made for a detector, and when the next one is due.
         waiting: A frame that waits for the engine; None without one.
         met: Whether the surroundings must act on the robot.
@@ -45,6 +46,7 @@ class Passed(NamedTuple):
     cycles: int
     after: Glided | None
     frames: FrameBlock
+    ticks: Sequence[tuple[float, float]]
     looks: tuple[Sequence[Look], float]
     waiting: SensorFrame | None
     met: bool
@@ -84,17 +86,14 @@ class Glider:
         self._around: Floats = np.array([cycle_s, *simulated.leeway])
         self._turns = _turn_table(robot, turns)
         self._forced: Floats = np.full(len(electronics.counts), nan)
-        self._clock: Floats = np.zeros(4)
-        self._scratch: tuple[Floats, Floats, Floats] = (
-            np.zeros(len(robot.vocabulary.numbers)),
-            np.zeros(len(robot.wheels)),
-            np.zeros(DEEPEST),
-        )
+        self._clock: Floats = np.zeros(6)
+        self._ticks: Floats = np.zeros((_MOST_TICKS, 2))
+        self._scratch = np.zeros_like(self._signals.signals), np.zeros(DEEPEST)
         self._times_s: Floats = np.zeros(_MOST_FRAMES)
         self._reporters: Ints = np.zeros(_MOST_FRAMES + 1, dtype=np.int64)
         width = max(self._widths.values(), default=0)
         self._reports: Floats = np.zeros((_MOST_FRAMES + 1, width))
-        self._met: Ints = np.zeros(4, dtype=np.int64)
+        self._met: Ints = np.zeros(5, dtype=np.int64)
 
     def glide(
         self, watch: Watch, words: WordWatch | None, now_s: float, cycles: int, until_s: float
@@ -112,7 +111,7 @@ class Glider:
             What has passed; None if no cycle may pass.
         """
         simulated, physics = self._simulated, self._physics
-        until_s = min(until_s, simulated.glides_until_s(now_s))
+        until_s = min(until_s, watch.alarm_s, simulated.glides_until_s(now_s))
         if self._tables is None or physics is None or (cycles + 1) * self._cycle_s >= until_s:
             return None
         if not (self._watch.take(watch, until_s) and self._looks.take(words)):
@@ -120,10 +119,12 @@ class Glider:
         self._signals.take(watch.sensing)
         self._survey.take(watch)
         self._force(now_s)
-        self._clock[:] = now_s, cycles, simulated.time_s, watch.sensing.loss
+        sensing = watch.sensing
+        self._clock[:4] = now_s, cycles, simulated.time_s, sensing.loss
+        self._clock[4:] = sensing.checked_s, watch.listening_s
         self._met[:] = 0
         physics.glide(*self._arguments(physics))
-        return self._passed(cycles)
+        return self._passed(watch, cycles)
 
     def _force(self, now_s: float) -> None:
         """Show what defects show in place of what is measured."""
@@ -141,16 +142,16 @@ class Glider:
             *self._tables,
             *(watch.slots, watch.conditions, watch.pool.code, watch.origin, watch.duties),
             *(watch.watch, self._clock),
-            *(signals.numbers, signals.heard_s, signals.shares, signals.angles, signals.memory),
-            *self._scratch,
+            *(signals.signals, *self._scratch),
             *self._survey.arrays,
             *(self._times_s, self._reporters, self._reports, self._met),
+            self._ticks,
             *self._looks.arrays,
         )
 
-    def _passed(self, before: int) -> Passed:
-        now_s, cycles, time_s, loss = self._clock.tolist()
-        count, waits, position, met = self._met.tolist()
+    def _passed(self, watch: Watch, before: int) -> Passed:
+        now_s, cycles, time_s, loss, checked_s, _ = self._clock.tolist()
+        count, waits, position, met, looked = self._met.tolist()
         frames = self._block(count)
         waiting = None
         if waits:
@@ -158,9 +159,13 @@ class Glider:
             values = self._reports[count, : self._widths[board]].tolist()
             waiting = SensorFrame(board, tuple(values))
         self._simulated.glided(round(cycles) - before, time_s, frames, waiting)
-        after = self._signals.given(loss, self._survey.given()) if count else None
+        ticks = [(at_s, wake_s) for at_s, wake_s in self._ticks[:looked].tolist()]
+        after = None
+        if count or ticks:
+            wake_s = ticks[-1][1] if ticks else watch.wake_s
+            after = self._signals.given(loss, checked_s, wake_s, self._survey.given())
         looks = self._looks.made()
-        return Passed(now_s, round(cycles), after, frames, looks, waiting, bool(met))
+        return Passed(now_s, round(cycles), after, frames, ticks, looks, waiting, bool(met))
 
     def _block(self, count: int) -> FrameBlock:
         boards = [self._ids[position] for position in self._reporters[:count].tolist()]

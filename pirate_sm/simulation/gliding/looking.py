@@ -108,11 +108,13 @@ def look(
     if first == 0 and count == seen.shape[0]:
         return False
     looks[made, 0] = now_s
-    looks[made, 1:] = arcs
-    for i in range(first, count):
-        seen[i - first] = seen[i]
+    for wheel in range(arcs.shape[0]):
+        looks[made, wheel + 1] = arcs[wheel]
+    for column in range(seen.shape[1]):
+        for i in range(first, count):
+            seen[i - first, column] = seen[i, column]
+        seen[count - first, column] = looks[made, column]
     count -= first
-    seen[count] = looks[made]
     if _word(count + 1, looker, points, crossings, seen, values) != int(looker[L_WORD]):
         return False
     looker[L_SEEN] = count + 1

@@ -8,8 +8,8 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import compiled
 
 # The instructions, as in `expressions.bytecode`: numbers, because numba takes them as constants.
-CONSTANT, NUMBER, NEGATE, ADD, SUBTRACT, MULTIPLY, DIVIDE, ABSOLUTE, LEAST, GREATEST = range(10)
-EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, KNOWN, NOT, ALL, ANY = range(10, 20)
+CONSTANT, NUMBER, NEGATE, ABSOLUTE, KNOWN, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE = range(10)
+EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, LEAST, GREATEST, ALL, ANY = range(10, 20)
 
 # Columns of the code.
 OPERATION, ARGUMENT = range(2)
@@ -72,7 +72,7 @@ def _joined(operation: int, values: Floats) -> float:
             return deciding
     if unknown:
         return np.nan
-    return result if operation <= GREATEST else 1.0 - deciding
+    return result if operation < ALL else 1.0 - deciding
 
 
 @compiled
@@ -103,15 +103,15 @@ def value_of(
                 stack[top] = numbers[index]
             else:
                 stack[top] = numbers[index - count] - origin[index - count]
-        elif operation in (NEGATE, ABSOLUTE, KNOWN, NOT):
+        elif operation < ADD:
             stack[top] = _changed(operation, stack[top])
-        elif operation in (LEAST, GREATEST, ALL, ANY):
+        elif operation < EQUAL:
+            top -= 1
+            stack[top] = _calculated(operation, stack[top], stack[top + 1])
+        elif operation < LEAST:
+            top -= 1
+            stack[top] = _compared(operation, stack[top], stack[top + 1])
+        else:
             top -= int(code[at, ARGUMENT]) - 1
             stack[top] = _joined(operation, stack[top : top + int(code[at, ARGUMENT])])
-        else:
-            top -= 1
-            if operation >= EQUAL:
-                stack[top] = _compared(operation, stack[top], stack[top + 1])
-            else:
-                stack[top] = _calculated(operation, stack[top], stack[top + 1])
     return float(stack[0])

@@ -267,21 +267,21 @@ def roll_on(
     numbers: Floats,
     heard_s: Floats,
     shares: Floats,
+    before: Floats,
     angles: Floats,
-    turned: Floats,
 ) -> None:
     """Update odometry and speed with a board's wheels; see :mod:`pirate_sm.engine.sensing`.
 
-    The board is `boards[position]`; `turned` is scratch, as long as `angles`.
+    The board is `boards[position]`; `before` are the angles before its frame.
     """
+    if board[B_WHEELS] == board[B_WHEELS + 1]:
+        return
     silent_s = robot[R_SILENT_AFTER_S]
     silence_s = now_s - heard_s[position]
     part = min(1.0, silent_s / silence_s) if silence_s > 0.0 else 1.0
     driven = False
     for k in range(board[B_WHEELS], board[B_WHEELS + 1]):
-        place = int(own[k, W_PLACE])
-        turned[place] = numbers[int(own[k, W_ANGLE])] - angles[place]
-        angles[place] = numbers[int(own[k, W_ANGLE])]
+        angles[int(own[k, W_PLACE])] = numbers[int(own[k, W_ANGLE])]
         driven = driven or slots[int(own[k, W_SLOT]), V_DRIVEN] != 0.0
     sharing = 0
     if driven:
@@ -294,7 +294,8 @@ def roll_on(
             share = 1.0 / sharing
         old = shares[place] if shares[place] != 0.0 else share
         shares[place] = share
-        if odometry >= 0 and not np.isnan(turned[place]):
-            numbers[odometry] += turned[place] * own[k, W_METRES] * old * part
+        turned = angles[place] - before[place]
+        if odometry >= 0 and not np.isnan(turned):
+            numbers[odometry] += turned * own[k, W_METRES] * old * part
     if int(robot[R_SPEED]) >= 0:
         numbers[int(robot[R_SPEED])] = _speed(wheels, slots, numbers)

@@ -12,6 +12,7 @@ from pirate_sm.simulation.gliding.columns import (
     K_BOARDS,
     K_END,
     K_HOLDS,
+    MEMORY_COLUMNS,
     P_ANGLE,
     P_GAIN,
     P_LEAST,
@@ -22,7 +23,9 @@ from pirate_sm.simulation.gliding.columns import (
     P_THRESHOLD,
     R_LOSS_GAIN,
     R_PERIOD_S,
+    T_LISTENING_S,
     T_LOSS,
+    TOLERANCE_S,
 )
 from pirate_sm.simulation.gliding.machine import value_of
 from pirate_sm.simulation.gliding.observing import (
@@ -79,6 +82,32 @@ def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
 
 
 @compiled
+def _copy(some: Floats, to: Floats) -> None:
+    for k in range(some.shape[0]):
+        to[k] = some[k]
+
+
+@compiled
+def looks_round(
+    now_s: float,
+    numbers: Floats,
+    chain: Floats,
+    parts: Floats,
+    body: Floats,
+    held: Ints,
+    surveyed: Floats,
+) -> bool:
+    """Survey the pipe if that is due; return whether there is nothing to report."""
+    if now_s < surveyed[E_DUE_S]:
+        return True
+    after = surveyed.copy()
+    if not survey(now_s, numbers, chain, parts, body, held, after):
+        return False
+    _copy(after, surveyed)
+    return True
+
+
+@compiled
 def take_frame(
     position: int,
     now_s: float,
@@ -97,73 +126,61 @@ def take_frame(
     duties: Floats,
     watch: Floats,
     clock: Floats,
-    numbers: Floats,
-    heard_s: Floats,
-    shares: Floats,
-    angles: Floats,
-    memory: Floats,
+    signals: Floats,
     fresh: Floats,
-    turned: Floats,
     stack: Floats,
     chain: Floats,
     parts: Floats,
     body: Floats,
     held: Ints,
     surveyed: Floats,
-    forces: Floats,
-    sorted_: Floats,
 ) -> bool:
     """Take a frame if it changes nothing but signals; otherwise leave everything as it is.
 
     The frame of `boards[position]` was received at `now_s`; `values` are its raw values. `fresh`,
-    as long as `numbers`, `turned`, as long as `angles`, `stack` and `sorted_` are scratch. The
-    other arrays are described in :mod:`pirate_sm.simulation.gliding.columns`.
+    as long as `signals`, and `stack` are scratch. The other arrays are described in
+    :mod:`pirate_sm.simulation.gliding.columns`.
     """
+    count, width = origin.shape[0], wheels.shape[0]
+    heard_at = count
+    shares_at = heard_at + boards.shape[0]
+    angles_at = shares_at + width
+    memory_at = angles_at + width
+    heard_s = signals[heard_at:shares_at]
     elapsed_s = max(now_s - heard_s[position], robot[R_PERIOD_S])
-    if now_s >= watch[A_DEADLINE_S] or elapsed_s > _IN_TIME * robot[R_PERIOD_S]:
+    deadline_s = min(watch[A_DEADLINE_S], clock[T_LISTENING_S] - TOLERANCE_S)
+    if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[R_PERIOD_S]:
         return False
     board = boards[position]
-    fresh[:] = numbers
-    if not convert(board, channels, values, fresh):
+    _copy(signals, fresh)
+    numbers, before = fresh[:count], signals[:count]
+    known = convert(board, channels, values, numbers)
+    if not (known and is_plausible(board, sensors, numbers, before, elapsed_s)):
         return False
-    if not is_plausible(board, sensors, fresh, numbers, elapsed_s):
+    memory = fresh[memory_at:].reshape(sensors.shape[0], MEMORY_COLUMNS)
+    if not moves_as_asked(board, now_s, sensors, robot, slots, watch, numbers, memory):
         return False
-    kept = memory.copy()
-    kept_shares = shares.copy()
-    kept_angles = angles.copy()
-    quiet = moves_as_asked(board, now_s, sensors, robot, slots, watch, fresh, memory)
-    if quiet:
-        derive(board, derived, slots, fresh, numbers, elapsed_s)
-        roll_on(
-            position,
-            board,
-            now_s,
-            wheels,
-            own,
-            robot,
-            slots,
-            fresh,
-            heard_s,
-            shares,
-            angles,
-            turned,
-        )
-        loss = clock[T_LOSS] * (1.0 - robot[R_LOSS_GAIN])
-        quiet = asks_the_same(duties, fresh, loss)
-        quiet = quiet and holds_as_before(position, conditions, code, fresh, origin, stack)
-    if quiet and now_s >= surveyed[E_DUE_S]:
-        kept_survey = surveyed.copy()
-        kept_forces = forces.copy()
-        quiet = survey(now_s, fresh, chain, parts, body, held, surveyed, forces, sorted_)
-        if not quiet:
-            surveyed[:] = kept_survey
-            forces[:] = kept_forces
-    if not quiet:
-        memory[:] = kept
-        shares[:] = kept_shares
-        angles[:] = kept_angles
+    derive(board, derived, slots, numbers, before, elapsed_s)
+    roll_on(
+        position,
+        board,
+        now_s,
+        wheels,
+        own,
+        robot,
+        slots,
+        numbers,
+        heard_s,
+        fresh[shares_at:angles_at],
+        signals[angles_at:memory_at],
+        fresh[angles_at:memory_at],
+    )
+    loss = clock[T_LOSS] * (1.0 - robot[R_LOSS_GAIN])
+    quiet = asks_the_same(duties, numbers, loss)
+    quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
+    if not (quiet and looks_round(now_s, numbers, chain, parts, body, held, surveyed)):
         return False
-    numbers[:] = fresh
-    heard_s[position] = now_s
+    fresh[heard_at + position] = now_s
+    _copy(fresh, signals)
     clock[T_LOSS] = loss
     return True

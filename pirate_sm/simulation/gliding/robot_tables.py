@@ -112,7 +112,7 @@ def _sensor(watch: WatchSpec) -> Row:
 
 
 def _constants(robot: RobotSpec) -> Floats:
-    found = np.zeros(8)
+    found = np.zeros(col.ROBOT_ENTRIES)
     found[col.R_PERIOD_S] = robot.link.period_s
     found[col.R_SILENT_AFTER_S] = robot.link.silent_after_s
     found[col.R_SETTLE_S] = robot.plausibility.settle_s
@@ -121,4 +121,6 @@ def _constants(robot: RobotSpec) -> Floats:
     found[col.R_ODOMETRY] = robot.odometry
     found[col.R_SPEED] = robot.speed
     found[col.R_LOSS_GAIN] = GAIN
+    found[col.R_STALE_AFTER_S] = robot.link.stale_after_s
+    found[col.R_LISTEN_EVERY_S] = robot.link.listen_every_s
     return found

@@ -20,33 +20,36 @@ class SignalTables:
         robot: The robot.
 
     Attributes:
-        numbers: Signals, SI; NaN is unknown.
-        heard_s: Per board when it last reported; `shares`, `angles`: per wheel, see
-            :class:`~pirate_sm.engine.sensing.known_signals.Sensing`.
-        memory: Per watched sensor what is remembered, see `columns.py`.
+        signals: One after the other: the signals, SI, NaN is unknown; per board when it last
+            reported; per wheel its share and its angle, see
+            :class:`~pirate_sm.engine.sensing.known_signals.Sensing`; per watched sensor what is
+            remembered, see `columns.py`.
     """
 
     def __init__(self, robot: RobotSpec) -> None:
         boards = sorted(robot.boards.values(), key=lambda each: each.position)
         self._sensors = [len(board.watched.sensors) for board in boards]
-        self.numbers: Floats = np.zeros(len(robot.vocabulary.numbers))
-        self.heard_s: Floats = np.zeros(len(boards))
-        self.shares: Floats = np.zeros(len(robot.wheels))
-        self.angles: Floats = np.zeros(len(robot.wheels))
-        self.memory: Floats = np.zeros((sum(self._sensors), col.MEMORY_COLUMNS))
+        numbers, wheels = len(robot.vocabulary.numbers), len(robot.wheels)
+        lengths = numbers, len(boards), wheels, wheels, sum(self._sensors) * col.MEMORY_COLUMNS
+        self.signals: Floats = np.zeros(sum(lengths))
+        ends = np.cumsum(lengths)[:-1]
+        self._numbers, self._heard_s, self._shares, self._angles, memory = np.split(
+            self.signals, ends
+        )
+        self._memory: Floats = memory.reshape(-1, col.MEMORY_COLUMNS)
         self._of: Sensing | None = None
 
     def take(self, sensing: Sensing) -> None:
         """Take the signals in; what has come from here is there already."""
         before = self._of
         if before is None or sensing.numbers is not before.numbers:
-            self.numbers[:] = sensing.numbers
+            self._numbers[:] = sensing.numbers
         if before is None or sensing.heard_s is not before.heard_s:
-            self.heard_s[:] = sensing.heard_s
+            self._heard_s[:] = sensing.heard_s
         if before is None or sensing.shares is not before.shares:
-            self.shares[:] = sensing.shares
+            self._shares[:] = sensing.shares
         if before is None or sensing.angles is not before.angles:
-            self.angles[:] = sensing.angles
+            self._angles[:] = sensing.angles
         if before is None or sensing.records is not before.records:
             self._take_records(sensing.records)
         self._of = sensing
@@ -57,38 +60,40 @@ class SignalTables:
             for record in records
             for each in record.channels
         ]
-        self.memory[:] = np.array(rows, dtype=np.float64).reshape(self.memory.shape)
+        self._memory[:] = np.array(rows, dtype=np.float64).reshape(self._memory.shape)
 
-    def given(self, loss: float, surveyed: Surveyed) -> Glided:
+    def given(self, loss: float, checked_s: float, wake_s: float, surveyed: Surveyed) -> Glided:
         """Return the signals as the engine has them.
 
         Args:
             loss: Share of lost reports.
+            checked_s: When silent boards were looked for.
+            wake_s: When the engine asks to be called.
             surveyed: What the survey remembers.
         """
         assert self._of is not None  # they have been taken in before
         after = Glided(
-            tuple(self.numbers.tolist()),
-            tuple(self.heard_s.tolist()),
-            tuple(self.shares.tolist()),
-            tuple(self.angles.tolist()),
+            tuple(self._numbers.tolist()),
+            tuple(self._heard_s.tolist()),
+            tuple(self._shares.tolist()),
+            tuple(self._angles.tolist()),
             self._records(self._of.records),
-            loss,
+            *(loss, checked_s, wake_s),
             surveyed,
         )
         self._of = sensing_after(self._of, after)
         return after
 
     def _records(self, records: tuple[BoardMemory, ...]) -> tuple[BoardMemory, ...]:
-        if not self.memory[:, col.M_CHANGED].any():
+        if not self._memory[:, col.M_CHANGED].any():
             return records
-        rows, found, begin = self.memory.tolist(), [], 0
+        rows, found, begin = self._memory.tolist(), [], 0
         for record, count in zip(records, self._sensors, strict=True):
             own = rows[begin : begin + count]
             begin += count
             changed = any(row[col.M_CHANGED] for row in own)
             found.append(_after(record, own) if changed else record)
-        self.memory[:, col.M_CHANGED] = 0.0
+        self._memory[:, col.M_CHANGED] = 0.0
         return tuple(found)
 
 

@@ -32,16 +32,15 @@ class SurveyTables:
     def __init__(self, robot: RobotSpec) -> None:
         self._body = _body_tables(robot)
         self._held: Ints = np.zeros(0, dtype=np.int64)
-        self._surveyed: Floats = np.zeros(col.SURVEY_ENTRIES)
-        self._forces: Floats = np.zeros((environment.SAMPLES, 3))
-        self._sorted: Floats = np.zeros(environment.SAMPLES)
+        self._surveyed: Floats = np.zeros(col.SURVEY_ENTRIES + 3 * environment.SAMPLES)
+        self._forces: Floats = self._surveyed[col.SURVEY_ENTRIES :].reshape(-1, 3)
         self._of: Watch | None = None
         self._last: Surveyed | None = None
 
     @property
     def arrays(self) -> tuple[Floats | Ints, ...]:
         """Return the arrays, in the order of the arguments of `surveying.survey`."""
-        return *self._body, self._held, self._surveyed, self._forces, self._sorted
+        return *self._body, self._held, self._surveyed
 
     def take(self, watch: Watch) -> None:
         """Take in what the survey remembers; what has come from here is there already."""

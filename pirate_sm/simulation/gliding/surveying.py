@@ -49,6 +49,7 @@ from pirate_sm.simulation.gliding.columns import (
     Q_DIAMETER,
     Q_FIRST,
     Q_STOP,
+    SURVEY_ENTRIES,
 )
 from pirate_sm.simulation.gliding.posture import heading_in_pipe
 from pirate_sm.simulation.gliding.sorting import median
@@ -119,6 +120,12 @@ def _segment(
 
 
 @compiled
+def _copy(some: Ints, count: int, to: Ints) -> None:
+    for k in range(count):
+        to[k] = some[k]
+
+
+@compiled
 def _along(
     walled: Ints, count: int, straight_m: float, parts: Floats, numbers: Floats, along: Ints
 ) -> int:
@@ -126,7 +133,7 @@ def _along(
     if np.isnan(straight_m):
         if count < 2:
             return 0
-        along[:count] = walled[:count]
+        _copy(walled, count, along)
         return count
     found = 0
     for k in range(count):
@@ -183,7 +190,8 @@ def _feel(
     if away <= AT_REST * GRAVITY_M_S2:
         if count == SAMPLES:
             for k in range(1, SAMPLES):
-                forces[k - 1] = forces[k]
+                for axis in range(3):
+                    forces[k - 1, axis] = forces[k, axis]
             count -= 1
         forces[count, 0], forces[count, 1], forces[count, 2] = ahead, side, up
         surveyed[E_FORCES] = count + 1
@@ -205,8 +213,9 @@ def _near(old: float, new: float, noise: float, turn: float) -> bool:
 
 
 @compiled
-def _looks_level(surveyed: Floats, forces: Floats, sorted_: Floats) -> bool:
+def _looks_level(surveyed: Floats, forces: Floats) -> bool:
     """Return whether roll and pitch are surely what was reported."""
+    sorted_ = np.empty(SAMPLES)
     count = int(surveyed[E_FORCES])
     roll, pitch = np.nan, np.nan
     if count >= LEAST_SAMPLES:
@@ -233,15 +242,13 @@ def survey(
     body: Floats,
     held: Ints,
     surveyed: Floats,
-    forces: Floats,
-    sorted_: Floats,
 ) -> bool:
     """Survey the pipe; return whether there is surely nothing to report.
 
-    If there may be, `surveyed` and `forces` are changed and of no use. `held` has the parts that
-    count; `forces` has the forces that are remembered, a row each, `sorted_` is scratch. The other
-    arrays are described in :mod:`pirate_sm.simulation.gliding.columns`.
+    If there may be, `surveyed` has been changed and is of no use. `held` has the parts that count;
+    the other arrays are described in :mod:`pirate_sm.simulation.gliding.columns`.
     """
+    forces = surveyed[SURVEY_ENTRIES:].reshape(SAMPLES, 3)
     walled = np.empty(held.shape[0], np.int64)
     along = np.empty(held.shape[0], np.int64)
     count = _walled(held, parts, numbers, walled)
@@ -252,10 +259,10 @@ def survey(
     if segment == STRAIGHT:
         if lying == 0:
             lying = count
-            along[:count] = walled[:count]
+            _copy(walled, count, along)
     else:
         count = lying
-        walled[:count] = along[:count]
+        _copy(along, count, walled)
     part = along[0] if lying > 0 else -1
     for k in range(lying):
         if along[k] == int(surveyed[E_PART]):
@@ -270,4 +277,4 @@ def survey(
     surveyed[E_MADE] += 1.0
     same = segment == int(surveyed[E_SEGMENT])
     same = same and _near(surveyed[E_DIAMETER_M], diameter_m, NOISE_M, 0.0)
-    return same and _looks_level(surveyed, forces, sorted_)
+    return same and _looks_level(surveyed, forces)

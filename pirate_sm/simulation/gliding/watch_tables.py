@@ -11,9 +11,6 @@ from pirate_sm.expressions.bytecode import DEEPEST, Code, depth_of
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 
-# Before a deadline comes within the engine's tolerance of times, its frame goes to the engine.
-_TOLERANCE_S = 2e-9
-
 
 class CodePool:
     """The codes of conditions, one after the other; each is stored once.
@@ -67,7 +64,7 @@ class WatchTables:
         self.conditions: Ints = np.zeros((0, 4), dtype=np.int64)
         self.origin: Floats = np.full(numbers, np.nan)
         self.duties: Floats = np.zeros((0, 8))
-        self.watch: Floats = np.zeros(5)
+        self.watch: Floats = np.zeros(6)
         self._asked: object = None
         self._of: Watch | None = None
         self._possible = False
@@ -81,7 +78,8 @@ class WatchTables:
         """
         before = self._of
         self.watch[col.A_UNTIL_S] = until_s
-        self.watch[col.A_DEADLINE_S] = watch.deadline_s - _TOLERANCE_S
+        self.watch[col.A_DEADLINE_S] = watch.deadline_s - col.TOLERANCE_S
+        self.watch[col.A_ALARM_S] = watch.alarm_s
         asked = watch.sensing.asked
         if before is None or watch.conditions is not before.conditions:
             self._take_conditions(watch.conditions)
