@@ -16,7 +16,7 @@ from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
 from pirate_sm.runtime.last_frames import LastFrames
 from pirate_sm.runtime.observers import Tap
-from pirate_sm.runtime.quiet_time import BlockTap, Part, QuietTime, parts_of
+from pirate_sm.runtime.quiet_time import Part, QuietTime, block_tap, parts_of
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -90,7 +90,8 @@ class Pump:
         self._heard: LastFrames = after._heard if after else LastFrames()
         self._last_id: int = after._last_id if after else 0
         self._quiet = QuietTime(engine, backend, companions)
-        self._may_glide = tap is None or (isinstance(tap, BlockTap) and not tap.stepwise)
+        self._blocks = block_tap(tap)
+        self._stepwise = tap is not None and self._blocks is None
         self._wake_s = self._until_s = inf
         self._kept_s = -inf
         self._idle_turns = 0
@@ -143,7 +144,7 @@ class Pump:
         Raises:
             BackendRaisedError: The backend has raised.
         """
-        if self.state is None or self.ended is not None or not self._may_glide:
+        if self.state is None or self.ended is not None or self._stepwise:
             return
         try:
             passed = self._quiet.run(self.state, until_s)
@@ -161,8 +162,8 @@ class Pump:
 
     def _tell_part(self, part: Part) -> None:
         """Tell the tap of frames that the backend has taken, and all of the tick after them."""
-        if isinstance(self._tap, BlockTap) and part.frames:
-            self._tap.take_block(part.frames)
+        if self._blocks is not None and part.frames:
+            self._blocks.take_block(part.frames)
         if part.tick is not None:
             self.now_s, wake_s = part.tick
             effects = (WakeAt(wake_s),)

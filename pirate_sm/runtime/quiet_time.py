@@ -32,6 +32,11 @@ class BlockTap(Protocol):
         """Receive steps without effects, all at once."""
 
 
+def block_tap(tap: object) -> BlockTap | None:
+    """Return the tap if it can use blocks."""
+    return tap if isinstance(tap, BlockTap) and not tap.stepwise else None
+
+
 class Part(NamedTuple):
     """A part of a glide: frames, and the tick after them.
 

@@ -59,7 +59,8 @@ class Watch(NamedTuple):
         setpoints: Values in force per slot.
         latest: Values last sent, which may be in force already.
         origin: Signals when the wait began, for conditions on their changes; else empty.
-        conditions: The conditions.
+        rules: The fault rules; the same object where they are the same again.
+        conditions: The other conditions.
         duties: The loops.
         surveyed: What the survey of the pipe remembers, which is made again when it is due.
         held: The held parts by which it is made.
@@ -77,6 +78,7 @@ class Watch(NamedTuple):
     setpoints: Numbers
     latest: Numbers
     origin: Numbers
+    rules: tuple[Condition, ...]
     conditions: tuple[Condition, ...]
     duties: tuple[SameDuty, ...]
     surveyed: Surveyed

@@ -86,6 +86,7 @@ class Glider:
         self._around: Floats = np.array([cycle_s, *simulated.leeway])
         self._turns = _turn_table(robot, turns)
         self._forced: Floats = np.full(len(electronics.counts), nan)
+        self._shown: dict[int, float] = {}
         self._clock: Floats = np.zeros(6)
         self._ticks: Floats = np.zeros((_MOST_TICKS, 2))
         self._scratch = np.zeros_like(self._signals.signals), np.zeros(DEEPEST)
@@ -129,9 +130,11 @@ class Glider:
     def _force(self, now_s: float) -> None:
         """Show what defects show in place of what is measured."""
         forced = self._simulated.forced(now_s)
-        self._forced[:] = nan
-        for row, shown in forced.items():
-            self._forced[row] = shown
+        if forced != self._shown:
+            self._shown = forced
+            self._forced[:] = nan
+            for row, shown in forced.items():
+                self._forced[row] = shown
 
     def _arguments(self, physics: GlidingPhysics) -> tuple[Any, ...]:
         electronics, signals, watch = self._electronics, self._signals, self._watch

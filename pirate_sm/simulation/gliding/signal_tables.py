@@ -85,7 +85,7 @@ class SignalTables:
         return after
 
     def _records(self, records: tuple[BoardMemory, ...]) -> tuple[BoardMemory, ...]:
-        if not self._memory[:, col.M_CHANGED].any():
+        if 1.0 not in self._memory[:, col.M_CHANGED].tolist():
             return records
         rows, found, begin = self._memory.tolist(), [], 0
         for record, count in zip(records, self._sensors, strict=True):

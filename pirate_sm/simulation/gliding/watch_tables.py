@@ -65,6 +65,7 @@ class WatchTables:
         self.origin: Floats = np.full(numbers, np.nan)
         self.duties: Floats = np.zeros((0, 8))
         self.watch: Floats = np.zeros(6)
+        self._rules: dict[int, tuple[tuple[Condition, ...], Ints | None]] = {}
         self._asked: object = None
         self._of: Watch | None = None
         self._possible = False
@@ -80,15 +81,19 @@ class WatchTables:
         self.watch[col.A_UNTIL_S] = until_s
         self.watch[col.A_DEADLINE_S] = watch.deadline_s - col.TOLERANCE_S
         self.watch[col.A_ALARM_S] = watch.alarm_s
-        asked = watch.sensing.asked
-        if before is None or watch.conditions is not before.conditions:
-            self._take_conditions(watch.conditions)
-            self._take_duties(watch.duties)
-            if watch.origin:
-                self.origin[:] = watch.origin
         if (
-            asked is not self._asked
-            or before is None
+            before is None
+            or watch.rules is not before.rules
+            or watch.conditions is not before.conditions
+        ):
+            self._take_conditions(watch)
+        if before is None or watch.duties is not before.duties:
+            self._take_duties(watch.duties)
+        if watch.origin and (before is None or watch.origin is not before.origin):
+            self.origin[:] = watch.origin
+        if (
+            before is None
+            or watch.sensing.asked is not self._asked
             or watch.setpoints is not before.setpoints
             or watch.latest is not before.latest
         ):
@@ -109,16 +114,26 @@ class WatchTables:
         self.watch[col.A_ASKED_S] = asked.since_s
         self.watch[col.A_DRIVING] = asked.driving
 
-    def _take_conditions(self, conditions: Iterable[Condition]) -> None:
-        rows = []
-        self._possible = True
-        for code, holds, boards in conditions:
-            place = self.pool.place(code)
-            if place is None:
-                self._possible = False
-                continue
-            rows.append((*place, holds, boards))
-        self.conditions = np.array(rows, dtype=np.int64).reshape(-1, 4)
+    def _take_conditions(self, watch: Watch) -> None:
+        key = id(watch.rules)
+        if key not in self._rules:  # they are kept with it, so that their id stays their own
+            self._rules[key] = watch.rules, self._rows(watch.rules)
+        rules, others = self._rules[key][1], self._rows(watch.conditions)
+        self._possible = rules is not None and others is not None
+        if rules is not None and others is not None:
+            self.conditions = np.concatenate([rules, others])
+
+    def _rows(self, conditions: tuple[Condition, ...]) -> Ints | None:
+        """Return conditions as rows; None if the machine is not deep enough for one."""
+        places = [self.pool.place(code) for code, _, _ in conditions]
+        rows = [
+            (*place, holds, boards)
+            for place, (_, holds, boards) in zip(places, conditions, strict=True)
+            if place is not None
+        ]
+        if len(rows) < len(conditions):
+            return None
+        return np.array(rows, dtype=np.int64).reshape(-1, 4)
 
     def _take_duties(self, duties: Iterable[SameDuty]) -> None:
         self.duties = np.array(list(duties), dtype=np.float64).reshape(-1, 8)
