@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 COMPILING = (
     "Compiling the simulator to machine code for this processor, so that it runs hundreds of "
-    "times faster than real time: some ten seconds, once ..."
+    "times faster than real time: some twenty seconds, once ..."
 )
 
 IN_A_PLANE = (

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.simulation.arrays import Floats, Ints, Words
+from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.digitizing import digitize
 from pirate_sm.simulation.gliding.columns import (
     A_UNTIL_S,
@@ -32,6 +32,7 @@ from pirate_sm.simulation.gliding.columns import (
     U_LAST,
     U_REPORTS,
 )
+from pirate_sm.simulation.gliding.groups import Electronics, Looker, Posture, RobotRows, Taken, Task
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.looking import look
 from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
@@ -39,49 +40,57 @@ from pirate_sm.simulation.machine_code import compiled
 
 
 @compiled
+def _listens(
+    now_s: float,
+    rows: RobotRows,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    posture: Posture,
+    taken: Taken,
+) -> bool:
+    """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
+    boards, _, _, _, _, _, robot = rows
+    _, _, _, origin, _, watch = task
+    _, _, _, ticks, met = taken
+    count = origin.shape[0]
+    heard_s = signals[count : count + boards.shape[0]]
+    if not may_listen(now_s, heard_s, robot, watch, ticks, met):
+        return False
+    if not looks_round(now_s, signals[:count], posture):
+        return False
+    listen(now_s, robot, watch, clock, ticks, met)
+    return True
+
+
+@compiled
 def may_begin(
     arcs: Floats,
     around: Floats,
-    boards: Ints,
-    robot: Floats,
-    origin: Floats,
-    watch: Floats,
+    rows: RobotRows,
+    task: Task,
     clock: Floats,
     signals: Floats,
-    chain: Floats,
-    parts: Floats,
-    body: Floats,
-    held: Ints,
-    surveyed: Floats,
-    times_s: Floats,
-    ticks: Floats,
-    met: Ints,
-    looker: Floats,
-    points: Floats,
-    crossings: Floats,
-    seen: Floats,
-    looks: Floats,
-    values: Floats,
+    posture: Posture,
+    sees: Looker,
+    taken: Taken,
 ) -> bool:
     """Return whether another cycle may pass; if so, the clock stands at its end.
 
     Before, silent boards are looked for, and a detector looks, as often as that is due.
     """
+    _, _, _, _, _, watch = task
+    looker, _, _, _, _, _ = sees
+    times_s, _, _, _, met = taken
     due_s = (clock[T_CYCLES] + 1.0) * around[G_CYCLE_S]
     limit_s = min(due_s, watch[A_UNTIL_S])
     while min(looker[L_DUE_S], clock[T_LISTENING_S]) < limit_s:
         now_s = looker[L_DUE_S]
         if clock[T_LISTENING_S] <= now_s:  # the engine comes before the detector
             now_s = clock[T_LISTENING_S]
-            numbers = signals[: origin.shape[0]]
-            heard_s = signals[origin.shape[0] : origin.shape[0] + boards.shape[0]]
-            if not (
-                may_listen(now_s, heard_s, robot, watch, ticks, met)
-                and looks_round(now_s, numbers, chain, parts, body, held, surveyed)
-            ):
+            if not _listens(now_s, rows, task, clock, signals, posture, taken):
                 return False
-            listen(now_s, robot, watch, clock, ticks, met)
-        elif not look(arcs, looker, points, crossings, seen, looks, values):
+        elif not look(arcs, sees):
             return False
         clock[T_NOW_S] = max(clock[T_NOW_S], now_s)
     if not due_s < watch[A_UNTIL_S] or met[N_FRAMES] == times_s.shape[0]:
@@ -107,58 +116,37 @@ def _stays(around: Floats, rolls: Floats, arcs: Floats) -> bool:
 
 @compiled
 def goes_on(
-    quantities: Floats,
-    rolls: Floats,
-    arcs: Floats,
-    around: Floats,
+    place: tuple[Floats, Floats, Floats, Floats],
     turns: Ints,
-    sources: Floats,
-    counts: Floats,
-    rng: Words,
-    forced: Floats,
-    boards: Ints,
-    channels: Floats,
-    derived: Floats,
-    wheels: Floats,
-    own: Floats,
-    sensors: Floats,
-    robot: Floats,
-    slots: Floats,
-    conditions: Ints,
-    code: Floats,
-    origin: Floats,
-    duties: Floats,
-    watch: Floats,
+    electronics: Electronics,
+    rows: RobotRows,
+    task: Task,
     clock: Floats,
     signals: Floats,
-    fresh: Floats,
-    stack: Floats,
-    chain: Floats,
-    parts: Floats,
-    body: Floats,
-    held: Ints,
-    surveyed: Floats,
-    times_s: Floats,
-    reporters: Ints,
-    reports: Floats,
-    met: Ints,
+    scratch: tuple[Floats, Floats],
+    posture: Posture,
+    taken: Taken,
 ) -> bool:
     """Read the boards after a cycle; return whether its frame, if any, was quiet.
 
-    - `quantities`: of the physics, in the layout of `physics.QuantityLayout`.
-    - `rolls`: angle of the roll joint, then the roll of each part, rad.
-    - `arcs`: position of each wheel along the pipe.
-    - `sources`: the channel table of the electronics; see `digitizing.digitize`.
-    - `counts`: the last count of every channel; changed.
-    - `rng`: state of the generator of noise; changed.
-    - `forced`: counts that defects show in place of those measured; NaN for the others.
-    - `times_s`, `reporters`: time of each frame, and its board by its position; written.
-    - `reports`: values of each frame, a row each; written. The row after the last may be a frame
-      that waits for the engine.
-    - `met`: what was met; written.
-
-    The other arrays are described in :mod:`pirate_sm.simulation.gliding.columns`.
+    Args:
+        place: Quantities of the physics, in the layout of `physics.QuantityLayout`; angle of the
+            roll joint, then the roll of each part, rad; position of each wheel along the pipe, m;
+            `around`.
+        turns: See `columns.py`; so for `clock` and `signals`.
+        electronics: See `groups.py`; so for the other groups.
+        rows: The robot.
+        task: What is watched.
+        clock: Changed.
+        signals: Changed if the frame is quiet.
+        scratch: As long as `signals`, and the stack of the machine.
+        posture: For the survey of the pipe.
+        taken: The frame is added.
     """
+    quantities, rolls, arcs, around = place
+    sources, counts, rng, forced = electronics
+    times_s, reporters, reports, _, met = taken
+    boards, _, _, _, _, _, _ = rows
     turn = turns[int(clock[T_CYCLES]) % turns.shape[0]]
     digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
     stays = _stays(around, rolls, arcs)
@@ -174,34 +162,7 @@ def goes_on(
         values[k] = counts[first + k] if np.isnan(shown) else shown
     times_s[at] = clock[T_NOW_S]
     reporters[at] = position
-    quiet = take_frame(
-        position,
-        clock[T_NOW_S],
-        values,
-        boards,
-        channels,
-        derived,
-        wheels,
-        own,
-        sensors,
-        robot,
-        slots,
-        conditions,
-        code,
-        origin,
-        duties,
-        watch,
-        clock,
-        signals,
-        fresh,
-        stack,
-        chain,
-        parts,
-        body,
-        held,
-        surveyed,
-    )
-    if quiet:
+    if take_frame(position, values, rows, task, clock, signals, scratch, posture):
         met[N_FRAMES] = at + 1
         return stays
     met[N_WAITING] = 1

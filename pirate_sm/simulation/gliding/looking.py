@@ -26,6 +26,7 @@ from pirate_sm.simulation.gliding.columns import (
     O_MORE_M,
     O_WHEEL,
 )
+from pirate_sm.simulation.gliding.groups import Looker
 from pirate_sm.simulation.gliding.sorting import median_of
 from pirate_sm.simulation.machine_code import compiled
 
@@ -73,28 +74,12 @@ def _word(
 
 
 @compiled
-def look(
-    arcs: Floats,
-    looker: Floats,
-    points: Floats,
-    crossings: Floats,
-    seen: Floats,
-    looks: Floats,
-    values: Floats,
-) -> bool:
+def look(arcs: Floats, sees: Looker) -> bool:
     """Look at the time at which it is due; return whether there is nothing to say.
 
-    If there is, the look has not been made.
-
-    Args:
-        arcs: Position of each wheel along the pipe, m.
-        looker: What the detector knows; see `columns.py`.
-        points: Where words begin; see `columns.py`.
-        crossings: Positions of the bends along the pipe.
-        seen: The looks of the window, a row each: the time, and the positions.
-        looks: The looks that have been made, likewise; written.
-        values: Scratch, as long as `seen`.
+    If there is, the look has not been made. `arcs` has the position of each wheel along the pipe.
     """
+    looker, points, crossings, seen, looks, values = sees
     now_s = looker[L_DUE_S]
     count = int(looker[L_SEEN])
     made = int(looker[L_LOOKS])

@@ -25,8 +25,10 @@ from pirate_sm.simulation.gliding.columns import (
     R_PERIOD_S,
     T_LISTENING_S,
     T_LOSS,
+    T_NOW_S,
     TOLERANCE_S,
 )
+from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Task
 from pirate_sm.simulation.gliding.machine import value_of
 from pirate_sm.simulation.gliding.observing import (
     convert,
@@ -88,16 +90,9 @@ def _copy(some: Floats, to: Floats) -> None:
 
 
 @compiled
-def looks_round(
-    now_s: float,
-    numbers: Floats,
-    chain: Floats,
-    parts: Floats,
-    body: Floats,
-    held: Ints,
-    surveyed: Floats,
-) -> bool:
+def looks_round(now_s: float, numbers: Floats, posture: Posture) -> bool:
     """Survey the pipe if that is due; return whether there is nothing to report."""
+    chain, parts, body, held, surveyed = posture
     if now_s < surveyed[E_DUE_S]:
         return True
     after = surveyed.copy()
@@ -110,37 +105,23 @@ def looks_round(
 @compiled
 def take_frame(
     position: int,
-    now_s: float,
     values: Floats,
-    boards: Ints,
-    channels: Floats,
-    derived: Floats,
-    wheels: Floats,
-    own: Floats,
-    sensors: Floats,
-    robot: Floats,
-    slots: Floats,
-    conditions: Ints,
-    code: Floats,
-    origin: Floats,
-    duties: Floats,
-    watch: Floats,
+    rows: RobotRows,
+    task: Task,
     clock: Floats,
     signals: Floats,
-    fresh: Floats,
-    stack: Floats,
-    chain: Floats,
-    parts: Floats,
-    body: Floats,
-    held: Ints,
-    surveyed: Floats,
+    scratch: tuple[Floats, Floats],
+    posture: Posture,
 ) -> bool:
     """Take a frame if it changes nothing but signals; otherwise leave everything as it is.
 
-    The frame of `boards[position]` was received at `now_s`; `values` are its raw values. `fresh`,
-    as long as `signals`, and `stack` are scratch. The other arrays are described in
-    :mod:`pirate_sm.simulation.gliding.columns`.
+    `values` are the raw values of the frame of the board at `position`; the other arguments are
+    those of :func:`~pirate_sm.simulation.gliding.cycle.goes_on`.
     """
+    boards, channels, derived, wheels, own, sensors, robot = rows
+    slots, conditions, code, origin, duties, watch = task
+    fresh, stack = scratch
+    now_s = clock[T_NOW_S]
     count, width = origin.shape[0], wheels.shape[0]
     heard_at = count
     shares_at = heard_at + boards.shape[0]
@@ -178,7 +159,7 @@ def take_frame(
     loss = clock[T_LOSS] * (1.0 - robot[R_LOSS_GAIN])
     quiet = asks_the_same(duties, numbers, loss)
     quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
-    if not (quiet and looks_round(now_s, numbers, chain, parts, body, held, surveyed)):
+    if not (quiet and looks_round(now_s, numbers, posture)):
         return False
     fresh[heard_at + position] = now_s
     _copy(fresh, signals)

@@ -62,70 +62,20 @@ def glide(
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
 
-    The first eight arguments are those of :func:`~pirate_sm.simulation.xpbd.kernel.advance`, the
-    next ones those of :func:`~pirate_sm.simulation.gliding.cycle.goes_on`, the last seven are
-    needed by :func:`~pirate_sm.simulation.gliding.cycle.may_begin`.
+    The first eight arguments are those of :func:`~pirate_sm.simulation.xpbd.kernel.advance`; the
+    others are in :mod:`~pirate_sm.simulation.gliding.groups` and `columns.py`.
     """
-    while may_begin(
-        arcs,
-        around,
-        boards,
-        robot,
-        origin,
-        watch,
-        clock,
-        signals,
-        chain,
-        parts,
-        body,
-        held,
-        surveyed,
-        times_s,
-        ticks,
-        met,
-        looker,
-        points,
-        crossings,
-        seen,
-        looks,
-        values,
-    ):
+    electronics = sources, counts, rng, forced
+    rows = boards, channels, derived, wheels, own, sensors, robot
+    task = slots, conditions, code, origin, duties, watch
+    posture = chain, parts, body, held, surveyed
+    sees = looker, points, crossings, seen, looks, values
+    taken = times_s, reporters, reports, ticks, met
+    while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
         advance(state, command, wheel_rows, walls, legs, world, quantities, steps)
+        place = quantities, rolls, arcs, around
+        scratch = fresh, stack
         if not goes_on(
-            quantities,
-            rolls,
-            arcs,
-            around,
-            turns,
-            sources,
-            counts,
-            rng,
-            forced,
-            boards,
-            channels,
-            derived,
-            wheels,
-            own,
-            sensors,
-            robot,
-            slots,
-            conditions,
-            code,
-            origin,
-            duties,
-            watch,
-            clock,
-            signals,
-            fresh,
-            stack,
-            chain,
-            parts,
-            body,
-            held,
-            surveyed,
-            times_s,
-            reporters,
-            reports,
-            met,
+            place, turns, electronics, rows, task, clock, signals, scratch, posture, taken
         ):
             break
