@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.board_spec import BoardSpec, WheelSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec, Vector, WheelSpec
 from pirate_sm.engine.sensing.plausibility_spec import WatchSpec
 from pirate_sm.engine.sensing.report_loss import GAIN
 from pirate_sm.simulation.arrays import Floats, Ints
@@ -84,19 +84,28 @@ def _channels(board: BoardSpec) -> list[Row]:
 
 
 def _derived(board: BoardSpec) -> list[Row]:
-    kinds = {"roll": col.ROLL, "pitch": col.PITCH, "norm": col.NORM}
     return [
         *((col.RATE, source, 0, 0, 0, 0, target) for source, target in board.rates),
         *(
             (col.TORQUE, source, slot, 0, scale, 0, target)
             for source, slot, scale, target in board.torques
         ),
-        *((kinds[each.how], *each.sources, 0, 0, each.target) for each in board.vectors),
+        *((_kind(each), *each.sources, 0, 0, each.target) for each in board.vectors),
         *(
             (col.DIAMETER, apex, 0, 0, length_m, wheels_m, target)
             for apex, length_m, wheels_m, target in board.diameters
         ),
     ]
+
+
+def _kind(vector: Vector) -> int:
+    match vector.how:
+        case "roll":
+            return col.ROLL
+        case "pitch":
+            return col.PITCH
+        case "norm":
+            return col.NORM
 
 
 def _wheel(robot: RobotSpec, wheel: WheelSpec) -> Row:
