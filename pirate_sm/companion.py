@@ -69,13 +69,19 @@ class Following(Protocol):
 
 @runtime_checkable
 class Relieved(Protocol):
-    """A companion by positions whose looks others can make, as long as it has nothing to say."""
+    """A companion by positions whose looks others can make while it has nothing new to say."""
 
     def word_watch(self, state: EngineState) -> WordWatch | None:
         """Return what it knows now; None where it must look itself."""
 
-    def relieve(self, looks: Sequence[Look], due_s: float) -> None:
-        """Take looks that others have made; the next one is due at ``due_s``."""
+    def relieve(self, looks: Sequence[Look], due_s: float, said_s: float | None) -> None:
+        """Take looks that others have made; the next one is due at ``due_s``.
+
+        Args:
+            looks: The looks.
+            due_s: When the next one is due.
+            said_s: When its word was repeated last; None if it was not.
+        """
 
 
 @contextmanager

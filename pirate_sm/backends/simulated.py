@@ -218,13 +218,13 @@ class SimulatorBackend:
         passed = self._glider.glide(watch, words, self._now, self._cycles, until_s)
         if passed is None:
             return None
-        self._now, self._cycles = passed.now_s, passed.cycles
+        self._now, self._cycles = passed.glide.now_s, passed.cycles
         if passed.waiting is not None:
             self._pending.append(passed.waiting)
         fault = self.robot.meet_obstacles() if passed.met else None
         if fault is not None:
             self._pending.append(fault)
-        return Glide(passed.now_s, passed.after, passed.frames, passed.ticks, *passed.looks)
+        return passed.glide
 
     def _cycle(self) -> list[Event]:
         """Simulate one cycle of the bus."""

@@ -57,9 +57,9 @@ class TruePlaces:
         travel = self._robot.travel(state.robot.values)
         return self._detector.watch(self._places_m, self.due_s, travel)
 
-    def relieve(self, looks: Sequence[Look], due_s: float) -> None:
+    def relieve(self, looks: Sequence[Look], due_s: float, said_s: float | None) -> None:
         """Take looks that others have made; the next one is due at ``due_s``."""
-        self._detector.relieve(looks)
+        self._detector.relieve(looks, said_s)
         self.due_s = due_s
 
     def restart(self, robot: RobotSpec) -> None:

@@ -59,23 +59,26 @@ class Repeater:
 
     Args:
         valid_for_s: How long a word is valid.
+
+    Attributes:
+        reported_s: When a word was reported last.
     """
 
     def __init__(self, valid_for_s: float) -> None:
-        self._valid_for_s = valid_for_s
+        self.valid_for_s = valid_for_s
         self._word = ""
-        self._reported_s = -math.inf
+        self.reported_s = -math.inf
 
     def say(self, word: str, now_s: float) -> DetectorWord | None:
         """Return the word to report now, given the one that holds (empty for none)."""
-        due = now_s - self._reported_s >= _REPEAT_SHARE * self._valid_for_s
+        due = now_s - self.reported_s >= _REPEAT_SHARE * self.valid_for_s
         if word == self._word and not due:
             return None
         self._word = word
         if not word:
             return None
-        self._reported_s = now_s
-        return DetectorWord(word, self._valid_for_s)
+        self.reported_s = now_s
+        return DetectorWord(word, self.valid_for_s)
 
     def silent(self, word: str) -> tuple[float, float] | None:
         """Return when a word was reported that holds, and after which time it is repeated.
@@ -84,7 +87,7 @@ class Repeater:
         """
         if word != self._word:
             return None
-        return (self._reported_s, _REPEAT_SHARE * self._valid_for_s) if word else (0.0, math.inf)
+        return (self.reported_s, _REPEAT_SHARE * self.valid_for_s) if word else (0.0, math.inf)
 
 
 class Detector:
@@ -164,6 +167,8 @@ class Detector:
             _SLACK_M,
             _FORGOTTEN_M,
             names.index(self._word) if self._word else -1,
+            self._word,
+            self._repeater.valid_for_s,
             *said,
         )
 
@@ -171,8 +176,10 @@ class Detector:
         points = [(word.forward if direction > 0 else word.backward, e) for word, e in self._words]
         return tuple((point.wheel, error - point.passed_m) for point, error in points)
 
-    def relieve(self, looks: Sequence[Look]) -> None:
-        """Take looks that others have made, none of which had anything to say."""
+    def relieve(self, looks: Sequence[Look], said_s: float | None) -> None:
+        """Take looks that others have made; at most the word was repeated, last at ``said_s``."""
+        if said_s is not None:
+            self._repeater.reported_s = said_s
         for time_s, places_m in looks:
             self._tracker.see(time_s, places_m, driven=self._tracker.driven)
 

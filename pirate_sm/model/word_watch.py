@@ -23,7 +23,8 @@ class WordWatch(NamedTuple):
         crossings_m: Positions of the bends along the pipe.
         slack_m: How far before its point the present word stays; ``forgotten_m``: how far beyond it
             a word ends.
-        word: Index of the present word among the points; -1 without one.
+        word: Index of the present word among the points; -1 without one. ``name``: the word.
+        valid_for_s: How long it is valid.
         said_s: When it was said; ``repeat_s``: after which time it is said again, infinite without
             a word.
     """
@@ -40,5 +41,7 @@ class WordWatch(NamedTuple):
     slack_m: float
     forgotten_m: float
     word: int
+    name: str
+    valid_for_s: float
     said_s: float
     repeat_s: float

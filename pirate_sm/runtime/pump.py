@@ -161,15 +161,15 @@ class Pump:
         self._plan()
 
     def _tell_part(self, part: Part) -> None:
-        """Tell the tap of frames that the backend has taken, and all of the tick after them."""
+        """Tell the tap of frames that the backend has taken, and all of the step after them."""
         if self._blocks is not None and part.frames:
             self._blocks.take_block(part.frames)
-        if part.tick is not None:
-            self.now_s, wake_s = part.tick
-            effects = (WakeAt(wake_s),)
+        if part.step is not None:
+            self.now_s, event, effects = part.step
             if self._tap is not None:
-                self._tap.take(Tick(), self.now_s, effects)
-            self._perform(effects)
+                self._tap.take(event, self.now_s, effects)
+            if effects:
+                self._perform(effects)
 
     def wait(self, until_s: float = inf) -> tuple[float, Sequence[Event]]:
         """Let time run until an event occurs or a companion is due.

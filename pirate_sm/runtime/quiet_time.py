@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from bisect import bisect_left
+from bisect import bisect_right
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
@@ -13,7 +13,7 @@ from pirate_sm.model.frame_block import FrameBlock
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
     from pirate_sm.engine.engine import Engine
-    from pirate_sm.engine.gliding.glided import Glide
+    from pirate_sm.engine.gliding.glided import Glide, Step
     from pirate_sm.engine.state import EngineState
     from pirate_sm.model.word_watch import WordWatch
 
@@ -38,24 +38,23 @@ def block_tap(tap: object) -> BlockTap | None:
 
 
 class Part(NamedTuple):
-    """A part of a glide: frames, and the tick after them.
+    """A part of a glide: frames, and the other step after them.
 
     Attributes:
         frames: The frames, often none.
-        tick: When silent boards were looked for, and when something would change after that; None
-            after the last frames.
+        step: What happened then; None after the last frames.
     """
 
     frames: FrameBlock
-    tick: tuple[float, float] | None
+    step: Step | None
 
 
 def parts_of(glide: Glide) -> Iterator[Part]:
-    """Yield the frames and ticks of a glide in the order of time."""
+    """Yield the frames and other steps of a glide in the order of time."""
     frames, begin = glide.frames, 0
-    for tick in glide.ticks:
-        end = bisect_left(frames.times_s, tick[0])
-        yield Part(_between(frames, begin, end), tick)
+    for step in glide.steps:
+        end = bisect_right(frames.times_s, step[0])
+        yield Part(_between(frames, begin, end), step)
         begin = end
     yield Part(_between(frames, begin, len(frames)), None)
 
@@ -106,7 +105,7 @@ class QuietTime:
                 until_s = min(until_s, companion.due_s)
         passed = backend.glide(watch, until_s, words)
         if passed is not None and words is not None and self._relieved is not None:
-            self._relieved.relieve(passed.looks, passed.due_s)
+            self._relieved.relieve(passed.looks, passed.due_s, passed.said_s)
         return passed
 
     def _words(self, backend: Gliding, state: EngineState) -> WordWatch | None:

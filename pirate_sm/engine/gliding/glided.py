@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.sensing.environment import Surveyed
 from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.word_watch import Look
 
@@ -19,7 +21,7 @@ class Glided(NamedTuple):
 
     The first are as in :class:`~pirate_sm.engine.sensing.known_signals.Sensing`; ``surveyed`` is
     what the survey remembers, ``wake_at_s`` the next time at which something changes without an
-    event.
+    event, ``word_until_s`` the end of the validity of the detector's word.
     """
 
     numbers: Numbers
@@ -30,7 +32,12 @@ class Glided(NamedTuple):
     loss: float
     checked_s: float
     wake_at_s: float
+    word_until_s: float
     surveyed: Surveyed
+
+
+Step: TypeAlias = tuple[float, Event, tuple[Effect, ...]]
+"""A step of the engine: its time, its event, its effects."""
 
 
 class Glide(NamedTuple):
@@ -40,23 +47,31 @@ class Glide(NamedTuple):
         now_s: The time reached.
         after: The signals after them; None where nothing has been taken.
         frames: The frames that were taken.
-        ticks: When silent boards were looked for, and when something would change after that.
+        steps: What else has happened, with time, event and effects: silent boards were looked for,
+            or the detector's word was repeated.
         looks: The looks that were made for a detector.
         due_s: When its next one is due.
+        said_s: When its word was repeated last; None if it was not.
     """
 
     now_s: float
     after: Glided | None
     frames: FrameBlock
-    ticks: Sequence[tuple[float, float]] = ()
+    steps: Sequence[Step] = ()
     looks: Sequence[Look] = ()
     due_s: float = inf
+    said_s: float | None = None
 
 
 def after_glide(state: EngineState, after: Glided) -> EngineState:
     """Return the state with the signals after quiet frames."""
     sensing = sensing_after(state.sensing, after)
-    return state._replace(sensing=sensing, surveyed=after.surveyed, wake_at_s=after.wake_at_s)
+    return state._replace(
+        sensing=sensing,
+        surveyed=after.surveyed,
+        wake_at_s=after.wake_at_s,
+        word_until_s=after.word_until_s,
+    )
 
 
 def sensing_after(sensing: Sensing, after: Glided) -> Sensing:

@@ -53,22 +53,25 @@ class Lookout:
             if found is None:
                 return None
             self._last = state, found, deadline_s(self._moment, state)
-        _, watch, due_s = self._last
-        due_s = min(due_s, state.word_until_s)
-        surveyed, listening = state.surveyed, listening_s(self._robot, state.sensing)
-        if state.wake_at_s != min(due_s, listening):  # the engine has not been told yet
-            due_s, listening = min(due_s, state.wake_at_s), inf
-        word, frames_until_s = state.words[-2], min(due_s, watch.deadline_s)
-        if surveyed.outside_until_s > -inf:
-            frames_until_s = min(frames_until_s, surveyed.due_s)
+        _, watch, deadline = self._last
+        alarm, listening = (
+            min(deadline, state.word_until_s),
+            listening_s(self._robot, state.sensing),
+        )
+        if state.wake_at_s != min(alarm, listening):  # the engine has not been told yet
+            alarm, listening = min(alarm, state.wake_at_s), inf
+        surveyed, word = state.surveyed, state.words[-2]
+        outside = surveyed.outside_until_s > -inf
         return watch._replace(
             sensing=state.sensing,
             surveyed=surveyed,
-            has_word=word is not None,
             in_bend=announced(self._robot, surveyed, word),
-            deadline_s=frames_until_s,
+            frames_until_s=min(watch.frames_until_s, surveyed.due_s if outside else inf),
             wake_s=state.wake_at_s,
-            alarm_s=due_s,
+            deadline_s=deadline,
+            word=word,
+            word_until_s=state.word_until_s,
+            alarm_s=alarm,
             listening_s=listening,
         )
 
@@ -105,12 +108,14 @@ class Lookout:
             same_duties(robot, body),
             state.surveyed,
             tuple(held_parts(robot, body, state.faults.raised)),
-            False,
-            False,
-            due_s,
-            inf,
-            inf,
-            inf,
+            in_bend=False,
+            frames_until_s=due_s,
+            wake_s=inf,
+            deadline_s=inf,
+            word=None,
+            word_until_s=inf,
+            alarm_s=inf,
+            listening_s=inf,
         )
 
     def _rules(self, state: EngineState) -> tuple[tuple[Condition, ...], float]:

@@ -64,10 +64,11 @@ class Watch(NamedTuple):
         duties: The loops.
         surveyed: What the survey of the pipe remembers, which is made again when it is due.
         held: The held parts by which it is made.
-        has_word: Whether a word of the detector is valid.
         in_bend: Whether a word has announced a bend that is not passed yet.
-        deadline_s: When something happens without a frame. A frame then is not quiet.
+        frames_until_s: From when on no frame is quiet.
         wake_s: When the engine has asked to be called; what follows is what that is made of.
+        deadline_s: When something else than the following two is due.
+        word: The detector's valid word, if any; ``word_until_s``: until when.
         alarm_s: When the engine must be called although no event comes.
         listening_s: When silent boards are looked for next, which happens at intervals as long as
             all have reported; infinite where the engine must do it.
@@ -83,9 +84,11 @@ class Watch(NamedTuple):
     duties: tuple[SameDuty, ...]
     surveyed: Surveyed
     held: tuple[int, ...]
-    has_word: bool
     in_bend: bool
-    deadline_s: float
+    frames_until_s: float
     wake_s: float
+    deadline_s: float
+    word: str | None
+    word_until_s: float
     alarm_s: float
     listening_s: float

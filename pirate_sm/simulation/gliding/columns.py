@@ -52,11 +52,12 @@ P_ANGLE, P_TARGET, P_THRESHOLD, P_GAIN, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT =
 # Entries of `watch`; see `watch.Watch`: when time stops, from when on no frame is quiet, when the
 # engine must be called; when the setpoints were asked for, whether they drive, whether there are
 # any.
-A_UNTIL_S, A_DEADLINE_S, A_ALARM_S, A_ASKED_S, A_DRIVING, A_ASKED = range(6)
+# Last, the next deadline without the detector's word.
+A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_ASKED_S, A_DRIVING, A_ASKED, A_DEADLINE_S = range(7)
 
 # Entries of `clock`: time, cycles, the time that the surroundings go by, loss of reports, when
-# silent boards were looked for, when they will be next.
-T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS, T_CHECKED_S, T_LISTENING_S = range(6)
+# silent boards were looked for, when they will be next, until when the detector's word is valid.
+T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS, T_CHECKED_S, T_LISTENING_S, T_WORD_S = range(7)
 
 # Columns of `turns`, one per cycle in turn: the board's position, the channels that the cycle
 # reads, and whether the board reports after it.
@@ -70,18 +71,20 @@ G_CYCLE_S, G_OUT_OF_PLANE, G_BEFORE_M, G_BEHIND_M = range(4)
 # surroundings must be looked at, how often silent boards were looked for.
 N_FRAMES, N_WAITING, N_BOARD, N_SURROUNDINGS, N_TICKS = range(5)
 
-# Columns of `ticks`: when silent boards were looked for, when the engine would be called next.
+# Columns of `ticks`: when silent boards were looked for, and when the engine would be called next;
+# or when the detector repeated its word, and infinity.
 J_AT_S, J_WAKE_S = range(2)
 
 # Entries of `looker`, what a detector by positions knows: when it looks and how often, over which
 # time it filters, whether wheels are driven and which way, its limits, the present word, when it
-# was said and after which time it is said again; see `model.word_watch`. Then how many looks of the
+# was said, after which time it is said again and how long it is valid (0: the engine must hear
+# it); see `model.word_watch`. Then how many looks of the
 # window are in `seen`, and how many have been made.
 (
     L_DUE_S, L_EVERY_S, L_WINDOW_S, L_DRIVEN, L_DIRECTION, L_SLACK_M, L_FORGOTTEN_M, L_WORD,
-    L_SAID_S, L_REPEAT_S, L_SEEN, L_LOOKS,
-) = range(12)  # fmt: skip
-LOOKER_ENTRIES = 12
+    L_SAID_S, L_REPEAT_S, L_VALID_S, L_SEEN, L_LOOKS,
+) = range(13)  # fmt: skip
+LOOKER_ENTRIES = 13
 
 # Columns of `points`: the wheel, and what is added to how far it is beyond a crossing.
 O_WHEEL, O_MORE_M = range(2)

@@ -11,6 +11,7 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.digitizing import digitize
 from pirate_sm.simulation.gliding.columns import (
+    A_ALARM_S,
     A_UNTIL_S,
     B_ROW,
     B_VALUES,
@@ -19,6 +20,7 @@ from pirate_sm.simulation.gliding.columns import (
     G_CYCLE_S,
     G_OUT_OF_PLANE,
     L_DUE_S,
+    L_LOOKS,
     N_BOARD,
     N_FRAMES,
     N_SURROUNDINGS,
@@ -34,7 +36,7 @@ from pirate_sm.simulation.gliding.columns import (
 )
 from pirate_sm.simulation.gliding.groups import Electronics, Looker, Posture, RobotRows, Taken, Task
 from pirate_sm.simulation.gliding.listening import listen, may_listen
-from pirate_sm.simulation.gliding.looking import look
+from pirate_sm.simulation.gliding.looking import look, may_repeat, repeat, repeats
 from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
 from pirate_sm.simulation.machine_code import compiled
 
@@ -64,6 +66,30 @@ def _listens(
 
 
 @compiled
+def _repeats(
+    arcs: Floats,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    posture: Posture,
+    sees: Looker,
+    taken: Taken,
+) -> bool:
+    """Let the detector repeat its word; return whether that prolongs the word and no more."""
+    _, _, _, origin, _, watch = task
+    _, _, _, ticks, met = taken
+    looker, _, _, _, _, _ = sees
+    now_s, made = looker[L_DUE_S], looker[L_LOOKS]
+    if not (may_repeat(looker, watch, clock, ticks, met) and look(arcs, sees)):
+        return False
+    if not looks_round(now_s, signals[: origin.shape[0]], posture):
+        looker[L_DUE_S], looker[L_LOOKS] = now_s, made  # the engine hears the word
+        return False
+    repeat(now_s, looker, watch, clock, ticks, met)
+    return True
+
+
+@compiled
 def may_begin(
     arcs: Floats,
     around: Floats,
@@ -83,17 +109,21 @@ def may_begin(
     looker, _, _, _, _, _ = sees
     times_s, _, _, _, met = taken
     due_s = (clock[T_CYCLES] + 1.0) * around[G_CYCLE_S]
-    limit_s = min(due_s, watch[A_UNTIL_S])
-    while min(looker[L_DUE_S], clock[T_LISTENING_S]) < limit_s:
+    while min(looker[L_DUE_S], clock[T_LISTENING_S]) < min(
+        due_s, watch[A_UNTIL_S], watch[A_ALARM_S]
+    ):
         now_s = looker[L_DUE_S]
         if clock[T_LISTENING_S] <= now_s:  # the engine comes before the detector
             now_s = clock[T_LISTENING_S]
             if not _listens(now_s, rows, task, clock, signals, posture, taken):
                 return False
+        elif repeats(looker):
+            if not _repeats(arcs, task, clock, signals, posture, sees, taken):
+                return False
         elif not look(arcs, sees):
             return False
         clock[T_NOW_S] = max(clock[T_NOW_S], now_s)
-    if not due_s < watch[A_UNTIL_S] or met[N_FRAMES] == times_s.shape[0]:
+    if not due_s < min(watch[A_UNTIL_S], watch[A_ALARM_S]) or met[N_FRAMES] == times_s.shape[0]:
         return False
     clock[T_NOW_S] = max(clock[T_NOW_S], due_s)
     clock[T_CYCLES] += 1.0

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import nan
+from math import inf, nan
 from typing import Any, NamedTuple
 
 import numpy as np
 
-from pirate_sm.engine.gliding.glided import Glided
+from pirate_sm.engine.gliding.glided import Glide, Step
 from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions.bytecode import DEEPEST
-from pirate_sm.model.events import SensorFrame
+from pirate_sm.model.effects import WakeAt
+from pirate_sm.model.events import DetectorWord, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.word_watch import Look, WordWatch
+from pirate_sm.model.word_watch import WordWatch
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.look_tables import LookTables
 from pirate_sm.simulation.gliding.protocol import GlidingPhysics
@@ -32,22 +33,14 @@ class Passed(NamedTuple):
     """What has passed in one call.
 
     Attributes:
-        now_s: The time of the last cycle.
+        glide: What the engine must know.
         cycles: How many cycles have passed, in all.
-        after: The signals after the frames that were taken; None without any.
-        frames: The frames that were taken.
-        ticks: When silent boards were looked for, and when the engine would be called after that.
-        looks: The looks that were made for a detector, and when the next one is due.
         waiting: A frame that waits for the engine; None without one.
         met: Whether the surroundings must act on the robot.
     """
 
-    now_s: float
+    glide: Glide
     cycles: int
-    after: Glided | None
-    frames: FrameBlock
-    ticks: Sequence[tuple[float, float]]
-    looks: tuple[Sequence[Look], float]
     waiting: SensorFrame | None
     met: bool
 
@@ -87,7 +80,7 @@ class Glider:
         self._turns = _turn_table(robot, turns)
         self._forced: Floats = np.full(len(electronics.counts), nan)
         self._shown: dict[int, float] = {}
-        self._clock: Floats = np.zeros(6)
+        self._clock: Floats = np.zeros(7)
         self._ticks: Floats = np.zeros((_MOST_TICKS, 2))
         self._scratch = np.zeros_like(self._signals.signals), np.zeros(DEEPEST)
         self._times_s: Floats = np.zeros(_MOST_FRAMES)
@@ -112,20 +105,24 @@ class Glider:
             What has passed; None if no cycle may pass.
         """
         simulated, physics = self._simulated, self._physics
-        until_s = min(until_s, watch.alarm_s, simulated.glides_until_s(now_s))
-        if self._tables is None or physics is None or (cycles + 1) * self._cycle_s >= until_s:
+        until_s = min(until_s, simulated.glides_until_s(now_s))
+        if (
+            self._tables is None
+            or physics is None
+            or (cycles + 1) * self._cycle_s >= min(until_s, watch.alarm_s)
+        ):
             return None
-        if not (self._watch.take(watch, until_s) and self._looks.take(words)):
+        if not (self._watch.take(watch, until_s) and self._looks.take(words, watch)):
             return None
         self._signals.take(watch.sensing)
         self._survey.take(watch)
         self._force(now_s)
         sensing = watch.sensing
         self._clock[:4] = now_s, cycles, simulated.time_s, sensing.loss
-        self._clock[4:] = sensing.checked_s, watch.listening_s
+        self._clock[4:] = sensing.checked_s, watch.listening_s, watch.word_until_s
         self._met[:] = 0
         physics.glide(*self._arguments(physics))
-        return self._passed(watch, cycles)
+        return self._passed(watch, words, cycles)
 
     def _force(self, now_s: float) -> None:
         """Show what defects show in place of what is measured."""
@@ -152,8 +149,8 @@ class Glider:
             *self._looks.arrays,
         )
 
-    def _passed(self, watch: Watch, before: int) -> Passed:
-        now_s, cycles, time_s, loss, checked_s, _ = self._clock.tolist()
+    def _passed(self, watch: Watch, words: WordWatch | None, before: int) -> Passed:
+        now_s, cycles, time_s, loss, checked_s, _, word_s = self._clock.tolist()
         count, waits, position, met, looked = self._met.tolist()
         frames = self._block(count)
         waiting = None
@@ -162,18 +159,29 @@ class Glider:
             values = self._reports[count, : self._widths[board]].tolist()
             waiting = SensorFrame(board, tuple(values))
         self._simulated.glided(round(cycles) - before, time_s, frames, waiting)
-        ticks = [(at_s, wake_s) for at_s, wake_s in self._ticks[:looked].tolist()]
+        rows: list[list[float]] = self._ticks[:looked].tolist()
+        wake_s = next((row[1] for row in reversed(rows) if row[1] < inf), watch.wake_s)
         after = None
-        if count or ticks:
-            wake_s = ticks[-1][1] if ticks else watch.wake_s
-            after = self._signals.given(loss, checked_s, wake_s, self._survey.given())
-        looks = self._looks.made()
-        return Passed(now_s, round(cycles), after, frames, ticks, looks, waiting, bool(met))
+        if count or rows:
+            times = loss, checked_s, wake_s, word_s
+            after = self._signals.given(*times, self._survey.given())
+        said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
+        steps = [_step(at_s, wake_s, words) for at_s, wake_s in rows]
+        looks, due_s = self._looks.made()
+        glide = Glide(now_s, after, frames, steps, looks, due_s, said_s)
+        return Passed(glide, round(cycles), waiting, bool(met))
 
     def _block(self, count: int) -> FrameBlock:
         boards = [self._ids[position] for position in self._reporters[:count].tolist()]
         times_s: list[float] = self._times_s[:count].tolist()
         return FrameBlock(times_s, boards, self._reports[:count].copy(), self._widths)
+
+
+def _step(at_s: float, wake_s: float, words: WordWatch | None) -> Step:
+    """Return what has happened: a word was repeated, or silent boards were looked for."""
+    if wake_s == inf and words is not None:
+        return at_s, DetectorWord(words.name, words.valid_for_s), ()
+    return at_s, Tick(), (WakeAt(wake_s),)
 
 
 def _turn_table(robot: RobotSpec, turns: Sequence[Turn]) -> Ints:

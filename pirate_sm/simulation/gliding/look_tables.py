@@ -6,6 +6,7 @@ from math import inf
 
 import numpy as np
 
+from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.model.word_watch import Look, WordWatch
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.gliding import columns as col
@@ -41,11 +42,12 @@ class LookTables:
             *(self._seen, self._looks, self._values),
         )
 
-    def take(self, words: WordWatch | None) -> bool:
+    def take(self, words: WordWatch | None, watch: Watch) -> bool:
         """Take in what a detector knows; return whether there is room for it.
 
         Args:
             words: What it knows; None where none is relieved.
+            watch: What the engine watches, which has heard the same word or not.
         """
         self._looker[:] = 0.0
         self._looker[col.L_DUE_S] = inf
@@ -54,10 +56,11 @@ class LookTables:
         count = len(words.seen)
         if count >= _MOST_SEEN:
             return False
+        hears = words.name == watch.word and watch.listening_s < inf
         self._looker[:] = (
             *(words.due_s, words.every_s, words.window_s, words.driven, words.direction),
             *(words.slack_m, words.forgotten_m, words.word, words.said_s, words.repeat_s),
-            *(count, 0),
+            *(words.valid_for_s if hears else 0.0, count, 0),
         )
         if count:
             self._seen[:count] = [(at, *places) for at, places in words.seen]

@@ -9,8 +9,12 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import (
+    A_ALARM_S,
+    A_DEADLINE_S,
+    J_AT_S,
+    J_WAKE_S,
     L_DIRECTION,
     L_DRIVEN,
     L_DUE_S,
@@ -21,10 +25,15 @@ from pirate_sm.simulation.gliding.columns import (
     L_SAID_S,
     L_SEEN,
     L_SLACK_M,
+    L_VALID_S,
     L_WINDOW_S,
     L_WORD,
+    N_TICKS,
     O_MORE_M,
     O_WHEEL,
+    T_LISTENING_S,
+    T_WORD_S,
+    TOLERANCE_S,
 )
 from pirate_sm.simulation.gliding.groups import Looker
 from pirate_sm.simulation.gliding.sorting import median_of
@@ -74,8 +83,37 @@ def _word(
 
 
 @compiled
+def repeats(looker: Floats) -> bool:
+    """Return whether the present word is due again at the next look."""
+    return bool(looker[L_DUE_S] - looker[L_SAID_S] >= looker[L_REPEAT_S])
+
+
+@compiled
+def may_repeat(looker: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints) -> bool:
+    """Return whether the engine would do nothing but prolong the word. See `columns.py`."""
+    now_s, due_s = looker[L_DUE_S], min(watch[A_ALARM_S], clock[T_LISTENING_S])
+    until_s = min(watch[A_DEADLINE_S], now_s + looker[L_VALID_S])
+    if looker[L_VALID_S] == 0.0 or met[N_TICKS] == ticks.shape[0]:
+        return False
+    return bool(now_s < due_s - TOLERANCE_S and min(until_s, clock[T_LISTENING_S]) == due_s)
+
+
+@compiled
+def repeat(
+    now_s: float, looker: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints
+) -> None:
+    """Say the present word again. See `columns.py` for the arrays."""
+    looker[L_SAID_S] = now_s
+    clock[T_WORD_S] = now_s + looker[L_VALID_S]
+    watch[A_ALARM_S] = min(watch[A_DEADLINE_S], clock[T_WORD_S])
+    ticks[met[N_TICKS], J_AT_S] = now_s
+    ticks[met[N_TICKS], J_WAKE_S] = np.inf
+    met[N_TICKS] += 1
+
+
+@compiled
 def look(arcs: Floats, sees: Looker) -> bool:
-    """Look at the time at which it is due; return whether there is nothing to say.
+    """Look at the time at which it is due; return whether there is nothing new to say.
 
     If there is, the look has not been made. `arcs` has the position of each wheel along the pipe.
     """
@@ -83,8 +121,6 @@ def look(arcs: Floats, sees: Looker) -> bool:
     now_s = looker[L_DUE_S]
     count = int(looker[L_SEEN])
     made = int(looker[L_LOOKS])
-    if now_s - looker[L_SAID_S] >= looker[L_REPEAT_S]:
-        return False
     if made == looks.shape[0]:
         return False
     first = 0

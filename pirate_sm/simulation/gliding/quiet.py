@@ -6,7 +6,8 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import (
-    A_DEADLINE_S,
+    A_ALARM_S,
+    A_FRAMES_S,
     E_DUE_S,
     K_BEGIN,
     K_BOARDS,
@@ -129,7 +130,8 @@ def take_frame(
     memory_at = angles_at + width
     heard_s = signals[heard_at:shares_at]
     elapsed_s = max(now_s - heard_s[position], robot[R_PERIOD_S])
-    deadline_s = min(watch[A_DEADLINE_S], clock[T_LISTENING_S] - TOLERANCE_S)
+    due_s = min(watch[A_ALARM_S], clock[T_LISTENING_S])
+    deadline_s = min(watch[A_FRAMES_S], due_s - TOLERANCE_S)
     if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[R_PERIOD_S]:
         return False
     board = boards[position]

@@ -62,13 +62,16 @@ class SignalTables:
         ]
         self._memory[:] = np.array(rows, dtype=np.float64).reshape(self._memory.shape)
 
-    def given(self, loss: float, checked_s: float, wake_s: float, surveyed: Surveyed) -> Glided:
+    def given(
+        self, loss: float, checked_s: float, wake_s: float, word_s: float, surveyed: Surveyed
+    ) -> Glided:
         """Return the signals as the engine has them.
 
         Args:
             loss: Share of lost reports.
             checked_s: When silent boards were looked for.
             wake_s: When the engine asks to be called.
+            word_s: Until when the detector's word is valid.
             surveyed: What the survey remembers.
         """
         assert self._of is not None  # they have been taken in before
@@ -78,7 +81,7 @@ class SignalTables:
             tuple(self._shares.tolist()),
             tuple(self._angles.tolist()),
             self._records(self._of.records),
-            *(loss, checked_s, wake_s),
+            *(loss, checked_s, wake_s, word_s),
             surveyed,
         )
         self._of = sensing_after(self._of, after)

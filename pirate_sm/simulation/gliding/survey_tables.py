@@ -53,7 +53,7 @@ class SurveyTables:
         counts = surveyed.outside_until_s == -inf
         self._surveyed[col.E_DUE_S] = surveyed.due_s if counts else inf
         self._surveyed[col.E_IN_BEND] = watch.in_bend
-        self._surveyed[col.E_WORD] = watch.has_word
+        self._surveyed[col.E_WORD] = watch.word is not None
         self._surveyed[col.E_MADE] = 0.0
         self._of = watch
 

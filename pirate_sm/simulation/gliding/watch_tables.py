@@ -64,7 +64,7 @@ class WatchTables:
         self.conditions: Ints = np.zeros((0, 4), dtype=np.int64)
         self.origin: Floats = np.full(numbers, np.nan)
         self.duties: Floats = np.zeros((0, 8))
-        self.watch: Floats = np.zeros(6)
+        self.watch: Floats = np.zeros(7)
         self._rules: dict[int, tuple[tuple[Condition, ...], Ints | None]] = {}
         self._asked: object = None
         self._of: Watch | None = None
@@ -79,8 +79,9 @@ class WatchTables:
         """
         before = self._of
         self.watch[col.A_UNTIL_S] = until_s
-        self.watch[col.A_DEADLINE_S] = watch.deadline_s - col.TOLERANCE_S
+        self.watch[col.A_FRAMES_S] = watch.frames_until_s - col.TOLERANCE_S
         self.watch[col.A_ALARM_S] = watch.alarm_s
+        self.watch[col.A_DEADLINE_S] = watch.deadline_s
         if (
             before is None
             or watch.rules is not before.rules
