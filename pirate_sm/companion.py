@@ -14,6 +14,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
+from pirate_sm.model.word_watch import Look, WordWatch
 
 
 class Companion(Protocol):
@@ -64,6 +65,23 @@ class Following(Protocol):
 
     def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
         """Use this source of the run's state from now on; it returns None before the start."""
+
+
+@runtime_checkable
+class Relieved(Protocol):
+    """A companion by positions whose looks others can make while it has nothing new to say."""
+
+    def word_watch(self, state: EngineState) -> WordWatch | None:
+        """Return what it knows now; None where it must look itself."""
+
+    def relieve(self, looks: Sequence[Look], due_s: float, said_s: float | None) -> None:
+        """Take looks that others have made; the next one is due at ``due_s``.
+
+        Args:
+            looks: The looks.
+            due_s: When the next one is due.
+            said_s: When its word was repeated last; None if it was not.
+        """
 
 
 @contextmanager

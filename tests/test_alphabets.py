@@ -100,7 +100,11 @@ ALPHABETS = {
         "engine/robot/criteria.py",
         "| BelowSpec",
         "NewCriterionSpec(NamedTuple)",
-        ("checking/robot/profile_numbers.py", "engine/robot/done.py"),
+        (
+            "checking/robot/profile_numbers.py",
+            "engine/gliding/criterion_trees.py",
+            "engine/robot/done.py",
+        ),
     ),
     "way to see a state": Alphabet(
         "engine/robot/confirmation_spec.py",

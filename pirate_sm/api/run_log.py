@@ -60,6 +60,11 @@ class Notes:
         self._pose_s = 0.0
         self.stepwise = recorder is not None and recorder.stepwise
 
+    @property
+    def due_s(self) -> float:
+        """Return when it or the recorder looks at the run next."""
+        return self._pose_s if self._recorder is None else min(self._pose_s, self._recorder.due_s)
+
     def start(
         self,
         seen: Sequence[Event],

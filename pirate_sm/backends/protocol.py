@@ -3,9 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Literal, Protocol, TypeAlias
+from typing import Literal, Protocol, TypeAlias, runtime_checkable
 
+from pirate_sm.engine.gliding.glided import Glide
+from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.model.events import Event
+from pirate_sm.model.word_watch import WordWatch
 
 Completion: TypeAlias = Literal["measured", "nominal"]
 
@@ -73,4 +76,27 @@ class Backend(Protocol):
         """Send the last array submitted and release everything.
 
         It may be called more than once and after any error. It never raises.
+        """
+
+
+@runtime_checkable
+class Gliding(Protocol):
+    """A backend that can take frames for the engine, as long as they change nothing but signals."""
+
+    def places_m(self) -> Sequence[float]:
+        """Return the position of each wheel along the pipe, by which it can look for a detector."""
+
+    def glide(self, watch: Watch, until_s: float, words: WordWatch | None = None) -> Glide | None:
+        """Let time run while every frame is quiet, as :class:`Watch` tells.
+
+        A frame that is not quiet is the first event of the next ``advance``, with its time.
+
+        Args:
+            watch: What must stay true.
+            until_s: Seconds since the run began; time stays below it.
+            words: What a detector knows that looks by :meth:`places_m`. Time stays below the first
+                look at which it would have something to say; None without a detector.
+
+        Returns:
+            What has passed; None if nothing has.
         """

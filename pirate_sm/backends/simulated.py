@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from pirate_sm.backends.protocol import Completion
+from pirate_sm.engine.gliding.glided import Glide
+from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.errors import BackendError
 from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
@@ -19,8 +21,10 @@ from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import InSpace
+from pirate_sm.model.word_watch import WordWatch
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.full_truth import FullTruth
+from pirate_sm.simulation.gliding.glider import Glider
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.sensors import BoardChannels
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
@@ -116,6 +120,8 @@ class SimulatorBackend:
         self._now = 0.0
         self._cycles = 0
         self._closed = False
+        self._pending: list[Event] = []
+        self._glider: Glider | None = None
 
     @property
     def truth(self) -> FullTruth:
@@ -135,6 +141,10 @@ class SimulatorBackend:
     @property
     def arcs_m(self) -> list[float]:
         """Position of each wheel along the pipe, m; cheaper than ``truth``, for detectors."""
+        return self.robot.arcs_m
+
+    def places_m(self) -> list[float]:
+        """Return the position of each wheel along the pipe, m, as ``arcs_m``."""
         return self.robot.arcs_m
 
     @property
@@ -188,6 +198,9 @@ class SimulatorBackend:
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Let the robot run until `until_s` or the first moment with an event."""
+        if self._pending:
+            pending, self._pending = self._pending, []
+            return self._now, pending
         quiet_until = self._now + _SILENCE_S
         while True:
             cycle = (self._cycles + 1) * self._cycle_s
@@ -201,6 +214,24 @@ class SimulatorBackend:
                 events += self._cycle()
             if events or self._now >= quiet_until:
                 return self._now, events
+
+    def glide(self, watch: Watch, until_s: float, words: WordWatch | None = None) -> Glide | None:
+        """Let cycles pass as long as their frames change nothing but signals."""
+        if self._closed or self._pending or self._wire.waiting is not None:
+            return None
+        if self._glider is None or self._glider.robot is not watch.robot:
+            self._glider = Glider(watch.robot, self.robot, self._turns, self._cycle_s)
+        until_s = min(until_s, self._wire.due_s)
+        passed = self._glider.glide(watch, words, self._now, self._cycles, until_s)
+        if passed is None:
+            return None
+        self._now, self._cycles = passed.glide.now_s, passed.cycles
+        if passed.waiting is not None:
+            self._pending.append(passed.waiting)
+        fault = self.robot.meet_obstacles() if passed.met else None
+        if fault is not None:
+            self._pending.append(fault)
+        return passed.glide
 
     def _cycle(self) -> list[Event]:
         """Simulate one cycle of the bus."""

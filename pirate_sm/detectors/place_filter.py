@@ -51,6 +51,16 @@ class Tracker:
         while self._seen[0][0] < seen_s - WINDOW_S:
             self._seen.popleft()
 
+    @property
+    def seen(self) -> Sequence[tuple[float, tuple[float, ...]]]:
+        """Return times and positions in the window."""
+        return self._seen
+
+    @property
+    def driven(self) -> bool:
+        """Return whether wheels were driven when it last saw something."""
+        return self._driven
+
     def place(self, wheel: int) -> float:
         """Return the filtered position of a wheel now, m; NaN if its last position is unknown.
 

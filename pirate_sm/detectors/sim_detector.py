@@ -12,6 +12,7 @@ from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.word_watch import Look, WordWatch
 
 
 class TruePlaces:
@@ -51,6 +52,16 @@ class TruePlaces:
         travel = self._robot.travel(state.robot.values)
         self._word = self._detector.look(now_s, self._places_m(), travel)
         return ()
+
+    def word_watch(self, state: EngineState) -> WordWatch | None:
+        """Return what it knows now; None where it must look itself."""
+        travel = self._robot.travel(state.robot.values)
+        return self._detector.watch(self._places_m, self.due_s, travel)
+
+    def relieve(self, looks: Sequence[Look], due_s: float, said_s: float | None) -> None:
+        """Take looks that others have made; the next one is due at ``due_s``."""
+        self._detector.relieve(looks, said_s)
+        self.due_s = due_s
 
     def restart(self, robot: RobotSpec) -> None:
         """Follow this robot from now on."""

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
-from pirate_sm.detectors.place_filter import Tracker
+from pirate_sm.detectors.place_filter import WINDOW_S, Tracker
 from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.word_watch import Look, WordWatch
 
 # A word stays valid until its wheel is this far before the point, so that noise does not switch it
 # on and off.
@@ -59,23 +60,35 @@ class Repeater:
 
     Args:
         valid_for_s: How long a word is valid.
+
+    Attributes:
+        reported_s: When a word was reported last.
     """
 
     def __init__(self, valid_for_s: float) -> None:
-        self._valid_for_s = valid_for_s
+        self.valid_for_s = valid_for_s
         self._word = ""
-        self._reported_s = -math.inf
+        self.reported_s = -math.inf
 
     def say(self, word: str, now_s: float) -> DetectorWord | None:
         """Return the word to report now, given the one that holds (empty for none)."""
-        due = now_s - self._reported_s >= REPEAT_SHARE * self._valid_for_s
+        due = now_s - self.reported_s >= REPEAT_SHARE * self.valid_for_s
         if word == self._word and not due:
             return None
         self._word = word
         if not word:
             return None
-        self._reported_s = now_s
-        return DetectorWord(word, self._valid_for_s)
+        self.reported_s = now_s
+        return DetectorWord(word, self.valid_for_s)
+
+    def silent(self, word: str) -> tuple[float, float] | None:
+        """Return when a word was reported that holds, and after which time it is repeated.
+
+        Without a word it is never repeated. None: the word that holds is not the reported one.
+        """
+        if word != self._word:
+            return None
+        return (self.reported_s, REPEAT_SHARE * self.valid_for_s) if word else (0.0, math.inf)
 
 
 class Detector:
@@ -127,6 +140,50 @@ class Detector:
             self._repeater.say("", time_s)  # what follows is a new report
         self._word = self._holding()
         return self._repeater.say(self._word, time_s)
+
+    def watch(
+        self, places_m: Callable[[], Sequence[float]], due_s: float, travel: int
+    ) -> WordWatch | None:
+        """Return what it knows between two looks; None where only a look of its own will do.
+
+        Args:
+            places_m: Returns the position of each wheel.
+            due_s: When it looks next.
+            travel: As for :meth:`look`.
+        """
+        driven, direction = travel != 0, self._direction
+        said = self._repeater.silent(self._word)
+        if driven != self._tracker.driven or (driven and travel != direction) or said is None:
+            return None
+        names = [word.name for word, _ in self._words]
+        return WordWatch(
+            places_m,
+            due_s,
+            LOOK_EVERY_S,
+            WINDOW_S,
+            self._tracker.seen,
+            driven,
+            direction,
+            self._points(direction),
+            self._bends,
+            _SLACK_M,
+            _FORGOTTEN_M,
+            names.index(self._word) if self._word else -1,
+            self._word,
+            self._repeater.valid_for_s,
+            *said,
+        )
+
+    def _points(self, direction: int) -> tuple[tuple[int, float], ...]:
+        points = [(word.forward if direction > 0 else word.backward, e) for word, e in self._words]
+        return tuple((point.wheel, error - point.passed_m) for point, error in points)
+
+    def relieve(self, looks: Sequence[Look], said_s: float | None) -> None:
+        """Take looks that others have made; at most the word was repeated, last at ``said_s``."""
+        if said_s is not None:
+            self._repeater.reported_s = said_s
+        for time_s, places_m in looks:
+            self._tracker.see(time_s, places_m, driven=self._tracker.driven)
 
     def see(
         self, time_s: float, places_m: Sequence[float] | None, travel: int, seen_s: float

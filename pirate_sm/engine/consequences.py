@@ -10,14 +10,14 @@ from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.diverting import divert, meet
 from pirate_sm.engine.mission.ending import end, finish
 from pirate_sm.engine.mission.interpreter import advance, without_requests
-from pirate_sm.engine.mission.waiting import next_deadline
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot import commands, robot_state, start_check
+from pirate_sm.engine.robot import commands, start_check
 from pirate_sm.engine.safety.faults import listen, unsettle
 from pirate_sm.engine.safety.rule_watch import watch
 from pirate_sm.engine.sensing import surroundings
 from pirate_sm.engine.sensing.conversion import forget_stale
 from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.waking import listening_s, wake_s
 from pirate_sm.model.effects import WakeAt
 
 
@@ -101,9 +101,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     robot = sending.resend(moment, state.robot, state.sensing)
     if robot is not state.robot:
         state = state._replace(robot=robot)
-    if moment.nominal or not has_come(
-        moment.now_s, state.sensing.checked_s + moment.robot.link.listen_every_s
-    ):
+    if moment.nominal or not has_come(moment.now_s, listening_s(moment.robot, state.sensing)):
         return state
     sensing = forget_stale(moment.robot, state.sensing, moment.now_s)
     faults = state.faults
@@ -120,20 +118,7 @@ def _set_wake(moment: Moment, state: EngineState) -> EngineState:
     """Emit the next time at which something changes without an event, if it is another one."""
     if state.mission.ended:
         return state
-    body = state.robot
-    if state.mission.suspended:
-        body = body._replace(motion=None)  # its deadline is frozen
-    wake = min(
-        robot_state.next_deadline(moment.robot, body, moment.nominal),
-        next_deadline(moment, state),
-        state.word_until_s,
-    )
-    if state.look is not None and not state.mission.ending:
-        wake = min(wake, state.look.due_s)
-    if moment.nominal:
-        wake = min(wake, state.surveyed.due_s)
-    else:
-        wake = min(wake, state.sensing.checked_s + moment.robot.link.listen_every_s)
+    wake = wake_s(moment, state)
     if wake == state.wake_at_s or isnan(wake):
         return state
     moment.emit(WakeAt(wake))

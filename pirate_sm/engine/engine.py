@@ -10,6 +10,9 @@ from collections.abc import Sequence
 
 from pirate_sm.engine import inputs
 from pirate_sm.engine.consequences import settle
+from pirate_sm.engine.gliding.glided import Glided, after_glide
+from pirate_sm.engine.gliding.lookout import Lookout
+from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.engine.mission import operator, scripted_signals
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.mission.signals_read import signals_read
@@ -52,6 +55,7 @@ class Engine:
         self._follows_traction = (not nominal and spec is not None) and (
             every_signal or not signals_read(robot, program).isdisjoint(spec.targets)
         )
+        self._lookout = Lookout(robot, program)
 
     def start(
         self,
@@ -122,6 +126,25 @@ class Engine:
         if type(event) is not events.SignalReport:  # a script counts from the next event
             after = settle(moment, state, after)
         return after, tuple(moment.effects)
+
+    def watch(self, state: EngineState) -> Watch | None:
+        """Return what must stay true so that frames of the boards change nothing but signals.
+
+        A backend may then take such frames for the engine, see :meth:`glided`.
+
+        Returns:
+            What must stay true; None where every frame must go through :meth:`step`.
+        """
+        if self.nominal or self._follows_traction or state.mission.ended:
+            return None
+        return self._lookout.watch(state)
+
+    def glided(self, state: EngineState, after: Glided) -> EngineState:
+        """Return the state after frames that have left true what :meth:`watch` tells.
+
+        It is the state that :meth:`step` returns after the same frames, which have no effects.
+        """
+        return after_glide(state, after)
 
     def signals(self, state: EngineState) -> dict[str, float]:
         """Return all signals by name, in SI units; NaN is unknown."""

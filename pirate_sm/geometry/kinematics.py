@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import asin, atan2, cos, hypot, isnan, nan, sin
+from math import asin, atan2, cos, isnan, nan, sin, sqrt
 from typing import NamedTuple
 
 from pirate_sm.geometry.space import Place
@@ -94,7 +94,9 @@ class Chain:
         """
         front, rear = wheels[0], wheels[-1]
         along, across = places[front][0] - places[rear][0], places[front][1] - places[rear][1]
-        rise = (self.sides[front] - self.sides[rear]) * aside_m / (hypot(along, across) or 1.0)
+        # Not `hypot`, which rounds differently from one language to the next.
+        length_m = sqrt(along * along + across * across) or 1.0
+        rise = (self.sides[front] - self.sides[rear]) * aside_m / length_m
         if isnan(rise):
             return nan
         return asin(max(-1.0, min(1.0, rise))) - atan2(across, along)

@@ -160,6 +160,8 @@ class MissionRun:
             if pump.listening != listening:
                 listening = pump.listening
                 pacer.limit(1.0 if listening else inf, pump.now_s)
+            if not pacer.waits:
+                pump.glide()
             now_s, events = pump.wait()
             if pacer.waits:
                 pacer.wait_until(now_s, self._look_up)

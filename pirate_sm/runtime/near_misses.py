@@ -6,7 +6,7 @@ Each near miss has a share of its limit: at 1 it would have happened, so the lar
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import isinf
+from math import inf, isinf
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -36,6 +36,7 @@ class NearMisses:
     """
 
     stepwise = True
+    due_s = -inf
 
     def __init__(self, robot: RobotSpec, program: Program) -> None:
         self._robot = robot

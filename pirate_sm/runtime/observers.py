@@ -44,6 +44,10 @@ class Tap(Protocol):
 
     stepwise: bool
 
+    @property
+    def due_s(self) -> float:
+        """Return when it looks at the run next: at the first step that reaches this time."""
+
     def start(
         self,
         seen: Sequence[Event],

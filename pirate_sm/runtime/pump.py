@@ -14,7 +14,9 @@ from pirate_sm.companion import Companion, Counting, Following, Onlooker
 from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
+from pirate_sm.runtime.last_frames import LastFrames
 from pirate_sm.runtime.observers import Tap
+from pirate_sm.runtime.quiet_time import Part, QuietTime, block_tap, parts_of
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -85,8 +87,11 @@ class Pump:
         self._tell = tell
         self._tap = tap
         self._after = after
-        self._heard: dict[int, SensorFrame] = after._heard if after else {}
+        self._heard: LastFrames = after._heard if after else LastFrames()
         self._last_id: int = after._last_id if after else 0
+        self._quiet = QuietTime(engine, backend, companions)
+        self._blocks = block_tap(tap)
+        self._stepwise = tap is not None and self._blocks is None
         self._wake_s = self._until_s = inf
         self._kept_s = -inf
         self._idle_turns = 0
@@ -104,7 +109,7 @@ class Pump:
             BackendRaisedError: The backend cannot be opened or takes no array.
         """
         before = self._after.state if self._after else None
-        events: Sequence[Event] = tuple(self._heard.values())
+        events: Sequence[Event] = self._heard.frames()
         if before is None:
             try:
                 events = self._backend.open()
@@ -116,7 +121,9 @@ class Pump:
                     companion.restart(self._engine.robot)
         body = before and before.robot.at_rest()
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
-        self._heard.update((each.board, each) for each in seen if isinstance(each, SensorFrame))
+        for each in seen:
+            if isinstance(each, SensorFrame):
+                self._heard.hear(each)
         self.state, effects = self._engine.start(self.now_s, seen, body=body, paused=paused)
         if self._tap is not None:
             self._tap.start(seen, self.now_s, effects, body=body, paused=paused)
@@ -124,6 +131,46 @@ class Pump:
         for event in events:
             if not isinstance(event, SensorFrame | SignalReport):
                 self.give(event)
+
+    def glide(self, until_s: float = inf) -> None:
+        """Let time run without the engine, as long as nothing but signals changes.
+
+        This does nothing where the backend or the tap must see every step. What happens next is
+        found by :meth:`wait`.
+
+        Args:
+            until_s: Mission time that is not reached.
+
+        Raises:
+            BackendRaisedError: The backend has raised.
+        """
+        if self.state is None or self.ended is not None or self._stepwise:
+            return
+        try:
+            looked_s = inf if self._blocks is None else self._blocks.due_s
+            passed = self._quiet.run(self.state, min(until_s, looked_s))
+        except Exception as error:
+            raise BackendRaisedError from error
+        if passed is None:
+            return
+        if passed.after is not None:
+            self.state = self._engine.glided(self.state, passed.after)
+            self._heard.hear_block(passed.frames)
+        for part in parts_of(passed):
+            self._tell_part(part)
+        self.now_s = passed.now_s
+        self._plan()
+
+    def _tell_part(self, part: Part) -> None:
+        """Tell the tap of frames that the backend has taken, and all of the step after them."""
+        if self._blocks is not None and part.frames:
+            self._blocks.take_block(part.frames)
+        if part.step is not None:
+            self.now_s, event, effects = part.step
+            if self._tap is not None:
+                self._tap.take(event, self.now_s, effects)
+            if effects:
+                self._perform(effects)
 
     def wait(self, until_s: float = inf) -> tuple[float, Sequence[Event]]:
         """Let time run until an event occurs or a companion is due.
@@ -161,7 +208,7 @@ class Pump:
             BackendRaisedError: The backend has raised.
         """
         if type(event) is SensorFrame:
-            self._heard[event.board] = event
+            self._heard.hear(event)
         if self.ended is None and self.state is not None:
             effects: tuple[Effect, ...] = ()
             try:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -85,6 +86,26 @@ class Effect:
         """
         return counts
 
+    def glides_until_s(self, now: float) -> float:
+        """Return until when it only shows what :meth:`forced` says; before ``now`` if it does not.
+
+        Before that, neither ``step`` nor ``frame`` needs to be called, and ``took`` is called for
+        each frame.
+        """
+        return -math.inf
+
+    def forced(self, now: float) -> Mapping[int, float]:
+        """Return the counts that it shows in place of those measured, by row of the channels."""
+        return {}
+
+    def took(self, board: int, counts: Counts) -> None:
+        """Note the counts of a frame that has been reported meanwhile."""
+
+    def _phase_until_s(self, now: float) -> float:
+        """Return when it becomes active or ceases to be; before ``now`` if that is unknown."""
+        until_s = self._until if now < self._until else self._next
+        return until_s if now < until_s else -math.inf
+
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Return whether an array sent now arrives, and whether its echo arrives."""
         return True, True
@@ -103,6 +124,10 @@ class Sudden(Effect):
             return None
         self.due_s += self._pause() or math.inf
         return self.strike(now)
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it strikes."""
+        return self.due_s
 
     def strike(self, now: float) -> Incident | None:
         """Act on the robot; return an incident for the controller, if any."""

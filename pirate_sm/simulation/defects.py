@@ -39,6 +39,10 @@ class DeadWheel(Effect):
             self.robot.physics.disable_wheel(wheel, drag)
             self.robot.mute_wheel(wheel)
 
+    def glides_until_s(self, now: float) -> float:
+        """Return infinity: all of it was done at the start."""
+        return math.inf
+
 
 class StiffJoint(Effect):
     """A joint with added dry friction."""
@@ -48,6 +52,10 @@ class StiffJoint(Effect):
         if self.defect.joint is not None:
             wheel = self.robot.chain.joint_index[self.defect.joint]
             self.robot.physics.stiffen_joint(wheel, self.defect.friction)
+
+    def glides_until_s(self, now: float) -> float:
+        """Return infinity: all of it was done at the start."""
+        return math.inf
 
 
 class StuckSensor(Effect):
@@ -74,6 +82,18 @@ class StuckSensor(Effect):
                 shown = self._held.setdefault(row, counts[row - first])
             counts[row - first] = shown
         return counts
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it begins or ends, once its first frame has been seen."""
+        if now < self._until:
+            seen = all(row in self._held for row, shown in self._rows.items() if math.isnan(shown))
+        else:
+            seen = not self._held
+        return self._phase_until_s(now) if seen else -math.inf
+
+    def forced(self, now: float) -> Mapping[int, float]:
+        """Return the counts of the stuck channels while the defect is active."""
+        return self._rows | self._held if now < self._until else {}
 
 
 class ZeroJump(Sudden):
@@ -102,6 +122,10 @@ class SilentBay(Effect):
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
         """Lose every frame."""
         return None if self.active(now) else counts
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it begins; while it is active motors move and frames are lost."""
+        return -math.inf if now < self._until else self._phase_until_s(now)
 
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Lose every array and echo."""
@@ -139,8 +163,17 @@ class StaleRepeats(Effect):
             return counts
         if self.active(now) and board in self._last:
             return list(self._last[board])
-        self._last[board] = list(counts)
+        self.took(board, counts)
         return counts
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it begins; while it is active each board repeats its own counts."""
+        return -math.inf if now < self._until else self._phase_until_s(now)
+
+    def took(self, board: int, counts: Counts) -> None:
+        """Remember the board's last counts."""
+        if not self.defect.boards or board in self.defect.boards:
+            self._last[board] = list(counts)
 
 
 class FirmwareReset(Sudden):
@@ -173,6 +206,10 @@ class ControllerHang(Sudden):
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
         """Lose every frame during the silence."""
         return counts if now >= self._until else None
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it strikes; during the silence frames are lost."""
+        return self.due_s if now >= self._until else -math.inf
 
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Lose every array and echo during the silence."""

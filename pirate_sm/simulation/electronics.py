@@ -29,7 +29,9 @@ class Electronics:
     Attributes:
         boards: Boards that report, in the order of their reports.
         rows: Row in the channel table, by signal.
+        channels: The channel table, see :mod:`pirate_sm.simulation.digitizing`.
         counts: Last raw count of every channel.
+        rng: State of the generator of noise.
     """
 
     def __init__(
@@ -44,15 +46,15 @@ class Electronics:
         self.boards, self.rows = sensors.boards, sensors.rows
         self.counts: Floats = np.zeros(len(sensors.channels))
         self._routes = routes
-        self._channels = sensors.channels.copy()
+        self.channels = sensors.channels.copy()
         self._quantities = physics.quantities
         self._layout = QuantityLayout(chain.nodes)
-        self._rng: Words = np.array([seed], dtype=np.uint64)
+        self.rng: Words = np.array([seed], dtype=np.uint64)
         self.read(0, len(self.counts))
 
     def read(self, first: int, last: int) -> None:
         """Read the channels from `first` to before `last`."""
-        digitizing.digitize(self._channels, first, last, self._quantities, self.counts, self._rng)
+        digitizing.digitize(self.channels, first, last, self._quantities, self.counts, self.rng)
 
     def refusal(self, values: Sequence[float]) -> str:
         """Return why the setpoints are rejected; empty if they are accepted."""
@@ -96,21 +98,21 @@ class Electronics:
         self.rest()
         self.physics.turn_roll_to(self.physics.rolls()[0])
         for row in self._showing(("wheel", "roll"), range(self.chain.nodes)):
-            source = int(self._channels[row, digitizing.SOURCE])
-            counts = self._quantities[source] * self._channels[row, digitizing.GAIN]
-            self._channels[row, digitizing.OFFSET] = -counts
+            source = int(self.channels[row, digitizing.SOURCE])
+            counts = self._quantities[source] * self.channels[row, digitizing.GAIN]
+            self.channels[row, digitizing.OFFSET] = -counts
 
     def mute_wheel(self, wheel: int) -> None:
         """Make every channel of a wheel show zero."""
         rows = self._showing(("wheel", "turned", "drive"), (wheel,))
-        self._channels[rows, digitizing.GAIN : digitizing.SIGMA + 1] = 0.0
+        self.channels[rows, digitizing.GAIN : digitizing.SIGMA + 1] = 0.0
 
     def shift(self, signal: str, counts: float) -> None:
         """Add this many counts to the offset of the signal's channel."""
-        self._channels[self.rows[signal], digitizing.OFFSET] += counts
+        self.channels[self.rows[signal], digitizing.OFFSET] += counts
 
     def _showing(self, quantities: Sequence[str], wheels: Iterable[int]) -> list[int]:
         """Return the rows of channels that measure one of the quantities of one of the wheels."""
         sources = {self._layout.at(name, wheel) for wheel in wheels for name in quantities}
-        column = self._channels[:, digitizing.SOURCE].tolist()
+        column = self.channels[:, digitizing.SOURCE].tolist()
         return [row for row, source in enumerate(column) if int(source) in sources]

@@ -54,11 +54,28 @@ class Obstacles:
         self._pushed_s = 0.0
         self._reported: set[float] = set()
 
+    @property
+    def idle(self) -> bool:
+        """Whether no obstacle stands or waits, so that only a bend out of plane can be met."""
+        return not self._waiting and self._standing is None
+
+    @property
+    def due_s(self) -> float:
+        """When the next obstacle may appear; before any time if one stands."""
+        if self._standing is not None:
+            return -math.inf
+        return min((each.from_s for each in self._waiting), default=math.inf)
+
+    @property
+    def out_of_plane_rad(self) -> float:
+        """How far a part may be turned where there are bends; infinite where there are none."""
+        return _OUT_OF_PLANE_RAD if self._route.crossings_m else math.inf
+
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
         """Update the obstacles; return the fault of a bend between bars that is impassable."""
         rolls = self._physics.rolls() if self._in_bars else ()
         in_plane = all(abs(roll) < _OUT_OF_PLANE_RAD for roll in rolls[1:])
-        if in_plane and not self._waiting and self._standing is None:
+        if in_plane and self.idle:
             return None
         arcs: list[float] = self._arcs.tolist()
         fault = None if in_plane else self._out_of_plane(rolls, arcs)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 from pirate_sm.geometry.network import tilted_up
@@ -23,6 +24,9 @@ def gravity_of(pipe: Pipe) -> Callable[[float], Vector] | None:
         return tilted_up(pipe.tilt + share * (turns.tilt - pipe.tilt), pipe.uphill)
 
     return up
+
+
+_NOT_YET: Vector = (0.0, 0.0, 0.0)
 
 
 class PipeChanges:
@@ -56,8 +60,17 @@ class PipeChanges:
         ]
         self._usual = (friction.static, friction.kinetic)
         self._given = [self._usual] * wheels
-        self._gravity, self._up = gravity_of(pipe), (0.0, 0.0, 0.0)
+        self._turns = pipe.turns
+        self._gravity, self._up = gravity_of(pipe), _NOT_YET
         self._idle = self._gravity is None and not self._stretches
+
+    def due_s(self, now_s: float) -> float:
+        """Return when something may change next; before ``now_s`` if it may at any moment."""
+        if self._stretches or (self._turns is not None and self._up == _NOT_YET):
+            return -math.inf
+        if self._turns is None or now_s > self._turns.to:
+            return math.inf
+        return self._turns.from_s
 
     def step(self, now_s: float) -> None:
         """Give the physics what is true of a cycle that begins now."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import NamedTuple
 
 import numpy as np
@@ -62,6 +63,7 @@ def sensors_of(profile: Profile, chain: ChainBody) -> Sensors:
     return Sensors(tuple(boards), channels, rows)
 
 
+@lru_cache(maxsize=1024)
 def scale_of(text: str) -> float:
     """Return the SI value of a constant expression such as ``360 deg / 4096``."""
     value = compile_expression(text, Vocabulary({})).evaluate((), ())

@@ -15,12 +15,14 @@ import numpy as np
 from pirate_sm.geometry import plane
 from pirate_sm.geometry.joints import Bend
 from pirate_sm.geometry.space import GRAVITY_M_S2
-from pirate_sm.model.events import FaultReport
+from pirate_sm.model.events import FaultReport, SensorFrame
+from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.actuators import SlotRoute, routes_of
+from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.defects import AtWork, named, put_to_work
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.full_truth import FullTruth
@@ -36,6 +38,8 @@ _TOUCHING_N = 0.05
 _GONE_EVERY = 16
 # Beyond this distance from the pipe's open end, the robot counts as gone.
 _GONE_M = 0.4
+# Nearer than this it does not, whatever the rounding.
+_NEAR_M = _GONE_M - 1e-9
 
 
 class Turn(NamedTuple):
@@ -54,6 +58,20 @@ class Turn(NamedTuple):
     def channel(self) -> int:
         """Number of the first channel within its board."""
         return self.first - self.board.first
+
+
+class Leeway(NamedTuple):
+    """Where a robot may be while its surroundings do nothing to it.
+
+    Attributes:
+        out_of_plane_rad: How far a part may be turned out of the plane of the bends.
+        before_m: How far back the foremost wheel may be along the pipe.
+        behind_m: How far ahead the rearmost wheel may be.
+    """
+
+    out_of_plane_rad: float
+    before_m: float
+    behind_m: float
 
 
 class SimulatedRobot:
@@ -164,6 +182,41 @@ class SimulatedRobot:
             self._look_whether_gone()
         return fault
 
+    def glides_until_s(self, now_s: float) -> float:
+        """Return until when only the physics and the sensors act; before ``now_s`` if others do."""
+        if self.gone:
+            return -math.inf
+        # The surroundings have a clock of their own, which goes on while the controller restarts.
+        around_s = min(self._changes.due_s(self._time_s), self._obstacles.due_s) - self._time_s
+        around_s += now_s - self._cycle_s
+        defects = (each.glides_until_s(now_s) for each in self._effects)
+        until_s = min(around_s, min(defects, default=math.inf))
+        # Each defect acts on what the one before it shows; here all act on what is measured.
+        return until_s if len(self._effects) < 2 or not self.forced(now_s) else -math.inf
+
+    def forced(self, now_s: float) -> dict[int, float]:
+        """Return the counts that defects show in place of those measured, by row."""
+        return {row: shown for each in self._effects for row, shown in each.forced(now_s).items()}
+
+    def glided(
+        self, cycles: int, time_s: float, frames: FrameBlock, last: SensorFrame | None
+    ) -> None:
+        """Note that cycles have passed in which only the physics and the sensors have acted.
+
+        Args:
+            cycles: How many cycles have passed.
+            time_s: The time that the surroundings go by.
+            frames: The frames in that time.
+            last: One more frame after them, if any.
+        """
+        self._cycles += cycles
+        self._time_s = time_s
+        for effect in self._effects:
+            for _, frame in frames.frames():
+                effect.took(frame.board, list(frame.values))
+            if last is not None:
+                effect.took(last.board, list(last.values))
+
     def read(self, now_s: float, turn: Turn) -> list[float] | None:
         """Return the counts of the turn's channels; None if a defect loses them."""
         first = turn.board.first
@@ -190,6 +243,21 @@ class SimulatedRobot:
     def set_values(self, values: Sequence[float]) -> None:
         """Put the setpoints in force, clipped to the limits of their slots."""
         self.electronics.set_values(self.electronics.cut(values))
+
+    @property
+    def leeway(self) -> Leeway:
+        """Where the robot may be while its surroundings do nothing to it."""
+        return Leeway(self._obstacles.out_of_plane_rad, -_NEAR_M, self._route.length_m + _NEAR_M)
+
+    @property
+    def arcs(self) -> Floats:
+        """Position of each wheel along the pipe, m, in the array of the physics."""
+        return self._arcs
+
+    @property
+    def time_s(self) -> float:
+        """The time that the surroundings go by."""
+        return self._time_s
 
     @property
     def truth(self) -> FullTruth:

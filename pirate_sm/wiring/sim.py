@@ -74,7 +74,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         backend=backend,
         companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
         usual_detector="sim",
-        places=Places(backend.bends, lambda: backend.arcs_m),
+        places=Places(backend.bends, backend.places_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
         in_space=None if loaded.pipe.section == "bars" else lambda: backend.in_space,

@@ -254,7 +254,7 @@ def _reach(
     state, free = followed(moment.robot, state, motion, sensing), state.awaited is None
     since_s, seekers = motion.since_s, state.seekers
     done = criterion_of(moment.robot, motion)
-    why_not = _why_not_clamped(state, motion, denied) if denied else ""
+    why_not = why_not_clamped(state, motion, denied) if denied else ""
     if not why_not and is_done(moment.robot, state, motion, done, sensing):
         since_s = moment.now_s if isnan(since_s) else since_s
         held_s = must_hold_s(done, sensing.numbers, seekers)
@@ -275,7 +275,7 @@ def _reach(
     return state, None
 
 
-def _why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
+def why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
     """Return why a part that the command under way clamps does not hold; empty if it may."""
     own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")

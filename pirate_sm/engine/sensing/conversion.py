@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, hypot, isfinite, isnan, nan, sqrt
+from math import atan2, isfinite, isnan, nan, sqrt
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
@@ -116,7 +116,7 @@ def _vector(vector: Vector, numbers: list[float]) -> float:
     if isnan(x) or isnan(y) or isnan(z):
         return nan
     # B-13 and B-14; atan2 gives the same for an upright sensor and is valid in all quadrants.
-    return atan2(-y, z) if vector.how == "roll" else atan2(x, hypot(y, z))
+    return atan2(-y, z) if vector.how == "roll" else atan2(x, sqrt(y * y + z * z))
 
 
 def forget_outdated(sensing: Sensing, now_s: float) -> Sensing:

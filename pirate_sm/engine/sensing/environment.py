@@ -38,28 +38,28 @@ OUT, STRAIGHT, JOINT = SEGMENTS = ("Out", "Straight", "Joint")
 SURVEY_EVERY_S = 0.2
 """Frequent enough at 0.1 m/s, and rare compared with the cost of one evaluation [decided]."""
 
-_SAMPLES = 9
+SAMPLES = 9
 """Length of the median filter of accelerations; it removes the jolts of motors [decided]."""
 
-_AT_REST = 0.1
+AT_REST = 0.1
 """Largest relative deviation from gravity of an acceleration that counts as its direction."""
 
-_UPRIGHT = 0.2
+UPRIGHT = 0.2
 """With a smaller share of gravity across the pipe (78 deg), the roll is undefined."""
 
-_TURNED_RAD = radians(20)
+TURNED_RAD = radians(20)
 """Two clamped parts whose axes differ by more are in different legs of the pipe [decided]."""
 
-_COPLANAR_RAD = radians(10)
+COPLANAR_RAD = radians(10)
 """Headings of parts are compared only up to this roll between them."""
 
-_LEAST_SAMPLES = 5
+LEAST_SAMPLES = 5
 """Roll and pitch are unknown with fewer accelerations."""
 
-_AGREEING = 0.03
+AGREEING = 0.03
 """Largest relative difference of the diameters of parts in one straight [decided]."""
 
-_OPEN_RAD = radians(2)
+OPEN_RAD = radians(2)
 """A clamped V nearer to its end stop touches no wall [decided]."""
 
 _NO_FORCE: Vector = (nan, nan, nan)
@@ -119,9 +119,8 @@ def survey(
         now_s: The time.
     """
     body = robot.body
-    in_bend = before.in_bend if word is None else word not in robot.words_behind
-    opened = robot.held[state.configuration] & robot.denied_by(raised).keys()
-    held = sorted(confirmed_parts(robot, state) | opened)
+    in_bend = announced(robot, before, word)
+    held = held_parts(robot, state, raised)
     walled = [part for part in held if not _is_open(body, part, numbers)]
     segment = ""
     if word is not None and in_bend:
@@ -158,6 +157,17 @@ def survey(
     return after, found._replace(diameter_ahead_m=ahead_m) if joint == "reducer" else found
 
 
+def announced(robot: RobotSpec, before: Surveyed, word: str | None) -> bool:
+    """Return whether a word has announced a bend that is not passed yet."""
+    return before.in_bend if word is None else word not in robot.words_behind
+
+
+def held_parts(robot: RobotSpec, state: RobotState, raised: frozenset[int]) -> list[int]:
+    """Return the parts whose clamp is confirmed, and those that faults show to be open."""
+    opened = robot.held[state.configuration] & robot.denied_by(raised).keys()
+    return sorted(confirmed_parts(robot, state) | opened)
+
+
 def _along(
     body: BodySpec, parts: list[int], numbers: Sequence[float], straight_m: float
 ) -> list[int]:
@@ -172,13 +182,13 @@ def _along(
     return [
         part
         for part, diameter in shown
-        if diameter >= 0 and abs(numbers[diameter] - straight_m) <= _AGREEING * straight_m
+        if diameter >= 0 and abs(numbers[diameter] - straight_m) <= AGREEING * straight_m
     ]
 
 
 def _segment(body: BodySpec, walled: Sequence[int], numbers: Sequence[float], in_bend: bool) -> str:
     """Return the segment around a clamped robot while no word announces a bend."""
-    if len(walled) > 1 and _turn(body, walled, numbers) > _TURNED_RAD:
+    if len(walled) > 1 and _turn(body, walled, numbers) > TURNED_RAD:
         return JOINT
     return "" if in_bend else STRAIGHT
 
@@ -186,7 +196,7 @@ def _segment(body: BodySpec, walled: Sequence[int], numbers: Sequence[float], in
 def _turn(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
     """Return the largest angle between the axes of the parts, rad; 0 if it is unknown."""
     roll = body.imu.roll if body.imu else -1
-    if roll >= 0 and not abs(numbers[roll]) <= _COPLANAR_RAD:
+    if roll >= 0 and not abs(numbers[roll]) <= COPLANAR_RAD:
         return 0.0
     headings = [body.heading_in_pipe(numbers, part, 0) for part in parts]
     known = [heading for heading in headings if not isnan(heading)]
@@ -195,7 +205,7 @@ def _turn(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> flo
 
 def _is_open(body: BodySpec, part: int, numbers: Sequence[float]) -> bool:
     vee = body.parts[part]
-    return vee.angle >= 0 and abs(numbers[vee.angle]) > vee.end_stop_rad - _OPEN_RAD
+    return vee.angle >= 0 and abs(numbers[vee.angle]) > vee.end_stop_rad - OPEN_RAD
 
 
 def _diameter(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) -> float:
@@ -205,7 +215,7 @@ def _diameter(body: BodySpec, parts: Sequence[int], numbers: Sequence[float]) ->
     """
     shown = [numbers[body.parts[part].diameter] for part in parts if body.parts[part].diameter >= 0]
     known = [diameter for diameter in shown if not isnan(diameter)]
-    if not known or max(known) - min(known) > _AGREEING * max(known):
+    if not known or max(known) - min(known) > AGREEING * max(known):
         return nan
     return sum(known) / len(known)
 
@@ -217,14 +227,14 @@ def _felt(
     forces = before.forces if part == before.part else ()
     force = in_pipe(robot.body, part, numbers) if part >= 0 else _NO_FORCE
     if is_gravity(force):
-        return (*forces, force)[-_SAMPLES:], now_s
+        return (*forces, force)[-SAMPLES:], now_s
     lasting = now_s - before.felt_s < robot.link.stale_after_s
     return (forces if lasting else ()), before.felt_s
 
 
 def is_gravity(force: Vector) -> bool:
     """Return whether a specific force is that of a robot at rest; False where it is unknown."""
-    return abs(hypot(*force) - GRAVITY_M_S2) <= _AT_REST * GRAVITY_M_S2
+    return abs(hypot(*force) - GRAVITY_M_S2) <= AT_REST * GRAVITY_M_S2
 
 
 def in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> Vector:
@@ -244,9 +254,9 @@ def in_pipe(body: BodySpec, part: int, numbers: Sequence[float]) -> Vector:
 
 def _attitude(forces: Sequence[Vector]) -> tuple[float, float]:
     """Return roll and pitch (B-13 and B-14), rad; NaN where they are unknown."""
-    if len(forces) < _LEAST_SAMPLES:
+    if len(forces) < LEAST_SAMPLES:
         return nan, nan
     along, side_b, up = (median(values) for values in zip(*forces, strict=True))
     across = hypot(side_b, up)
-    roll = atan2(-side_b, up) if across > _UPRIGHT * GRAVITY_M_S2 else nan
+    roll = atan2(-side_b, up) if across > UPRIGHT * GRAVITY_M_S2 else nan
     return roll, atan2(along, across)

@@ -8,7 +8,7 @@ from pirate_sm.model.effects import Environment
 
 NOTHING_AROUND = Environment("", nan, nan, nan)
 
-_NOISE_RAD, _NOISE_M, _NOISE_WAY_M = radians(1), 1e-3, 1e-2
+NOISE_RAD, NOISE_M, _NOISE_WAY_M = radians(1), 1e-3, 1e-2
 """Smaller changes are not reported."""
 
 
@@ -27,11 +27,11 @@ def differs(old: Environment, new: Environment) -> bool:
     return (
         (old.segment, old.joint, old.junction, old.run)
         != (new.segment, new.joint, new.junction, new.run)
-        or _has_moved(old.roll_rad, new.roll_rad, _NOISE_RAD, turn=2 * pi)
-        or _has_moved(old.pitch_rad, new.pitch_rad, _NOISE_RAD)
-        or _has_moved(old.opening_roll_rad, new.opening_roll_rad, _NOISE_RAD, turn=2 * pi)
-        or _has_moved(old.diameter_m, new.diameter_m, _NOISE_M)
-        or _has_moved(old.diameter_ahead_m, new.diameter_ahead_m, _NOISE_M)
+        or _has_moved(old.roll_rad, new.roll_rad, NOISE_RAD, turn=2 * pi)
+        or _has_moved(old.pitch_rad, new.pitch_rad, NOISE_RAD)
+        or _has_moved(old.opening_roll_rad, new.opening_roll_rad, NOISE_RAD, turn=2 * pi)
+        or _has_moved(old.diameter_m, new.diameter_m, NOISE_M)
+        or _has_moved(old.diameter_ahead_m, new.diameter_ahead_m, NOISE_M)
         or _has_moved(old.distance_m, new.distance_m, _NOISE_WAY_M)
         or _has_moved(old.arc_m, new.arc_m, _NOISE_WAY_M)
     )

@@ -22,7 +22,7 @@ _REDUCER = "reducer"
 _ALONG_RAD = radians(2)
 """Parts whose axes differ by less lie along one axis [decided]."""
 
-_STEP = 0.03
+STEP = 0.03
 """Smallest relative difference of two diameters that is a reducer, more than noise [decided]."""
 
 _LOOKS = 3
@@ -71,7 +71,7 @@ def step_ahead_m(body: BodySpec, parts: Sequence[int], numbers: Sequence[float])
     """
     vees = [body.parts[part] for part in parts]
     shown = [numbers[vee.diameter] if vee.diameter >= 0 else nan for vee in vees]
-    if len(shown) < 2 or not max(shown) - min(shown) > _STEP * max(shown):
+    if len(shown) < 2 or not max(shown) - min(shown) > STEP * max(shown):
         return nan
     headings = [body.heading_in_pipe(numbers, part, 0) for part in parts]
     if not max(headings) - min(headings) <= _ALONG_RAD or any(map(isnan, (*shown, *headings))):

@@ -6,7 +6,7 @@ from math import log
 
 from pirate_sm.engine.sensing.board_spec import LinkSpec
 
-_GAIN = 1 / 64
+GAIN = 1 / 64
 """Weight of one report; six boards with a period of 0.1 s send 64 in about a second."""
 
 _MOST_MISSED = 8
@@ -29,8 +29,8 @@ def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
     """
     if elapsed_s > 1.5 * period_s:
         missed = round(min(elapsed_s / period_s - 1, _MOST_MISSED))
-        loss = 1 - (1 - loss) * (1 - _GAIN) ** missed
-    return loss * (1 - _GAIN)
+        loss = 1 - (1 - loss) * (1 - GAIN) ** missed
+    return loss * (1 - GAIN)
 
 
 def silent_limit_s(link: LinkSpec, loss: float) -> float:

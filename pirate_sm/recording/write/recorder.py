@@ -149,6 +149,11 @@ class Recorder:
         if times_s[-1] >= self._due_s or step >= self._full:
             self._attend(times_s[-1])
 
+    @property
+    def due_s(self) -> float:
+        """Return when it looks at the run next."""
+        return self._due_s
+
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note effects of actions past the engine."""
         self.begun = True

@@ -105,6 +105,15 @@ ENTRY_POINTS = (
         "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int",
     ),
     entry_point(
+        "pirate_sm.simulation.xpbd.glide:glide",
+        "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int, Floats1, "
+        "Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1, Ints2, Floats2, "
+        "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
+        "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
+        "Ints1, Floats1, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
+        "Floats2, Floats2, Floats2, Floats1",
+    ),
+    entry_point(
         "pirate_sm.simulation.xpbd.space.kernel:advance",
         "Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, int",
     ),

@@ -21,7 +21,8 @@ def compiled_when_called(function: _F) -> _F:
     """Return a function that is compiled on its first call, with its machine code kept on disk.
 
     numba keeps it beside the function's file or else in the user's cache folder. If neither is
-    writable, each process compiles for itself.
+    writable, each process compiles for itself. It is compiled again after an edit of its file, of
+    the file of a compiled function that it calls, or of a constant that it uses.
     """
     try:
         dispatcher = numba.njit(cache=True, error_model="numpy")(function)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
+from pirate_sm.simulation.xpbd.glide import glide
 from pirate_sm.simulation.xpbd.pipe_arrays import gravity_along, leg_rows, wall_rows
 
 STEP_S = 0.002
@@ -73,6 +75,15 @@ class World:
     def advance(self) -> None:
         """Simulate one cycle."""
         kernel.advance(*self._arrays, self._steps)
+
+    @property
+    def roll_angles(self) -> Floats:
+        """Angle of the roll joint, then the roll of the parts ahead and behind, rad."""
+        return self.state.roll
+
+    def glide(self, *arrays: Any) -> None:
+        """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
+        glide(*self._arrays, self._steps, *arrays)
 
     def places(self) -> Sequence[Vector]:
         """Return the centre of each wheel in the drawing of the pipe, m; z is 0."""

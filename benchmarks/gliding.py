@@ -1,0 +1,136 @@
+"""How many frames the simulator takes for the engine, and what that saves.
+
+    python -m benchmarks.gliding [MISSION ...]
+
+Each mission is run with every frame through the engine and without, in turn, and the least process
+time of each counts, so that other work on the machine falls on both alike.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from functools import cache
+from time import process_time
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from pirate_sm.backends.protocol import Backend, Completion
+    from pirate_sm.engine.gliding.glided import Glide
+    from pirate_sm.loading.mission import LoadedMission
+    from pirate_sm.model.events import Event
+    from pirate_sm.wiring import Order
+
+REPEATS = 9
+MISSIONS = ("mitre_bend", "mitre_bend_upright", "climb", "enter_3d", "exp_1_round", "exp_1a_both")
+
+
+class Stepping:
+    """A backend that cannot glide, so that every frame goes through the engine."""
+
+    def __init__(self, backend: Backend) -> None:
+        self._backend = backend
+        self.name, self.real_time = backend.name, backend.real_time
+        self.completion: Completion = backend.completion
+
+    def open(self) -> Sequence[Event]:
+        """As the backend."""
+        return self._backend.open()
+
+    def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
+        """As the backend."""
+        self._backend.submit(setpoint_id, values)
+
+    def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
+        """As the backend."""
+        return self._backend.advance(until_s)
+
+    def close(self) -> None:
+        """As the backend."""
+        self._backend.close()
+
+
+class Taken:
+    """Counts the frames that a simulator takes for the engine."""
+
+    def __init__(self, backend: Backend) -> None:
+        self.frames = 0
+        self._glide = backend.glide  # type: ignore[attr-defined]
+        backend.glide = self._count  # type: ignore[attr-defined]
+
+    def _count(self, *given: object) -> Glide | None:
+        passed: Glide | None = self._glide(*given)
+        self.frames += len(passed.frames) if passed is not None else 0
+        return passed
+
+
+class Frames:
+    """Counts the frames of a run, as a tap."""
+
+    stepwise = False
+
+    def __init__(self) -> None:
+        self.count = 0
+
+    def start(self, *given: object, **named: object) -> None:
+        """Count nothing."""
+
+    def take(self, event: Event, now_s: float, effects: object) -> None:
+        """Count a frame."""
+        self.count += type(event).__name__ == "SensorFrame"
+
+    def abandon(self, now_s: float, effects: object) -> None:
+        """Count nothing."""
+
+
+@cache
+def _loaded(order: str) -> LoadedMission:
+    from pirate_sm.wiring import Order, load
+
+    return load(Order(order))
+
+
+def run(order: Order, *, glides: bool, counts: bool = False) -> tuple[float, float, int, int]:
+    """Return process time, mission time, frames taken, and frames that went through the engine."""
+    from pirate_sm.companion import entered
+    from pirate_sm.runtime.first_choice import FirstChoice
+    from pirate_sm.runtime.loop import MissionRun
+    from pirate_sm.wiring import prepare
+
+    loaded = _loaded(order.mission)
+    began = process_time()
+    prepared = prepare(order, loaded)
+    backend = prepared.backend if glides else Stepping(prepared.backend)
+    taken = Taken(prepared.backend) if counts else None
+    frames = Frames() if counts and not glides else None
+    companions = (*prepared.companions, FirstChoice())
+    mission = MissionRun(prepared.engine, backend, companions=companions, tap=frames)
+    with entered(prepared.companions):
+        result = mission.execute()
+    took_s = process_time() - began
+    return took_s, result.now_s, taken.frames if taken else 0, frames.count if frames else 0
+
+
+def main(missions: Sequence[str]) -> int:
+    """Every mission is measured with each detector and printed."""
+    from pirate_sm.wiring import Order
+
+    for mission in missions:
+        for detector in ("sim", "odometry"):
+            order = Order(mission, detector=detector)
+            _, _, taken, _ = run(order, glides=True, counts=True)
+            *_, frames = run(order, glides=False, counts=True)
+            times = [(run(order, glides=True), run(order, glides=False)) for _ in range(REPEATS)]
+            glided_s = min(glided[0] for glided, _ in times)
+            stepped_s = min(stepped[0] for _, stepped in times)
+            mission_s = times[0][0][1]
+            print(
+                f"{mission:22} {detector:9} {taken:5} of {frames:5} frames taken, "
+                f"{mission_s / stepped_s:5.0f} × real time stepped, {mission_s / glided_s:5.0f} "
+                f"gliding: {stepped_s / glided_s:.2f} × faster"
+            )
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:] or MISSIONS))

@@ -1,0 +1,133 @@
+"""What of a command under way frames must leave as it is; see :mod:`pirate_sm.engine.robot`."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import isnan
+
+from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.gliding.conditions import ANY_BOARD
+from pirate_sm.engine.gliding.criterion_trees import (
+    all_of,
+    any_of,
+    arrived_tree,
+    criterion_tree,
+    near,
+    number,
+    size_of,
+)
+from pirate_sm.engine.gliding.watch import Condition, SameDuty
+from pirate_sm.engine.robot.commands import why_not_clamped
+from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    POSTURE,
+    Motion,
+    Numbers,
+    RobotState,
+    criterion_of,
+    posture_of,
+)
+from pirate_sm.expressions import tree
+from pirate_sm.expressions.bytecode import Code, code_of
+
+
+def command_conditions(
+    robot: RobotSpec, body: RobotState, raised: frozenset[int]
+) -> list[Condition] | None:
+    """Return the conditions under which the command under way neither ends nor goes on.
+
+    Args:
+        robot: The robot.
+        body: Its commanded state.
+        raised: Fault rules that are raised.
+
+    Returns:
+        The conditions; None where every frame must go through the engine.
+    """
+    motion = body.motion
+    if motion is None or isnan(motion.accepted_s):
+        return []
+    if motion.blind or (motion.levelling is not None and motion.stage != POSTURE):
+        return None
+    denied = robot.denied_by(raised)
+    if denied and why_not_clamped(body, motion, denied):
+        return _followed(robot, body, motion) if isnan(motion.since_s) else None
+    done, seekers = criterion_of(robot, motion), body.seekers
+    within_rad = _posture_within_rad(robot, motion)
+    holds = not isnan(motion.since_s)
+    is_done = Condition(_done(done, body.values, seekers, within_rad), holds, ANY_BOARD)
+    found = [*_followed(robot, body, motion), is_done]
+    if holds and isinstance(done, ReachedSpec):  # it need not last once every joint has arrived
+        found.append(_condition(all_of(arrived_tree(loop) for loop in seekers), False))
+    return found
+
+
+def same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
+    """Return the loops whose duties would be sent if they changed.
+
+    While an array is awaited, or while no command runs that has been accepted, none is sent.
+    """
+    motion = body.motion
+    if motion is None or isnan(motion.accepted_s) or body.awaited is not None:
+        return ()
+    return tuple(
+        SameDuty(
+            loop.angle,
+            loop.target_rad,
+            loop.spec.threshold_rad,
+            loop.spec.gain,
+            loop.spec.least_duty,
+            loop.spec.limit,
+            robot.slots[loop.slot].resolution,
+            body.latest[loop.slot],
+        )
+        for loop in body.seekers
+    )
+
+
+def _posture_within_rad(robot: RobotSpec, motion: Motion) -> float | None:
+    """Return how near a posture must be reached, in the stage that reaches one; else None."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    return None if posture is None else posture.within_rad
+
+
+@lru_cache(maxsize=4096)
+def _done(
+    done: CriterionSpec,
+    setpoints: Numbers,
+    seekers: tuple[PositionLoop, ...],
+    within_rad: float | None,
+) -> Code:
+    """Return the code of a criterion; in a posture every joint must be at its angle too."""
+    there: list[tree.Node] = []
+    if within_rad is not None:
+        there = [
+            any_of((arrived_tree(loop), near(loop.target_rad, loop.angle, within_rad)))
+            for loop in seekers
+        ]
+    return code_of(all_of((criterion_tree(done, setpoints, seekers), *there)))
+
+
+def _followed(robot: RobotSpec, body: RobotState, motion: Motion) -> list[Condition]:
+    """Return that no loop of a posture takes another share of a joint's angle."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return []
+    loops = {loop.slot: loop for loop in body.loops if isinstance(loop, PositionLoop)}
+    return [
+        _condition(_has_moved(loops[write.slot], write.share_of, write.value), False)
+        for write in posture.writes
+        if write.share_of >= 0 and write.slot in loops
+    ]
+
+
+def _has_moved(loop: PositionLoop, share_of: int, value: float) -> tree.Node:
+    """Return whether the loop would be begun anew for an angle that is a share of another."""
+    target = tree.Arithmetic("*", tree.Number(value), number(share_of))
+    away = size_of(tree.Arithmetic("-", target, tree.Number(loop.target_rad)))
+    return tree.Compare(">", away, tree.Number(loop.spec.threshold_rad))
+
+
+def _condition(node: tree.Node, holds: bool) -> Condition:
+    return Condition(code_of(node), holds, ANY_BOARD)

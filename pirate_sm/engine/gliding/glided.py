@@ -1,0 +1,83 @@
+"""The signals after frames that have changed nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import NamedTuple, TypeAlias
+
+from pirate_sm.engine.sensing.environment import Surveyed
+from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory
+from pirate_sm.engine.state import EngineState
+from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Event
+from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.word_watch import Look
+
+
+class Glided(NamedTuple):
+    """What quiet frames change.
+
+    The first are as in :class:`~pirate_sm.engine.sensing.known_signals.Sensing`; ``surveyed`` is
+    what the survey remembers, ``wake_at_s`` the next time at which something changes without an
+    event, ``word_until_s`` the end of the validity of the detector's word.
+    """
+
+    numbers: Numbers
+    heard_s: Numbers
+    shares: Numbers
+    angles: Numbers
+    records: tuple[BoardMemory, ...]
+    loss: float
+    checked_s: float
+    wake_at_s: float
+    word_until_s: float
+    surveyed: Surveyed
+
+
+Step: TypeAlias = tuple[float, Event, tuple[Effect, ...]]
+"""A step of the engine: its time, its event, its effects."""
+
+
+class Glide(NamedTuple):
+    """Cycles that have passed without the engine.
+
+    Attributes:
+        now_s: The time reached.
+        after: The signals after them; None where nothing has been taken.
+        frames: The frames that were taken.
+        steps: What else has happened, with time, event and effects: silent boards were looked for,
+            or the detector's word was repeated.
+        looks: The looks that were made for a detector.
+        due_s: When its next one is due.
+        said_s: When its word was repeated last; None if it was not.
+    """
+
+    now_s: float
+    after: Glided | None
+    frames: FrameBlock
+    steps: Sequence[Step] = ()
+    looks: Sequence[Look] = ()
+    due_s: float = inf
+    said_s: float | None = None
+
+
+def after_glide(state: EngineState, after: Glided) -> EngineState:
+    """Return the state with the signals after quiet frames."""
+    sensing = sensing_after(state.sensing, after)
+    return state._replace(
+        sensing=sensing,
+        surveyed=after.surveyed,
+        wake_at_s=after.wake_at_s,
+        word_until_s=after.word_until_s,
+    )
+
+
+def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
+    """Return the signals after quiet frames."""
+    numbers, heard_s, shares, angles, records, loss, checked_s, *_ = after
+    return Sensing(
+        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, records),
+        *(sensing.asked, loss, sensing.told, sensing.traction, sensing.outside_until_s),
+    )

@@ -1,0 +1,112 @@
+"""Columns of the arrays that compiled code takes frames of boards with.
+
+They are numbers in one file, which fills in nothing: `robot_tables.py` and `watch_tables.py` do.
+"""
+
+from __future__ import annotations
+
+TOLERANCE_S = 2e-9
+"""The engine is called this long before a deadline; its own tolerance of times is less."""
+
+# Columns of `boards`, a row per board by its position: ranges of rows in the tables below, the
+# first row of its channels in the electronics, and how many values it reports.
+B_CHANNELS, B_DERIVED, B_WHEELS, B_SENSORS, B_ROW, B_VALUES = (0, 2, 4, 6, 8, 9)
+BOARD_COLUMNS = 10
+
+# Columns of `channels`: place in the frame, number index, scale to SI, reading at zero.
+C_PLACE, C_TARGET, C_SCALE, C_ZERO = range(4)
+
+# Columns of `derived`: what is derived, the numbers that it is made of (or a number and a slot),
+# a factor, what is added, and its own number index.
+D_KIND, D_A, D_B, D_C, D_FACTOR, D_MORE, D_TARGET = range(7)
+RATE, TORQUE, ROLL, PITCH, NORM, DIAMETER = range(6)
+
+# Columns of `wheels`, a row per wheel of the robot, and of `own`, the wheels of each board in turn.
+W_PLACE, W_ANGLE, W_SPEED, W_SLOT, W_METRES, W_BOARD = range(6)
+
+# Columns of `sensors`, those with limits of each board in turn; see `plausibility_spec.WatchSpec`.
+(
+    S_NUMBER, S_LOW, S_HIGH, S_RATE, S_SLACK, S_MOVED, S_SLOT, S_LEAST_DUTY, S_LOAD, S_FULL_LOAD,
+) = range(10)  # fmt: skip
+
+# Columns of the memory of sensors, a row per row of `sensors`; see `sensor_memory.SensorMemory`.
+M_SAME, M_SAME_S, M_REST, M_REST_OF_S, M_PROVEN, M_AWAY, M_CHANGED = range(7)
+MEMORY_COLUMNS = 7
+
+# Entries of `robot`.
+(
+    R_PERIOD_S, R_SILENT_AFTER_S, R_SETTLE_S, R_UNLOADED, R_STUCK_AFTER_S, R_ODOMETRY, R_SPEED,
+    R_LOSS_GAIN, R_STALE_AFTER_S, R_LISTEN_EVERY_S,
+) = range(10)  # fmt: skip
+ROBOT_ENTRIES = 10
+
+# Columns of `slots`: the value in force, the value in force or sent last, the value asked for.
+V_FORCE, V_DRIVEN, V_ASKED = range(3)
+
+# Columns of `conditions`: the first instruction, that after the last, whether it holds, the boards.
+K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
+
+# Columns of `duties`; see `watch.SameDuty`.
+P_ANGLE, P_TARGET, P_THRESHOLD, P_GAIN, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT = range(8)
+
+# Entries of `watch`; see `watch.Watch`: when time stops, from when on no frame is quiet, when the
+# engine must be called; when the setpoints were asked for, whether they drive, whether there are
+# any.
+# Last, the next deadline without the detector's word.
+A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_ASKED_S, A_DRIVING, A_ASKED, A_DEADLINE_S = range(7)
+
+# Entries of `clock`: time, cycles, the time that the surroundings go by, loss of reports, when
+# silent boards were looked for, when they will be next, until when the detector's word is valid.
+T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS, T_CHECKED_S, T_LISTENING_S, T_WORD_S = range(7)
+
+# Columns of `turns`, one per cycle in turn: the board's position, the channels that the cycle
+# reads, and whether the board reports after it.
+U_BOARD, U_FIRST, U_LAST, U_REPORTS = range(4)
+
+# Entries of `around`: the length of a cycle, how far a part may turn out of the plane, and how far
+# before and behind the pipe the robot has left it.
+G_CYCLE_S, G_OUT_OF_PLANE, G_BEFORE_M, G_BEHIND_M = range(4)
+
+# Entries of `met`: frames taken, whether a frame waits for the engine, its board, whether the
+# surroundings must be looked at, how often silent boards were looked for.
+N_FRAMES, N_WAITING, N_BOARD, N_SURROUNDINGS, N_TICKS = range(5)
+
+# Columns of `ticks`: when silent boards were looked for, and when the engine would be called next;
+# or when the detector repeated its word, and infinity.
+J_AT_S, J_WAKE_S = range(2)
+
+# Entries of `looker`, what a detector by positions knows: when it looks and how often, over which
+# time it filters, whether wheels are driven and which way, its limits, the present word, when it
+# was said, after which time it is said again and how long it is valid (0: the engine must hear
+# it); see `model.word_watch`. Then how many looks of the
+# window are in `seen`, and how many have been made.
+(
+    L_DUE_S, L_EVERY_S, L_WINDOW_S, L_DRIVEN, L_DIRECTION, L_SLACK_M, L_FORGOTTEN_M, L_WORD,
+    L_SAID_S, L_REPEAT_S, L_VALID_S, L_SEEN, L_LOOKS,
+) = range(13)  # fmt: skip
+LOOKER_ENTRIES = 13
+
+# Columns of `points`: the wheel, and what is added to how far it is beyond a crossing.
+O_WHEEL, O_MORE_M = range(2)
+
+# Columns of `chain`, a row per wheel: the number index of its joint's angle, the side that it
+# touches, the length of the link behind it.
+H_JOINT, H_SIDE, H_LENGTH = range(3)
+
+# Columns of `parts`, a row per clamping part; see `body_spec.Vee`: number indexes of the angle of
+# its apex and of its diameter, the end stop, its first and its last wheel.
+Q_ANGLE, Q_DIAMETER, Q_STOP, Q_FIRST, Q_LAST = range(5)
+
+# Entries of `body`: radius of a wheel, the accelerometer's link (-1: none), the number indexes of
+# its axes and of its roll, how long a force is remembered.
+I_RADIUS_M, I_LINK, I_AHEAD, I_SIDE, I_UP, I_ROLL, I_LASTING_S = range(7)
+
+# Entries of `surveyed`; see `environment.Surveyed`: when the survey is due, the part that gives the
+# axis, whether a bend is announced, when the last force was felt, the diameter of the last
+# straight, how many forces are remembered; what was reported last (the segment as a number);
+# whether a word is valid; how many surveys have been made. Then come the remembered forces.
+(
+    E_DUE_S, E_PART, E_IN_BEND, E_FELT_S, E_STRAIGHT_M, E_FORCES, E_SEGMENT, E_ROLL, E_PITCH,
+    E_DIAMETER_M, E_WORD, E_MADE,
+) = range(12)  # fmt: skip
+SURVEY_ENTRIES = 12

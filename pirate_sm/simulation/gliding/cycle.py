@@ -1,0 +1,200 @@
+"""One cycle of the bus after the physics has moved, in compiled code.
+
+A physics has a function of its own that calls these two around its step, see
+:mod:`pirate_sm.simulation.xpbd.glide`.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.digitizing import digitize
+from pirate_sm.simulation.gliding.columns import (
+    A_ALARM_S,
+    A_UNTIL_S,
+    B_ROW,
+    B_VALUES,
+    G_BEFORE_M,
+    G_BEHIND_M,
+    G_CYCLE_S,
+    G_OUT_OF_PLANE,
+    L_DUE_S,
+    L_LOOKS,
+    N_BOARD,
+    N_FRAMES,
+    N_SURROUNDINGS,
+    N_WAITING,
+    T_CYCLES,
+    T_LISTENING_S,
+    T_NOW_S,
+    T_PASSED_S,
+    U_BOARD,
+    U_FIRST,
+    U_LAST,
+    U_REPORTS,
+)
+from pirate_sm.simulation.gliding.groups import Electronics, Looker, Posture, RobotRows, Taken, Task
+from pirate_sm.simulation.gliding.listening import listen, may_listen
+from pirate_sm.simulation.gliding.looking import look, may_repeat, repeat, repeats
+from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
+from pirate_sm.simulation.machine_code import compiled
+
+
+@compiled
+def _listens(
+    now_s: float,
+    rows: RobotRows,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    posture: Posture,
+    taken: Taken,
+) -> bool:
+    """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
+    boards, _, _, _, _, _, robot = rows
+    _, _, _, origin, _, watch = task
+    _, _, _, ticks, met = taken
+    count = origin.shape[0]
+    heard_s = signals[count : count + boards.shape[0]]
+    if not may_listen(now_s, heard_s, robot, watch, ticks, met):
+        return False
+    if not looks_round(now_s, signals[:count], posture):
+        return False
+    listen(now_s, robot, watch, clock, ticks, met)
+    return True
+
+
+@compiled
+def _repeats(
+    arcs: Floats,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    posture: Posture,
+    sees: Looker,
+    taken: Taken,
+) -> bool:
+    """Let the detector repeat its word; return whether that prolongs the word and no more."""
+    _, _, _, origin, _, watch = task
+    _, _, _, ticks, met = taken
+    looker, _, _, _, _, _ = sees
+    now_s, made = looker[L_DUE_S], looker[L_LOOKS]
+    if not (may_repeat(looker, watch, clock, ticks, met) and look(arcs, sees)):
+        return False
+    if not looks_round(now_s, signals[: origin.shape[0]], posture):
+        looker[L_DUE_S], looker[L_LOOKS] = now_s, made  # the engine hears the word
+        return False
+    repeat(now_s, looker, watch, clock, ticks, met)
+    return True
+
+
+@compiled
+def may_begin(
+    arcs: Floats,
+    around: Floats,
+    rows: RobotRows,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    posture: Posture,
+    sees: Looker,
+    taken: Taken,
+) -> bool:
+    """Return whether another cycle may pass; if so, the clock stands at its end.
+
+    Before, silent boards are looked for, and a detector looks, as often as that is due.
+    """
+    _, _, _, _, _, watch = task
+    looker, _, _, _, _, _ = sees
+    times_s, _, _, _, met = taken
+    due_s = (clock[T_CYCLES] + 1.0) * around[G_CYCLE_S]
+    while min(looker[L_DUE_S], clock[T_LISTENING_S]) < min(
+        due_s, watch[A_UNTIL_S], watch[A_ALARM_S]
+    ):
+        now_s = looker[L_DUE_S]
+        if clock[T_LISTENING_S] <= now_s:  # the engine comes before the detector
+            now_s = clock[T_LISTENING_S]
+            if not _listens(now_s, rows, task, clock, signals, posture, taken):
+                return False
+        elif repeats(looker):
+            if not _repeats(arcs, task, clock, signals, posture, sees, taken):
+                return False
+        elif not look(arcs, sees):
+            return False
+        clock[T_NOW_S] = max(clock[T_NOW_S], now_s)
+    if not due_s < min(watch[A_UNTIL_S], watch[A_ALARM_S]) or met[N_FRAMES] == times_s.shape[0]:
+        return False
+    clock[T_NOW_S] = max(clock[T_NOW_S], due_s)
+    clock[T_CYCLES] += 1.0
+    clock[T_PASSED_S] += around[G_CYCLE_S]
+    return True
+
+
+@compiled
+def _stays(around: Floats, rolls: Floats, arcs: Floats) -> bool:
+    """Return whether the robot is in the pipe, with its parts in the plane of the bends."""
+    for part in range(1, rolls.shape[0]):
+        if abs(rolls[part]) >= around[G_OUT_OF_PLANE]:
+            return False
+    before, behind = True, True
+    for arc_m in arcs:
+        before = before and arc_m <= around[G_BEFORE_M]
+        behind = behind and arc_m >= around[G_BEHIND_M]
+    return not before and not behind
+
+
+@compiled
+def goes_on(
+    place: tuple[Floats, Floats, Floats, Floats],
+    turns: Ints,
+    electronics: Electronics,
+    rows: RobotRows,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    scratch: tuple[Floats, Floats],
+    posture: Posture,
+    taken: Taken,
+) -> bool:
+    """Read the boards after a cycle; return whether its frame, if any, was quiet.
+
+    Args:
+        place: Quantities of the physics, in the layout of `physics.QuantityLayout`; angle of the
+            roll joint, then the roll of each part, rad; position of each wheel along the pipe, m;
+            `around`.
+        turns: See `columns.py`; so for `clock` and `signals`.
+        electronics: See `groups.py`; so for the other groups.
+        rows: The robot.
+        task: What is watched.
+        clock: Changed.
+        signals: Changed if the frame is quiet.
+        scratch: As long as `signals`, and the stack of the machine.
+        posture: For the survey of the pipe.
+        taken: The frame is added.
+    """
+    quantities, rolls, arcs, around = place
+    sources, counts, rng, forced = electronics
+    times_s, reporters, reports, _, met = taken
+    boards, _, _, _, _, _, _ = rows
+    turn = turns[int(clock[T_CYCLES]) % turns.shape[0]]
+    digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
+    stays = _stays(around, rolls, arcs)
+    met[N_SURROUNDINGS] = 0 if stays else 1
+    if turn[U_REPORTS] == 0:
+        return stays
+    position = turn[U_BOARD]
+    at = met[N_FRAMES]
+    values = reports[at]
+    first = boards[position, B_ROW]
+    for k in range(boards[position, B_VALUES]):
+        shown = forced[first + k]
+        values[k] = counts[first + k] if np.isnan(shown) else shown
+    times_s[at] = clock[T_NOW_S]
+    reporters[at] = position
+    if take_frame(position, values, rows, task, clock, signals, scratch, posture):
+        met[N_FRAMES] = at + 1
+        return stays
+    met[N_WAITING] = 1
+    met[N_BOARD] = position
+    return False

@@ -1,0 +1,199 @@
+"""Lets cycles of a simulated robot pass in one compiled call, for one engine."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf, nan
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from pirate_sm.engine.gliding.glided import Glide, Step
+from pirate_sm.engine.gliding.watch import Watch
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.expressions.bytecode import DEEPEST
+from pirate_sm.model.effects import WakeAt
+from pirate_sm.model.events import DetectorWord, SensorFrame, Tick
+from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.word_watch import WordWatch
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.gliding.look_tables import LookTables
+from pirate_sm.simulation.gliding.protocol import GlidingPhysics
+from pirate_sm.simulation.gliding.robot_tables import robot_tables
+from pirate_sm.simulation.gliding.signal_tables import SignalTables
+from pirate_sm.simulation.gliding.survey_tables import SurveyTables
+from pirate_sm.simulation.gliding.watch_tables import WatchTables
+from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
+
+_MOST_FRAMES, _MOST_TICKS = 256, 64
+"""How many frames one call may take, and how often it may look for silent boards."""
+
+
+class Passed(NamedTuple):
+    """What has passed in one call.
+
+    Attributes:
+        glide: What the engine must know.
+        cycles: How many cycles have passed, in all.
+        waiting: A frame that waits for the engine; None without one.
+        met: Whether the surroundings must act on the robot.
+    """
+
+    glide: Glide
+    cycles: int
+    waiting: SensorFrame | None
+    met: bool
+
+
+class Glider:
+    """Lets cycles pass, for an engine that knows the robot.
+
+    Args:
+        robot: The robot as the engine knows it.
+        simulated: The simulated robot.
+        turns: The turns of the cycles.
+        cycle_s: Duration of a cycle.
+    """
+
+    def __init__(
+        self,
+        robot: RobotSpec,
+        simulated: SimulatedRobot,
+        turns: Sequence[Turn],
+        cycle_s: float,
+    ) -> None:
+        self.robot = robot
+        self._cycle_s = cycle_s
+        self._simulated = simulated
+        physics = simulated.physics
+        self._physics = physics if isinstance(physics, GlidingPhysics) else None
+        electronics = simulated.electronics
+        self._electronics = electronics
+        self._tables = robot_tables(robot, electronics.boards)
+        self._ids = [each.id for each in sorted(robot.boards.values(), key=lambda b: b.position)]
+        self._widths = {each.board: each.last - each.first for each in electronics.boards}
+        self._watch = WatchTables(len(robot.slots), len(robot.vocabulary.numbers))
+        self._signals = SignalTables(robot)
+        self._survey = SurveyTables(robot)
+        self._looks = LookTables(len(simulated.arcs))
+        self._around: Floats = np.array([cycle_s, *simulated.leeway])
+        self._turns = _turn_table(robot, turns)
+        self._forced: Floats = np.full(len(electronics.counts), nan)
+        self._shown: dict[int, float] = {}
+        self._clock: Floats = np.zeros(7)
+        self._ticks: Floats = np.zeros((_MOST_TICKS, 2))
+        self._scratch = np.zeros_like(self._signals.signals), np.zeros(DEEPEST)
+        self._times_s: Floats = np.zeros(_MOST_FRAMES)
+        self._reporters: Ints = np.zeros(_MOST_FRAMES + 1, dtype=np.int64)
+        width = max(self._widths.values(), default=0)
+        self._reports: Floats = np.zeros((_MOST_FRAMES + 1, width))
+        self._met: Ints = np.zeros(5, dtype=np.int64)
+
+    def glide(
+        self, watch: Watch, words: WordWatch | None, now_s: float, cycles: int, until_s: float
+    ) -> Passed | None:
+        """Let cycles pass while frames are quiet.
+
+        Args:
+            watch: What must stay true.
+            words: What a detector knows that is to be relieved; None without one.
+            now_s: The time.
+            cycles: How many cycles have passed, in all.
+            until_s: When time stops.
+
+        Returns:
+            What has passed; None if no cycle may pass.
+        """
+        simulated, physics = self._simulated, self._physics
+        until_s = min(until_s, simulated.glides_until_s(now_s))
+        if (
+            self._tables is None
+            or physics is None
+            or (cycles + 1) * self._cycle_s >= min(until_s, watch.alarm_s)
+        ):
+            return None
+        if not (self._watch.take(watch, until_s) and self._looks.take(words, watch)):
+            return None
+        self._signals.take(watch.sensing)
+        self._survey.take(watch)
+        self._force(now_s)
+        sensing = watch.sensing
+        self._clock[:4] = now_s, cycles, simulated.time_s, sensing.loss
+        self._clock[4:] = sensing.checked_s, watch.listening_s, watch.word_until_s
+        self._met[:] = 0
+        physics.glide(*self._arguments(physics))
+        return self._passed(watch, words, cycles)
+
+    def _force(self, now_s: float) -> None:
+        """Show what defects show in place of what is measured."""
+        forced = self._simulated.forced(now_s)
+        if forced != self._shown:
+            self._shown = forced
+            self._forced[:] = nan
+            for row, shown in forced.items():
+                self._forced[row] = shown
+
+    def _arguments(self, physics: GlidingPhysics) -> tuple[Any, ...]:
+        electronics, signals, watch = self._electronics, self._signals, self._watch
+        assert self._tables is not None  # glide has looked
+        return (
+            *(physics.roll_angles, self._simulated.arcs, self._around, self._turns),
+            *(electronics.channels, electronics.counts, electronics.rng, self._forced),
+            *self._tables,
+            *(watch.slots, watch.conditions, watch.pool.code, watch.origin, watch.duties),
+            *(watch.watch, self._clock),
+            *(signals.signals, *self._scratch),
+            *self._survey.arrays,
+            *(self._times_s, self._reporters, self._reports, self._met),
+            self._ticks,
+            *self._looks.arrays,
+        )
+
+    def _passed(self, watch: Watch, words: WordWatch | None, before: int) -> Passed:
+        now_s, cycles, time_s, loss, checked_s, _, word_s = self._clock.tolist()
+        count, waits, position, met, looked = self._met.tolist()
+        frames = self._block(count)
+        waiting = None
+        if waits:
+            board = self._ids[position]
+            values = self._reports[count, : self._widths[board]].tolist()
+            waiting = SensorFrame(board, tuple(values))
+        self._simulated.glided(round(cycles) - before, time_s, frames, waiting)
+        rows: list[list[float]] = self._ticks[:looked].tolist()
+        wake_s = next((row[1] for row in reversed(rows) if row[1] < inf), watch.wake_s)
+        after = None
+        if count or rows:
+            times = loss, checked_s, wake_s, word_s
+            after = self._signals.given(*times, self._survey.given())
+        said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
+        steps = [_step(at_s, wake_s, words) for at_s, wake_s in rows]
+        looks, due_s = self._looks.made()
+        glide = Glide(now_s, after, frames, steps, looks, due_s, said_s)
+        return Passed(glide, round(cycles), waiting, bool(met))
+
+    def _block(self, count: int) -> FrameBlock:
+        boards = [self._ids[position] for position in self._reporters[:count].tolist()]
+        times_s: list[float] = self._times_s[:count].tolist()
+        return FrameBlock(times_s, boards, self._reports[:count].copy(), self._widths)
+
+
+def _step(at_s: float, wake_s: float, words: WordWatch | None) -> Step:
+    """Return what has happened: a word was repeated, or silent boards were looked for."""
+    if wake_s == inf and words is not None:
+        return at_s, DetectorWord(words.name, words.valid_for_s), ()
+    return at_s, Tick(), (WakeAt(wake_s),)
+
+
+def _turn_table(robot: RobotSpec, turns: Sequence[Turn]) -> Ints:
+    """Return which channels each cycle reads, and whose board reports after it."""
+    rows = [
+        (
+            robot.boards[turn.board.board].position,
+            turn.first,
+            turn.last,
+            turn.last == turn.board.last,
+        )
+        for turn in turns
+        if turn.board.board in robot.boards
+    ]
+    return np.array(rows, dtype=np.int64).reshape(-1, 4)

@@ -1,0 +1,29 @@
+"""Groups of arrays that go through compiled functions together; see `columns.py` for each."""
+
+from __future__ import annotations
+
+from typing import TypeAlias
+
+from pirate_sm.simulation.arrays import Floats, Ints, Words
+
+Electronics: TypeAlias = tuple[Floats, Floats, Words, Floats]
+"""The channel table, see `digitizing.digitize`; the last count of every channel; the state of the
+generator of noise; the counts that defects show in place of those measured, NaN for the others."""
+
+RobotRows: TypeAlias = tuple[Ints, Floats, Floats, Floats, Floats, Floats, Floats]
+"""`boards`, `channels`, `derived`, `wheels`, `own`, `sensors`, `robot`."""
+
+Task: TypeAlias = tuple[Floats, Ints, Floats, Floats, Floats, Floats]
+"""`slots`, `conditions`, the code of the conditions, the signals when the wait began, `duties`,
+`watch`."""
+
+Posture: TypeAlias = tuple[Floats, Floats, Floats, Ints, Floats]
+"""`chain`, `parts`, `body`, the parts that are held, `surveyed`."""
+
+Looker: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
+"""`looker`, `points`; the bends, a row each: position and reach; the looks of the window and those
+that have been made, a row each: the time, and the positions; scratch."""
+
+Taken: TypeAlias = tuple[Floats, Ints, Floats, Floats, Ints]
+"""Time, board (by its position) and values of each frame, a row each; `ticks`, `met`. The row after
+the last frame may be one that waits for the engine."""

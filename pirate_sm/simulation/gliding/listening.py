@@ -1,0 +1,52 @@
+"""Look for silent boards in compiled code, as long as all of them have reported."""
+
+from __future__ import annotations
+
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.gliding.columns import (
+    A_ALARM_S,
+    J_AT_S,
+    J_WAKE_S,
+    N_TICKS,
+    R_LISTEN_EVERY_S,
+    R_SILENT_AFTER_S,
+    R_STALE_AFTER_S,
+    T_CHECKED_S,
+    T_LISTENING_S,
+    TOLERANCE_S,
+)
+from pirate_sm.simulation.machine_code import compiled
+
+
+@compiled
+def may_listen(
+    now_s: float, heard_s: Floats, robot: Floats, watch: Floats, ticks: Floats, met: Ints
+) -> bool:
+    """Return whether every board has reported lately, and nothing else is due.
+
+    If not, the engine has to look. `heard_s` tells when each board last reported; see
+    :mod:`pirate_sm.engine.safety.faults`.
+    """
+    if met[N_TICKS] == ticks.shape[0] or heard_s.shape[0] == 0:
+        return False
+    if now_s >= watch[A_ALARM_S] - TOLERANCE_S:
+        return False
+    newest_s = heard_s[0]
+    for at_s in heard_s:
+        newest_s = max(newest_s, at_s)
+        if at_s <= now_s - robot[R_STALE_AFTER_S] or at_s <= now_s - robot[R_SILENT_AFTER_S]:
+            return False
+    return bool(newest_s > now_s - robot[R_SILENT_AFTER_S] / 2)
+
+
+@compiled
+def listen(
+    now_s: float, robot: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints
+) -> None:
+    """Note that every board has reported. See `columns.py` for the arrays."""
+    made = met[N_TICKS]
+    clock[T_CHECKED_S] = now_s
+    clock[T_LISTENING_S] = now_s + robot[R_LISTEN_EVERY_S]
+    ticks[made, J_AT_S] = now_s
+    ticks[made, J_WAKE_S] = min(watch[A_ALARM_S], clock[T_LISTENING_S])
+    met[N_TICKS] = made + 1

@@ -1,0 +1,27 @@
+"""The protocol of a physics that lets cycles pass in one compiled call."""
+
+from __future__ import annotations
+
+from typing import Any, Protocol, runtime_checkable
+
+from pirate_sm.simulation.arrays import Floats
+
+
+@runtime_checkable
+class GlidingPhysics(Protocol):
+    """A physics with a compiled function around its step.
+
+    The function calls :func:`~pirate_sm.simulation.gliding.cycle.may_begin` before the step and
+    :func:`~pirate_sm.simulation.gliding.cycle.goes_on` after it, as long as both return true. It
+    is all that a physics adds; see :mod:`pirate_sm.simulation.xpbd.glide`.
+    """
+
+    @property
+    def roll_angles(self) -> Floats:
+        """Angle of the roll joint, then the roll of the parts ahead and behind, rad.
+
+        This is one array as long as the physics exists.
+        """
+
+    def glide(self, *arrays: Any) -> None:
+        """Let cycles pass; the arguments are those of ``xpbd.glide.glide`` from ``rolls`` on."""

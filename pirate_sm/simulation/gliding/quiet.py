@@ -1,0 +1,169 @@
+"""Decide whether a frame changes nothing but signals, in compiled code."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.gliding.columns import (
+    A_ALARM_S,
+    A_FRAMES_S,
+    E_DUE_S,
+    K_BEGIN,
+    K_BOARDS,
+    K_END,
+    K_HOLDS,
+    MEMORY_COLUMNS,
+    P_ANGLE,
+    P_GAIN,
+    P_LEAST,
+    P_LIMIT,
+    P_RESOLUTION,
+    P_SENT,
+    P_TARGET,
+    P_THRESHOLD,
+    R_LOSS_GAIN,
+    R_PERIOD_S,
+    T_LISTENING_S,
+    T_LOSS,
+    T_NOW_S,
+    TOLERANCE_S,
+)
+from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Task
+from pirate_sm.simulation.gliding.machine import value_of
+from pirate_sm.simulation.gliding.observing import (
+    convert,
+    derive,
+    is_plausible,
+    moves_as_asked,
+    roll_on,
+)
+from pirate_sm.simulation.gliding.surveying import survey
+from pirate_sm.simulation.machine_code import compiled
+
+_IN_TIME = 1.5
+"""Periods within which a board must report, else reports have been lost."""
+
+
+@compiled
+def holds_as_before(
+    position: int,
+    conditions: Ints,
+    code: Floats,
+    numbers: Floats,
+    origin: Floats,
+    stack: Floats,
+) -> bool:
+    """Return whether every condition of a board is as it was."""
+    for k in range(conditions.shape[0]):
+        if (conditions[k, K_BOARDS] >> position) & 1 == 0:
+            continue
+        begin, end = conditions[k, K_BEGIN], conditions[k, K_END]
+        value = value_of(code, begin, end, numbers, origin, stack)
+        if (value == 1.0) != (conditions[k, K_HOLDS] == 1):
+            return False
+    return True
+
+
+@compiled
+def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
+    """Return whether every position loop gives the duty that was sent last.
+
+    See :class:`pirate_sm.engine.control.position_loop.PositionLoop`.
+    """
+    for p in range(duties.shape[0]):
+        error = duties[p, P_TARGET] - numbers[int(duties[p, P_ANGLE])]
+        duty = 0.0
+        if abs(error) > duties[p, P_THRESHOLD]:
+            size = max(abs(error) * duties[p, P_GAIN] * (1.0 - loss), duties[p, P_LEAST])
+            size = min(size, duties[p, P_LIMIT])
+            duty = size if error > 0.0 else -size
+        resolution = duties[p, P_RESOLUTION]
+        if np.rint(duty / resolution) * resolution != duties[p, P_SENT]:
+            return False
+    return True
+
+
+@compiled
+def _copy(some: Floats, to: Floats) -> None:
+    for k in range(some.shape[0]):
+        to[k] = some[k]
+
+
+@compiled
+def looks_round(now_s: float, numbers: Floats, posture: Posture) -> bool:
+    """Survey the pipe if that is due; return whether there is nothing to report."""
+    chain, parts, body, held, surveyed = posture
+    if now_s < surveyed[E_DUE_S]:
+        return True
+    after = surveyed.copy()
+    if not survey(now_s, numbers, chain, parts, body, held, after):
+        return False
+    _copy(after, surveyed)
+    return True
+
+
+@compiled
+def take_frame(
+    position: int,
+    values: Floats,
+    rows: RobotRows,
+    task: Task,
+    clock: Floats,
+    signals: Floats,
+    scratch: tuple[Floats, Floats],
+    posture: Posture,
+) -> bool:
+    """Take a frame if it changes nothing but signals; otherwise leave everything as it is.
+
+    `values` are the raw values of the frame of the board at `position`; the other arguments are
+    those of :func:`~pirate_sm.simulation.gliding.cycle.goes_on`.
+    """
+    boards, channels, derived, wheels, own, sensors, robot = rows
+    slots, conditions, code, origin, duties, watch = task
+    fresh, stack = scratch
+    now_s = clock[T_NOW_S]
+    count, width = origin.shape[0], wheels.shape[0]
+    heard_at = count
+    shares_at = heard_at + boards.shape[0]
+    angles_at = shares_at + width
+    memory_at = angles_at + width
+    heard_s = signals[heard_at:shares_at]
+    elapsed_s = max(now_s - heard_s[position], robot[R_PERIOD_S])
+    due_s = min(watch[A_ALARM_S], clock[T_LISTENING_S])
+    deadline_s = min(watch[A_FRAMES_S], due_s - TOLERANCE_S)
+    if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[R_PERIOD_S]:
+        return False
+    board = boards[position]
+    _copy(signals, fresh)
+    numbers, before = fresh[:count], signals[:count]
+    known = convert(board, channels, values, numbers)
+    if not (known and is_plausible(board, sensors, numbers, before, elapsed_s)):
+        return False
+    memory = fresh[memory_at:].reshape(sensors.shape[0], MEMORY_COLUMNS)
+    if not moves_as_asked(board, now_s, sensors, robot, slots, watch, numbers, memory):
+        return False
+    derive(board, derived, slots, numbers, before, elapsed_s)
+    roll_on(
+        position,
+        board,
+        now_s,
+        wheels,
+        own,
+        robot,
+        slots,
+        numbers,
+        heard_s,
+        fresh[shares_at:angles_at],
+        signals[angles_at:memory_at],
+        fresh[angles_at:memory_at],
+    )
+    loss = clock[T_LOSS] * (1.0 - robot[R_LOSS_GAIN])
+    quiet = asks_the_same(duties, numbers, loss)
+    quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
+    if not (quiet and looks_round(now_s, numbers, posture)):
+        return False
+    fresh[heard_at + position] = now_s
+    _copy(fresh, signals)
+    clock[T_LOSS] = loss
+    return True

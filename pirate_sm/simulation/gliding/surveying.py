@@ -1,0 +1,293 @@
+"""Survey the pipe around the robot in compiled code, as long as there is nothing to report.
+
+What is remembered is the same to the bit as in :mod:`pirate_sm.engine.sensing.environment`. What
+would be reported is only compared with the last report. Where rounding could decide, the engine
+surveys.
+"""
+
+from __future__ import annotations
+
+from math import atan2, cos, pi, sin, sqrt
+
+import numpy as np
+
+from pirate_sm.engine.sensing.environment import (
+    AGREEING,
+    AT_REST,
+    COPLANAR_RAD,
+    LEAST_SAMPLES,
+    OPEN_RAD,
+    SAMPLES,
+    SURVEY_EVERY_S,
+    TURNED_RAD,
+    UPRIGHT,
+)
+from pirate_sm.engine.sensing.environment_report import NOISE_M, NOISE_RAD
+from pirate_sm.engine.sensing.joint_around import STEP
+from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.gliding.columns import (
+    E_DIAMETER_M,
+    E_DUE_S,
+    E_FELT_S,
+    E_FORCES,
+    E_IN_BEND,
+    E_MADE,
+    E_PART,
+    E_PITCH,
+    E_ROLL,
+    E_SEGMENT,
+    E_STRAIGHT_M,
+    E_WORD,
+    I_AHEAD,
+    I_LASTING_S,
+    I_LINK,
+    I_ROLL,
+    I_SIDE,
+    I_UP,
+    Q_ANGLE,
+    Q_DIAMETER,
+    Q_FIRST,
+    Q_STOP,
+    SURVEY_ENTRIES,
+)
+from pirate_sm.simulation.gliding.posture import heading_in_pipe
+from pirate_sm.simulation.gliding.sorting import median
+from pirate_sm.simulation.machine_code import compiled
+
+UNKNOWN, OUT, STRAIGHT, JOINT = range(4)
+"""The segments as numbers."""
+
+_DOUBT = 1e-9
+"""Values that differ from a limit by less are left to the engine."""
+
+
+@compiled
+def _walled(held: Ints, parts: Floats, numbers: Floats, walled: Ints) -> int:
+    """Write the held parts that touch a wall; return how many there are."""
+    count = 0
+    for part in held:
+        angle = int(parts[part, Q_ANGLE])
+        if angle >= 0 and abs(numbers[angle]) > parts[part, Q_STOP] - OPEN_RAD:
+            continue
+        walled[count] = part
+        count += 1
+    return count
+
+
+@compiled
+def _turn(
+    walled: Ints, count: int, numbers: Floats, chain: Floats, parts: Floats, body: Floats
+) -> float:
+    """Return the largest angle between the axes of the parts, rad; 0 if it is unknown."""
+    roll = int(body[I_ROLL])
+    if roll >= 0 and not abs(numbers[roll]) <= COPLANAR_RAD:
+        return 0.0
+    least, most = np.inf, -np.inf
+    for k in range(count):
+        heading = heading_in_pipe(walled[k], 0, numbers, chain, parts, body)
+        if not np.isnan(heading):
+            least, most = min(least, heading), max(most, heading)
+    return most - least if most > -np.inf else 0.0
+
+
+@compiled
+def _segment(
+    held: Ints,
+    walled: Ints,
+    count: int,
+    surveyed: Floats,
+    numbers: Floats,
+    chain: Floats,
+    parts: Floats,
+    body: Floats,
+) -> int:
+    """Return the segment around the robot; -1 where rounding could decide."""
+    in_bend = surveyed[E_IN_BEND] != 0.0
+    if surveyed[E_WORD] != 0.0 and in_bend:
+        return JOINT
+    if held.shape[0] > 0 and count == 0:
+        return OUT
+    if count == 0:
+        return UNKNOWN
+    if count > 1:
+        turn = _turn(walled, count, numbers, chain, parts, body)
+        if abs(turn - TURNED_RAD) < _DOUBT:
+            return -1
+        if turn > TURNED_RAD:
+            return JOINT
+    return UNKNOWN if in_bend else STRAIGHT
+
+
+@compiled
+def _copy(some: Ints, count: int, to: Ints) -> None:
+    for k in range(count):
+        to[k] = some[k]
+
+
+@compiled
+def _along(
+    walled: Ints, count: int, straight_m: float, parts: Floats, numbers: Floats, along: Ints
+) -> int:
+    """Write the parts that show the last straight's diameter; return how many there are."""
+    if np.isnan(straight_m):
+        if count < 2:
+            return 0
+        _copy(walled, count, along)
+        return count
+    found = 0
+    for k in range(count):
+        diameter = int(parts[walled[k], Q_DIAMETER])
+        if diameter >= 0 and abs(numbers[diameter] - straight_m) <= AGREEING * straight_m:
+            along[found] = walled[k]
+            found += 1
+    return found
+
+
+@compiled
+def _diameter(walled: Ints, count: int, parts: Floats, numbers: Floats) -> float:
+    """Return the mean inner diameter that the parts show, m; NaN if unknown or different."""
+    known, sum_m, least, most = 0, 0.0, np.inf, -np.inf
+    for k in range(count):
+        diameter = int(parts[walled[k], Q_DIAMETER])
+        if diameter < 0 or np.isnan(numbers[diameter]):
+            continue
+        known += 1
+        sum_m += numbers[diameter]
+        least, most = min(least, numbers[diameter]), max(most, numbers[diameter])
+    if known == 0 or most - least > AGREEING * most:
+        return np.nan
+    return sum_m / known
+
+
+@compiled
+def _feel(
+    part: int,
+    now_s: float,
+    surveyed: Floats,
+    forces: Floats,
+    numbers: Floats,
+    chain: Floats,
+    parts: Floats,
+    body: Floats,
+) -> bool:
+    """Remember the force in the axes of the pipe; return whether rounding could not decide."""
+    if part != int(surveyed[E_PART]):
+        surveyed[E_FORCES] = 0.0
+    count = int(surveyed[E_FORCES])
+    ahead, side, up = np.nan, np.nan, np.nan
+    if part >= 0 and body[I_LINK] >= 0.0:
+        x, y = numbers[int(body[I_AHEAD])], numbers[int(body[I_SIDE])]
+        up = numbers[int(body[I_UP])]
+        if body[I_ROLL] >= 0.0 and parts[part, Q_FIRST] > body[I_LINK]:
+            turn = -numbers[int(body[I_ROLL])]
+            y, up = y * cos(turn) - up * sin(turn), y * sin(turn) + up * cos(turn)
+        turn = -heading_in_pipe(part, int(body[I_LINK]), numbers, chain, parts, body)
+        ahead, side = x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn)
+    away = abs(sqrt(ahead * ahead + side * side + up * up) - GRAVITY_M_S2)
+    if abs(away - AT_REST * GRAVITY_M_S2) < _DOUBT:
+        return False
+    if away <= AT_REST * GRAVITY_M_S2:
+        if count == SAMPLES:
+            for k in range(1, SAMPLES):
+                for axis in range(3):
+                    forces[k - 1, axis] = forces[k, axis]
+            count -= 1
+        forces[count, 0], forces[count, 1], forces[count, 2] = ahead, side, up
+        surveyed[E_FORCES] = count + 1
+        surveyed[E_FELT_S] = now_s
+    elif not now_s - surveyed[E_FELT_S] < body[I_LASTING_S]:
+        surveyed[E_FORCES] = 0.0
+    return True
+
+
+@compiled
+def _near(old: float, new: float, noise: float, turn: float) -> bool:
+    """Return whether a value is surely what was reported, but for noise and whole turns."""
+    if np.isnan(old) or np.isnan(new):
+        return bool(np.isnan(old) and np.isnan(new))
+    away = new - old
+    if turn > 0.0:
+        away -= turn * np.rint(away / turn)
+    return bool(abs(away) < noise - _DOUBT)
+
+
+@compiled
+def _looks_level(surveyed: Floats, forces: Floats) -> bool:
+    """Return whether roll and pitch are surely what was reported."""
+    sorted_ = np.empty(SAMPLES)
+    count = int(surveyed[E_FORCES])
+    roll, pitch = np.nan, np.nan
+    if count >= LEAST_SAMPLES:
+        along = median(forces, 0, count, sorted_)
+        side = median(forces, 1, count, sorted_)
+        up = median(forces, 2, count, sorted_)
+        across = sqrt(side * side + up * up)
+        if abs(across - UPRIGHT * GRAVITY_M_S2) < _DOUBT:
+            return False
+        if across > UPRIGHT * GRAVITY_M_S2:
+            roll = atan2(-side, up)
+        pitch = atan2(along, across)
+    return _near(surveyed[E_ROLL], roll, NOISE_RAD, 2.0 * pi) and _near(
+        surveyed[E_PITCH], pitch, NOISE_RAD, 0.0
+    )
+
+
+@compiled
+def _steps(walled: Ints, parts: Floats, numbers: Floats) -> bool:
+    """Return whether two parts may show a reducer; which axes they have is not asked."""
+    one = int(parts[walled[0], Q_DIAMETER])
+    other = int(parts[walled[1], Q_DIAMETER])
+    if one < 0 or other < 0:
+        return False
+    most = max(numbers[one], numbers[other])
+    return bool(abs(numbers[one] - numbers[other]) > (1.0 - _DOUBT) * STEP * most)
+
+
+@compiled
+def survey(
+    now_s: float,
+    numbers: Floats,
+    chain: Floats,
+    parts: Floats,
+    body: Floats,
+    held: Ints,
+    surveyed: Floats,
+) -> bool:
+    """Survey the pipe; return whether there is surely nothing to report.
+
+    If there may be, `surveyed` has been changed and is of no use. `held` has the parts that count;
+    the other arrays are described in :mod:`pirate_sm.simulation.gliding.columns`.
+    """
+    forces = surveyed[SURVEY_ENTRIES:].reshape(SAMPLES, 3)
+    walled = np.empty(held.shape[0], np.int64)
+    along = np.empty(held.shape[0], np.int64)
+    count = _walled(held, parts, numbers, walled)
+    if count > 2:  # the sum of more numbers depends on how it is made
+        return False
+    if count == 2 and _steps(walled, parts, numbers):
+        return False
+    segment = _segment(held, walled, count, surveyed, numbers, chain, parts, body)
+    lying = _along(walled, count, surveyed[E_STRAIGHT_M], parts, numbers, along)
+    if segment == STRAIGHT:
+        if lying == 0:
+            lying = count
+            _copy(walled, count, along)
+    else:
+        count = lying
+        _copy(along, count, walled)
+    part = along[0] if lying > 0 else -1
+    for k in range(lying):
+        if along[k] == int(surveyed[E_PART]):
+            part = along[k]
+    if not _feel(part, now_s, surveyed, forces, numbers, chain, parts, body):
+        return False
+    diameter_m = _diameter(walled, count, parts, numbers)
+    if segment == STRAIGHT and not np.isnan(diameter_m):
+        surveyed[E_STRAIGHT_M] = diameter_m
+    surveyed[E_PART] = part
+    surveyed[E_DUE_S] = now_s + SURVEY_EVERY_S
+    surveyed[E_MADE] += 1.0
+    same = segment == int(surveyed[E_SEGMENT])
+    same = same and _near(surveyed[E_DIAMETER_M], diameter_m, NOISE_M, 0.0)
+    return same and _looks_level(surveyed, forces)
