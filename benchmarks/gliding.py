@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from pirate_sm.wiring import Order
 
 REPEATS = 9
-MISSIONS = ("mitre_bend", "mitre_bend_upright", "climb", "enter_3d", "exp_1_round", "exp_1a_both")
+MISSIONS = ("mitre_bend", "take_bend", "climb", "enter_3d", "exp_1_round", "exp_1a_both")
 
 
 class Stepping:

@@ -51,6 +51,7 @@ class Kept:
     """Keeps every input and output of the engine; those of a block one by one."""
 
     stepwise = False
+    due_s = inf
 
     def __init__(self) -> None:
         self.steps: list[str] = []

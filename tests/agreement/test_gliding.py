@@ -17,7 +17,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.wiring import Order
 
-QUICK = ("climb", "enter_2d", "enter_3d", "inspect", "mitre_bend", "mitre_bend_upright")
+QUICK = ("climb", "enter_2d", "enter_3d", "inspect", "mitre_bend", "take_bend")
 SHIPPED = [path.stem for path in library.missions()]
 DEFECTS = sorted(load_robot(library.find_robot("pirate_ii")).profile.simulation.defects)
 DETECTORS = ("sim", "odometry")
@@ -61,7 +61,7 @@ def test_shipped_missions(mission: str) -> None:
     *range(1, 3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 13))
 ])  # fmt: skip
 def test_robots_that_start_somewhere(seed: int, detector: str) -> None:
-    mission = ("mitre_bend", "mitre_bend_upright")[seed % 2]
+    mission = ("mitre_bend", "take_bend")[seed % 2]
     assert_the_same(Order(mission, seed=seed, detector=detector, **SOMEWHERE))
 
 

@@ -55,14 +55,13 @@ class Lookout:
                 return None
             self._last = state, found, deadline_s(self._moment, state)
         _, watch, deadline = self._last
-        alarm, listening = (
-            min(deadline, state.word_until_s),
-            listening_s(self._robot, state.sensing),
-        )
-        if state.wake_at_s != min(alarm, listening):  # the engine has not been told yet
+        robot, surveyed, word = self._robot, state.surveyed, state.outside("detector")
+        settled = _is_settled(robot, surveyed, word)
+        alarm, listening = min(deadline, state.word_until_s), listening_s(robot, state.sensing)
+        if not settled or state.wake_at_s != min(alarm, listening):
+            # The engine must survey, or has not been told yet when it will be called.
             alarm, listening = min(alarm, state.wake_at_s), inf
-        surveyed, word = state.surveyed, state.words[-2]
-        survey_s = inf if _is_settled(robot := self._robot, surveyed, word) else surveyed.due_s
+        survey_s = inf if settled else surveyed.due_s
         return watch._replace(
             sensing=state.sensing,
             surveyed=surveyed,
