@@ -106,10 +106,15 @@ MotorValue: TypeAlias = tuple[str, str, float]
 
 
 @cache
-def _loaded(mission: str, pipe: str | None, motors: tuple[MotorValue, ...]) -> LoadedMission:
+def _loaded(
+    mission: str,
+    pipe: str | None,
+    settings: tuple[tuple[str, str], ...],
+    motors: tuple[MotorValue, ...],
+) -> LoadedMission:
     from pirate_sm.wiring import Order, load
 
-    loaded = load(Order(mission, pipe=pipe))
+    loaded = load(Order(mission, pipe=pipe, settings=dict(settings)))
     profile = loaded.loaded_robot.profile
     for name, key, value in motors:
         motor = profile.motors[name].model_copy(update={key: value})
@@ -129,7 +134,9 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
     from pirate_sm.wiring import prepare
 
     began = perf_counter()
-    prepared = prepare(order, _loaded(order.mission, order.pipe, motors))
+    prepared = prepare(
+        order, _loaded(order.mission, order.pipe, tuple(order.settings.items()), motors)
+    )
     backend = prepared.backend
     notes = Notes(
         prepared.engine.robot,

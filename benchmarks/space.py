@@ -166,12 +166,16 @@ def _show(row: Row, folder: Path, seeds: int, workers: int | None) -> bool:
     return passed >= row.bar * seeds and deepest_m < DEEPEST_M
 
 
+def order_of(mission: str, pipe: str, seed: int) -> Order:
+    """Return the run of a mission in a pipe."""
+    settings = {"way": "1 m"} if mission == DRIVE else {}
+    return Order(mission, "sim", pipe=pipe, settings=settings, seed=seed)
+
+
 def _run(mission: str, pipe: str, seeds: int, workers: int | None) -> Sequence[Outcome]:
-    usual = Order(
-        mission, "sim", pipe=pipe, settings={"way": "1 m"} if mission == DRIVE else {},
-        start_jitter_m=0.02, friction_jitter=0.20, diameter_jitter_m=0.002,
-    )  # fmt: skip
-    return run_all([replace(usual, seed=seed) for seed in range(seeds)], workers=workers)
+    varied = {"start_jitter_m": 0.02, "friction_jitter": 0.20, "diameter_jitter_m": 0.002}
+    orders = [replace(order_of(mission, pipe, seed), **varied) for seed in range(seeds)]
+    return run_all(orders, workers=workers)
 
 
 def failure(outcome: Outcome, row: Row) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 import shutil
 from collections.abc import Iterator
@@ -19,6 +20,8 @@ from .seeding import HERE, ROOT, copied, put
 
 SHIPPED = {path.stem: path for path in library.missions()}
 HARMLESS = ("{log: Here}", "{command: ToggleLighting, if: detector == close}")
+ROBOT = re.compile(r"^robot: pirate_ii\w*\n", re.MULTILINE)
+START = re.compile(r"^(start: \{.*?m)(?:, roll: (-?[\d.]+) deg)?\}", re.MULTILINE)
 TURNS = re.compile(r"^  - \{mitre: (-?)", re.MULTILINE)
 
 
@@ -41,7 +44,14 @@ def mirror(folder: Path, name: str) -> None:
         if "\npolarity: mirrored\n" in text:
             file.write_text(text.replace("\npolarity: mirrored\n", "\npolarity: normal\n"), "utf-8")
         elif file.stem == name:
-            put(file, {"\nrobot: pirate_ii\n": "\nrobot: pirate_ii\npolarity: mirrored\n"})
+            file.write_text(ROBOT.sub(r"\g<0>polarity: mirrored\n", text), "utf-8")
+
+
+def turned_over(text: str) -> str:
+    """A round pipe in which the robot starts half a turn round."""
+    at, roll = START.search(text).groups()
+    over = 180 if roll is None else float(roll) - math.copysign(180, float(roll))
+    return START.sub(f"{at}, roll: {over:g} deg}}", text)
 
 
 def test_all_that_is_shipped_is_clean(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -57,6 +67,9 @@ def test_a_mission_in_the_other_polarity_fits_a_pipe_to_the_other_side(
 ) -> None:
     mirror(here, name)
     for pipe in (here / "pipes").glob("*.yaml"):
+        if "\nsection: round\n" in pipe.read_text("utf-8"):
+            pipe.write_text(turned_over(pipe.read_text("utf-8")), "utf-8")
+            continue
         text = TURNS.sub(lambda m: "  - {mitre: " + ("" if m[1] else "-"), pipe.read_text("utf-8"))
         pipe.write_text(re.sub("^uphill: ", "uphill: -", text, flags=re.MULTILINE), "utf-8")
 

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.campaign import run
-from benchmarks.space import BEND, DEEPEST_M, DRIVE, ROWS, Row, failure, pipe_of
+from benchmarks.space import BEND, DEEPEST_M, DRIVE, ROWS, Row, failure, order_of, pipe_of
 from pirate_sm.wiring import Order
 
 PASSED = (
@@ -20,7 +20,7 @@ PASSED = (
     "row", [row for row in ROWS if row.name in PASSED], ids=lambda row: row.name
 )
 def test_it_passes(row: Row, tmp_path: Path) -> None:
-    outcome = run(Order(row.mission, "sim", pipe=str(pipe_of(row, tmp_path)), seed=1))
+    outcome = run(order_of(row.mission, str(pipe_of(row, tmp_path)), 1))
     assert failure(outcome, row) == ""
     assert 0.0 < outcome.deepest_m < DEEPEST_M
 
@@ -28,7 +28,7 @@ def test_it_passes(row: Row, tmp_path: Path) -> None:
 def test_a_mouth_in_the_plane_of_a_clamped_part_takes_its_wall_away(tmp_path: Path) -> None:
     row = next(row for row in ROWS if row.name == "tee, on, in plane")
     assert row.mission == DRIVE
-    outcome = run(Order(row.mission, "sim", pipe=str(pipe_of(row, tmp_path)), seed=2))
+    outcome = run(order_of(row.mission, str(pipe_of(row, tmp_path)), 2))
     assert "clamp.lost" in outcome.message
 
 

@@ -10,6 +10,8 @@ from types import SimpleNamespace
 import pytest
 
 from pirate_sm.api import run
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import parse_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.mapping.legs import Map
@@ -19,6 +21,8 @@ from pirate_sm.model.effects import Setpoints, StateChange
 from pirate_sm.model.events import DetectorWord, SensorFrame, SubmitResult
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_segments import Mitre, Straight
+from pirate_sm.model.profile import Profile
+from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.steps import Step
 
@@ -35,6 +39,11 @@ def recorded(tmp_path_factory: pytest.TempPathFactory) -> Recording:
 
 
 @pytest.fixture(scope="module")
+def profile() -> Profile:
+    return load_robot(library.find_robot("pirate_ii")).profile
+
+
+@pytest.fixture(scope="module")
 def found_map(recorded: Recording) -> Map:
     return mapped(recorded)
 
@@ -44,7 +53,9 @@ def pipe_of(made: Map, **options: float) -> Pipe:
     return validate(parse_document(text, "found.yaml"), Pipe)
 
 
-def test_a_driven_bend_is_as_in_its_file(recorded: Recording, found_map: Map) -> None:
+def test_a_driven_bend_is_as_in_its_file(
+    recorded: Recording, found_map: Map, profile: Profile
+) -> None:
     found = pipe_of(found_map, first_wheel_m=0.7)
     assert found.segments is not None
     first, bend, last = found.segments
@@ -53,8 +64,8 @@ def test_a_driven_bend_is_as_in_its_file(recorded: Recording, found_map: Map) ->
     assert isinstance(bend, Mitre)
     assert bend.mitre == pytest.approx(radians(90), abs=NEAR_RAD)
     assert isinstance(last, Straight)
-    (*_, at) = recorded.shown("/places")  # where the first wheel came to, in truth
-    assert last.straight == pytest.approx(at.content["wheel_1_y_m"], abs=NEAR_M)
+    *_, at = recorded_places(recorded, profile.body)  # where the first wheel came to, in truth
+    assert last.straight == pytest.approx(at.wheels[0][1], abs=NEAR_M)
     assert found.diameter == pytest.approx(0.120, abs=0.002)
     assert degrees(found.tilt) == pytest.approx(0, abs=3)
 

@@ -126,7 +126,7 @@ def test_a_trigger_that_falls_away_has_held_for_a_part_of_its_time(run: Run) -> 
 
 def test_a_word_that_goes_soon_after_its_use_was_nearly_missed(run: Run) -> None:
     silent = run.state.words
-    spoken = (*silent[:-2], "close", silent[-1])
+    spoken = (*silent[:-3], "close", *silent[-2:])
     run.goes(1.0, words=spoken)
     run.goes(2.0, fx.TriggerFired("a", "good", "good", ""))
     run.goes(2.25, words=silent)
@@ -138,7 +138,7 @@ def test_a_word_that_goes_soon_after_its_use_was_nearly_missed(run: Run) -> None
 
 def test_a_word_that_nothing_used_is_no_call(run: Run) -> None:
     silent = run.state.words
-    run.goes(1.0, words=(*silent[:-2], "close", silent[-1]))
+    run.goes(1.0, words=(*silent[:-3], "close", *silent[-2:]))
     run.goes(2.0, fx.TriggerFired("a", "within", "bad", ""))
     run.goes(2.25, words=silent)
 

@@ -16,6 +16,7 @@ from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import replay
 from pirate_sm.recording.tables.csv_files import write_tables
+from pirate_sm.recording.viewers.complete_recording import write_complete
 
 MISSION = """\
 format: 1
@@ -106,9 +107,12 @@ def test_it_is_a_column_of_the_csv_file(mission, recorded, tmp_path):
     assert in_turn(row.rpartition(",")[2] for row in rows) == IN_TURN
 
 
-def test_viewers_of_the_recording_are_told(mission, recorded):
+def test_viewers_of_the_recording_are_told(mission, recorded, tmp_path):
     """With what is told every 0.1 s, so not of the switch at the very end of the run."""
-    with mission.with_suffix(".mcap").open("rb") as file:
+    shown = tmp_path / "shown.mcap"
+    with recorded_mission(recorded.header) as loaded:
+        write_complete(recorded, loaded, shown)
+    with shown.open("rb") as file:
         told = [
             json.loads(message.data)
             for _, channel, message in make_reader(file).iter_messages(topics=["/state"])

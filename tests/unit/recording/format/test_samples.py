@@ -9,6 +9,7 @@ import jsonschema
 from hypothesis import given
 from hypothesis import strategies as st
 
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.format.samples import (
     SCHEMA,
     Placed,
@@ -20,16 +21,29 @@ from pirate_sm.recording.format.samples import (
 
 NUMBERS = st.floats(-1e3, 1e3)
 WHEELS = st.lists(st.tuples(NUMBERS, NUMBERS), max_size=6)
-PLACED = st.builds(Placed, NUMBERS, st.booleans(), WHEELS)
 
 
-@given(st.lists(PLACED, min_size=1, max_size=4))
+@st.composite
+def placed(draw: st.DrawFn) -> Placed:
+    wheels = draw(WHEELS)
+    if not wheels or draw(st.booleans()):
+        return Placed(draw(NUMBERS), draw(st.booleans()), wheels)
+    z_m = draw(st.tuples(*[NUMBERS] * len(wheels)))
+    space = InSpace(z_m, draw(st.tuples(NUMBERS, NUMBERS, NUMBERS)))
+    return Placed(draw(NUMBERS), draw(st.booleans()), wheels, space)
+
+
+def shown(each: Placed) -> Placed:
+    space = each.space and InSpace(*(tuple(float(f"{x:.9g}") for x in v) for v in each.space))
+    return each._replace(wheels=rounded(each.wheels), space=space)
+
+
+@given(st.lists(placed(), min_size=1, max_size=4))
 def test_samples_come_back_rounded(samples: list[Placed]) -> None:
     written = json.loads(encode_samples([places_sample(*each) for each in samples]))
 
     jsonschema.validate(written, SCHEMA)
-    expected = [each._replace(wheels=rounded(each.wheels)) for each in samples]
-    assert list(decode_samples(written)) == expected
+    assert list(decode_samples(written)) == [shown(each) for each in samples]
 
 
 @given(WHEELS)
