@@ -22,9 +22,12 @@ def result() -> ExperimentResult:
 
 
 def test_wheels_hardly_slip_but_where_the_pipe_is_blocked(result: ExperimentResult) -> None:
-    for part in ("1a", "1d", "1d.sim", "1d.seen"):
+    # In space a robot that begins loose clamps beside the pipe's axis. There its wheels press on the
+    # wall obliquely and roll on a smaller circle.
+    most = {"1a": 0.05, "1d": 0.05, "1d.sim": 0.15, "1d.seen": 0.05}
+    for part, limit in most.items():
         for wheel in WHEELS:
-            assert abs(result.values[f"{part}.{wheel}.driving_median"]) < 0.05, (part, wheel)
+            assert abs(result.values[f"{part}.{wheel}.driving_median"]) < limit, (part, wheel)
     assert result.values["1a.wheel_1.least"] < -0.4
     assert result.values["1d.wheel_1.least"] > -0.4
 
