@@ -138,5 +138,4 @@ def test_the_derived_environment_agrees_with_the_truth(
     ((roll, pitch),) = beside.attitudes(beside.moments[-1][2])
     assert last.segment == "Straight"
     assert (last.roll_rad, last.pitch_rad) == pytest.approx((roll, pitch), abs=radians(3))
-    # Each 100 mm odometry tells anew how far the next joint is.
-    assert beside.reports < 50, "a change is reported, noise is not"
+    assert beside.reports < 40, "a change is reported, noise is not"

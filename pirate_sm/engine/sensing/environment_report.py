@@ -8,7 +8,7 @@ from pirate_sm.model.effects import Environment
 
 NOTHING_AROUND = Environment("", nan, nan, nan)
 
-NOISE_RAD, NOISE_M, _NOISE_WAY_M = radians(1), 1e-3, 1e-2
+NOISE_RAD, NOISE_M, _NOISE_WAY_M = radians(1), 1e-3, 0.1
 """Smaller changes are not reported."""
 
 

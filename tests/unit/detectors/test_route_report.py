@@ -99,9 +99,9 @@ def test_it_is_told_again_after_a_piece_of_way_and_before_it_expires(engine) -> 
     looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
     assert looking.look(0.0, at(0.6), engine.robot, state) is not None
     assert looking.look(0.1, at(0.64), engine.robot, state) is None
-    assert looking.look(0.2, at(0.66), engine.robot, state) is not None
-    assert looking.look(0.6, at(0.66), engine.robot, state) is None
-    assert looking.look(0.75, at(0.66), engine.robot, state) is not None
+    assert looking.look(0.2, at(0.72), engine.robot, state) is not None
+    assert looking.look(0.6, at(0.72), engine.robot, state) is None
+    assert looking.look(0.75, at(0.72), engine.robot, state) is not None
 
 
 def test_a_lost_robot_is_told_nothing(engine) -> None:
