@@ -22,8 +22,8 @@ def result() -> ExperimentResult:
 
 
 def test_wheels_hardly_slip_but_where_the_pipe_is_blocked(result: ExperimentResult) -> None:
-    # In space a robot that begins loose clamps beside the pipe's axis. There its wheels press on the
-    # wall obliquely and roll on a smaller circle.
+    # In space a robot that begins loose clamps beside the pipe's axis. There its wheels press on
+    # the wall obliquely and roll on a smaller circle.
     most = {"1a": 0.05, "1d": 0.05, "1d.sim": 0.15, "1d.seen": 0.05}
     for part, limit in most.items():
         for wheel in WHEELS:
