@@ -9,7 +9,7 @@ from functools import cache, partial
 from math import nan
 from multiprocessing import get_context
 from os import cpu_count
-from time import perf_counter
+from time import perf_counter, process_time
 from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.companion import entered
@@ -78,7 +78,8 @@ class Outcome:
         deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
         late_m: Each word that was reported, and how far its wheel was beyond the word's point then,
             by the truth; negative: the word came too early.
-        took_s: How long the run has taken, without what was looked at afterwards.
+        took_s: How long the run has taken, without what was looked at afterwards; ``cpu_s`` is
+            the time of its processor, without preparation.
     """
 
     seed: int
@@ -99,6 +100,7 @@ class Outcome:
     late_m: tuple[tuple[str, float], ...]
     deepest_m: float = nan
     took_s: float = field(default=0.0, compare=False, repr=False)
+    cpu_s: float = field(default=0.0, compare=False, repr=False)
 
 
 MotorValue: TypeAlias = tuple[str, str, float]
@@ -147,7 +149,9 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         companions=(*prepared.companions, FirstChoice()),
     )  # fmt: skip
     with entered(prepared.companions):
+        cpu_s = process_time()
         result = run_.execute()
+        cpu_s = process_time() - cpu_s
     took_s = perf_counter() - began
     assert run_.state is not None
     engine, state = prepared.engine, run_.state
@@ -162,7 +166,7 @@ def run(order: Order, motors: tuple[MotorValue, ...] = ()) -> Outcome:
         real.torques_nm, slid_m, _short_m(prepared, notes.word, notes.travel, real.arcs_m),
         tuple(notes.late_m),
         getattr(backend.robot.physics, "deepest_m", nan),  # type: ignore[attr-defined]
-        took_s,
+        took_s, cpu_s,
     )  # fmt: skip
 
 

@@ -17,6 +17,7 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.fidelity import Fidelity
 from pirate_sm.spelling import meant
 from pirate_sm.wiring import Order, Prepared
 
@@ -40,6 +41,8 @@ class Options(TypedDict, total=False):
         twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
+        fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, which takes
+            half the time and is coarser.
         detector: Name of a detector, in place of the backend's usual one.
         also: A second detector, whose words are logged and do nothing.
         ruler: Whether a simulated ruler measures the robot's speed from outside, for slip.
@@ -58,6 +61,7 @@ class Options(TypedDict, total=False):
     start_jitter_m: float
     diameter_jitter_m: float
     friction_jitter: float
+    fidelity: Fidelity
     detector: str | None
     also: str | None
     ruler: bool

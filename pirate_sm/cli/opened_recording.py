@@ -26,9 +26,10 @@ def opened_recording(path: str) -> Iterator[Recording]:
 
 
 def title(recording: Recording) -> str:
-    """Return the mission, the backend and the date of a recorded run, in one line."""
+    """Return the mission, the backend, its fidelity if coarser, and the date, in one line."""
     header = recording.header
-    return f"{header.mission} on {header.backend}, {header.began}"
+    fidelity = "".join(f" ({name})" for name in header.coarser)
+    return f"{header.mission} on {header.backend}{fidelity}, {header.began}"
 
 
 def print_visible(text: str) -> None:

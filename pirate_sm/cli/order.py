@@ -33,6 +33,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         states=read_pairs("--state", options.states or (), "REGION=STATE") or None,
         seed=options.seed,
         defects=tuple(dict.fromkeys(options.defects or ())),
+        fidelity=options.fidelity,
         twin=options.twin,
         port=options.port,
         baud=options.baud,

@@ -89,6 +89,7 @@ def _where(header: RunHeader) -> str:
     more = []
     if header.backend in SIMULATORS:
         more.append(f"seed {options.get('seed', 0)}")
+        more += header.coarser
         more += [f"defect {name}" for name in options.get("defects", ())]
     within = f" ({', '.join(more)})" if more else ""
     pipe = f", in pipe {header.pipe}" if header.pipe else ""
@@ -113,6 +114,7 @@ def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
     chance = [f"{name} ± {options[key]:g}" for key, name in _CHANCE.items() if options.get(key)]
     if header.backend in SIMULATORS:
         yield Fact("seed", ", ".join([str(options.get("seed", 0)), *chance]))
+    yield from (Fact("fidelity", name) for name in header.coarser)
     yield from (Fact("defect", name) for name in options.get("defects", ()))
     yield from (Fact("numbers of the robot", str(n)) for n in [options.get("twin")] if n)
     for name, value in header.parameters.items():

@@ -30,7 +30,7 @@ class ListedRun:
         link: Link to its report, relative to the list; empty without one.
         began: ISO 8601 with the zone.
         seed: Seed of the simulator; None without random numbers.
-        conditions: Defects and parameters that the user set, in words.
+        conditions: A coarser fidelity, defects and parameters that the user set, in words.
         faults: Number of reports of each fault, by code.
     """
 
@@ -91,4 +91,4 @@ def unreadable(path: Path, why: str) -> ListedRun:
 def _conditions(header: RunHeader) -> tuple[str, ...]:
     settings = header.options.get("settings") or {}
     parameters = (f"{name} = {value}" for name, value in settings.items())
-    return (*header.options.get("defects", ()), *parameters)
+    return (*header.coarser, *header.options.get("defects", ()), *parameters)

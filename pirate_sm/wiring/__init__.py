@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from typing import get_args
 
 from pirate_sm.detectors.beside import Beside
 from pirate_sm.detectors.registry import Asked, Detecting, counts, detecting
@@ -11,6 +12,7 @@ from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.registry import Registry
 from pirate_sm.wiring.chosen_panel import choose_panel
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
@@ -64,6 +66,7 @@ def prepare(
     if order.view and order.backend != "physics":
         hint = Hint(": use --backend physics", ": use backend='physics'")
         raise UsageError(f"the backend {order.backend} has no viewer", hint=hint)
+    _refuse_fidelity(order)
     loaded = loaded or load(order)
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise
@@ -88,6 +91,27 @@ def prepare(
         detector=found.kind,
         panel=choose_panel(order.panel, loaded.loaded_robot) if order.panel is not None else None,
     )
+
+
+def _refuse_fidelity(order: Order) -> None:
+    """Refuse a fidelity that the backend does not have.
+
+    Raises:
+        UsageError: There is no such fidelity, or the backend has only one.
+    """
+    known = get_args(Fidelity)
+    if order.fidelity not in known:
+        expected = " or ".join(known)
+        raise UsageError(f"fidelity: expected {expected}, got {order.fidelity!r}")
+    if order.fidelity != USUAL and order.backend != "sim":
+        raise UsageError(
+            f"the backend {order.backend} cannot be made {order.fidelity}: only the kinematic "
+            "simulator has a coarser fidelity",
+            hint=Hint(
+                ": use --backend sim, or leave out --fidelity",
+                ": use backend='sim', or leave out fidelity",
+            ),
+        )
 
 
 def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detecting:

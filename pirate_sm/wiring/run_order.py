@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pirate_sm.errors import Hint
+from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
 
@@ -26,6 +27,7 @@ class Order:
         seed: Seed of all random numbers.
         start_jitter_m: How far a simulated robot may start from its position; likewise
             ``diameter_jitter_m`` for the pipe, and ``friction_jitter`` as a share.
+        fidelity: How finely the kinematic simulator computes; ``fast`` takes half its time.
         defects: Defects of the simulated robot.
         twin: File with numbers of the simulated robot, in place of its profile's.
         firings: Triggers that a trace fires instead of the first trigger of each wait.
@@ -56,6 +58,7 @@ class Order:
     start_jitter_m: float = 0.0
     friction_jitter: float = 0.0
     diameter_jitter_m: float = 0.0
+    fidelity: Fidelity = USUAL
     defects: tuple[str, ...] = ()
     twin: str | None = None
     firings: tuple[Firing, ...] = ()

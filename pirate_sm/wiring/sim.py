@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import TYPE_CHECKING
 
 from pirate_sm.detectors.registry import Places
@@ -33,12 +35,15 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             built nor can it compile itself.
     """
     check_order(order, loaded)
+    from pirate_sm.simulation.xpbd.iterations import notice_of
     from pirate_sm.simulation.xpbd.kinematic import is_compiled, kinematic
 
     assert loaded.pipe is not None  # as checked above
     if not is_compiled(loaded.pipe.section):
         say(COMPILING)
-    return simulated(order, loaded, kinematic)
+    equipment = simulated(order, loaded, partial(kinematic, fidelity=order.fidelity))
+    notice = notice_of(order.fidelity)
+    return replace(equipment, notices=(notice,)) if notice else equipment
 
 
 def check_order(order: Order, loaded: LoadedMission) -> None:

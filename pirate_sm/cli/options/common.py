@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
+from pirate_sm.model.fidelity import Fidelity
 
 
 def _print_version(wanted: bool) -> None:
@@ -75,6 +76,12 @@ Seed = Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")]
 Defects = Annotated[
     list[str] | None,
     typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
+]
+FidelityOfSim = Annotated[
+    Fidelity,
+    typer.Option(
+        "--fidelity", help="Of sim; fast takes half the time, with an error that is known."
+    ),
 ]
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")

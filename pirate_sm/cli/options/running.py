@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm.cli.options import common
+from pirate_sm.model.fidelity import USUAL
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,6 +40,7 @@ class RunOptions:
         ),
     ] = None
     defects: common.Defects = None
+    fidelity: common.FidelityOfSim = USUAL
     view: common.View = False
     fire: Annotated[
         list[str] | None,
@@ -106,6 +108,7 @@ class ConsoleOptions:
         typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
     ] = "realtime"
     defects: common.Defects = None
+    fidelity: common.FidelityOfSim = USUAL
     view: common.View = False
     port: common.PortOfRobot = None
     baud: common.Baud = None

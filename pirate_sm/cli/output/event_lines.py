@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, TextIO
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.model.effects import Effect, Ended
+from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.stop_requests import StopRequests
@@ -88,7 +89,8 @@ def headline(observed: ObservedRun) -> str:
 
 def how_it_runs(order: Order) -> str:
     """Return the backend and its particular options."""
-    ways = dict.fromkeys(SIMULATORS, f"seed {order.seed}") | {"serial": str(order.port)}
+    fidelity = "" if order.fidelity == USUAL else f", {order.fidelity}"
+    ways = dict.fromkeys(SIMULATORS, f"seed {order.seed}{fidelity}") | {"serial": str(order.port)}
     how = ways.get(order.backend, "ideal")
     defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
     return f"{order.backend} ({how}{defects})"

@@ -14,6 +14,7 @@ from pirate_sm import __version__
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import ALPHABET_VERSION
+from pirate_sm.model.fidelity import USUAL
 from pirate_sm.recording.format.engine_topics import WireLayout
 
 FORMAT = 2
@@ -105,6 +106,16 @@ class RunHeader:
     def layout(self) -> WireLayout:
         """Return the boards and setpoints of the robot."""
         return WireLayout(self.boards, self.slots)
+
+    @property
+    def fidelity(self) -> str:
+        """Return how finely the simulator computed; it was usual before there was a choice."""
+        return str(self.options.get("fidelity", USUAL))
+
+    @property
+    def coarser(self) -> tuple[str, ...]:
+        """Return the fidelity if it was coarser than usual; otherwise nothing."""
+        return () if self.fidelity == USUAL else (self.fidelity,)
 
     def to_json(self) -> dict[str, Any]:
         """Return the header as JSON data, without the texts."""

@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from pirate_sm.recording.format.header import RunHeader
 
-_NAMED_ALREADY = {"mission", "robot", "pipe", "backend", "detector", "settings"}
+_NAMED_ALREADY = {"mission", "robot", "pipe", "backend", "fidelity", "detector", "settings"}
 """Options for which the header has the resulting value as well."""
 
 
@@ -38,7 +38,7 @@ def unlike(first: RunHeader, second: RunHeader) -> tuple[Unlike, ...]:
 
 def _circumstances(it: RunHeader) -> Iterator[tuple[str, Any]]:
     """Yield name and value of every item in the set-up of a run."""
-    for name in ("mission", "robot", "polarity", "pipe", "backend", "detector"):
+    for name in ("mission", "robot", "polarity", "pipe", "backend", "fidelity", "detector"):
         yield name, getattr(it, name)
     for name, value in it.options.items():
         if name not in _NAMED_ALREADY:

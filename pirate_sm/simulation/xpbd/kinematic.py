@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.geometry.network import Section
 from pirate_sm.geometry.route import Route
+from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.machine_code import is_kept
@@ -14,14 +15,19 @@ from pirate_sm.simulation.xpbd.world import World
 
 
 def kinematic(
-    chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
+    chain: ChainBody,
+    route: Route,
+    friction: Friction,
+    pose: StartPose,
+    cycle_s: float,
+    fidelity: Fidelity = USUAL,
 ) -> Physics:
     """Return the physics in a plane for bars, and in space for a round pipe."""
     if route.pieces[0].section == "bars":
-        return World(chain, route, friction, pose, cycle_s)
+        return World(chain, route, friction, pose, cycle_s, fidelity)
     from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 
-    return SpaceWorld(chain, route, friction, pose, cycle_s)
+    return SpaceWorld(chain, route, friction, pose, cycle_s, fidelity)
 
 
 def is_compiled(section: Section) -> bool:

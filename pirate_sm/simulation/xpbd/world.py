@@ -10,6 +10,7 @@ import numpy as np
 from pirate_sm.geometry.plane import flat
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector
+from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
@@ -17,10 +18,9 @@ from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
 from pirate_sm.simulation.xpbd.glide import glide
+from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
 from pirate_sm.simulation.xpbd.pipe_arrays import gravity_along, leg_rows, wall_rows
 
-STEP_S = 0.002
-_ITERATIONS = 4
 _CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V snaps through the wall
 _ANCHOR_M = 2e-4
 # A horizontal magnetic field along the first leg and downwards, uT (central Europe).
@@ -36,6 +36,7 @@ class World:
         friction: Friction between wheels and walls.
         pose: The pose at the start.
         cycle_s: Duration of a cycle.
+        fidelity: How often each step is solved again.
 
     Attributes:
         state: Positions, velocities and angles.
@@ -44,7 +45,13 @@ class World:
     """
 
     def __init__(
-        self, chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
+        self,
+        chain: ChainBody,
+        route: Route,
+        friction: Friction,
+        pose: StartPose,
+        cycle_s: float,
+        fidelity: Fidelity = USUAL,
     ) -> None:
         n = chain.nodes
         self.body: Floats = body_array(chain, friction)
@@ -55,7 +62,7 @@ class World:
         )
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, route, cycle_s / self._steps)
+        self._world = _constants(chain, route, cycle_s / self._steps, ITERATIONS[fidelity])
         self._legs = leg_rows(route)
         self._arrays = (
             *(self.state.array, self.duties, self.body, wall_rows(route), self._legs),
@@ -127,10 +134,10 @@ class World:
         self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
 
 
-def _constants(chain: ChainBody, route: Route, dt: float) -> Floats:
+def _constants(chain: ChainBody, route: Route, dt: float, iterations: int) -> Floats:
     world = np.zeros(kernel.WORLD_ENTRIES)
     world[kernel.DT] = dt
-    world[kernel.ITERATIONS] = _ITERATIONS
+    world[kernel.ITERATIONS] = iterations
     world[kernel.RADIUS] = chain.wheel_radius_m
     world[kernel.HALF_THICKNESS] = chain.half_thickness_m
     world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N

@@ -75,6 +75,8 @@ def test_a_loaded_mission_takes_no_options_of_loading(patrol: pirate_sm.LoadedMi
         (lambda: pirate_sm.run(PATROL, "physics", view="no"), "view: expected True or False"),
         (lambda: pirate_sm.run(PATROL, ruler=1), "ruler: expected True or False, got 1"),
         (lambda: pirate_sm.run(PATROL, "trace", view=True), "use backend='physics'"),
+        (lambda: pirate_sm.run(PATROL, fidelity=2), "fidelity: expected usual or fast, got 2"),
+        (lambda: pirate_sm.run(PATROL, "physics", fidelity="fast"), "use backend='sim'"),
         (lambda: pirate_sm.sweep(PATROL, backend="physics", view=True), "opens no viewer"),
         (lambda: pirate_sm.run(PATROL, "trace", seed=-1), "seed: expected a whole number from 0"),
         (lambda: pirate_sm.run(PATROL, "trace", pip="x"), "no option 'pip': did you mean 'pipe'"),

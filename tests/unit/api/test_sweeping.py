@@ -20,6 +20,19 @@ def test_every_seed_has_a_row_and_processes_do_not_matter() -> None:
     assert pirate_sm.sweep(loaded, range(3), workers=2, **options) == alone  # type: ignore[arg-type]
 
 
+def test_a_fast_sweep_is_coarser_and_its_rows_are_those_of_fast_runs() -> None:
+    usual = pirate_sm.sweep(PATROL, [7])
+    fast = pirate_sm.sweep(PATROL, [7], fidelity="fast")
+
+    run = pirate_sm.run(PATROL, seed=7, fidelity="fast")
+
+    assert fast["outcome"] == usual["outcome"] == ["succeeded"]
+    assert fast["duration_s"] == [run.duration_s]
+    assert fast["duration_s"] == pytest.approx(usual["duration_s"], rel=0.01)
+    with pirate_sm.session(PATROL, fidelity="fast") as session:
+        assert session.run.header.fidelity == "fast"
+
+
 def test_a_row_can_be_repeated_as_a_run() -> None:
     row = pirate_sm.sweep(PATROL, [7], start_jitter_m=0.01)
 

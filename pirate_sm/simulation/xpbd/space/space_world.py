@@ -8,18 +8,18 @@ import numpy as np
 
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
+from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import lying, normal_of
 from pirate_sm.simulation.xpbd.chain import body_array
+from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
 from pirate_sm.simulation.xpbd.space import kernel
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.space.space_state import SpaceState
 
-STEP_S = 0.002
-_ITERATIONS = 4
 # 1e5 N/m as in the plane: the ends of missions depend on it [measured with benchmarks.space].
 _CONTACT_COMPLIANCE_M_N = 1e-5
 _ANCHOR_M = 2e-4
@@ -36,6 +36,7 @@ class SpaceWorld:
         friction: Friction between wheels and walls.
         pose: The pose at the start.
         cycle_s: Duration of a cycle.
+        fidelity: How often each step is solved again.
 
     Attributes:
         state: Positions, velocities and angles.
@@ -44,7 +45,13 @@ class SpaceWorld:
     """
 
     def __init__(
-        self, chain: ChainBody, route: Route, friction: Friction, pose: StartPose, cycle_s: float
+        self,
+        chain: ChainBody,
+        route: Route,
+        friction: Friction,
+        pose: StartPose,
+        cycle_s: float,
+        fidelity: Fidelity = USUAL,
     ) -> None:
         n = chain.nodes
         self.body: Floats = body_array(chain, friction)
@@ -55,7 +62,7 @@ class SpaceWorld:
         self._own = self.quantities[own:]
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, cycle_s / self._steps)
+        self._world = _constants(chain, cycle_s / self._steps, ITERATIONS[fidelity])
         self.turn_gravity(route.up)
         self._arrays = (
             *(self.state.array, self.duties, self.body),
@@ -121,12 +128,12 @@ class SpaceWorld:
         self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
 
 
-def _constants(chain: ChainBody, dt: float) -> Floats:
+def _constants(chain: ChainBody, dt: float, iterations: int) -> Floats:
     world = np.zeros(kernel.WORLD_ENTRIES)
     # A chain without a roll joint has one that stands still, in the middle.
     link = chain.roll_link if chain.roll_link >= 0 else (chain.nodes - 2) // 2
     world[kernel.DT] = dt
-    world[kernel.ITERATIONS] = _ITERATIONS
+    world[kernel.ITERATIONS] = iterations
     world[kernel.RADIUS] = chain.wheel_radius_m
     world[kernel.HALF_THICKNESS] = chain.half_thickness_m
     world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N

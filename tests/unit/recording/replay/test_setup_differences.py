@@ -12,6 +12,7 @@ from pirate_sm.recording.replay.setup_differences import unlike
 
 def test_runs_made_alike_have_nothing_to_tell():
     assert unlike(header(), header()) == ()
+    assert unlike(header(), replace(header(), options={"seed": 5, "fidelity": "usual"})) == ()
     assert unlike(header(), replace(header(), began="2027-01-01T00:00:00+00:00")) == ()
 
 
@@ -20,6 +21,7 @@ def test_runs_made_alike_have_nothing_to_tell():
     [
         ({"seed": 6}, ("seed", "5", "6")),
         ({"seed": 5, "friction_jitter": 0.2}, ("friction jitter", "none", "0.2")),
+        ({"seed": 5, "fidelity": "fast"}, ("fidelity", "usual", "fast")),
         ({"seed": 5, "defects": ["a", "b"]}, ("defects", "none", "a, b")),
         ({"seed": 5, "check": False}, ("check", "none", "no")),
         ({}, ("seed", "5", "none")),

@@ -1,0 +1,10 @@
+"""The names of how finely the kinematic simulator computes."""
+
+from __future__ import annotations
+
+from typing import Literal, TypeAlias
+
+Fidelity: TypeAlias = Literal["usual", "fast"]
+"""``fast`` takes about half the time and is coarser, with an error that has been measured."""
+
+USUAL: Fidelity = "usual"
