@@ -21,13 +21,29 @@ def result() -> ExperimentResult:
     return repeat_straight_pipe(load_robot(ROBOT).profile, once_more, ("1a", "1d"))
 
 
-def test_wheels_hardly_slip_but_where_the_pipe_is_blocked(result: ExperimentResult) -> None:
-    # In space a robot that begins loose clamps beside the pipe's axis. There its wheels press on
-    # the wall obliquely and roll on a smaller circle.
-    most = {"1a": 0.05, "1d": 0.05, "1d.sim": 0.15, "1d.seen": 0.05}
-    for part, limit in most.items():
-        for wheel in WHEELS:
-            assert abs(result.values[f"{part}.{wheel}.driving_median"]) < limit, (part, wheel)
+@pytest.mark.parametrize(
+    "part",
+    [
+        "1a",
+        "1d",
+        pytest.param(
+            "1d.sim",
+            marks=pytest.mark.xfail(
+                strict=True,
+                reason="the kernel in space lets no rolling wheel creep sideways: a robot that "
+                "clamps beside the axis stays there, and its wheels roll on a smaller circle",
+            ),
+        ),
+        "1d.seen",
+    ],
+)
+def test_wheels_hardly_slip_in_driving(result: ExperimentResult, part: str) -> None:
+    slips = {wheel: result.values[f"{part}.{wheel}.driving_median"] for wheel in WHEELS}
+
+    assert all(abs(slip) < 0.05 for slip in slips.values()), slips
+
+
+def test_wheels_slip_where_the_pipe_is_blocked(result: ExperimentResult) -> None:
     assert result.values["1a.wheel_1.least"] < -0.4
     assert result.values["1d.wheel_1.least"] > -0.4
 
