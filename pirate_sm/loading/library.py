@@ -158,7 +158,7 @@ def is_path(name: str) -> bool:
 def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
     if name in known:
         return known[name]
-    hint = meant(name, sorted(known))
+    hint = meant(name, sorted(known), limit=len(known))
     raise UsageError(f"there is no {kind} '{_cut(name)}'; {hint}")
 
 

@@ -58,7 +58,7 @@ def test_an_unknown_name_is_refused_with_the_nearest(find, name, message):
         find(name)
 
     assert message in str(caught.value)
-    assert len(str(caught.value)) < 600
+    assert len(str(caught.value)) < 1000
 
 
 def test_a_path_goes_to_the_file_itself(tmp_path):
