@@ -101,8 +101,8 @@ T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, _T_COLUMNS = range(6)
 # Scratch columns per contact of a wheel.
 NX, NY, NZ, GAP, PUSH, PUSH_INV = range(6)
 GI_X, GI_Y, GI_Z, GO_X, GO_Y, GO_Z, DRIVE, DRIVE_INV, TARGET, K_SLOPE, K_FORCE = range(6, 17)
-SX, SY, SZ, S_TURN, SIDE, SIDE_INV, S_TARGET, K_MU, K_RADIUS = range(17, 26)
-_CONTACT_COLUMNS = 26
+SX, SY, SZ, S_TURN, SIDE, SIDE_W, S_TARGET, K_MU, K_RADIUS, K_CREEP = range(17, 27)
+_CONTACT_COLUMNS = 27
 NODE, OTHER, SURFACE, PART = range(4)
 # Scratch columns per contact of a link.
 K_NX, K_NY, K_NZ, K_SHARE, K_GAP, K_PUSH, K_INV, _K_COLUMNS = range(8)
@@ -125,6 +125,12 @@ _PLANE_COMPLIANCE_M_N = 1e-6
 _TWIST_NM_RAD = 30.0
 # Below this share of its radius a wheel that lies on its side does not roll.
 _LEAST_ROLLING = 0.05
+# Slip angle at which a rolling wheel slides sideways; below, it creeps in proportion to the force
+# (brush model of a tyre: Pacejka, Tire and Vehicle Dynamics, chapter 3) [assumed].
+_SLIDING_SLIP_RAD = 0.1
+# Beyond this depth a tyre is this many times as stiff [assumed]. Wheels of a clamped part get there
+# on the edge of a step.
+_FLAT_TYRE_M, _FLAT_TYRE_STIFFER = 0.0018, 4.0
 
 
 @compiled
@@ -589,15 +595,19 @@ def _prepare_contacts(
         con[c, DRIVE] = 0.0
         con[c, SIDE] = 0.0
         con[c, PUSH_INV] = 1.0 / (body[i, MASS_INV] + compliance)
+        # The gap as one of constant stiffness would be with the same force.
+        con[c, GAP] += (_FLAT_TYRE_STIFFER - 1.0) * min(0.0, con[c, GAP] + _FLAT_TYRE_M)
         if who[c, SURFACE] < 0:
             con[c, K_MU] = 0.0
             continue
         sine = _face(c, p, world[RADIUS], parts, con)
         _recall(c, i, body, world, anchor, con, who)
-        con[c, SIDE_INV] = 1.0 / (body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I])
+        con[c, SIDE_W] = body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I]
+        con[c, K_CREEP] = _SLIDING_SLIP_RAD
         if sine > 0.0:
             who[c, OTHER] = _gear(c, i, sine, body, world, w, con)
             continue
+        con[c, K_CREEP] = 0.0
         con[c, K_RADIUS] = 0.0
         con[c, K_SLOPE] = 0.0
         con[c, K_FORCE] = np.inf
@@ -625,6 +635,13 @@ def _slid(c: int, i: int, mov: Floats, parts: Floats, con: Floats, p: int) -> fl
     slid += con[c, SY] * mov[i, 1]
     slid += con[c, SZ] * mov[i, 2]
     return float(slid + con[c, S_TURN] * parts[p, N_ROLL])
+
+
+@compiled
+def _crept(c: int, rolled: float, con: Floats) -> float:
+    """Return how far a wheel has crept along its axle while it rolled."""
+    friction = con[c, K_MU] * con[c, PUSH]
+    return float(con[c, K_CREEP] * abs(rolled) * con[c, SIDE] / friction) if friction > 0.0 else 0.0
 
 
 @compiled
@@ -670,7 +687,12 @@ def _solve_contacts(
         left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
         to_drive = drive + left * con[c, DRIVE_INV]
         to_drive = min(max(to_drive, -con[c, K_FORCE]), con[c, K_FORCE])
-        to_side = side + (con[c, S_TARGET] - slid) * con[c, SIDE_INV]
+        creep = con[c, K_CREEP] * abs(rolled)
+        # At a limit of 0 the circle below leaves nothing.
+        to_side = side
+        if limit > 0.0:
+            away = (con[c, S_TARGET] - slid) * limit - creep * side
+            to_side += away / (con[c, SIDE_W] * limit + creep)
         both2 = to_drive * to_drive + to_side * to_side
         if both2 > limit * limit:
             share = limit / np.sqrt(both2)
@@ -1233,7 +1255,9 @@ def _turn_wheels(
         side = con[c, SIDE]
         rolled = _rolled(c, i, who[c, OTHER], mov, con)
         left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
-        aside = con[c, S_TARGET] - _slid(c, i, mov, parts, con, who[c, PART])
+        aside = (
+            con[c, S_TARGET] - _slid(c, i, mov, parts, con, who[c, PART]) - _crept(c, rolled, con)
+        )
         tally[i, T_DRIVE] += abs(drive) * con[c, K_RADIUS]
         tally[i, T_GRIP] += drive
         friction = con[c, K_MU] * con[c, PUSH]
@@ -1487,13 +1511,13 @@ def advance(
         count = _find_contacts(
             n, pos, solids, edges, points, world, near, nears, rims, rim_at, con, who, hit
         )
+        for c in range(count):
+            deepest = min(deepest, con[c, GAP])
         _prepare_contacts(count, body, world, anchor, w, parts, con, who)
         leans = _find_leaning(
             n, pos, solids, edges, points, body, world, near, nears, rims, link_at,
             cor, leaning, hit,
         )  # fmt: skip
-        for c in range(count):
-            deepest = min(deepest, con[c, GAP])
         for c in range(leans):
             deepest = min(deepest, cor[c, K_GAP])
         _predict(n, mov, vel, roll, world, parts)
