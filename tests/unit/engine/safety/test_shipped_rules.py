@@ -1,0 +1,39 @@
+"""The fault rules of a shipped robot see what they are there for, and nothing else."""
+
+from __future__ import annotations
+
+import pytest
+from driving import PIRATE
+
+BODY = """\
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+on_fault:
+  - {fault: [sensor.silent, sensor.stuck, wheel.dead, motion.unasked], then: continue}
+  - {fault: robot.stuck, go: stuck}
+start: drive
+phases:
+  drive: {do: [DriveForward], wait: [{operator: on, go: done}], within: {time: 1 h, go: done}}
+  stuck: {wait: [{operator: on, go: done}], within: {time: 1 h, go: done}}
+ends: {done: {succeed: Done}}
+"""
+RIM_M_S = 0.1
+"""Speed of the rim of a wheel that is driven with full duty."""
+
+
+@pytest.mark.parametrize(
+    ("turning", "stuck"),
+    [((), True), ((1,), True), ((1, 2), False), ((1, 2, 3, 4, 5, 6), False)],
+)
+def test_a_robot_of_which_one_wheel_alone_turns_is_stuck(
+    drive, turning: tuple[int, ...], stuck: bool
+) -> None:
+    driver = drive(BODY, PIRATE)
+    names, wheels = driver.robot.vocabulary.numbers, driver.robot.wheels
+    rates = {names[w.angle]: RIM_M_S / w.metres_per_rad for w in wheels if w.place + 1 in turning}
+    driver.accept()
+    driver.run(0.5, **rates)
+    driver.accept()
+
+    driver.run(5.0, **rates)
+
+    assert [code for code, _ in driver.faults].count("robot.stuck") == stuck
