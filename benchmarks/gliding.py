@@ -22,7 +22,10 @@ if TYPE_CHECKING:
     from pirate_sm.wiring import Order
 
 REPEATS = 9
-MISSIONS = ("mitre_bend", "take_bend", "climb", "enter_3d", "exp_1_round", "exp_1a_both")
+MISSIONS = (
+    *("mitre_bend", "take_bend", "climb", "enter_3d", "exp_1_round", "exp_1a_both"),
+    *("take_elbow", "take_branch", "two_bends_up", "house_connection", "level"),
+)
 
 
 class Stepping:

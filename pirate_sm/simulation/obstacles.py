@@ -68,8 +68,8 @@ class Obstacles:
 
     @property
     def out_of_plane_rad(self) -> float:
-        """How far a part may be turned where there are bends; infinite where there are none."""
-        return _OUT_OF_PLANE_RAD if self._route.crossings_m else math.inf
+        """How far a part may be turned; infinite without bends, and where the walls stop it."""
+        return _OUT_OF_PLANE_RAD if self._in_bars and self._route.crossings_m else math.inf
 
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
         """Update the obstacles; return the fault of a bend between bars that is impassable."""

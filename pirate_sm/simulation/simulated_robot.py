@@ -65,11 +65,14 @@ class Leeway(NamedTuple):
 
     Attributes:
         out_of_plane_rad: How far a part may be turned out of the plane of the bends.
+        touching: Whether it is in a round pipe, where it may be anywhere as long as a wheel touches
+            a wall. In bars it may be in these limits.
         before_m: How far back the foremost wheel may be along the pipe.
         behind_m: How far ahead the rearmost wheel may be.
     """
 
     out_of_plane_rad: float
+    touching: bool
     before_m: float
     behind_m: float
 
@@ -247,7 +250,8 @@ class SimulatedRobot:
     @property
     def leeway(self) -> Leeway:
         """Where the robot may be while its surroundings do nothing to it."""
-        return Leeway(self._obstacles.out_of_plane_rad, -_NEAR_M, self._route.length_m + _NEAR_M)
+        turned_rad, behind_m = self._obstacles.out_of_plane_rad, self._route.length_m + _NEAR_M
+        return Leeway(turned_rad, not self._flat, -_NEAR_M, behind_m)
 
     @property
     def arcs(self) -> Floats:
@@ -317,7 +321,7 @@ class SimulatedRobot:
 
     def _is_outside(self) -> bool:
         """Return whether every wheel is far from the pipe."""
-        if self._route.pieces[0].section == "bars":
+        if self._flat:
             arcs = self.arcs_m
             return max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
         if any(self.values("press")):

@@ -6,6 +6,9 @@ signal, and the robot ends where it would have ended.
 
 from __future__ import annotations
 
+import json
+from collections.abc import Sequence
+from pathlib import Path
 from random import Random
 
 import pytest
@@ -17,10 +20,13 @@ from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.wiring import Order
 
-QUICK = ("climb", "enter_2d", "enter_3d", "inspect", "mitre_bend", "take_bend")
+IN_PLANE = ("climb", "enter_2d", "enter_3d", "inspect", "mitre_bend", "take_bend")
+ROUND = ("level", "take_branch", "take_elbow", "turn_left")
+QUICK = (*IN_PLANE, *ROUND)
 SHIPPED = [path.stem for path in library.missions()]
 DEFECTS = sorted(load_robot(library.find_robot("pirate_ii")).profile.simulation.defects)
 DETECTORS = ("sim", "odometry")
+PIPES_OF_PIRATE = ("mitre_90", "elbow_90", "mitre_90_round")
 SOMEWHERE = {"start_jitter_m": 0.02, "friction_jitter": 0.2, "diameter_jitter_m": 0.002}
 
 pytestmark = pytest.mark.timeout(300)  # the first run compiles
@@ -30,6 +36,13 @@ def test_most_frames_are_taken_for_the_engine() -> None:
     taken = assert_the_same(Order("mitre_bend"))
 
     assert taken > 1600  # of 1860
+
+
+@pytest.mark.parametrize(("mission", "most"), [
+    ("house_connection", 4500), ("turn_left", 1150),  # of 4741, of 1340
+])  # fmt: skip
+def test_most_frames_are_taken_in_a_round_pipe(mission: str, most: int) -> None:
+    assert assert_the_same(Order(mission)) > most
 
 
 def test_a_recording_of_blocks_has_every_step() -> None:
@@ -61,29 +74,97 @@ def test_shipped_missions(mission: str) -> None:
     *range(1, 3), *(pytest.param(seed, marks=pytest.mark.slow) for seed in range(3, 13))
 ])  # fmt: skip
 def test_robots_that_start_somewhere(seed: int, detector: str) -> None:
-    mission = ("mitre_bend", "take_bend")[seed % 2]
+    mission = ("mitre_bend", "take_bend", "take_elbow", "take_branch")[seed % 4]
     assert_the_same(Order(mission, seed=seed, detector=detector, **SOMEWHERE))
 
 
 @pytest.mark.parametrize("detector", DETECTORS)
 @pytest.mark.parametrize("defect", DEFECTS)
+@pytest.mark.parametrize("mission", ["mitre_bend", "take_elbow"])
 @pytest.mark.slow
-def test_robots_with_a_defect(defect: str, detector: str) -> None:
-    assert_the_same(Order("mitre_bend", seed=3, defects=(defect,), detector=detector))
+def test_robots_with_a_defect(mission: str, defect: str, detector: str) -> None:
+    assert_the_same(Order(mission, seed=3, defects=(defect,), detector=detector))
 
 
 def test_robots_with_two_defects() -> None:
     lot = Random(5)
     for seed in range(3):
         defects = tuple(lot.sample(DEFECTS, 2))
-        assert_the_same(Order("mitre_bend", seed=seed, defects=defects), after_s=12.0)
+        for mission in ("mitre_bend", "take_elbow"):
+            assert_the_same(Order(mission, seed=seed, defects=defects), after_s=12.0)
 
 
 @pytest.mark.parametrize("defect", ["wheels_3_4_dead", "gamma_2_stiff", "gamma_2_sticks"])
-def test_defects_of_motors_and_of_values_let_frames_be_taken(defect: str) -> None:
-    order = Order("climb", defects=(defect,))
+@pytest.mark.parametrize("mission", ["climb", "take_elbow"])
+def test_defects_of_motors_and_of_values_let_frames_be_taken(mission: str, defect: str) -> None:
+    order = Order(mission, defects=(defect,))
 
     assert assert_the_same(order, after_s=8.0) > 200
+
+
+FITTINGS = {
+    "mitre": "{mitre: 90 deg}",
+    "elbow": "{elbow: 90 deg, radius: 180 mm}",
+    "branch": "{tee: 90 deg, take: branch, diameter: 120 mm}",
+    "on": "{tee: 90 deg, take: on, roll: 90 deg, diameter: 120 mm}",
+    "reducer": "{reducer: 60 mm, to: 105 mm}",
+    "step": "{reducer: 0 mm, to: 110 mm}",
+}
+
+
+@pytest.mark.parametrize("pitch", ["0 deg", "60 deg", "-90 deg"])
+@pytest.mark.parametrize("fitting", [
+    pytest.param(name, marks=() if name == "reducer" else pytest.mark.slow) for name in FITTINGS
+])  # fmt: skip
+def test_fittings_of_round_pipes(fitting: str, pitch: str, tmp_path: Path) -> None:
+    pipe = round_pipe(tmp_path, f"{{straight: 1 m}}, {FITTINGS[fitting]}, {{straight: 1 m}}", pitch)
+    mission = {"elbow": "take_elbow", "mitre": "take_bend", "branch": "take_branch"}
+
+    order = Order(mission.get(fitting, "drive_on"), pipe=pipe, seed=5, **SOMEWHERE)
+
+    assert assert_the_same(order, after_s=40.0) > 100
+
+
+def test_a_robot_that_drives_out_of_a_round_pipe(tmp_path: Path) -> None:
+    steps = ("ClampFront", "ClampRear", "DriveForward")
+    pipe = round_pipe(tmp_path, "{straight: 1 m}", "0 deg")
+    order = Order(lasting(tmp_path, steps), pipe=pipe)
+
+    assert "gone=True" in course(order, glides=True)[0][-1]
+    assert assert_the_same(order) > 500
+
+
+@pytest.mark.parametrize("pitch", ["-60 deg", "90 deg"])
+def test_a_robot_that_falls_through_a_round_pipe(pitch: str, tmp_path: Path) -> None:
+    pipe = round_pipe(tmp_path, "{straight: 1 m}", pitch)
+    order = Order(lasting(tmp_path, ()), pipe=pipe)
+
+    assert "robot.fallen" in course(order, glides=True)[0][-1]
+    assert_the_same(order)
+
+
+def round_pipe(folder: Path, segments: str, pitch: str) -> str:
+    """A round pipe with both ends open, in a file."""
+    path = folder / "fitting.yaml"
+    path.write_text(
+        "format: 1\npipe: fitting\nsection: round\ndiameter: 120 mm\nstart: {at: 700 mm}\n"
+        f"frame: {{pitch: {pitch}}}\nsegments: [{segments}]\n",
+        encoding="utf-8",
+    )
+    return str(path)
+
+
+def lasting(folder: Path, steps: Sequence[str]) -> str:
+    """A mission that commands this and then minds nothing for 25 seconds, in a file."""
+    mission = {
+        "format": 1, "mission": "lasting", "robot": "pirate_ii", "start": "go",
+        "on_fault": [{"fault": ["robot.stuck", "clamp.lost"], "then": "continue"}],
+        "phases": {"go": {"do": [*steps], "wait": [{"after": "25 s", "go": "over"}]}},
+        "ends": {"over": {"succeed": "Time is over"}},
+    }  # fmt: skip
+    path = folder / "lasting.yaml"
+    path.write_text(json.dumps(mission), encoding="utf-8")
+    return str(path)
 
 
 @pytest.mark.parametrize("first", [
@@ -92,6 +173,8 @@ def test_defects_of_motors_and_of_values_let_frames_be_taken(defect: str) -> Non
 def test_missions_that_nobody_wrote(first: int) -> None:
     for seed in range(first, first + 10):
         invented = invent(seed, ("pirate", "newt", "made"))
-        pipe = "mitre_90" if invented.words.path == PIRATE else str(NEWT / "elbow.yaml")
+        pipe = PIPES_OF_PIRATE[seed % 3]
+        if invented.words.path != PIRATE:
+            pipe = str(NEWT / ("elbow.yaml", "round.yaml")[seed % 2])
         order = Order(str(invented.write()), pipe=pipe, seed=seed, **SOMEWHERE)
         assert_the_same(order, after_s=6.0)

@@ -63,9 +63,13 @@ T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS, T_CHECKED_S, T_LISTENING_S, T_WORD_S = ra
 # reads, and whether the board reports after it.
 U_BOARD, U_FIRST, U_LAST, U_REPORTS = range(4)
 
-# Entries of `around`: the length of a cycle, how far a part may turn out of the plane, and how far
-# before and behind the pipe the robot has left it.
-G_CYCLE_S, G_OUT_OF_PLANE, G_BEFORE_M, G_BEHIND_M = range(4)
+# Entries of `around`: the length of a cycle, how far a part may turn out of the plane, whether a
+# robot is in the pipe as long as it touches a wall, and how far before and behind the pipe it has
+# left it otherwise.
+G_CYCLE_S, G_OUT_OF_PLANE, G_TOUCHING, G_BEFORE_M, G_BEHIND_M = range(5)
+
+PRESS = 6
+"""The block of `press` among the quantities, see `physics.PER_WHEEL`."""
 
 # Entries of `met`: frames taken, whether a frame waits for the engine, its board, whether the
 # surroundings must be looked at, how often silent boards were looked for.

@@ -19,12 +19,14 @@ from pirate_sm.simulation.gliding.columns import (
     G_BEHIND_M,
     G_CYCLE_S,
     G_OUT_OF_PLANE,
+    G_TOUCHING,
     L_DUE_S,
     L_LOOKS,
     N_BOARD,
     N_FRAMES,
     N_SURROUNDINGS,
     N_WAITING,
+    PRESS,
     T_CYCLES,
     T_LISTENING_S,
     T_NOW_S,
@@ -34,7 +36,15 @@ from pirate_sm.simulation.gliding.columns import (
     U_LAST,
     U_REPORTS,
 )
-from pirate_sm.simulation.gliding.groups import Electronics, Looker, Posture, RobotRows, Taken, Task
+from pirate_sm.simulation.gliding.groups import (
+    Electronics,
+    Looker,
+    Place,
+    Posture,
+    RobotRows,
+    Taken,
+    Task,
+)
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.looking import look, may_repeat, repeat, repeats
 from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
@@ -132,11 +142,24 @@ def may_begin(
 
 
 @compiled
-def _stays(around: Floats, rolls: Floats, arcs: Floats) -> bool:
+def _touches(presses: Floats) -> bool:
+    """Return whether a wheel presses a wall."""
+    count = 0
+    for press in presses:
+        count += press != 0.0
+    return count > 0
+
+
+@compiled
+def _stays(place: Place) -> bool:
     """Return whether the robot is in the pipe, with its parts in the plane of the bends."""
+    quantities, rolls, arcs, around = place
     for part in range(1, rolls.shape[0]):
         if abs(rolls[part]) >= around[G_OUT_OF_PLANE]:
             return False
+    if around[G_TOUCHING] != 0.0:
+        first = PRESS * arcs.shape[0]
+        return _touches(quantities[first : first + arcs.shape[0]])
     before, behind = True, True
     for arc_m in arcs:
         before = before and arc_m <= around[G_BEFORE_M]
@@ -146,7 +169,7 @@ def _stays(around: Floats, rolls: Floats, arcs: Floats) -> bool:
 
 @compiled
 def goes_on(
-    place: tuple[Floats, Floats, Floats, Floats],
+    place: Place,
     turns: Ints,
     electronics: Electronics,
     rows: RobotRows,
@@ -160,11 +183,9 @@ def goes_on(
     """Read the boards after a cycle; return whether its frame, if any, was quiet.
 
     Args:
-        place: Quantities of the physics, in the layout of `physics.QuantityLayout`; angle of the
-            roll joint, then the roll of each part, rad; position of each wheel along the pipe, m;
-            `around`.
+        place: See `groups.py`; so for the other groups.
         turns: See `columns.py`; so for `clock` and `signals`.
-        electronics: See `groups.py`; so for the other groups.
+        electronics: The boards.
         rows: The robot.
         task: What is watched.
         clock: Changed.
@@ -173,13 +194,13 @@ def goes_on(
         posture: For the survey of the pipe.
         taken: The frame is added.
     """
-    quantities, rolls, arcs, around = place
+    quantities, _, _, _ = place
     sources, counts, rng, forced = electronics
     times_s, reporters, reports, _, met = taken
     boards, _, _, _, _, _, _ = rows
     turn = turns[int(clock[T_CYCLES]) % turns.shape[0]]
     digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
-    stays = _stays(around, rolls, arcs)
+    stays = _stays(place)
     met[N_SURROUNDINGS] = 0 if stays else 1
     if turn[U_REPORTS] == 0:
         return stays

@@ -6,6 +6,10 @@ from typing import TypeAlias
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 
+Place: TypeAlias = tuple[Floats, Floats, Floats, Floats]
+"""Quantities of the physics, laid out by `physics.QuantityLayout`; the roll joint's angle, then the
+roll of each part, rad; position of each wheel along the pipe, m; `around`."""
+
 Electronics: TypeAlias = tuple[Floats, Floats, Words, Floats]
 """The channel table, see `digitizing.digitize`; the last count of every channel; the state of the
 generator of noise; the counts that defects show in place of those measured, NaN for the others."""

@@ -99,24 +99,22 @@ def _argument(place: str, text: str) -> Argument:
     return Argument(kind, int(dimensions))
 
 
+_BARS = "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int"
+_ROUND = "Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, int"
+_GLIDING = (
+    "Floats1, Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1, Ints2, Floats2, "
+    "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
+    "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
+    "Ints1, Floats1, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
+    "Floats2, Floats2, Floats2, Floats1"
+)
+"""What a physics takes, and what gliding takes besides."""
+
 ENTRY_POINTS = (
-    entry_point(
-        "pirate_sm.simulation.xpbd.kernel:advance",
-        "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int",
-    ),
-    entry_point(
-        "pirate_sm.simulation.xpbd.glide:glide",
-        "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int, Floats1, "
-        "Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1, Ints2, Floats2, "
-        "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
-        "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
-        "Ints1, Floats1, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
-        "Floats2, Floats2, Floats2, Floats1",
-    ),
-    entry_point(
-        "pirate_sm.simulation.xpbd.space.kernel:advance",
-        "Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, int",
-    ),
+    entry_point("pirate_sm.simulation.xpbd.kernel:advance", _BARS),
+    entry_point("pirate_sm.simulation.xpbd.glide:glide", f"{_BARS}, {_GLIDING}"),
+    entry_point("pirate_sm.simulation.xpbd.space.kernel:advance", _ROUND),
+    entry_point("pirate_sm.simulation.xpbd.space.glide:glide", f"{_ROUND}, {_GLIDING}"),
     entry_point(
         "pirate_sm.simulation.digitizing:digitize",
         "Floats2, int, int, Floats1, Floats1, Words1",

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+from typing import Any
+
 from pirate_sm.geometry.network import Section
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.fidelity import USUAL, Fidelity
@@ -10,7 +13,7 @@ from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.machine_code import is_kept
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import Physics, StartPose
-from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd import glide, kernel
 from pirate_sm.simulation.xpbd.world import World
 
 
@@ -32,8 +35,10 @@ def kinematic(
 
 def is_compiled(section: Section) -> bool:
     """Return whether a simulation can start at once; if not, its first call takes seconds."""
-    if section == "bars":
-        return is_kept(kernel.advance) and is_kept(digitizing.digitize)
-    from pirate_sm.simulation.xpbd.space import kernel as in_space
+    functions: list[Callable[..., Any]] = [kernel.advance, glide.glide, digitizing.digitize]
+    if section == "round":
+        from pirate_sm.simulation.xpbd.space import glide as glide_in_space
+        from pirate_sm.simulation.xpbd.space import kernel as kernel_in_space
 
-    return is_kept(in_space.advance) and is_kept(digitizing.digitize)
+        functions[:2] = kernel_in_space.advance, glide_in_space.glide
+    return all(map(is_kept, functions))

@@ -78,11 +78,12 @@ R_RATE, R_ANGLE, R_MOTOR = 6, 8, 9
 ROLL_ENTRIES = 10
 
 # `out` has a block for each of `physics.PER_WHEEL`, the entries `physics.SINGLE`, then the kernel's
-# own: the rolls of the two parts, and how deep a wheel or link has been in a wall so far, m.
+# own: the angle of the roll joint, the rolls of the two parts, and how deep a wheel or link has
+# been in a wall so far, m.
 OUT_PER_WHEEL = 9
 OUT_SINGLE = 8
-OUT_ROLL_FRONT, OUT_ROLL_REAR, OUT_DEEPEST = range(3)
-OUT_OWN = 3
+OUT_ROLL, OUT_ROLL_FRONT, OUT_ROLL_REAR, OUT_DEEPEST = range(4)
+OUT_OWN = 4
 
 # Scratch columns per wheel: the link behind it, its levers in the planes of its two ends, gradients
 # of its joint, and what is constant in a call.
@@ -1555,8 +1556,9 @@ def advance(
         out[8 * n + i] = tally[i, T_GRIP] * per_step
     out[OUT_PER_WHEEL * n] = roll[R_ANGLE]
     out[OUT_PER_WHEEL * n + 1] = current / steps
-    k = OUT_PER_WHEEL * n + OUT_SINGLE + OUT_DEEPEST
-    out[k] = max(out[k], -deepest)
+    own = OUT_PER_WHEEL * n + OUT_SINGLE
+    out[own + OUT_ROLL] = roll[R_ANGLE]
+    out[own + OUT_DEEPEST] = max(out[own + OUT_DEEPEST], -deepest)
     _feel(
         n,
         pos,

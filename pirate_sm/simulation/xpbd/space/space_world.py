@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from pirate_sm.simulation.start_pose import lying, normal_of
 from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
 from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space.glide import glide
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.space.space_state import SpaceState
 
@@ -81,15 +83,23 @@ class SpaceWorld:
         """Simulate one cycle."""
         kernel.advance(*self._arrays, self._steps)
 
+    @property
+    def roll_angles(self) -> Floats:
+        """Angle of the roll joint, then the roll of the parts ahead and behind, rad."""
+        return self._own[: kernel.OUT_DEEPEST]
+
+    def glide(self, *arrays: Any) -> None:
+        """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
+        glide(*self._arrays, self._steps, *arrays)
+
     def places(self) -> Sequence[Vector]:
         """Return the centre of each wheel in the drawing of the pipe, m."""
         return [(x, y, z) for x, y, z in self.state.position.tolist()]
 
     def rolls(self) -> Sequence[float]:
         """Return the angle of the roll joint, then the roll of the parts ahead and behind, rad."""
-        angle, _ = self.state.roll.tolist()
-        front, rear, _ = self._own.tolist()
-        return angle, front, rear
+        found: list[float] = self.roll_angles.tolist()
+        return found
 
     @property
     def deepest_m(self) -> float:

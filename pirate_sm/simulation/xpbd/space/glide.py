@@ -1,0 +1,85 @@
+"""Cycles of a chain in round pipes in one compiled call."""
+
+from __future__ import annotations
+
+from pirate_sm.simulation.arrays import Floats, Ints, Words
+from pirate_sm.simulation.gliding.cycle import goes_on, may_begin
+from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.xpbd.space.kernel import advance
+
+
+@compiled
+def glide(
+    state: Floats,
+    command: Floats,
+    wheel_rows: Floats,
+    solids: Floats,
+    edges: Floats,
+    edge_points: Floats,
+    legs: Floats,
+    world: Floats,
+    quantities: Floats,
+    steps: int,
+    rolls: Floats,
+    arcs: Floats,
+    around: Floats,
+    turns: Ints,
+    sources: Floats,
+    counts: Floats,
+    rng: Words,
+    forced: Floats,
+    boards: Ints,
+    channels: Floats,
+    derived: Floats,
+    wheels: Floats,
+    own: Floats,
+    sensors: Floats,
+    robot: Floats,
+    slots: Floats,
+    conditions: Ints,
+    code: Floats,
+    origin: Floats,
+    duties: Floats,
+    watch: Floats,
+    clock: Floats,
+    signals: Floats,
+    fresh: Floats,
+    stack: Floats,
+    chain: Floats,
+    parts: Floats,
+    body: Floats,
+    held: Ints,
+    surveyed: Floats,
+    times_s: Floats,
+    reporters: Ints,
+    reports: Floats,
+    met: Ints,
+    ticks: Floats,
+    looker: Floats,
+    points: Floats,
+    bends: Floats,
+    seen: Floats,
+    looks: Floats,
+    values: Floats,
+) -> None:
+    """Let cycles pass until a frame is not quiet, or time is up.
+
+    The first ten arguments are those of :func:`~pirate_sm.simulation.xpbd.space.kernel.advance`;
+    the others are in :mod:`~pirate_sm.simulation.gliding.groups` and `columns.py`.
+    """
+    electronics = sources, counts, rng, forced
+    rows = boards, channels, derived, wheels, own, sensors, robot
+    task = slots, conditions, code, origin, duties, watch
+    posture = chain, parts, body, held, surveyed
+    sees = looker, points, bends, seen, looks, values
+    taken = times_s, reporters, reports, ticks, met
+    while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
+        advance(
+            state, command, wheel_rows, solids, edges, edge_points, legs, world, quantities, steps
+        )
+        place = quantities, rolls, arcs, around
+        scratch = fresh, stack
+        if not goes_on(
+            place, turns, electronics, rows, task, clock, signals, scratch, posture, taken
+        ):
+            break
