@@ -76,6 +76,7 @@ def test_the_simulator_needs_no_numba() -> None:
     assert told(SHORT) == "succeeded"
 
 
+@built
 def test_without_machine_code_and_numba_it_is_told_what_to_install() -> None:
     assert told(SHORT, PIRATE_SM_JIT="1") == (
         "the simulator cannot run here: PIRATE_SM_JIT is set; pip install 'pirate-sm[jit]' lets it "
