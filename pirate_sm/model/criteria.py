@@ -98,11 +98,14 @@ class Aligned(Frozen):
         kind: What shows that a command is done.
         slots: The slots whose angles are compared.
         within: The largest difference to the setpoint.
+        leaning: By how much a part that holds may turn sideways out of the axis of the pipe; in a
+            slope this leaves the roll of a part that is levelled uncertain.
     """
 
     kind: Literal["aligned"]
     slots: Annotated[tuple[Name, ...], Field(min_length=1)]
     within: Annotated[Angle, Field(gt=0)]
+    leaning: Annotated[Angle, Field(ge=0)] = 0.0
 
 
 class Below(Frozen):

@@ -74,7 +74,8 @@ def begin(
         stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
         motion = motion._replace(stage=POSTURE, blind=blind)
     if memory := levelling.levelling_of(moment.robot, regions, target):
-        blind = motion.blind or levelling.why_not(moment.robot, state, sensing)
+        assert isinstance(spec.done, AlignedSpec)  # the loader has checked it
+        blind = motion.blind or levelling.why_not(moment.robot, state, sensing, spec.done)
         motion = motion._replace(levelling=memory, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
     moment.emit(CommandStatus(spec.name, "sent", "", place))
@@ -295,7 +296,7 @@ def _level(
     if after != memory:
         motion = motion._replace(levelling=after)
         state = state._replace(motion=motion)
-    found = levelling.judged(robot, state, after, sensing, done.within, now_s) if resting else None
+    found = levelling.judged(robot, state, after, sensing, done, now_s) if resting else None
     if found is not None and found.done:
         return _complete(moment, state, sensing, found.done)
     if found is not None and not found.failed:

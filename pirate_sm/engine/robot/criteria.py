@@ -43,10 +43,17 @@ class StoppedSpec(NamedTuple):
 
 
 class AlignedSpec(NamedTuple):
-    """Angles are at their setpoints; pairs of slot and number index."""
+    """Angles are at their setpoints; pairs of slot and number index.
+
+    Attributes:
+        slots: The pairs.
+        within: The largest difference, rad.
+        leaning: By how much the part that holds may turn sideways out of the pipe's axis, rad.
+    """
 
     slots: tuple[tuple[int, int], ...]
     within: float
+    leaning: float = 0.0
 
 
 class BelowSpec(NamedTuple):

@@ -13,11 +13,12 @@ behind, so `psi_ahead = psi_behind + phi`.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, degrees, hypot, isnan, nan, pi, remainder
+from math import atan2, degrees, hypot, isnan, nan, pi, remainder, tan
 from typing import NamedTuple
 
 from pirate_sm.engine.control.loops import quantised
 from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.robot.criteria import AlignedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import Levelling, RobotState, confirmed_parts
 from pirate_sm.engine.sensing.environment import in_pipe, is_gravity
@@ -68,7 +69,7 @@ def levelling_of(robot: RobotSpec, regions: tuple[int, ...], target: int) -> Lev
     return None
 
 
-def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing) -> str:
+def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing, done: AlignedSpec) -> str:
     """Return why no part can be levelled now, before anything moves; empty if it may be possible.
 
     An unknown direction of gravity prevents nothing: it is measured later.
@@ -76,7 +77,7 @@ def why_not(robot: RobotSpec, state: RobotState, sensing: Sensing) -> str:
     if any(state.values[wheel.slot] for wheel in robot.wheels):
         return "impossible: wheels are driven, and the inclination is measured at rest; brake first"
     force = _force(robot, state, sensing)
-    return _too_steep([force]) if is_gravity(force) else ""
+    return _too_steep([force], done) if is_gravity(force) else ""
 
 
 def measured(
@@ -115,7 +116,7 @@ def judged(
     state: RobotState,
     memory: Levelling,
     sensing: Sensing,
-    within_rad: float,
+    done: AlignedSpec,
     now_s: float,
 ) -> Verdict | None:
     """Return what follows from the measurement; None until it has lasted long enough.
@@ -125,7 +126,7 @@ def judged(
         state: Its state; one part holds.
         memory: What was measured.
         sensing: What is known now.
-        within_rad: Largest angle between the plane and the one that is wanted.
+        done: When the command is done.
         now_s: The time.
     """
     imu, holds = robot.body.imu, confirmed_parts(robot, state)
@@ -133,18 +134,18 @@ def judged(
         return None
     if not has_come(now_s, memory.since_s + MEASURED_FOR_S):
         return None
-    if steep := _too_steep(memory.felt):
+    if steep := _too_steep(memory.felt, done):
         return Verdict(failed=steep)
     _, side_b, up = (sum(axis) for axis in zip(*memory.felt, strict=True))
     held_rad, roll_rad = atan2(-side_b, up), sensing.numbers[imu.roll]
     behind = robot.body.parts[min(holds)].wheels[0] > imu.link
     turns = 1.0 if behind else -1.0
     off_rad = remainder(held_rad + turns * roll_rad - memory.target_rad, pi)
-    if memory.turns and abs(off_rad) <= within_rad:
+    if memory.turns and abs(off_rad) <= done.within:
         return Verdict(done=f"{degrees(off_rad):.1f} deg off, as the accelerometer shows")
     if memory.turns >= MOST_TURNS:
         off = f"still {abs(degrees(off_rad)):.1f} deg off after a correction"
-        return Verdict(failed=f"{off}, more than {degrees(within_rad):g} deg")
+        return Verdict(failed=f"{off}, more than {degrees(done.within):g} deg")
     return _turned(robot, memory.slot, turns * (memory.target_rad - held_rad), roll_rad)
 
 
@@ -172,11 +173,24 @@ def _force(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Vector:
     return in_pipe(robot.body, min(parts), sensing.numbers) if parts else (nan, nan, nan)
 
 
-def _too_steep(felt: Sequence[Vector]) -> str:
-    """Return why the roll is too uncertain in so steep a pipe; empty where it is not."""
+def _too_steep(felt: Sequence[Vector], done: AlignedSpec) -> str:
+    """Return why the roll is too uncertain in so steep a pipe; empty where it is not.
+
+    A part that turns sideways out of the pipe's axis by a small angle shows a roll that is wrong by
+    that angle times the tangent of the slope.
+    """
     along, side_b, up = (sum(axis) / len(felt) for axis in zip(*felt, strict=True))
     across = hypot(side_b, up)
-    if isnan(across) or across >= _LEAST_ACROSS * GRAVITY_M_S2:
+    if isnan(across):
         return ""
-    steep = f"{abs(degrees(atan2(along, across))):.0f} deg steep"
-    return f"impossible: the pipe is {steep} here, and in more than 60 deg gravity shows no roll"
+    slope_rad = abs(atan2(along, across))
+    steep = f"impossible: the pipe is {degrees(slope_rad):.0f} deg steep here"
+    if across < _LEAST_ACROSS * GRAVITY_M_S2:
+        return f"{steep}, and in more than 60 deg gravity shows no roll"
+    unsure_rad = done.leaning * tan(slope_rad)
+    if unsure_rad <= done.within:
+        return ""
+    return (
+        f"{steep}; a part that leans by {degrees(done.leaning):g} deg in it shows its roll to"
+        f" {degrees(unsure_rad):.1f} deg only, and {degrees(done.within):g} deg are asked for"
+    )

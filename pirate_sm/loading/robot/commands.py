@@ -200,7 +200,7 @@ def resolve_criterion(  # noqa: C901 - one case per kind
                 _angle_slot(name, signals, (*path, "slots", number))
                 for number, name in enumerate(done.slots)
             ]
-            return AlignedSpec(tuple(pair for pair in pairs if pair), done.within)
+            return AlignedSpec(tuple(pair for pair in pairs if pair), done.within, done.leaning)
         case criteria.Below():
             numbers = tuple(
                 signals.number(name, (*path, "signals", number))
