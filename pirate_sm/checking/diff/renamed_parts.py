@@ -55,10 +55,13 @@ def matched_triggers(old: Triggers, new: Triggers) -> Triggers:
 
     A trigger without a name of its own has the name of its target.
     """
-    alike = {(phase, each.text): (phase, name) for (phase, name), each in new.items()}
-    found: dict[tuple[str, str], Trigger] = {}
+    kept = {key for key, each in old.items() if key in new and new[key].text == each.text}
+    alike = {(key[0], each.text): key for key, each in new.items() if key not in kept}
+    found = {key: old[key] for key in kept}
     others = []
     for (phase, name), each in old.items():
+        if (phase, name) in kept:
+            continue
         if (phase, each.text) in alike:
             found[alike[phase, each.text]] = each
         else:

@@ -119,6 +119,7 @@ class Conditions:
 
     def _ask_group(self, facts: tuple[Fact, ...], states: tuple[str | None, ...]) -> PossibleAnswer:
         """Return values that satisfy the facts, or whether free booleans satisfy them."""
+        facts = tuple([(self._given(node, states), wanted) for node, wanted in facts])
         found, tried = self._witness(facts, states)
         if found.possible:
             return found
@@ -129,6 +130,27 @@ class Conditions:
             return found
         found, _ = self._witness(freed, states, len(opaque))
         return found._replace(sure=False, numbers={}, words={})
+
+    def _given(self, node: tree.Node, states: tuple[str | None, ...]) -> tree.Node:
+        """Return the condition without what the states decide, so that less has to be tried."""
+        match node:
+            case tree.Matches(signal, words) if signal.index < self.region_count:
+                state = states[signal.index]
+                return node if state is None else tree.TruthValue(state in words)
+            case tree.Not(operand):
+                given = self._given(operand, states)
+                if isinstance(given, tree.TruthValue):
+                    return tree.TruthValue(not given.value)
+                return tree.Not(given)
+            case tree.And(parts) | tree.Or(parts):
+                decides = isinstance(node, tree.Or)
+                left = [self._given(part, states) for part in parts]
+                if tree.TruthValue(decides) in left:
+                    return tree.TruthValue(decides)
+                left = [part for part in left if not isinstance(part, tree.TruthValue)]
+                return type(node)(tuple(left)) if left else tree.TruthValue(not decides)
+            case _:
+                return node
 
     def _witness(
         self, facts: tuple[Fact, ...], states: tuple[str | None, ...], free: int = 0

@@ -279,40 +279,34 @@ def _on_edge(
 
 
 @compiled
-def _nearest_point(x: float, y: float, z: float, edge: Floats, points: Floats, reach: float) -> int:
-    """Return the point of an edge nearest to a place; -1 if none is within reach."""
-    first = int(edge[E_FIRST])
-    found = -1
-    best = reach * reach
-    for k in range(first, first + int(edge[E_COUNT])):
-        dx = x - points[k, P_X]
-        dy = y - points[k, P_Y]
-        dz = z - points[k, P_Z]
-        away2 = dx * dx + dy * dy + dz * dz
-        if away2 < best:
-            best = away2
-            found = k
-    return found
+def _nearest_point(
+    x: float,
+    y: float,
+    z: float,
+    ex: float,
+    ey: float,
+    ez: float,
+    edge: Floats,
+    points: Floats,
+    reach: float,
+) -> int:
+    """Return the point of an edge nearest to a line; -1 if none is within reach.
 
-
-@compiled
-def _nearest_to_link(pos: Floats, m: int, edge: Floats, points: Floats, reach: float) -> int:
-    """Return the point of an edge nearest to a link; -1 if none is within reach."""
+    The line begins at (x, y, z) and goes by (ex, ey, ez), which may be nothing.
+    """
     first = int(edge[E_FIRST])
-    ex = pos[m + 1, 0] - pos[m, 0]
-    ey = pos[m + 1, 1] - pos[m, 1]
-    ez = pos[m + 1, 2] - pos[m, 2]
     length2 = ex * ex + ey * ey + ez * ez
     found = -1
     best = reach * reach
     for k in range(first, first + int(edge[E_COUNT])):
-        dx = points[k, P_X] - pos[m, 0]
-        dy = points[k, P_Y] - pos[m, 1]
-        dz = points[k, P_Z] - pos[m, 2]
-        share = min(max((dx * ex + dy * ey + dz * ez) / length2, 0.0), 1.0)
-        dx -= share * ex
-        dy -= share * ey
-        dz -= share * ez
+        dx = points[k, P_X] - x
+        dy = points[k, P_Y] - y
+        dz = points[k, P_Z] - z
+        if length2 > 0.0:
+            share = min(max((dx * ex + dy * ey + dz * ez) / length2, 0.0), 1.0)
+            dx -= share * ex
+            dy -= share * ey
+            dz -= share * ez
         away2 = dx * dx + dy * dy + dz * dz
         if away2 < best:
             best = away2
@@ -344,9 +338,7 @@ def _look_around(
     near, 0 or more.
     """
     for i in range(n):
-        x = pos[i, 0]
-        y = pos[i, 1]
-        z = pos[i, 2]
+        x, y, z = pos[i, 0], pos[i, 1], pos[i, 2]
         speed = np.sqrt(vel[i, 0] ** 2 + vel[i, 1] ** 2 + vel[i, 2] ** 2)
         reach = world[RADIUS] + _NEAR_M + 2.0 * (speed + passed * 9.81) * passed
         nears[i] = 0
@@ -372,16 +364,19 @@ def _look_around(
             rim_at[i, k] = -1
             link_at[i, k] = -1
             if away2 < (edges[k, E_RADIUS] + reach) ** 2:
-                rim_at[i, k] = _nearest_point(x, y, z, edges[k], points, reach)
+                rim_at[i, k] = _nearest_point(x, y, z, 0.0, 0.0, 0.0, edges[k], points, reach)
                 rims[i] = max(rims[i], rim_at[i, k] + 1)
             if i == n - 1:
                 continue
-            dx += 0.5 * (pos[i + 1, 0] - x)
-            dy += 0.5 * (pos[i + 1, 1] - y)
-            dz += 0.5 * (pos[i + 1, 2] - z)
+            ex = pos[i + 1, 0] - x
+            ey = pos[i + 1, 1] - y
+            ez = pos[i + 1, 2] - z
+            dx += 0.5 * ex
+            dy += 0.5 * ey
+            dz += 0.5 * ez
             away2 = dx * dx + dy * dy + dz * dz
             if away2 < (edges[k, E_RADIUS] + 0.5 * body[i, LINK_LENGTH] + reach) ** 2:
-                link_at[i, k] = _nearest_to_link(pos, i, edges[k], points, reach)
+                link_at[i, k] = _nearest_point(x, y, z, ex, ey, ez, edges[k], points, reach)
                 rims[i] = max(rims[i], link_at[i, k] + 1)
 
 
@@ -447,9 +442,7 @@ def _find_contacts(
     radius = world[RADIUS]
     reach = radius + _MARGIN_M
     for i in range(n):
-        x = pos[i, 0]
-        y = pos[i, 1]
-        z = pos[i, 2]
+        x, y, z = pos[i, 0], pos[i, 1], pos[i, 2]
         for k in range(nears[i]):
             solid = near[i, k]
             if _foot(x, y, z, solids, solid, hit) and -radius < hit[3] < reach:
@@ -647,22 +640,14 @@ def _crept(c: int, rolled: float, con: Floats) -> float:
 
 @compiled
 def _solve_contacts(
-    count: int,
-    mov: Floats,
-    body: Floats,
-    compliance: float,
-    parts: Floats,
-    con: Floats,
-    who: Ints,
+    count: int, mov: Floats, body: Floats, compliance: float, parts: Floats, con: Floats, who: Ints
 ) -> None:
     """Push out, roll and hold each contact once, with friction within its cone."""
     for c in range(count):
         i = who[c, NODE]
         inv = body[i, MASS_INV]
         # What a wheel moves stays in registers until it is known.
-        x = mov[i, 0]
-        y = mov[i, 1]
-        z = mov[i, 2]
+        x, y, z = mov[i, 0], mov[i, 1], mov[i, 2]
         push = con[c, PUSH]
         gap = (con[c, GAP] + con[c, NX] * x) + (con[c, NY] * y + con[c, NZ] * z)
         new = max(0.0, push - (gap + compliance * push) * con[c, PUSH_INV])
@@ -1074,9 +1059,8 @@ def _begin(
             w[i, LR_Y] = (parts[1, N_Z] * dx - parts[1, N_X] * dz) * share
             w[i, LR_Z] = (parts[1, N_X] * dy - parts[1, N_Y] * dx) * share
         else:
-            w[i, LR_X] = w[i, LF_X]
-            w[i, LR_Y] = w[i, LF_Y]
-            w[i, LR_Z] = w[i, LF_Z]
+            for k in range(3):
+                w[i, LR_X + k] = w[i, LF_X + k]
         if i == 0:
             continue
         ax = w[i - 1, D_X]
@@ -1119,9 +1103,8 @@ def _predict(n: int, mov: Floats, vel: Floats, roll: Floats, world: Floats, part
     """Move the wheels as gravity alone would, and roll the parts on."""
     dt = world[DT]
     for i in range(n):
-        mov[i, 0] = dt * (vel[i, 0] + dt * world[G_X])
-        mov[i, 1] = dt * (vel[i, 1] + dt * world[G_Y])
-        mov[i, 2] = dt * (vel[i, 2] + dt * world[G_Z])
+        for k in range(3):
+            mov[i, k] = dt * (vel[i, k] + dt * world[G_X + k])
     for p in range(2):
         parts[p, N_ROLL] = dt * roll[R_RATE + p]
 
@@ -1493,9 +1476,7 @@ def advance(
     passed = dt * steps
     compliance = world[CONTACT_COMPLIANCE] / (dt * dt)
     imu = int(world[IMU_LINK])
-    vx = vel[imu, 0]
-    vy = vel[imu, 1]
-    vz = vel[imu, 2]
+    vx, vy, vz = vel[imu, 0], vel[imu, 1], vel[imu, 2]
     parts[0, N_INV_I] = 1.0 / world[INERTIA_FRONT]
     parts[1, N_INV_I] = 1.0 / world[INERTIA_REAR]
     _prepare(n, command, body, world, w)
@@ -1531,12 +1512,9 @@ def advance(
             _solve_leaning(leans, mov, body, compliance, w, cor, leaning)
             _solve_links(n, mov, body, w)
         for i in range(n):
-            vel[i, 0] = mov[i, 0] / dt
-            pos[i, 0] += mov[i, 0]
-            vel[i, 1] = mov[i, 1] / dt
-            pos[i, 1] += mov[i, 1]
-            vel[i, 2] = mov[i, 2] / dt
-            pos[i, 2] += mov[i, 2]
+            for k in range(3):
+                vel[i, k] = mov[i, k] / dt
+                pos[i, k] += mov[i, k]
             tally[i, T_TORQUE] += body[i, JOINT_K] * (motor[i] - bend[i])
         _turn_wheels(n, count, mov, wheel, anchor, world, w, parts, con, who, touch, tally)
         _keep(roll, parts, dt)

@@ -184,8 +184,8 @@ def test_in_a_slope_it_is_impossible_where_a_leaning_part_hides_the_roll(drive, 
     assert robot.driver.last_status.status == "failed"
     roll_deg = 9 * math.tan(math.radians(abs(pitch_deg)))
     assert robot.reason == (
-        f"impossible: the pipe is {abs(pitch_deg)} deg steep here; a part that leans by 9 deg in it "
-        f"shows its roll to {roll_deg:.1f} deg only, and 3 deg are asked for"
+        f"impossible: the pipe is {abs(pitch_deg)} deg steep here; a part that leans by 9 deg in "
+        f"it shows its roll to {roll_deg:.1f} deg only, and 3 deg are asked for"
     )
     assert robot.driver.nonzero == pytest.approx({"bend_3": -0.7, "bend_4": 0.7})
 
