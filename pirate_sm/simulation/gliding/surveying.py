@@ -265,9 +265,9 @@ def survey(
     count = _walled(held, parts, numbers, walled)
     if count > 2:  # the sum of more numbers depends on how it is made
         return False
-    if count == 2 and _steps(walled, parts, numbers):
-        return False
     segment = _segment(held, walled, count, surveyed, numbers, chain, parts, body)
+    if segment == STRAIGHT and count == 2 and _steps(walled, parts, numbers):
+        return False
     lying = _along(walled, count, surveyed[E_STRAIGHT_M], parts, numbers, along)
     if segment == STRAIGHT:
         if lying == 0:
