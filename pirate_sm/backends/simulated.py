@@ -217,14 +217,18 @@ class SimulatorBackend:
 
     def glide(self, watch: Watch, until_s: float, words: WordWatch | None = None) -> Glide | None:
         """Let cycles pass as long as their frames change nothing but signals."""
-        if self._closed or self._pending or self._wire.waiting is not None:
+        if self._closed or self._pending:
             return None
         if self._glider is None or self._glider.robot is not watch.robot:
             self._glider = Glider(watch.robot, self.robot, self._turns, self._cycle_s)
-        until_s = min(until_s, self._wire.due_s)
+        waiting, until_s = self._wire.waiting, min(until_s, self._wire.due_s)
+        if waiting is not None and waiting.arrives:  # in force from the next cycle on, if it comes
+            self.robot.electronics.set_values(waiting.values)
         passed = self._glider.glide(watch, words, self._now, self._cycles, until_s)
         if passed is None:
             return None
+        if passed.cycles > self._cycles:
+            self._wire.waiting = None
         self._now, self._cycles = passed.glide.now_s, passed.cycles
         if passed.waiting is not None:
             self._pending.append(passed.waiting)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
 
 from pirate_sm.backends.protocol import Gliding
 from pirate_sm.companion import Companion, Relieved
+from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.frame_block import FrameBlock
 
 if TYPE_CHECKING:
@@ -55,11 +56,15 @@ class Part(NamedTuple):
 
 
 def parts_of(glide: Glide) -> Iterator[Part]:
-    """Yield the frames and other steps of a glide in the order of time."""
+    """Yield the frames and other steps of a glide in the order of time.
+
+    A step of a frame takes the place of this frame.
+    """
     frames, begin = glide.frames, 0
     for step in glide.steps:
         end = bisect_right(frames.times_s, step[0])
-        yield Part(_between(frames, begin, end), step)
+        own = 1 if isinstance(step[1], SensorFrame) else 0
+        yield Part(_between(frames, begin, end - own), step)
         begin = end
     yield Part(_between(frames, begin, len(frames)), None)
 

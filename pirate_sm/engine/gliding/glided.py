@@ -7,7 +7,7 @@ from math import inf
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.sensing.environment import Surveyed
-from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
@@ -29,6 +29,7 @@ class Glided(NamedTuple):
     shares: Numbers
     angles: Numbers
     records: tuple[BoardMemory, ...]
+    asked: MotorRequest
     loss: float
     checked_s: float
     wake_at_s: float
@@ -48,7 +49,7 @@ class Glide(NamedTuple):
         after: The signals after them; None where nothing has been taken.
         frames: The frames that were taken.
         steps: What else has happened, with time, event and effects: silent boards were looked for,
-            or the detector's word was repeated.
+            which may be in the step of one of the frames, or the detector's word was repeated.
         looks: The looks that were made for a detector.
         due_s: When its next one is due.
         said_s: When its word was repeated last; None if it was not.
@@ -76,8 +77,8 @@ def after_glide(state: EngineState, after: Glided) -> EngineState:
 
 def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
     """Return the signals after quiet frames."""
-    numbers, heard_s, shares, angles, records, loss, checked_s, *_ = after
+    numbers, heard_s, shares, angles, records, asked, loss, checked_s, *_ = after
     return Sensing(
         *(numbers, heard_s, checked_s, sensing.stale, shares, angles, records),
-        *(sensing.asked, loss, sensing.told, sensing.traction, sensing.outside_until_s),
+        *(asked, loss, sensing.told, sensing.traction, sensing.outside_until_s),
     )

@@ -58,6 +58,7 @@ class Watch(NamedTuple):
         sensing: The signals before the frame.
         setpoints: Values in force per slot.
         latest: Values last sent, which may be in force already.
+        asked: The array by which motions are judged, the last that was sent; empty before.
         origin: Signals when the wait began, for conditions on their changes; else empty.
         rules: The fault rules; the same object where they are the same again.
         conditions: The other conditions.
@@ -78,6 +79,7 @@ class Watch(NamedTuple):
     sensing: Sensing
     setpoints: Numbers
     latest: Numbers
+    asked: Numbers
     origin: Numbers
     rules: tuple[Condition, ...]
     conditions: tuple[Condition, ...]

@@ -46,7 +46,7 @@ def observe(
     before = sensing.numbers
     numbers = convert(board, frame.values, before)
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
-    asked = _ask(robot, sensing.asked, latest if sent else (), now)
+    asked = ask(robot, sensing.asked, latest if sent else (), now)
     settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
     reading = Reading(before, elapsed_s, now, asked.setpoints, asked.since_s, settled)
     record, reports = plausibility.sift(
@@ -99,8 +99,15 @@ def convert(board: BoardSpec, raw: Numbers, numbers: Sequence[float]) -> list[fl
     return converted
 
 
-def _ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -> MotorRequest:
-    """Return the array last sent, with its time and whether it drives a wheel."""
+def ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -> MotorRequest:
+    """Return what the motors have been asked when a frame comes, by which its motions are judged.
+
+    Args:
+        robot: The robot.
+        asked: What they had been asked before.
+        setpoints: The array last sent; empty before the first.
+        now: When the frame was received.
+    """
     if setpoints is asked.setpoints:
         return asked
     if setpoints == asked.setpoints:

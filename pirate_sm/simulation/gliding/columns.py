@@ -75,9 +75,10 @@ PRESS = 6
 # surroundings must be looked at, how often silent boards were looked for.
 N_FRAMES, N_WAITING, N_BOARD, N_SURROUNDINGS, N_TICKS = range(5)
 
-# Columns of `ticks`: when silent boards were looked for, and when the engine would be called next;
-# or when the detector repeated its word, and infinity.
-J_AT_S, J_WAKE_S = range(2)
+# Columns of `ticks`: when silent boards were looked for, when the engine would be called next, and
+# whether that was in the step of a frame; or when the detector repeated its word, and infinity.
+J_AT_S, J_WAKE_S, J_OF_FRAME = range(3)
+TICK_COLUMNS = 3
 
 # Entries of `looker`, what a detector by positions knows: when it looks and how often, over which
 # time it filters, whether wheels are driven and which way, its limits, the present word, when it

@@ -71,7 +71,7 @@ def _listens(
         return False
     if not looks_round(now_s, signals[:count], posture):
         return False
-    listen(now_s, robot, watch, clock, ticks, met)
+    listen(now_s, 0.0, robot, watch, clock, ticks, met)
     return True
 
 
@@ -196,7 +196,7 @@ def goes_on(
     """
     quantities, _, _, _ = place
     sources, counts, rng, forced = electronics
-    times_s, reporters, reports, _, met = taken
+    times_s, reporters, reports, ticks, met = taken
     boards, _, _, _, _, _, _ = rows
     turn = turns[int(clock[T_CYCLES]) % turns.shape[0]]
     digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
@@ -213,7 +213,7 @@ def goes_on(
         values[k] = counts[first + k] if np.isnan(shown) else shown
     times_s[at] = clock[T_NOW_S]
     reporters[at] = position
-    if take_frame(position, values, rows, task, clock, signals, scratch, posture):
+    if take_frame(position, values, rows, task, clock, signals, scratch, posture, ticks, met):
         met[N_FRAMES] = at + 1
         return stays
     met[N_WAITING] = 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left
 from collections.abc import Sequence
 from math import inf, nan
 from typing import Any, NamedTuple
@@ -11,12 +12,15 @@ import numpy as np
 from pirate_sm.engine.gliding.glided import Glide, Step
 from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.conversion import ask
+from pirate_sm.engine.sensing.known_signals import MotorRequest
 from pirate_sm.expressions.bytecode import DEEPEST
 from pirate_sm.model.effects import WakeAt
 from pirate_sm.model.events import DetectorWord, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.word_watch import WordWatch
 from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
 from pirate_sm.simulation.gliding.look_tables import LookTables
 from pirate_sm.simulation.gliding.protocol import GlidingPhysics
 from pirate_sm.simulation.gliding.robot_tables import robot_tables
@@ -78,10 +82,11 @@ class Glider:
         self._looks = LookTables(len(simulated.arcs))
         self._around: Floats = np.array([cycle_s, *simulated.leeway])
         self._turns = _turn_table(robot, turns)
+        self._reports_after: list[int] = self._turns[:, U_REPORTS].tolist()
         self._forced: Floats = np.full(len(electronics.counts), nan)
         self._shown: dict[int, float] = {}
         self._clock: Floats = np.zeros(7)
-        self._ticks: Floats = np.zeros((_MOST_TICKS, 2))
+        self._ticks: Floats = np.zeros((_MOST_TICKS, TICK_COLUMNS))
         self._scratch = np.zeros_like(self._signals.signals), np.zeros(DEEPEST)
         self._times_s: Floats = np.zeros(_MOST_FRAMES)
         self._reporters: Ints = np.zeros(_MOST_FRAMES + 1, dtype=np.int64)
@@ -112,7 +117,8 @@ class Glider:
             or (cycles + 1) * self._cycle_s >= min(until_s, watch.alarm_s)
         ):
             return None
-        if not (self._watch.take(watch, until_s) and self._looks.take(words, watch)):
+        asked = ask(self.robot, watch.sensing.asked, watch.asked, self._next_frame_s(cycles))
+        if not (self._watch.take(watch, asked, until_s) and self._looks.take(words, watch)):
             return None
         self._signals.take(watch.sensing)
         self._survey.take(watch)
@@ -122,7 +128,7 @@ class Glider:
         self._clock[4:] = sensing.checked_s, watch.listening_s, watch.word_until_s
         self._met[:] = 0
         physics.glide(*self._arguments(physics))
-        return self._passed(watch, words, cycles)
+        return self._passed(watch, asked, words, cycles)
 
     def _force(self, now_s: float) -> None:
         """Show what defects show in place of what is measured."""
@@ -149,7 +155,17 @@ class Glider:
             *self._looks.arrays,
         )
 
-    def _passed(self, watch: Watch, words: WordWatch | None, before: int) -> Passed:
+    def _next_frame_s(self, cycles: int) -> float:
+        """Return when the next board reports."""
+        turns = len(self._reports_after)
+        for cycle in range(cycles + 1, cycles + 1 + turns):
+            if self._reports_after[cycle % turns]:
+                return cycle * self._cycle_s
+        return inf
+
+    def _passed(
+        self, watch: Watch, asked: MotorRequest, words: WordWatch | None, before: int
+    ) -> Passed:
         now_s, cycles, time_s, loss, checked_s, _, word_s = self._clock.tolist()
         count, waits, position, met, looked = self._met.tolist()
         frames = self._block(count)
@@ -164,9 +180,10 @@ class Glider:
         after = None
         if count or rows:
             times = loss, checked_s, wake_s, word_s
-            after = self._signals.given(*times, self._survey.given())
+            asked = asked if count else watch.sensing.asked
+            after = self._signals.given(asked, *times, self._survey.given())
         said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
-        steps = [_step(at_s, wake_s, words) for at_s, wake_s in rows]
+        steps = [_step(frames, row, words) for row in rows]
         looks, due_s = self._looks.made()
         glide = Glide(now_s, after, frames, steps, looks, due_s, said_s)
         return Passed(glide, round(cycles), waiting, bool(met))
@@ -177,11 +194,13 @@ class Glider:
         return FrameBlock(times_s, boards, self._reports[:count].copy(), self._widths)
 
 
-def _step(at_s: float, wake_s: float, words: WordWatch | None) -> Step:
+def _step(frames: FrameBlock, row: Sequence[float], words: WordWatch | None) -> Step:
     """Return what has happened: a word was repeated, or silent boards were looked for."""
+    at_s, wake_s, of_frame = row
     if wake_s == inf and words is not None:
         return at_s, DetectorWord(words.name, words.valid_for_s), ()
-    return at_s, Tick(), (WakeAt(wake_s),)
+    event = frames.frame(bisect_left(frames.times_s, at_s)) if of_frame else Tick()
+    return at_s, event, (WakeAt(wake_s),)
 
 
 def _turn_table(robot: RobotSpec, turns: Sequence[Turn]) -> Ints:

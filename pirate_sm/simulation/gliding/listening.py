@@ -6,6 +6,7 @@ from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import (
     A_ALARM_S,
     J_AT_S,
+    J_OF_FRAME,
     J_WAKE_S,
     N_TICKS,
     R_LISTEN_EVERY_S,
@@ -41,7 +42,13 @@ def may_listen(
 
 @compiled
 def listen(
-    now_s: float, robot: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints
+    now_s: float,
+    of_frame: float,
+    robot: Floats,
+    watch: Floats,
+    clock: Floats,
+    ticks: Floats,
+    met: Ints,
 ) -> None:
     """Note that every board has reported. See `columns.py` for the arrays."""
     made = met[N_TICKS]
@@ -49,4 +56,5 @@ def listen(
     clock[T_LISTENING_S] = now_s + robot[R_LISTEN_EVERY_S]
     ticks[made, J_AT_S] = now_s
     ticks[made, J_WAKE_S] = min(watch[A_ALARM_S], clock[T_LISTENING_S])
+    ticks[made, J_OF_FRAME] = of_frame
     met[N_TICKS] = made + 1

@@ -14,6 +14,7 @@ from pirate_sm.simulation.gliding.columns import (
     A_ALARM_S,
     A_DEADLINE_S,
     J_AT_S,
+    J_OF_FRAME,
     J_WAKE_S,
     L_DIRECTION,
     L_DRIVEN,
@@ -109,6 +110,7 @@ def repeat(
     watch[A_ALARM_S] = min(watch[A_DEADLINE_S], clock[T_WORD_S])
     ticks[met[N_TICKS], J_AT_S] = now_s
     ticks[met[N_TICKS], J_WAKE_S] = np.inf
+    ticks[met[N_TICKS], J_OF_FRAME] = 0.0
     met[N_TICKS] += 1
 
 

@@ -30,6 +30,7 @@ from pirate_sm.simulation.gliding.columns import (
     TOLERANCE_S,
 )
 from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Task
+from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.machine import value_of
 from pirate_sm.simulation.gliding.observing import (
     convert,
@@ -113,9 +114,12 @@ def take_frame(
     signals: Floats,
     scratch: tuple[Floats, Floats],
     posture: Posture,
+    ticks: Floats,
+    met: Ints,
 ) -> bool:
     """Take a frame if it changes nothing but signals; otherwise leave everything as it is.
 
+    Silent boards are looked for where that is due at its time.
     `values` are the raw values of the frame of the board at `position`; the other arguments are
     those of :func:`~pirate_sm.simulation.gliding.cycle.goes_on`.
     """
@@ -130,7 +134,8 @@ def take_frame(
     memory_at = angles_at + width
     heard_s = signals[heard_at:shares_at]
     elapsed_s = max(now_s - heard_s[position], robot[R_PERIOD_S])
-    due_s = min(watch[A_ALARM_S], clock[T_LISTENING_S])
+    listens = now_s >= clock[T_LISTENING_S]
+    due_s = watch[A_ALARM_S] if listens else min(watch[A_ALARM_S], clock[T_LISTENING_S])
     deadline_s = min(watch[A_FRAMES_S], due_s - TOLERANCE_S)
     if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[R_PERIOD_S]:
         return False
@@ -161,9 +166,13 @@ def take_frame(
     loss = clock[T_LOSS] * (1.0 - robot[R_LOSS_GAIN])
     quiet = asks_the_same(duties, numbers, loss)
     quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
+    fresh[heard_at + position] = now_s
+    if listens and not may_listen(now_s, fresh[heard_at:shares_at], robot, watch, ticks, met):
+        return False
     if not (quiet and looks_round(now_s, numbers, posture)):
         return False
-    fresh[heard_at + position] = now_s
+    if listens:
+        listen(now_s, 1.0, robot, watch, clock, ticks, met)
     _copy(fresh, signals)
     clock[T_LOSS] = loss
     return True

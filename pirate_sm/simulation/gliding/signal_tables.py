@@ -7,7 +7,7 @@ import numpy as np
 from pirate_sm.engine.gliding.glided import Glided, sensing_after
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.environment import Surveyed
-from pirate_sm.engine.sensing.known_signals import Sensing
+from pirate_sm.engine.sensing.known_signals import MotorRequest, Sensing
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, SensorMemory
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.gliding import columns as col
@@ -63,11 +63,18 @@ class SignalTables:
         self._memory[:] = np.array(rows, dtype=np.float64).reshape(self._memory.shape)
 
     def given(
-        self, loss: float, checked_s: float, wake_s: float, word_s: float, surveyed: Surveyed
+        self,
+        asked: MotorRequest,
+        loss: float,
+        checked_s: float,
+        wake_s: float,
+        word_s: float,
+        surveyed: Surveyed,
     ) -> Glided:
         """Return the signals as the engine has them.
 
         Args:
+            asked: What the motors have been asked.
             loss: Share of lost reports.
             checked_s: When silent boards were looked for.
             wake_s: When the engine asks to be called.
@@ -81,7 +88,7 @@ class SignalTables:
             tuple(self._shares.tolist()),
             tuple(self._angles.tolist()),
             self._records(self._of.records),
-            *(loss, checked_s, wake_s, word_s),
+            *(asked, loss, checked_s, wake_s, word_s),
             surveyed,
         )
         self._of = sensing_after(self._of, after)

@@ -7,6 +7,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from pirate_sm.engine.gliding.watch import Condition, SameDuty, Watch
+from pirate_sm.engine.sensing.known_signals import MotorRequest
 from pirate_sm.expressions.bytecode import DEEPEST, Code, depth_of
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
@@ -70,11 +71,12 @@ class WatchTables:
         self._of: Watch | None = None
         self._possible = False
 
-    def take(self, watch: Watch, until_s: float) -> bool:
+    def take(self, watch: Watch, asked: MotorRequest, until_s: float) -> bool:
         """Take a watch in; return whether the machine can keep it.
 
         Args:
             watch: What is watched.
+            asked: What the motors have been asked when the next frame comes.
             until_s: When time stops.
         """
         before = self._of
@@ -94,16 +96,16 @@ class WatchTables:
             self.origin[:] = watch.origin
         if (
             before is None
-            or watch.sensing.asked is not self._asked
+            or asked is not self._asked
             or watch.setpoints is not before.setpoints
             or watch.latest is not before.latest
         ):
-            self._take_setpoints(watch)
+            self._take_setpoints(watch, asked)
         self._of = watch
         return self._possible
 
-    def _take_setpoints(self, watch: Watch) -> None:
-        asked = self._asked = watch.sensing.asked
+    def _take_setpoints(self, watch: Watch, asked: MotorRequest) -> None:
+        self._asked = asked
         self.slots[:, col.V_FORCE] = watch.setpoints
         # The values in force, replaced by the latest where they are zero.
         self.slots[:, col.V_DRIVEN] = [
