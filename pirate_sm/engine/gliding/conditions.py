@@ -34,6 +34,8 @@ class Codes:
         self._known: dict[tuple[int, Words], Code] = {}
         self._read: dict[int, tuple[Expression, tuple[int, ...]]] = {}
         self._rules: dict[tuple[Words, Sequence[bool]], tuple[Condition, ...]] = {}
+        trees = [rule.when.tree for rule in robot.faults]
+        self._tested = sorted({index for tree in trees for index in words_in(tree)})
         self._boards = [0] * len(robot.faults)
         for board in robot.boards.values():
             for rule in board.faults:
@@ -46,7 +48,7 @@ class Codes:
             words: What the signals with words are.
             holding: Per rule whether it is true.
         """
-        key = tuple(words), tuple(holding)
+        key = tuple([words[index] for index in self._tested]), tuple(holding)
         found = self._rules.get(key)
         if found is None:
             pairs = zip(self._robot.faults, holding, self._boards, strict=True)

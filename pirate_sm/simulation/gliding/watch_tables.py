@@ -87,7 +87,7 @@ class WatchTables:
         if (
             before is None
             or watch.rules is not before.rules
-            or watch.conditions is not before.conditions
+            or watch.conditions != before.conditions
         ):
             self._take_conditions(watch)
         if before is None or watch.duties is not before.duties:
