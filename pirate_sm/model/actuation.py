@@ -5,7 +5,15 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
-from pydantic import BeforeValidator, Field, PlainSerializer, WithJsonSchema, model_validator
+from pydantic import (
+    BeforeValidator,
+    Field,
+    GetJsonSchemaHandler,
+    PlainSerializer,
+    model_validator,
+)
+from pydantic.json_schema import JsonSchemaValue
+from pydantic_core import CoreSchema
 
 from pirate_sm.model.base import AlsoWritten, Condition, Frozen, Name
 from pirate_sm.model.criteria import Criterion
@@ -119,12 +127,13 @@ def _write(value: Setpoint) -> str | dict[str, str]:
             return value
 
 
-SlotSetpoint = Annotated[
-    Any,
-    BeforeValidator(_read),
-    PlainSerializer(_write),
-    WithJsonSchema(
-        {
+class _WrittenSetpoint:
+    """JSON Schema annotation of a setpoint, made when it is asked for."""
+
+    def __get_pydantic_json_schema__(
+        self, schema: CoreSchema, handler: GetJsonSchemaHandler
+    ) -> JsonSchemaValue:
+        return {
             "anyOf": [
                 {"const": KEEP, "description": "The last accepted value stays."},
                 {
@@ -171,7 +180,13 @@ SlotSetpoint = Annotated[
             ),
             "examples": ["60 %", "-45 deg", "-0.5 * elbow", "90 mm/s", "350 mNm", KEEP],
         }
-    ),
+
+
+SlotSetpoint = Annotated[
+    Any,
+    BeforeValidator(_read),
+    PlainSerializer(_write),
+    _WrittenSetpoint(),
 ]
 
 Stage: TypeAlias = dict[Name, SlotSetpoint]

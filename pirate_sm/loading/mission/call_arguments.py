@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.loading.mission import parameter_values as parameters
-from pirate_sm.loading.mission.called_missions import robots_of
+from pirate_sm.loading.mission.called_missions import suits
 from pirate_sm.loading.mission.parameter_values import Values
 from pirate_sm.loading.mission.scope import Scope, Source
 from pirate_sm.loading.problems import Path
@@ -35,7 +35,7 @@ def check_call(source: Source, scope: Scope, path: Path) -> bool:
     if mission.polarity not in {None, polarity}:
         message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
         scope.problems.add("mission.polarity", path, message)
-    if robots_of(source)[0] not in robots_of(own):
+    if not suits(source, own):
         message = f"'{mission.mission}' is for the robot '{mission.robot}'"
         scope.problems.add("mission.robot", path, message)
         return False

@@ -82,16 +82,26 @@ class Calls:
         return self._known[file]
 
 
-def robots_of(source: Source) -> tuple[FilePath | str, ...]:
-    """Return the folder of a mission's robot, then those of the robots that it extends.
+def suits(called: Source, calling: Source) -> bool:
+    """Return whether a mission is for the robot of the mission that calls it, or for one below.
 
-    They are the same for different paths to a robot.
+    Different paths to a robot are the same. Files are read only where the robots differ.
     """
+    own, other = _robot_of(calling), _robot_of(called)
+    if own is None or other is None:
+        return own is other and called.mission.robot == calling.mission.robot
     try:
-        folder = library.find_robot(source.mission.robot, source.path.resolve().parent)
-        return extended_folders(folder / PROFILE_FILE)
+        return other == own or other in extended_folders(own / PROFILE_FILE)
     except PirateError:
-        return (source.mission.robot,)
+        return False  # reported with the robot
+
+
+def _robot_of(source: Source) -> FilePath | None:
+    """Return the folder of a mission's robot; None if there is none."""
+    try:
+        return library.find_robot(source.mission.robot, source.path.resolve().parent).resolve()
+    except PirateError:
+        return None
 
 
 def _is_too_deep(found: Source, scope: Scope, path: Path) -> bool:
