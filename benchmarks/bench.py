@@ -5,17 +5,15 @@
 Chart commands: the same random commands through python-statemachine, through sismic where it is
 installed, and through the compiled table; each answers whether the command moves the chart, and
 why not. Simulator: the whole bend mission in one process, interpreter in the loop. Processes:
-the installed command from start to end; *first* with empty caches, as after an installation; it is
-said whether the machine code of the simulator was built with the package. Recording: see
-:mod:`benchmarks.recording`.
+the installed command from start to end; *first* with empty caches, as after an installation, which
+has compiled Python's modules; it is said whether the machine code of the simulator was built with
+the package. Recording: see :mod:`benchmarks.recording`.
 """
 
 from __future__ import annotations
 
 import os
 import random
-import resource
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable, Mapping
@@ -27,10 +25,12 @@ from typing import Any
 from benchmarks.campaign import run
 from benchmarks.console import measure_console
 from benchmarks.recording import measure_commands, measure_recording, measure_short
+from benchmarks.used import used_by
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.simulation.machine_code.built_library import find_library
+from pirate_sm.simulation.machine_code.sources import PACKAGE
 from pirate_sm.wiring import Order
 
 BEND, IN_SPACE = "mitre_bend", ("take_elbow", "take_branch", "house_connection")
@@ -176,27 +176,23 @@ def _processes() -> None:
     with tempfile.TemporaryDirectory() as empty:
         caches = {"NUMBA_CACHE_DIR": empty, "XDG_CACHE_HOME": empty}
         cold = {**os.environ, **caches, "PIRATE_SM_RUNS": ""}
-        first = _time(mission, cold)
-        second = [_time(mission, cold) for _ in range(REPEATS)]
+        used_by(sys.executable, "-m", "compileall", "-q", PACKAGE)
+        first = used_by(*mission, environment=cold).wall_s
+        second = [used_by(*mission, environment=cold) for _ in range(REPEATS)]
         keeping = {**cold, "PIRATE_SM_RUNS": empty}
-        third = [_time(mission, keeping) for _ in range(REPEATS)]
+        third = [used_by(*mission, environment=keeping) for _ in range(REPEATS)]
     why_not = find_library().why_not
     print(f"machine code of the simulator: {f'not built, {why_not}' if why_not else 'built'}")
     print(f"bend mission, first process: {first:5.2f} s")
-    print(f"bend mission, later process: {median(second):5.2f} s (median of {REPEATS})")
-    print(f"the same, recorded:         {median(third):6.2f} s")
-    helps = [_time([*command, "--help"], dict(os.environ)) for _ in range(2 * REPEATS)]
-    alone = [_time([sys.executable, "-c", ""], dict(os.environ)) for _ in range(2 * REPEATS)]
+    later_s, recorded_s = (median(each.wall_s for each in some) for some in (second, third))
+    print(f"bend mission, later process: {later_s:5.2f} s (median of {REPEATS})")
+    print(f"the same, recorded:         {recorded_s:6.2f} s")
+    helps = [used_by(*command, "--help").wall_s for _ in range(2 * REPEATS)]
+    alone = [used_by(sys.executable, "-c", "").wall_s for _ in range(2 * REPEATS)]
     print(f"pirate-run --help:          {median(helps) * 1000:6.0f} ms (median of {len(helps)})")
     print(f"... Python alone:           {median(alone) * 1000:6.0f} ms")
-    peak_kb = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss
-    print(f"peak memory of a mission:   {peak_kb / 1024:6.0f} MB")
-
-
-def _time(command: list[str], environment: dict[str, str]) -> float:
-    began = perf_counter()
-    subprocess.run(command, check=True, env=environment, stdout=subprocess.DEVNULL)
-    return perf_counter() - began
+    peak_bytes = max(each.memory_bytes for each in (*second, *third))
+    print(f"peak memory of a mission:   {peak_bytes / 2**20:6.0f} MB (recorded or not)")
 
 
 if __name__ == "__main__":

@@ -19,9 +19,7 @@ named by ``--keep`` is made once and used again.
 from __future__ import annotations
 
 import argparse
-import os
 import resource
-import subprocess
 import sys
 import tempfile
 from collections.abc import Callable
@@ -31,6 +29,7 @@ from pathlib import Path
 from statistics import median
 from time import perf_counter, process_time
 
+from benchmarks.used import Used, used_by
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -153,7 +152,7 @@ def measure_commands() -> None:
                 file = [Path(name) / f"{number}.mcap"] if option == "--record" else []
                 used = _used("run", BEND, "--speed", "max", "-q", option, *file)
                 if number:
-                    found.append(used.ru_utime)
+                    found.append(used.user_s)
     without, kept = (median(found) for found in spent.values())
     print(f"        the command {without:.2f} s without, {kept:.2f} s with a recording")
 
@@ -217,33 +216,22 @@ def measure_long(hours: float, kept: Path | None) -> None:
 def _command(*arguments: object) -> None:
     """The command has been run; what it took is printed."""
     words = [str(each) for each in arguments]
-    began_s = perf_counter()
     used = _used(*words)
     what = " ".join(word for word in words if "/" not in word)
     print(
-        f"        {what:<46} {perf_counter() - began_s:6.1f} s, {_processor_s(used):6.1f} s of "
-        f"processors, {used.ru_maxrss / 1e3:5.0f} MB"
+        f"        {what:<46} {used.wall_s:6.1f} s, {used.processor_s:6.1f} s of processors, "
+        f"{used.memory_bytes / 1e6:5.0f} MB"
     )
 
 
-def _used(*arguments: object) -> resource.struct_rusage:
+def _used(*arguments: object) -> Used:
     """Return what the command has used.
 
     Raises:
         RuntimeError: It has failed.
     """
     code = "from pirate_sm.cli.entry import main; main()"
-    words = [sys.executable, "-c", code, *map(str, arguments)]
-    child = subprocess.Popen(words, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    _, status, used = os.wait4(child.pid, 0)
-    child.returncode = os.waitstatus_to_exitcode(status)
-    if child.returncode:
-        raise RuntimeError(f"{words[3:]} ended with exit code {child.returncode}")
-    return used
-
-
-def _processor_s(used: resource.struct_rusage) -> float:
-    return used.ru_utime + used.ru_stime
+    return used_by(sys.executable, "-c", code, *arguments)
 
 
 if __name__ == "__main__":
