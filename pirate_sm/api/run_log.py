@@ -18,11 +18,11 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.report.poses import EVERY_S, Poses
-from pirate_sm.runtime.observers import Wheels
 from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.run_recorder import RunRecorder, requested_recording, run_header
 
@@ -58,12 +58,13 @@ class Notes:
         self._steps: list[Step] = []
         self._poses = Poses(true=True)
         self._pose_s = 0.0
+        self._trail: Trail | None = None
         self.stepwise = recorder is not None and recorder.stepwise
 
     @property
     def due_s(self) -> float:
-        """Return when it or the recorder looks at the run next."""
-        return self._pose_s if self._recorder is None else min(self._pose_s, self._recorder.due_s)
+        """Return when the recorder looks at the engine next."""
+        return inf if self._recorder is None else self._recorder.due_s
 
     def start(
         self,
@@ -90,18 +91,20 @@ class Notes:
         self._steps.append(Step(len(self._steps), now_s, event, tuple(effects), "engine"))
         self._pose(now_s)
 
-    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
+    def take_trail(self, trail: Trail) -> None:
+        """Note the poses at the steps that follow from where the robot was."""
+        if self._recorder is not None:
+            self._recorder.take_trail(trail)
+        self._trail = trail
+
+    def take_block(self, block: FrameBlock) -> None:
         """Note many steps of the engine at once."""
         if self._recorder is not None:
-            self._recorder.take_block(block, wheels)
+            self._recorder.take_block(block)
         number = len(self._steps)
         for index, (at_s, frame) in enumerate(block.frames()):
             self._steps.append(Step(number + index, at_s, frame, (), "engine"))
-            if wheels is not None and at_s >= self._pose_s:
-                self._pose_s = at_s + EVERY_S
-                self._poses.add(at_s, wheels(index))
-        if wheels is None:
-            self._pose(block.times_s[-1])
+            self._pose(at_s)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note what was done past the engine."""
@@ -127,10 +130,14 @@ class Notes:
         )
 
     def _pose(self, now_s: float) -> None:
-        if self._prepared.wheels is not None and now_s >= self._pose_s:
+        wheels, in_space = self._prepared.wheels, self._prepared.in_space
+        if wheels is not None and now_s >= self._pose_s:
             self._pose_s = now_s + EVERY_S
-            space = self._prepared.in_space() if self._prepared.in_space else None
-            self._poses.add(now_s, self._prepared.wheels(), space)
+            stood = None if self._trail is None else self._trail.at(now_s)
+            if stood is None:
+                self._poses.add(now_s, wheels(), in_space() if in_space else None)
+            else:
+                self._poses.add(now_s, stood.wheels, stood.space if in_space else None)
 
 
 @contextmanager

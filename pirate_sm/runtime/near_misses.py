@@ -15,6 +15,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 from pirate_sm.runtime.near_miss_kinds import (
     CommandTimes,
     EngineStep,
@@ -24,7 +25,6 @@ from pirate_sm.runtime.near_miss_kinds import (
     WaitTimes,
     WordTimes,
 )
-from pirate_sm.runtime.observers import Wheels
 
 
 class NearMisses:
@@ -71,7 +71,10 @@ class NearMisses:
         """Look at a step."""
         self._look(event, now_s, effects)
 
-    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
+    def take_trail(self, trail: Trail) -> None:
+        """Do nothing: the robot's position does not count."""
+
+    def take_block(self, block: FrameBlock) -> None:
         """Look at each step of a block."""
         for now_s, frame in block.frames():
             self.take(frame, now_s, ())

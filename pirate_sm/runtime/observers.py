@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Protocol, TypeAlias, runtime_checkable
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
-from pirate_sm.geometry.space import Place
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 
 if TYPE_CHECKING:
     from pirate_sm.engine.robot.robot_state import RobotState
@@ -31,10 +31,6 @@ class Watcher(Protocol):
         """Look at the run."""
 
 
-Wheels: TypeAlias = Callable[[int], Sequence[Place]]
-"""Returns where the wheels were after the frame with this index, in the plane of the pipe, m."""
-
-
 class Tap(Protocol):
     """Receives every input and output of the engine, in order; never raises.
 
@@ -46,7 +42,7 @@ class Tap(Protocol):
 
     @property
     def due_s(self) -> float:
-        """Return when it looks at the run next: at the first step that reaches this time."""
+        """Return when it looks at the engine next: at the first step that reaches this time."""
 
     def start(
         self,
@@ -62,13 +58,11 @@ class Tap(Protocol):
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive a step; a step in which the engine raised has no effects."""
 
-    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
-        """Receive steps without effects, all at once.
+    def take_trail(self, trail: Trail) -> None:
+        """Receive where the robot was at the steps that follow, which were taken at once."""
 
-        Args:
-            block: The frames.
-            wheels: Where the wheels were, if that is known; it is not called later.
-        """
+    def take_block(self, block: FrameBlock) -> None:
+        """Receive steps without effects, all at once."""
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive the effects of actions past the engine."""

@@ -156,6 +156,8 @@ class Pump:
         if passed.after is not None:
             self.state = self._engine.glided(self.state, passed.after)
             self._heard.hear_block(passed.frames)
+        if self._blocks is not None and passed.trail is not None:
+            self._blocks.take_trail(passed.trail)
         for part in parts_of(passed):
             self._tell_part(part)
         self.now_s = passed.now_s

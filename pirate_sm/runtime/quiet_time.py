@@ -10,6 +10,7 @@ from pirate_sm.backends.protocol import Gliding
 from pirate_sm.companion import Companion, Relieved
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -25,14 +26,18 @@ class BlockTap(Protocol):
 
     Attributes:
         stepwise: Whether it looks at the run after each step, so that it cannot use blocks.
-        due_s: When it looks at the run next; the step that reaches this time is given to it alone.
+        due_s: When it looks at the engine next; the step that reaches this time is given to it
+            alone.
     """
 
     stepwise: bool
 
     @property
     def due_s(self) -> float:
-        """Return when it looks at the run next."""
+        """Return when it looks at the engine next."""
+
+    def take_trail(self, trail: Trail) -> None:
+        """Receive where the robot was at the steps that follow, which were taken at once."""
 
     def take_block(self, block: FrameBlock) -> None:
         """Receive steps without effects, all at once."""

@@ -19,6 +19,7 @@ from pirate_sm.model.events import FaultReport, SensorFrame
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.trail import Stood
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.actuators import SlotRoute, routes_of
@@ -121,6 +122,7 @@ class SimulatedRobot:
         around = surroundings_of(profile, chain, pipe, duties=duties, jitter=jitter, rng=rng)
         self._route, self._chain = around.route, chain
         self._flat = around.route.section == "bars"
+        self._axes = 2 if self._flat else 3
         self._cycle_s = profile.link.cycle
         self.physics = physics(chain, around.route, around.friction, around.pose, self._cycle_s)
         self._layout = QuantityLayout(chain.nodes)
@@ -293,6 +295,18 @@ class SimulatedRobot:
         """What ``wheels`` leaves out; no third coordinates where the robot moves in a plane."""
         z_m = () if self._flat else tuple(z for _, _, z in self.physics.places())
         return InSpace(z_m, tuple(self.physics.rolls()))
+
+    @property
+    def trail_columns(self) -> int:
+        """How many numbers tell where it is: coordinates of each wheel, then three rolls."""
+        return self._axes * self._chain.nodes + 3
+
+    def stood(self, numbers: Sequence[float]) -> Stood:
+        """Return where it was, told by such numbers."""
+        count, axes = self._axes * self._chain.nodes, self._axes
+        wheels = tuple(zip(numbers[0:count:axes], numbers[1:count:axes], strict=True))
+        z_m = () if self._flat else tuple(numbers[2:count:axes])
+        return Stood(wheels, InSpace(z_m, tuple(numbers[count:])))
 
     @property
     def arcs_m(self) -> list[float]:

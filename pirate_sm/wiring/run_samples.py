@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.space import Place
+from pirate_sm.model.trail import Stood
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.wiring.prepared import Prepared
 
@@ -18,8 +19,6 @@ if TYPE_CHECKING:
 State: TypeAlias = Callable[[], EngineState | None]
 """Returns the engine's state; None before it has started."""
 
-Wheels: TypeAlias = Sequence[Place] | None
-
 
 def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
     """Return a function that takes samples with everything that viewers are shown."""
@@ -28,13 +27,13 @@ def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
 
     numbers = prepared.engine.numbers
 
-    def look(now_s: float, wheels: Wheels) -> Sample | None:
+    def look(now_s: float, stood: Stood | None) -> Sample | None:
         now = state()
         if now is None:
             return None
         camera = prepared.camera() if prepared.camera else None
-        places, known = _wheels(prepared, wheels)
-        space = _space(prepared, wheels)
+        places, known = _wheels(prepared, stood)
+        space = _space(prepared, stood)
         return Sample(now_s, ViewerSnapshot(now, numbers(now), places, known, camera, space))
 
     return look
@@ -49,32 +48,39 @@ def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pic
     true, camera = prepared.wheels, prepared.camera
     if true is not None and camera is None and prepared.in_space is None:
         # Nearly every run at full speed.
-        return lambda now_s, wheels: places_sample(now_s, True, wheels or true())
+        return lambda now_s, stood: places_sample(now_s, True, stood.wheels if stood else true())
     loaded = prepared.loaded
     robot = loaded.loaded_robot.profile, loaded.robot
     placing = Placing(*robot, loaded.pipe, prepared.order.start_at_m)
 
-    def look(now_s: float, wheels: Wheels) -> PlacesSample | Pictured | None:
+    def look(now_s: float, stood: Stood | None) -> PlacesSample | Pictured | None:
         now = state()
         if now is None:
             return None
-        places, known = _wheels(prepared, wheels)
+        places, known = _wheels(prepared, stood)
         taken = places or placing.look(now, now_s) or ()
-        sample = places_sample(now_s, known, taken, _space(prepared, wheels))
+        sample = places_sample(now_s, known, taken, _space(prepared, stood))
         seen = camera() if camera else None
         return sample if seen is None else Pictured(sample, seen)
 
     return look
 
 
-def _wheels(prepared: Prepared, wheels: Wheels) -> tuple[tuple[Place, ...] | None, bool]:
+def follows_trails(prepared: Prepared) -> bool:
+    """Return whether samples to keep need no more than to know where the robot was."""
+    return prepared.wheels is not None and prepared.camera is None
+
+
+def _wheels(prepared: Prepared, stood: Stood | None) -> tuple[tuple[Place, ...] | None, bool]:
     """Return where the wheels are, None if nobody knows; and whether that is true."""
     if prepared.wheels is not None:
-        return tuple(wheels or prepared.wheels()), True
+        return prepared.wheels() if stood is None else stood.wheels, True
     taken = prepared.reckoned() if prepared.reckoned else None
     return (taken.wheels if taken else None), False
 
 
-def _space(prepared: Prepared, wheels: Wheels) -> InSpace | None:
+def _space(prepared: Prepared, stood: Stood | None) -> InSpace | None:
     """Return what the wheels' places leave out of a robot in space; None if nobody knows."""
-    return prepared.in_space() if prepared.in_space and wheels is None else None
+    if prepared.in_space is None:
+        return None
+    return prepared.in_space() if stood is None else stood.space

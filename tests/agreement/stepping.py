@@ -10,6 +10,7 @@ from pirate_sm.companion import entered
 from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Abort, Event
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, load, prepare
@@ -62,6 +63,9 @@ class Kept:
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         self.steps.append(f"{now_s!r} {event!r} {tuple(effects)!r}")
+
+    def take_trail(self, trail: Trail) -> None:
+        pass
 
     def take_block(self, block: FrameBlock) -> None:
         self.blocks += 1

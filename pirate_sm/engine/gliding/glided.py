@@ -13,6 +13,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 from pirate_sm.model.word_watch import Look
 
 
@@ -53,6 +54,7 @@ class Glide(NamedTuple):
         looks: The looks that were made for a detector.
         due_s: When its next one is due.
         said_s: When its word was repeated last; None if it was not.
+        trail: Where the robot was at each step; None where nobody knows.
     """
 
     now_s: float
@@ -62,6 +64,7 @@ class Glide(NamedTuple):
     looks: Sequence[Look] = ()
     due_s: float = inf
     said_s: float | None = None
+    trail: Trail | None = None
 
 
 def after_glide(state: EngineState, after: Glided) -> EngineState:

@@ -15,10 +15,10 @@ from time import perf_counter
 
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
-from pirate_sm.geometry.space import Place
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Trail
 from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.format.robot_state_text import body_to_text
@@ -27,7 +27,6 @@ from pirate_sm.recording.write.kept_samples import KeptSamples
 from pirate_sm.recording.write.piece_maker import PieceMaker, WrittenPiece
 from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.recording.write.side_channel import SideChannel
-from pirate_sm.runtime.observers import Wheels
 
 COMMIT_S = 0.25
 """Interval at which notes are written to disk, s; the documentation promises half a second."""
@@ -97,6 +96,7 @@ class Recorder:
         self._hand_over()
         self._look: Callable[[], EngineState | None] = lambda: None
         self._checkpoint_s = -inf
+        self._trail: Trail | None = None
         self._cut_s = perf_counter()
         self._making = threading.Lock()
         self._unwritten: deque[WrittenPiece] = deque()
@@ -133,26 +133,26 @@ class Recorder:
         if now_s >= self._due_s or step >= self._full:
             self._attend(now_s)
 
-    def take_block(self, block: FrameBlock, wheels: Wheels | None = None) -> None:
-        """Note many steps of the engine at once.
+    def take_trail(self, trail: Trail) -> None:
+        """Take the samples of the steps that follow from where the robot was."""
+        self._trail = trail
 
-        Args:
-            block: Their frames.
-            wheels: Where the wheels were; None: a sample is taken after the block only.
-        """
+    def take_block(self, block: FrameBlock) -> None:
+        """Note many steps of the engine at once."""
         times_s, side = block.times_s, self._side
         with self._gathering:
             step = self._gathered.add_block(block)
-        while side is not None and wheels is not None and times_s[-1] >= side.due_s:
-            index = bisect_left(times_s, side.due_s)
-            self._sample(side, times_s[index], wheels(index))
+        if side is not None and side.follows_trails:
+            while times_s[-1] >= side.due_s:
+                self._sample(side, times_s[bisect_left(times_s, side.due_s)])
         if times_s[-1] >= self._due_s or step >= self._full:
             self._attend(times_s[-1])
 
     @property
     def due_s(self) -> float:
-        """Return when it looks at the run next."""
-        return self._due_s
+        """Return when it looks at the engine next."""
+        follows = self._side is None or self._side.follows_trails
+        return self._checkpoint_s if follows else self._due_s
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note effects of actions past the engine."""
@@ -187,10 +187,8 @@ class Recorder:
         if self._gathered.step >= self._full:
             self._lend_a_hand()
 
-    def _sample(
-        self, side: SideChannel | KeptSamples, now_s: float, wheels: Sequence[Place] | None = None
-    ) -> None:
-        sample = side.look(now_s, wheels)
+    def _sample(self, side: SideChannel | KeptSamples, now_s: float) -> None:
+        sample = side.look(now_s, None if self._trail is None else self._trail.at(now_s))
         if sample is not None:
             with self._gathering:
                 self._gathered.told.append(sample)

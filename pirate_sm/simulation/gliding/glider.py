@@ -18,6 +18,7 @@ from pirate_sm.expressions.bytecode import DEEPEST
 from pirate_sm.model.effects import WakeAt
 from pirate_sm.model.events import DetectorWord, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Stood, Trail
 from pirate_sm.model.word_watch import WordWatch
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
@@ -93,6 +94,9 @@ class Glider:
         width = max(self._widths.values(), default=0)
         self._reports: Floats = np.zeros((_MOST_FRAMES + 1, width))
         self._met: Ints = np.zeros(5, dtype=np.int64)
+        # No call passes more cycles: boards are looked for long before.
+        rows = (_MOST_FRAMES + 1) * max(1, len(self._turns))
+        self._trail: Floats = np.zeros((rows, simulated.trail_columns))
 
     def glide(
         self, watch: Watch, words: WordWatch | None, now_s: float, cycles: int, until_s: float
@@ -153,6 +157,7 @@ class Glider:
             *(self._times_s, self._reporters, self._reports, self._met),
             self._ticks,
             *self._looks.arrays,
+            self._trail,
         )
 
     def _next_frame_s(self, cycles: int) -> float:
@@ -185,8 +190,18 @@ class Glider:
         said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
         steps = [_step(frames, row, words) for row in rows]
         looks, due_s = self._looks.made()
-        glide = Glide(now_s, after, frames, steps, looks, due_s, said_s)
+        trail = Trail(now_s, self._where)
+        glide = Glide(now_s, after, frames, steps, looks, due_s, said_s, trail)
         return Passed(glide, round(cycles), waiting, bool(met))
+
+    def _where(self, at_s: float) -> Stood:
+        """Return where the robot was at a time of the last call."""
+        cycle = int(at_s / self._cycle_s)
+        while (cycle + 1) * self._cycle_s <= at_s:
+            cycle += 1
+        while cycle * self._cycle_s > at_s:
+            cycle -= 1
+        return self._simulated.stood(self._trail[cycle % len(self._trail)].tolist())
 
     def _block(self, count: int) -> FrameBlock:
         boards = [self._ids[position] for position in self._reporters[:count].tolist()]

@@ -106,7 +106,7 @@ _GLIDING = (
     "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
     "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
     "Ints1, Floats1, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
-    "Floats2, Floats2, Floats2, Floats1"
+    "Floats2, Floats2, Floats2, Floats1, Floats2"
 )
 """What a physics takes, and what gliding takes besides."""
 

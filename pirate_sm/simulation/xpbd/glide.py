@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
+from pirate_sm.simulation.gliding.columns import T_CYCLES
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin
+from pirate_sm.simulation.gliding.standing import stand
 from pirate_sm.simulation.machine_code import compiled
 from pirate_sm.simulation.xpbd.kernel import advance
 
@@ -59,6 +61,7 @@ def glide(
     seen: Floats,
     looks: Floats,
     values: Floats,
+    trail: Floats,
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
 
@@ -71,8 +74,11 @@ def glide(
     posture = chain, parts, body, held, surveyed
     sees = looker, points, bends, seen, looks, values
     taken = times_s, reporters, reports, ticks, met
+    centres = state[: 2 * arcs.shape[0]]
+    stand(centres, rolls, clock[T_CYCLES], trail)
     while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
         advance(state, command, wheel_rows, walls, legs, world, quantities, steps)
+        stand(centres, rolls, clock[T_CYCLES], trail)
         place = quantities, rolls, arcs, around
         scratch = fresh, stack
         if not goes_on(

@@ -15,6 +15,8 @@ from keeping import Memory, header, mission
 from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
+from pirate_sm.model.trail import Stood, Trail
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.format.samples import places_sample
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
@@ -25,6 +27,7 @@ from pirate_sm.recording.write.recording_file import RecordingFile
 
 WIDTHS = {board: len(channels) for board, channels in header().boards.items() if channels}
 CYCLE_S = 0.016
+NO_SPACE = InSpace((), ())
 Told = tuple[Event, float, tuple[Effect, ...]]
 
 NUMBERS = st.one_of(st.integers(-4096, 4096).map(float), st.floats())
@@ -93,27 +96,34 @@ def test_samples_within_a_block_are_taken_when_they_are_due(tmp_path: Path) -> N
     loaded, memory = mission(), Memory()
     side = KeptSamples()
     here = ((9.0, 9.0),) * 6
-    side.follow(lambda now_s, wheels: places_sample(now_s, True, wheels or here))
+    side.follow(
+        lambda now_s, stood: places_sample(now_s, True, stood.wheels if stood else here),
+        trails=True,
+    )
     one = recorder_of(memory, side)
     one.start((), 0.0, ())
     frames = [(22, [float(number)] * 9) for number in range(20)]
 
-    one.take_block(block_of(frames, CYCLE_S), lambda index: ((float(index), 0.5),) * 6)
+    one.take_trail(Trail(0.35, lambda at_s: Stood(((at_s, 0.5),) * 6, NO_SPACE)))
+    one.take_block(block_of(frames[:13], CYCLE_S))
+    one.take(Tick(), 0.215, (WakeAt(0.465),))
+    one.take_block(block_of(frames[13:], 0.224))
     one.take_block(block_of(frames, 0.4))
     one.close()
 
     recording = read(memory, tmp_path)
     body = loaded.loaded_robot.profile.body
     found = [(placed.at_s, placed.wheels[0][0]) for placed in recorded_places(recording, body)]
-    expected = [(0.0, 9.0), (0.112, 6.0), (0.224, 13.0), (0.704, 9.0)]
-    assert found == [(pytest.approx(at_s), x) for at_s, x in expected]
+    on_the_trail = [(0.112, 0.112), (0.215, 0.215), (0.32, 0.32)]
+    expected = [(0.0, 9.0), *on_the_trail, (0.432, 9.0), (0.544, 9.0), (0.656, 9.0)]
+    assert found == [(pytest.approx(at_s), pytest.approx(x)) for at_s, x in expected]
 
 
 def test_a_recording_of_blocks_cut_off_anywhere_is_read_up_to_there(tmp_path: Path) -> None:
     loaded, memory = mission(), Memory()
     body = loaded.loaded_robot.profile.body
     side = KeptSamples()
-    side.follow(lambda now_s, wheels: places_sample(now_s, True, ((1.0, 2.0),) * 6))
+    side.follow(lambda now_s, stood: places_sample(now_s, True, ((1.0, 2.0),) * 6))
     one = recorder_of(memory, side)
     one.start((), 0.0, ())
     begins = len(memory.data)
