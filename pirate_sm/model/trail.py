@@ -12,12 +12,18 @@ class Stood(NamedTuple):
     """Where a robot was at one time.
 
     Attributes:
-        wheels: Position of each wheel in the plane of the drawing, m.
+        places_m: x and y of each wheel in turn, in the plane of the drawing, m.
         space: What they leave out.
     """
 
-    wheels: tuple[tuple[float, float], ...]
+    places_m: tuple[float, ...]
     space: InSpace
+
+    @property
+    def wheels(self) -> tuple[tuple[float, float], ...]:
+        """Return the position of each wheel in that plane, m."""
+        numbers = iter(self.places_m)
+        return tuple(zip(numbers, numbers, strict=True))
 
 
 class Trail(NamedTuple):

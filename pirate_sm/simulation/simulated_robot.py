@@ -303,10 +303,12 @@ class SimulatedRobot:
 
     def stood(self, numbers: Sequence[float]) -> Stood:
         """Return where it was, told by such numbers."""
-        count, axes = self._axes * self._chain.nodes, self._axes
-        wheels = tuple(zip(numbers[0:count:axes], numbers[1:count:axes], strict=True))
-        z_m = () if self._flat else tuple(numbers[2:count:axes])
-        return Stood(wheels, InSpace(z_m, tuple(numbers[count:])))
+        count = self._axes * self._chain.nodes
+        rolls_rad = tuple(numbers[count:])
+        if self._flat:
+            return Stood(tuple(numbers[:count]), InSpace((), rolls_rad))
+        places_m = tuple(each for k in range(0, count, 3) for each in numbers[k : k + 2])
+        return Stood(places_m, InSpace(tuple(numbers[2:count:3]), rolls_rad))
 
     @property
     def arcs_m(self) -> list[float]:

@@ -41,14 +41,18 @@ def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
 
 def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pictured]:
     """Return a function that takes samples of what the run's inputs do not give again."""
-    from pirate_sm.recording.format.samples import places_sample
+    from pirate_sm.recording.format.samples import PlacesSample, places_sample
     from pirate_sm.recording.viewers.wheel_places import Placing
     from pirate_sm.recording.write.gathered import Pictured
 
     true, camera = prepared.wheels, prepared.camera
     if true is not None and camera is None and prepared.in_space is None:
         # Nearly every run at full speed.
-        return lambda now_s, stood: places_sample(now_s, True, stood.wheels if stood else true())
+        return lambda now_s, stood: (
+            places_sample(now_s, True, true())
+            if stood is None
+            else PlacesSample(now_s, True, stood.places_m)
+        )
     loaded = prepared.loaded
     robot = loaded.loaded_robot.profile, loaded.robot
     placing = Placing(*robot, loaded.pipe, prepared.order.start_at_m)

@@ -15,8 +15,8 @@ import json
 from collections.abc import Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from functools import cached_property
-from typing import Any, Final, NamedTuple, TypeAlias, get_args, get_type_hints
+from functools import cached_property, lru_cache
+from typing import Any, ClassVar, Final, NamedTuple, TypeAlias, get_args, get_type_hints
 
 from pydantic_core import to_json
 
@@ -134,6 +134,11 @@ class Topic:
         }
 
     @cached_property
+    def schema_json(self) -> bytes:
+        """Return the JSON Schema as it is written."""
+        return json.dumps(self.schema, allow_nan=False).encode()
+
+    @cached_property
     def schema_name(self) -> str:
         """Return the name of the schema in the file."""
         return "pirate_sm" + self.name.replace("/", ".")
@@ -223,14 +228,15 @@ class Topic:
 
 
 class Topics:
-    """Every topic of a robot with this layout, made when it is needed first."""
+    """Every topic of a robot with this layout, made when it is needed first by any run."""
+
+    _plain: ClassVar[dict[type[Any], Topic]] = {}
 
     def __init__(self, layout: WireLayout) -> None:
-        self._plain: dict[type[Any], Topic] = {}
         self._frames = {
             board: _frames(board, names) for board, names in layout.boards.items() if names
         }
-        self._setpoints = _setpoints(layout)
+        self._setpoints = _setpoints(layout.slots)
 
     @cached_property
     def by_name(self) -> dict[str, Topic]:
@@ -290,14 +296,16 @@ STATE: Final = Topic(f"{ENGINE}state", Remembered, _fields(Remembered))
 """Checkpoints, see :mod:`pirate_sm.recording.format.engine_state_text`."""
 
 
-def _frames(board: int, channels: Sequence[str]) -> Topic:
+@lru_cache(maxsize=256)
+def _frames(board: int, channels: tuple[str, ...]) -> Topic:
     names = _distinct([f"{name}_raw" for name in channels])
     made = events.SensorFrame
     return Topic(f"{IN}{made.__name__}/{board}", made, _fields(made), 1, names, board)
 
 
-def _setpoints(layout: WireLayout) -> Topic:
-    names = _distinct([f"{name}_{_UNITS[unit]}" for name, unit in layout.slots])
+@lru_cache(maxsize=16)
+def _setpoints(slots: tuple[tuple[str, str], ...]) -> Topic:
+    names = _distinct([f"{name}_{_UNITS[unit]}" for name, unit in slots])
     made = fx.Setpoints
     return Topic(f"{OUT}{made.__name__}/slots", made, _fields(made), 1, names)
 

@@ -76,4 +76,4 @@ class PieceMaker:
         return WrittenPiece(self._file.cut(), self._until_s)
 
     def _put(self, topic: Topic, at_s: float, data: bytes) -> None:
-        self._file.add(topic.name, at_s, data, topic.schema, topic.schema_name)
+        self._file.add(topic.name, at_s, data, topic.schema_json, topic.schema_name)

@@ -16,7 +16,7 @@ from contextlib import suppress
 from datetime import datetime
 from io import BytesIO
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeAlias
 
 import mcap
 from mcap.writer import CompressionType, Writer
@@ -25,6 +25,9 @@ from pirate_sm import __version__
 from pirate_sm.recording.format.header import PROFILE, RUN, RunHeader
 
 NS_PER_S = 1_000_000_000
+
+Schema: TypeAlias = Mapping[str, Any] | bytes
+"""A JSON Schema, or how it is written."""
 
 
 class Sink(Protocol):
@@ -198,9 +201,7 @@ class RecordingFile(Pieces):
             self._start_s = at_s
         return self._zero_ns + round((at_s - self._start_s) * NS_PER_S)
 
-    def add(
-        self, topic: str, at_s: float, data: bytes, schema: Mapping[str, Any], schema_name: str
-    ) -> None:
+    def add(self, topic: str, at_s: float, data: bytes, schema: Schema, schema_name: str) -> None:
         """Add the message to the next cut.
 
         Args:
@@ -213,12 +214,13 @@ class RecordingFile(Pieces):
         self.add_at(topic, self.time_ns(at_s), data, schema, schema_name)
 
     def add_at(
-        self, topic: str, time_ns: int, data: bytes, schema: Mapping[str, Any], schema_name: str
+        self, topic: str, time_ns: int, data: bytes, schema: Schema, schema_name: str
     ) -> None:
         """Add the message to the next cut, with its time in ns since 1970; see :meth:`add`."""
         number = self._topics.get(topic)
         if number is None:
-            number = self._topics[topic] = self.topic(topic, schema_name, _json(schema))
+            written = schema if isinstance(schema, bytes) else _json(schema)
+            number = self._topics[topic] = self.topic(topic, schema_name, written)
         self.message(number, time_ns, data)
 
 

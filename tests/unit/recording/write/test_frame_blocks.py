@@ -104,7 +104,7 @@ def test_samples_within_a_block_are_taken_when_they_are_due(tmp_path: Path) -> N
     one.start((), 0.0, ())
     frames = [(22, [float(number)] * 9) for number in range(20)]
 
-    one.take_trail(Trail(0.35, lambda at_s: Stood(((at_s, 0.5),) * 6, NO_SPACE)))
+    one.take_trail(Trail(0.35, lambda at_s: Stood((at_s, 0.5) * 6, NO_SPACE)))
     one.take_block(block_of(frames[:13], CYCLE_S))
     one.take(Tick(), 0.215, (WakeAt(0.465),))
     one.take_block(block_of(frames[13:], 0.224))
