@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import inf
+from typing import cast
 
 from benchmarks.gliding import Stepping, Taken
+from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.companion import entered
 from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Abort, Event
@@ -76,6 +78,24 @@ class Kept:
         self.steps.append(f"{now_s!r} {effects!r}")
 
 
+class Places(Kept):
+    """Keeps where the wheels are at each step."""
+
+    backend: SimulatorBackend
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.places: list[tuple[float, object]] = []
+        self._trail: Trail | None = None
+
+    def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
+        stood = None if self._trail is None else self._trail.at(now_s)
+        self.places.append((now_s, self.backend.wheels if stood is None else stood.wheels))
+
+    def take_trail(self, trail: Trail) -> None:
+        self._trail = trail
+
+
 def course(
     order: Order, *, glides: bool, after_s: float = inf, tap: Kept | None = None
 ) -> tuple[list[str], int]:
@@ -83,6 +103,8 @@ def course(
     prepared = prepare(order, load(order))
     backend = prepared.backend if glides else Stepping(prepared.backend)
     taken = Taken(prepared.backend)
+    if isinstance(tap, Places):
+        tap.backend = cast(SimulatorBackend, prepared.backend)
     noted = Noted()
     companions = (*prepared.companions, FirstChoice(), Stop(after_s))
     noted.run = MissionRun(
