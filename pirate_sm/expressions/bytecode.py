@@ -12,6 +12,7 @@ parts of a condition that follow from them.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import lru_cache
 from math import isnan, nan
 from typing import Final, TypeAlias
 
@@ -112,6 +113,7 @@ def never_true(code: Code) -> bool:
     return len(code) == 1 and code[0][0] == CONSTANT and (isnan(code[0][1]) or code[0][1] == 0.0)
 
 
+@lru_cache(maxsize=4096)
 def depth_of(code: Code) -> int:
     """Return how many values the machine remembers at most while it runs the code."""
     depth = deepest = 0

@@ -94,7 +94,7 @@ def _gripping(
             continue
         if any(not abs(numbers[joint.rate]) < spec.still for joint in spec.joints):
             continue
-        off, _ = _span(robot, body, spec, numbers, diameter_m)
+        off = _span(robot, body, spec, numbers, diameter_m)
         told = _like_a_clamp(spec, numbers, off)
         if not told and diameter_m is not None and not _as_declared(declared, spec, numbers):
             told = _like_a_grip(robot, spec, numbers, off)
@@ -189,8 +189,10 @@ def _held(
     borne = [_borne(setpoints[j.slot], numbers[j.torque]) for j in spec.joints]
     loaded = all(torque >= spec.torque for torque in borne)
     standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
-    off, told = _span(robot, body, spec, numbers, diameter_m)
-    against = [told] if off > spec.span_off else []
+    off = _span(robot, body, spec, numbers, diameter_m)
+    against = []
+    if off > spec.span_off:
+        against.append(_span_told(robot, body, spec, numbers, diameter_m))
     if all(torque < spec.slack for torque in borne):
         names = ", ".join(robot.vocabulary.numbers[joint.torque] for joint in spec.joints)
         shown = ", ".join(str(round(torque * 1000)) for torque in borne)
@@ -205,27 +207,39 @@ def _borne(setpoint: float, torque: float) -> float:
 
 def _span(
     robot: RobotSpec, body: RobotState, spec: HeldSpec, numbers: Numbers, diameter_m: float | None
-) -> tuple[float, str]:
-    """Return the relative error of the part's diameter, and a sentence that explains it.
+) -> float:
+    """Return the relative error of the part's diameter.
 
-    The error is infinite if the part touches no wall, and NaN if a diameter is unknown.
+    It is infinite if the part touches no wall, and NaN if a diameter is unknown.
     """
-    shown, name = numbers[spec.diameter], robot.vocabulary.numbers[spec.diameter]
-    told = f"{name} shows {shown * 1000:.0f} mm"
+    shown = numbers[spec.diameter]
     if abs(numbers[spec.apex]) >= spec.open_rad:
-        return inf, f"{told}, it has opened to its end stop"
+        return inf
     if diameter_m is not None:
-        limit = f"limit {spec.span_off:.0%} off"
-        off = abs(shown - diameter_m) / diameter_m
-        return off, f"{told}, the pipe has {diameter_m * 1000:.0f} mm, {limit}"
+        return abs(shown - diameter_m) / diameter_m
+    known = [numbers[other] for other in _others(robot, body, spec)]
+    if isnan(shown) or any(map(isnan, known)):
+        return nan
+    return max([abs(shown - each) / each for each in known], default=0.0)
+
+
+def _span_told(
+    robot: RobotSpec, body: RobotState, spec: HeldSpec, numbers: Numbers, diameter_m: float | None
+) -> str:
+    """Return a sentence that explains why the diameter of a part contradicts that it holds."""
+    names, shown = robot.vocabulary.numbers, numbers[spec.diameter]
+    told = f"{names[spec.diameter]} shows {shown * 1000:.0f} mm"
+    limit = f"limit {spec.span_off:.0%} off"
+    if abs(numbers[spec.apex]) >= spec.open_rad:
+        return f"{told}, it has opened to its end stop"
+    if diameter_m is not None:
+        return f"{told}, the pipe has {diameter_m * 1000:.0f} mm, {limit}"
+    others = _others(robot, body, spec)
+    worst = max(others, key=lambda other: abs(shown - numbers[other]) / numbers[other])
+    return f"{told}, {names[worst]} {numbers[worst] * 1000:.0f} mm, {limit}"
+
+
+def _others(robot: RobotSpec, body: RobotState, spec: HeldSpec) -> list[int]:
+    """Return the number indexes of the diameters of the other parts that hold."""
     sights = [robot.sight.parts[part] for part in robot.held[body.configuration]]
-    others = [each.diameter for each in sights if each is not None and each is not spec]
-    off, told_off = 0.0, ""
-    for other in others:
-        difference = abs(shown - numbers[other]) / numbers[other]
-        if isnan(difference):
-            return nan, ""
-        if difference > off:
-            shown_there = f"{robot.vocabulary.numbers[other]} {numbers[other] * 1000:.0f} mm"
-            off, told_off = difference, f"{told}, {shown_there}, limit {spec.span_off:.0%} off"
-    return (nan, "") if isnan(shown) else (off, told_off)
+    return [each.diameter for each in sights if each is not None and each is not spec]
