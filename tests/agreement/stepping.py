@@ -13,6 +13,7 @@ from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Abort, Event
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, load, prepare
@@ -79,18 +80,21 @@ class Kept:
 
 
 class Places(Kept):
-    """Keeps where the wheels are at each step."""
+    """Keeps where the robot is at each step."""
 
     backend: SimulatorBackend
 
     def __init__(self) -> None:
         super().__init__()
-        self.places: list[tuple[float, object]] = []
+        self.places: list[tuple[float, object, InSpace]] = []
         self._trail: Trail | None = None
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         stood = None if self._trail is None else self._trail.at(now_s)
-        self.places.append((now_s, self.backend.wheels if stood is None else stood.wheels))
+        if stood is None:
+            self.places.append((now_s, self.backend.wheels, self.backend.in_space))
+        else:
+            self.places.append((now_s, stood.wheels, stood.space))
 
     def take_trail(self, trail: Trail) -> None:
         self._trail = trail
