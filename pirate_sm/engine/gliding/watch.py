@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.environment import Surveyed
 from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
@@ -46,6 +47,7 @@ class SameDuty(NamedTuple):
     sent: float
 
 
+@often_replaced
 class Watch(NamedTuple):
     """What a frame meets, and what it must leave as it is; else the engine must take it.
 

@@ -23,6 +23,7 @@ from math import atan2, hypot, inf, isnan, nan, radians
 from statistics import median
 from typing import NamedTuple
 
+from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState, confirmed_parts
 from pirate_sm.engine.sensing.body_spec import BodySpec
@@ -65,6 +66,7 @@ OPEN_RAD = radians(2)
 _NO_FORCE: Vector = (nan, nan, nan)
 
 
+@often_replaced
 class Surveyed(NamedTuple):
     """The memory of the survey.
 

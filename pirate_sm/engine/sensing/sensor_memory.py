@@ -6,6 +6,8 @@ from collections.abc import Sequence
 from math import inf, isnan, nan
 from typing import NamedTuple
 
+from pirate_sm.engine.records import often_replaced
+
 Numbers = Sequence[float]
 
 
@@ -56,6 +58,7 @@ class SensorMemory(NamedTuple):
         return bool(self.held) or self.jumped or not isnan(self.stuck)
 
 
+@often_replaced
 class BoardMemory(NamedTuple):
     """The memory of the sensors of one board.
 
