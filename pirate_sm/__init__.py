@@ -1,8 +1,9 @@
 """Missions in YAML for in-pipe inspection robots: checked, simulated and run by one engine.
 
 These functions are the public API (``docs/python.md``): :func:`load`, :func:`check`,
-:func:`run`, :func:`session`, :func:`sweep` and :func:`read`. Importing the package imports nothing
-else, to keep the command line fast. Each name is imported when it is first used.
+:func:`run`, :func:`session`, :func:`advance_all`, :func:`sweep` and :func:`read`. Importing the
+package imports nothing else, to keep the command line fast. Each name is imported when it is first
+used.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
         Run,
         Session,
         UsageError,
+        advance_all,
         check,
         load,
         read,
@@ -48,6 +50,7 @@ __all__ = [
     "Run",
     "Session",
     "UsageError",
+    "advance_all",
     "check",
     "load",
     "read",

@@ -9,7 +9,7 @@ from pirate_sm.api import pickling
 from pirate_sm.api.arguments import Mission, check, load
 from pirate_sm.api.result import Columns, Page, Run, read
 from pirate_sm.api.running import run
-from pirate_sm.api.stepping import Session, session
+from pirate_sm.api.stepping import Session, advance_all, session
 from pirate_sm.api.sweeping import sweep
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.gate import CheckError
@@ -35,6 +35,7 @@ __all__ = [
     "Run",
     "Session",
     "UsageError",
+    "advance_all",
     "check",
     "load",
     "read",

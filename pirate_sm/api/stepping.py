@@ -9,7 +9,7 @@ from os import PathLike
 from types import TracebackType
 from typing import Self, Unpack
 
-from pirate_sm.api.arguments import Mission, Options, is_number, prepared
+from pirate_sm.api.arguments import Mission, Options, is_number, prepared, whole
 from pirate_sm.api.guarded_pump import AbandonOnError
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import Notes, noted
@@ -21,6 +21,7 @@ from pirate_sm.expressions import Expression, compile_condition
 from pirate_sm.model.effects import CommandStatus, Effect, Ended
 from pirate_sm.model.events import Answer, Event, OperatorCommand, Pause, Resume
 from pirate_sm.runtime.pump import Pump
+from pirate_sm.simulation.crew import Crew
 from pirate_sm.spelling import meant
 from pirate_sm.wiring import Prepared
 
@@ -189,6 +190,8 @@ class Session:
                     return True
                 if pump.now_s >= limit_s:
                     return not isinstance(until, str | None)
+                if condition is None:  # every frame could make a condition true
+                    pump.glide(limit_s)
                 pump.take(*pump.wait(limit_s))
         return False
 
@@ -233,6 +236,38 @@ class Session:
         if state is None:
             raise UsageError("the backend has not been opened")
         return state
+
+
+def advance_all(
+    sessions: Sequence[Session],
+    until: float | str | None = None,
+    *,
+    within_s: float = 60.0,
+    threads: int | None = None,
+) -> list[bool]:
+    """Let time pass in many sessions at once; return for each what its ``advance`` returns.
+
+    What happens in one is the same as if it were alone, for any number of threads.
+
+    Args:
+        sessions: The sessions, each of them entered.
+        until: As for :meth:`Session.advance`.
+        within_s: As there.
+        threads: How many threads share the work; one for each processor by default.
+
+    Raises:
+        UsageError: An argument does not fit.
+        BackendError: A backend has failed; time has passed in the other sessions.
+    """
+    count = whole(threads, "threads", 1) if threads is not None else None
+    come = [False] * len(sessions)
+
+    def advance(row: int) -> None:
+        come[row] = sessions[row].advance(until, within_s=within_s)
+
+    with Crew(count) as crew:
+        crew.each(advance, range(len(sessions)))
+    return come
 
 
 def _refuse_time(until: object, within_s: object) -> None:

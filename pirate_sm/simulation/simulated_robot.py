@@ -96,6 +96,7 @@ class SimulatedRobot:
         electronics: Its boards.
         physics: What moves it.
         gone: Whether it has left the pipe for good.
+        cycles: How many cycles have passed.
 
     Raises:
         UsageError: The robot does not fit into the pipe, the pipe intersects itself, or the
@@ -136,7 +137,7 @@ class SimulatedRobot:
             *(self.physics, chain.nodes, pipe, around.route),
             *(around.friction, around.friction_scale),
         )
-        self._cycles = 0
+        self.cycles = 0
         self._time_s = 0.0
         self.gone = False
         self._start_m = self._middle()
@@ -157,7 +158,7 @@ class SimulatedRobot:
 
     def step(self, now_s: float, turn: Turn) -> Sequence[Incident]:
         """Simulate a cycle and read the turn's channels; return incidents on the boards."""
-        self._cycles += 1
+        self.cycles += 1
         self._time_s += self._cycle_s
         if not self.gone:
             self._changes.step(self._time_s)
@@ -173,7 +174,7 @@ class SimulatedRobot:
     @property
     def moved_until_s(self) -> float:
         """Until when it has moved: the end of the last cycle."""
-        return self._cycles * self._cycle_s
+        return self.cycles * self._cycle_s
 
     @property
     def due_s(self) -> float:
@@ -183,7 +184,7 @@ class SimulatedRobot:
     def meet_obstacles(self) -> FaultReport | None:
         """Apply the obstacles after a cycle; return the fault of an impassable bend, if any."""
         fault = self._obstacles.step(self._time_s, self._cycle_s)
-        if self._cycles % _GONE_EVERY == 0 and not self.gone:
+        if self.cycles % _GONE_EVERY == 0 and not self.gone:
             self._look_whether_gone()
         return fault
 
@@ -214,13 +215,17 @@ class SimulatedRobot:
             frames: The frames in that time.
             last: One more frame after them, if any.
         """
-        self._cycles += cycles
-        self._time_s = time_s
+        self.passed(cycles, time_s)
         for effect in self._effects:
             for _, frame in frames.frames():
                 effect.took(frame.board, list(frame.values))
             if last is not None:
                 effect.took(last.board, list(last.values))
+
+    def passed(self, cycles: int, time_s: float) -> None:
+        """Note that cycles have passed in which nothing has been reported; see :meth:`glided`."""
+        self.cycles += cycles
+        self._time_s = time_s
 
     def read(self, now_s: float, turn: Turn) -> list[float] | None:
         """Return the counts of the turn's channels; None if a defect loses them."""

@@ -77,6 +77,8 @@ class Lookout:
 
     def _waits(self, mission: MissionState, body: RobotState) -> bool:
         """Return whether the mission waits for something that a frame brings, or for time."""
+        if mission.paused:
+            return True
         it = self._program.instructions[mission.pc]
         pending = body.awaited is not None or body.motion is not None
         match it:
@@ -136,7 +138,7 @@ class Lookout:
     def _triggers(self, state: EngineState) -> list[Condition]:
         mission = state.mission
         it = self._program.instructions[mission.pc]
-        if not isinstance(it, Wait):
+        if not isinstance(it, Wait) or mission.paused:
             return []
         return [
             condition
@@ -184,12 +186,14 @@ def _sensors_are_calm(robot: RobotSpec, sensing: Sensing) -> bool:
 
 
 def _runs(mission: MissionState) -> bool:
-    """Return whether the mission runs: no pause, no fault to be handled, no end."""
+    """Return whether nothing is to be begun or ended: a pause, the handling of a fault, the run.
+
+    A pause may go on, with the robot under the operator's commands, unless it suspends a command.
+    """
     return (
         mission.ending is None
         and not mission.ended
-        and mission.before_pause is None
-        and not mission.paused
+        and not mission.suspended
         and not mission.pause_wanted
         and mission.diverting is None
         and mission.answer is None

@@ -68,6 +68,10 @@ U_BOARD, U_FIRST, U_LAST, U_REPORTS = range(4)
 # left it otherwise.
 G_CYCLE_S, G_OUT_OF_PLANE, G_TOUCHING, G_BEFORE_M, G_BEHIND_M = range(5)
 
+# Entries of `span`: cycles that have passed in all, how many may, the time that the surroundings go
+# by, whether they must be looked at.
+X_CYCLES, X_UNTIL, X_PASSED_S, X_MET = range(4)
+
 PRESS = 6
 """The block of `press` among the quantities, see `physics.PER_WHEEL`."""
 

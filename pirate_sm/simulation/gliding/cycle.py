@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.digitizing import digitize
 from pirate_sm.simulation.gliding.columns import (
     A_ALARM_S,
@@ -35,6 +35,10 @@ from pirate_sm.simulation.gliding.columns import (
     U_FIRST,
     U_LAST,
     U_REPORTS,
+    X_CYCLES,
+    X_MET,
+    X_PASSED_S,
+    X_UNTIL,
 )
 from pirate_sm.simulation.gliding.groups import (
     Electronics,
@@ -168,6 +172,46 @@ def _stays(place: Place) -> bool:
 
 
 @compiled
+def _measure(
+    place: Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
+) -> bool:
+    """Read the channels whose turn it is after a cycle; return whether the robot stays."""
+    quantities, _, _, _ = place
+    turn = turns[cycles % turns.shape[0]]
+    digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
+    return _stays(place)
+
+
+@compiled
+def may_pass(span: Floats, around: Floats) -> bool:
+    """Return whether another cycle may pass with the duties in force; if so, it has begun."""
+    if span[X_CYCLES] >= span[X_UNTIL]:
+        return False
+    span[X_CYCLES] += 1.0
+    span[X_PASSED_S] += around[G_CYCLE_S]
+    return True
+
+
+@compiled
+def passes_on(
+    place: Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
+) -> bool:
+    """Read the boards after a cycle; return whether the surroundings do nothing to the robot.
+
+    Args:
+        place: See `groups.py`.
+        turns: See `columns.py`; so for `span`.
+        sources: The channel table, see `digitizing.digitize`.
+        counts: The last count of every channel.
+        rng: The state of the generator of noise.
+        span: Changed.
+    """
+    stays = _measure(place, turns, int(span[X_CYCLES]), sources, counts, rng)
+    span[X_MET] = 0.0 if stays else 1.0
+    return stays
+
+
+@compiled
 def goes_on(
     place: Place,
     turns: Ints,
@@ -194,13 +238,11 @@ def goes_on(
         posture: For the survey of the pipe.
         taken: The frame is added.
     """
-    quantities, _, _, _ = place
     sources, counts, rng, forced = electronics
     times_s, reporters, reports, ticks, met = taken
     boards, _, _, _, _, _, _ = rows
     turn = turns[int(clock[T_CYCLES]) % turns.shape[0]]
-    digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
-    stays = _stays(place)
+    stays = _measure(place, turns, int(clock[T_CYCLES]), sources, counts, rng)
     met[N_SURROUNDINGS] = 0 if stays else 1
     if turn[U_REPORTS] == 0:
         return stays

@@ -9,11 +9,13 @@ from pirate_sm.simulation.arrays import Floats
 
 @runtime_checkable
 class GlidingPhysics(Protocol):
-    """A physics with a compiled function around its step.
+    """A physics with two compiled functions around its step.
 
-    The function calls :func:`~pirate_sm.simulation.gliding.cycle.may_begin` before the step and
-    :func:`~pirate_sm.simulation.gliding.cycle.goes_on` after it, as long as both return true. It
-    is all that a physics adds; see :mod:`pirate_sm.simulation.xpbd.glide`.
+    One calls :func:`~pirate_sm.simulation.gliding.cycle.may_begin` before the step and
+    :func:`~pirate_sm.simulation.gliding.cycle.goes_on` after it, as long as both return true; the
+    other :func:`~pirate_sm.simulation.gliding.cycle.may_pass` and
+    :func:`~pirate_sm.simulation.gliding.cycle.passes_on`. They are all that a physics adds; see
+    :mod:`pirate_sm.simulation.xpbd.glide`.
     """
 
     @property
@@ -25,3 +27,6 @@ class GlidingPhysics(Protocol):
 
     def glide(self, *arrays: Any) -> None:
         """Let cycles pass; the arguments are those of ``xpbd.glide.glide`` from ``rolls`` on."""
+
+    def pass_cycles(self, *arrays: Any) -> None:
+        """Let cycles pass with the duties in force; as for ``xpbd.glide.pass_cycles``."""

@@ -35,8 +35,9 @@ class Library:
     """
 
     def __init__(self, path: Path) -> None:
-        # Its functions take microseconds, less than it takes to give the interpreter's lock away.
+        # Most functions take microseconds, less than it takes to give the interpreter's lock away.
         self._library = ctypes.PyDLL(str(path))
+        self._unlocked = ctypes.CDLL(str(path))
         try:
             start = ctypes.addressof(ctypes.c_char.in_dll(self._library, MANIFEST))
         except ValueError as error:
@@ -55,7 +56,8 @@ class Library:
 
     def function(self, entry: EntryPoint) -> Callable[..., Any]:
         """Return a function of the library, for calls from Python."""
-        return callable_from_python(entry, getattr(self._library, entry.symbol))
+        library = self._unlocked if entry.long else self._library
+        return callable_from_python(entry, getattr(library, entry.symbol))
 
 
 class Found(NamedTuple):

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import ctypes
 from collections.abc import Callable, Sequence
+from functools import partial
 from itertools import accumulate
 from operator import is_, itemgetter
-from typing import Any
+from typing import Any, TypeVar, cast
 
 from pirate_sm.simulation.machine_code.entry_points import ARRAYS, Argument, EntryPoint
+
+_F = TypeVar("_F", bound=Callable[..., Any])
 
 _NUMBERS: dict[str, Any] = {"float": ctypes.c_double, "int": ctypes.c_int64, "bool": ctypes.c_int64}
 
@@ -22,7 +25,7 @@ def callable_from_python(entry: EntryPoint, function: Any) -> Callable[..., Any]
 
     Returns:
         It raises TypeError for an array that the machine code cannot take, and RuntimeError where
-        the original would raise an exception.
+        the original would raise an exception. See :func:`own_call` for its attribute ``again``.
     """
     result = _NUMBERS.get(entry.result)
     function.restype = ctypes.c_int
@@ -49,7 +52,18 @@ def callable_from_python(entry: EntryPoint, function: Any) -> Callable[..., Any]
         if out is not None:
             return bool(out.value) if entry.result == "bool" else out.value
 
+    call.again = partial(callable_from_python, entry, function)  # type: ignore[attr-defined]
     return call
+
+
+def own_call(function: _F) -> _F:
+    """Return a compiled function for one caller among many.
+
+    It remembers that caller's arrays, where the function itself would look at all of them again
+    whenever another caller has come between.
+    """
+    again = getattr(function, "again", None)
+    return function if again is None else cast(_F, again())
 
 
 def _picker(positions: Sequence[int]) -> Callable[[Sequence[Any]], tuple[Any, ...]]:

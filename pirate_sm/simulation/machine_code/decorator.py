@@ -26,9 +26,8 @@ def compiled(function: _F) -> _F:
     Raises:
         UsageError: It is not built, and numba is not installed.
     """
-    found = find_library()
+    found, entry = find_library(), BY_PLACE.get((function.__module__, function.__name__))
     if found.library is not None and not os.environ.get(JIT_VARIABLE):
-        entry = BY_PLACE.get((function.__module__, function.__name__))
         if entry is not None:
             built = found.library.function(entry)
             built.__doc__ = function.__doc__
@@ -45,7 +44,7 @@ def compiled(function: _F) -> _F:
             f"the simulator cannot run here: {why}; pip install 'pirate-sm[jit]' lets it compile "
             "itself when it is first used (or use the backend trace)"
         ) from None
-    return compiled_when_called(function)
+    return compiled_when_called(function, long=entry is not None and entry.long)
 
 
 def is_kept(function: Callable[..., Any]) -> bool:

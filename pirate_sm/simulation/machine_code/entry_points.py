@@ -52,12 +52,14 @@ class EntryPoint(NamedTuple):
         name: Its name there.
         arguments: Its arguments in order.
         result: One of `SCALARS`, or `None`.
+        long: Whether a call takes so long that other threads of Python should go on meanwhile.
     """
 
     module: str
     name: str
     arguments: tuple[Argument, ...]
     result: str
+    long: bool = False
 
     @property
     def numbers(self) -> tuple[Argument, ...]:
@@ -70,7 +72,9 @@ class EntryPoint(NamedTuple):
         return f"{self.module}.{self.name}".replace(".", "_")
 
 
-def entry_point(place: str, arguments: str, result: str = "None") -> EntryPoint:
+def entry_point(
+    place: str, arguments: str, result: str = "None", *, long: bool = False
+) -> EntryPoint:
     """Return an entry point from text.
 
     Args:
@@ -78,6 +82,7 @@ def entry_point(place: str, arguments: str, result: str = "None") -> EntryPoint:
         arguments: The annotations of the arguments in order; an array's with the number of its
             dimensions, such as `Floats2`. Arrays are contiguous, in C order, and may be written to.
         result: The annotation of the result.
+        long: As in :class:`EntryPoint`.
 
     Raises:
         ValueError: An argument or the result has no machine type.
@@ -86,7 +91,7 @@ def entry_point(place: str, arguments: str, result: str = "None") -> EntryPoint:
     if result not in (*SCALARS, "None"):
         raise ValueError(f"{place}: {result!r} cannot be returned, only {', '.join(SCALARS)}")
     taken = tuple(_argument(place, text) for text in arguments.replace(",", " ").split())
-    return EntryPoint(module, name, taken, result)
+    return EntryPoint(module, name, taken, result, long)
 
 
 def _argument(place: str, text: str) -> Argument:
@@ -101,20 +106,25 @@ def _argument(place: str, text: str) -> Argument:
 
 _BARS = "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int"
 _ROUND = "Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, int"
+_PASSING = "Floats1, Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1"
 _GLIDING = (
-    "Floats1, Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1, Ints2, Floats2, "
+    f"{_PASSING}, Ints2, Floats2, "
     "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
     "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
     "Ints1, Floats1, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
     "Floats2, Floats2, Floats2, Floats1, Floats2"
 )
-"""What a physics takes, and what gliding takes besides."""
+"""What a physics takes, what cycles take besides to pass, and what gliding takes."""
 
 ENTRY_POINTS = (
     entry_point("pirate_sm.simulation.xpbd.kernel:advance", _BARS),
-    entry_point("pirate_sm.simulation.xpbd.glide:glide", f"{_BARS}, {_GLIDING}"),
+    entry_point("pirate_sm.simulation.xpbd.glide:glide", f"{_BARS}, {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.glide:pass_cycles", f"{_BARS}, {_PASSING}", long=True),
     entry_point("pirate_sm.simulation.xpbd.space.kernel:advance", _ROUND),
-    entry_point("pirate_sm.simulation.xpbd.space.glide:glide", f"{_ROUND}, {_GLIDING}"),
+    entry_point("pirate_sm.simulation.xpbd.space.glide:glide", f"{_ROUND}, {_GLIDING}", long=True),
+    entry_point(
+        "pirate_sm.simulation.xpbd.space.glide:pass_cycles", f"{_ROUND}, {_PASSING}", long=True
+    ),
     entry_point(
         "pirate_sm.simulation.digitizing:digitize",
         "Floats2, int, int, Floats1, Floats1, Words1",

@@ -17,17 +17,22 @@ from pirate_sm.simulation.machine_code.sources import digest, files_behind
 _F = TypeVar("_F", bound=Callable[..., Any])
 
 
-def compiled_when_called(function: _F) -> _F:
+def compiled_when_called(function: _F, *, long: bool = False) -> _F:
     """Return a function that is compiled on its first call, with its machine code kept on disk.
 
     numba keeps it beside the function's file or else in the user's cache folder. If neither is
     writable, each process compiles for itself. It is compiled again after an edit of its file, of
     the file of a compiled function that it calls, or of a constant that it uses.
+
+    Args:
+        function: The function.
+        long: Whether other threads of Python go on while it runs.
     """
+    options = {"error_model": "numpy", "nogil": long}
     try:
-        dispatcher = numba.njit(cache=True, error_model="numpy")(function)
+        dispatcher = numba.njit(cache=True, **options)(function)
     except RuntimeError:
-        return cast(_F, numba.njit(error_model="numpy")(function))
+        return cast(_F, numba.njit(**options)(function))
     _notice_edits(dispatcher, function.__module__)
     _forgive_damage(dispatcher)
     return cast(_F, dispatcher)

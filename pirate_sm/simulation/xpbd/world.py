@@ -13,11 +13,12 @@ from pirate_sm.geometry.space import Vector
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
-from pirate_sm.simulation.xpbd.glide import glide
+from pirate_sm.simulation.xpbd.glide import glide, pass_cycles
 from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
 from pirate_sm.simulation.xpbd.pipe_arrays import gravity_along, leg_rows, wall_rows
 
@@ -72,6 +73,7 @@ class World:
         self.state.bend[:] = pose.bends_rad
         self.state.motor[:] = pose.motors_rad
         self.state.roll[1:] = pose.roll_rad
+        self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
         # This fills in the quantities of the start pose; hardly any time passes.
         kernel.advance(*self._arrays, 1)
 
@@ -90,7 +92,11 @@ class World:
 
     def glide(self, *arrays: Any) -> None:
         """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
-        glide(*self._arrays, self._steps, *arrays)
+        self._glide(*self._arrays, self._steps, *arrays)
+
+    def pass_cycles(self, *arrays: Any) -> None:
+        """Let cycles pass with the duties in force; see `glide`."""
+        self._pass_cycles(*self._arrays, self._steps, *arrays)
 
     def places(self) -> Sequence[Vector]:
         """Return the centre of each wheel in the drawing of the pipe, m; z is 0."""

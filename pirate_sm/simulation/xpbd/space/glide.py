@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.gliding.columns import T_CYCLES
-from pirate_sm.simulation.gliding.cycle import goes_on, may_begin
+from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, passes_on
 from pirate_sm.simulation.gliding.standing import stand
 from pirate_sm.simulation.machine_code import compiled
 from pirate_sm.simulation.xpbd.space.kernel import advance
@@ -88,4 +88,38 @@ def glide(
         if not goes_on(
             place, turns, electronics, rows, task, clock, signals, scratch, posture, taken
         ):
+            break
+
+
+@compiled
+def pass_cycles(
+    state: Floats,
+    command: Floats,
+    wheel_rows: Floats,
+    solids: Floats,
+    edges: Floats,
+    edge_points: Floats,
+    legs: Floats,
+    world: Floats,
+    quantities: Floats,
+    steps: int,
+    rolls: Floats,
+    arcs: Floats,
+    around: Floats,
+    turns: Ints,
+    sources: Floats,
+    counts: Floats,
+    rng: Words,
+    span: Floats,
+) -> None:
+    """Let cycles pass with the duties in force, until the surroundings act or all have passed.
+
+    The arguments are those of :func:`glide`; `span` is in `columns.py`.
+    """
+    place = quantities, rolls, arcs, around
+    while may_pass(span, around):
+        advance(
+            state, command, wheel_rows, solids, edges, edge_points, legs, world, quantities, steps
+        )
+        if not passes_on(place, turns, sources, counts, rng, span):
             break

@@ -12,13 +12,14 @@ from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import lying, normal_of
 from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
 from pirate_sm.simulation.xpbd.space import kernel
-from pirate_sm.simulation.xpbd.space.glide import glide
+from pirate_sm.simulation.xpbd.space.glide import glide, pass_cycles
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.space.space_state import SpaceState
 
@@ -72,6 +73,7 @@ class SpaceWorld:
             *(self._world, self.quantities),
         )
         self.state.take(pose, lying(pose, chain, route), normal_of(pose, route))
+        self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
         # This fills in the quantities of the start pose; hardly any time passes.
         kernel.advance(*self._arrays, 1)
 
@@ -90,7 +92,11 @@ class SpaceWorld:
 
     def glide(self, *arrays: Any) -> None:
         """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
-        glide(*self._arrays, self._steps, *arrays)
+        self._glide(*self._arrays, self._steps, *arrays)
+
+    def pass_cycles(self, *arrays: Any) -> None:
+        """Let cycles pass with the duties in force; see `glide`."""
+        self._pass_cycles(*self._arrays, self._steps, *arrays)
 
     def places(self) -> Sequence[Vector]:
         """Return the centre of each wheel in the drawing of the pipe, m."""

@@ -1,0 +1,131 @@
+"""Many simulated robots, advanced in one call on all processors: for learning on the physics.
+
+Setpoints go in and quantities and counts come out, without an engine. Each robot moves as it would
+move alone, to the last bit, whatever the number of threads.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from math import ceil, inf
+from typing import Any
+
+import numpy as np
+
+from pirate_sm.errors import UsageError
+from pirate_sm.model.profile import LinkSettings
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.crew import Crew
+from pirate_sm.simulation.gliding.protocol import GlidingPhysics
+from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
+
+
+class Batch:
+    """Simulated robots that are advanced together.
+
+    Args:
+        robots: The robots, of one kind; nobody else advances them.
+        link: The link of their boards: how long a cycle is, and what one reads.
+        threads: How many threads share the work; one for each processor by default.
+
+    Attributes:
+        quantities: `(robots, quantities)`: the true quantities after the last cycle, SI, laid out
+            by :class:`~pirate_sm.simulation.physics.QuantityLayout`.
+        counts: `(robots, channels)`: what the boards have measured last, raw. Defects that change
+            or lose what boards report do not show here, nor do those of the link's controller.
+        gone: `(robots,)`: which robots have left the pipe for good.
+    """
+
+    def __init__(
+        self, robots: Sequence[SimulatedRobot], link: LinkSettings, threads: int | None = None
+    ) -> None:
+        self._courses = [_Course(robot, link) for robot in robots]
+        self._crew = Crew(threads)
+        self.quantities: Floats = np.array([each.physics.quantities for each in robots])
+        self.counts: Floats = np.array([each.electronics.counts for each in robots])
+        self.gone = np.array([each.gone for each in robots], dtype=np.bool_)
+
+    def advance(self, cycles: int, setpoints: Floats | None = None) -> None:
+        """Let cycles of the bus pass for every robot.
+
+        Args:
+            cycles: How many; each lasts as long as the link's.
+            setpoints: `(robots, slots)`: put in force before, each clipped to the limits of its
+                slot; None leaves those in force.
+
+        Raises:
+            UsageError: There is not one row of setpoints for each robot.
+        """
+        courses = self._courses
+        if setpoints is not None:
+            if len(setpoints) != len(courses):
+                raise UsageError(f"{len(setpoints)} rows of setpoints for {len(courses)} robots")
+            for course, values in zip(courses, setpoints.tolist(), strict=True):
+                course.robot.set_values(values)
+        self._crew.each(partial(_Course.run, cycles=cycles), courses)
+        for row, course in enumerate(courses):
+            robot = course.robot
+            self.quantities[row] = robot.physics.quantities
+            self.counts[row] = robot.electronics.counts
+            self.gone[row] = robot.gone
+
+
+class _Course:
+    """The course of one robot; cycles pass in compiled calls wherever nothing else acts on it."""
+
+    def __init__(self, robot: SimulatedRobot, link: LinkSettings) -> None:
+        self.robot = robot
+        self._cycle_s = link.cycle
+        self._turns = robot.turns(link.state_message == "value")
+        self._cycles = 0
+        physics, electronics = robot.physics, robot.electronics
+        self._physics = physics if isinstance(physics, GlidingPhysics) else None
+        self._span: Floats = np.zeros(4)
+        self._arrays: tuple[Any, ...] = (
+            *(robot.arcs, np.array([link.cycle, *robot.leeway]), _turn_table(self._turns)),
+            *(electronics.channels, electronics.counts, electronics.rng, self._span),
+        )
+
+    def run(self, cycles: int) -> None:
+        """Let cycles pass."""
+        end = self._cycles + cycles
+        while self._cycles < end:
+            last = min(end, self._undisturbed())
+            if self._physics is not None and self._cycles < last:
+                self._pass(self._physics, last)
+            else:
+                self._step()
+
+    def _undisturbed(self) -> float:
+        """Return up to which cycle only physics and sensors act."""
+        until_s = self.robot.glides_until_s(self._cycles * self._cycle_s)
+        if until_s in (inf, -inf):
+            return until_s
+        last = ceil(until_s / self._cycle_s)
+        while last * self._cycle_s >= until_s:  # time stays below it
+            last -= 1
+        return last
+
+    def _pass(self, physics: GlidingPhysics, last: float) -> None:
+        """Let cycles pass in one compiled call."""
+        self._span[:] = self._cycles, last, self.robot.time_s, 0.0
+        physics.pass_cycles(physics.roll_angles, *self._arrays)
+        cycles, _, time_s, met = self._span.tolist()
+        self.robot.passed(int(cycles) - self._cycles, time_s)
+        self._cycles = int(cycles)
+        if met:
+            self.robot.meet_obstacles()
+
+    def _step(self) -> None:
+        """Let one cycle pass."""
+        self._cycles += 1
+        turn = self._turns[self._cycles % len(self._turns)]
+        self.robot.step(self._cycles * self._cycle_s, turn)
+        self.robot.meet_obstacles()
+
+
+def _turn_table(turns: Sequence[Turn]) -> Ints:
+    """Return which channels each cycle reads, see `columns.py`."""
+    rows = [(0, turn.first, turn.last, 0) for turn in turns]
+    return np.array(rows, dtype=np.int64).reshape(-1, 4)
