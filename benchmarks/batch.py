@@ -1,25 +1,31 @@
-"""Many robots in one call, beside one robot with the interpreter.
+"""Many robots at once, beside one robot with the interpreter.
 
     python -m benchmarks.batch [--robots 32] [--threads N]
 
 A mission is run, and which setpoints came into force in which cycle is kept. Then a batch of robots
 gets the same setpoints in the same cycles, without an engine, and ends where the mission has ended,
-to the last bit. Both are measured in turn; × real time is mission seconds of all robots per second
-of processor time, so per core, and the least time of each counts. The last column is by the wall
-clock, on as many threads as given.
+to the last bit. Mission, batch on one thread and batch on several are measured in turn, and the
+least time of each counts. × real time is mission seconds of all robots per second of processor
+time, so per core; only the last number of a line is by the wall clock.
+
+Then whole missions, engine and all, on one thread, on several, and in as many processes that have
+begun before: missions per second of the wall clock, in turn, the most of each.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable
-from functools import partial
+from collections.abc import Callable, Iterable
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
+from os import cpu_count
 from time import perf_counter, process_time
 from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks import gliding
 from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.companion import entered
 from pirate_sm.loading.mission import LoadedMission
@@ -28,14 +34,13 @@ from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.batch import Batch
-from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.kinematic import kinematic
+from pirate_sm.simulation.crew import Crew
 from pirate_sm.wiring import Order, load, prepare
-from pirate_sm.wiring.sim import start_values
 
 MISSIONS = ("mitre_bend", "take_elbow", "house_connection")
 FIDELITIES: tuple[Fidelity, ...] = ("usual", "fast")
 REPEATS = 7
+SHARED = "mitre_bend"
 
 
 class Course(NamedTuple):
@@ -51,6 +56,14 @@ class Course(NamedTuple):
     quantities: Floats
     time_s: float
     cpu_s: float
+
+
+class Replayed(NamedTuple):
+    """A batch on the course of a mission, and how long that has taken."""
+
+    batch: Batch
+    cpu_s: float
+    wall_s: float
 
 
 def course_of(loaded: LoadedMission, order: Order) -> Course:
@@ -78,64 +91,88 @@ def course_of(loaded: LoadedMission, order: Order) -> Course:
 
 
 def replayed(
-    loaded: LoadedMission, course: Course, fidelity: Fidelity, robots: int, threads: int | None
-) -> tuple[float, float]:
-    """Return processor time and time of the wall clock of a batch on the course of a mission."""
-    assert loaded.pipe is not None
-    profile = loaded.loaded_robot.profile
-    some = [
-        SimulatedRobot(
-            profile, loaded.pipe, partial(kinematic, fidelity=fidelity),
-            seed=seed, start_values=start_values(loaded),
-        )
-        for seed in range(robots)
-    ]  # fmt: skip
-    for robot in some:
-        robot.hold()
-    batch = Batch(some, profile.link, threads)
-    began, began_s = process_time(), perf_counter()
+    loaded: LoadedMission, course: Course, order: Order, robots: int, threads: int | None
+) -> Replayed:
+    """Let a batch take the course of a mission."""
+    some = []
+    for _ in range(robots):
+        backend = prepare(order, loaded).backend
+        assert isinstance(backend, SimulatorBackend)
+        some.append(backend.robot)
+    batch = Batch(some, loaded.loaded_robot.profile.link, threads)
+    cpu_s, wall_s = process_time(), perf_counter()
     for values, cycles in course.stretches:
         batch.advance(cycles, None if values is None else np.tile(values, (robots, 1)))
-    took = process_time() - began, perf_counter() - began_s
-    assert (batch.quantities == course.quantities).all(), "a batch has gone another way"
-    return took
+    return Replayed(batch, process_time() - cpu_s, perf_counter() - wall_s)
 
 
 def main() -> int:
-    """Print a line for each mission and fidelity."""
+    """Print a line for each mission and fidelity, and one for whole missions."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
     parser.add_argument("--robots", type=int, default=32)
-    parser.add_argument("--threads", type=int, help="one for each processor by default")
+    parser.add_argument("--threads", type=int, default=cpu_count() or 1)
     wishes = parser.parse_args()
     for mission in MISSIONS:
-        usual = 0.0
+        usual: tuple[float, float] | None = None
         for fidelity in FIDELITIES:
-            order = Order(mission, fidelity=fidelity)
-            loaded = load(order)
-            pairs = []
-            for _ in range(REPEATS):
-                course = course_of(loaded, order)
-                pairs.append(
-                    (
-                        course,
-                        replayed(loaded, course, fidelity, wishes.robots, 1),
-                        replayed(loaded, course, fidelity, wishes.robots, wishes.threads),
-                    )
-                )
-            time_s = wishes.robots * course.time_s
-            single = course.time_s / min(each.cpu_s for each, _, _ in pairs)
-            core = time_s / min(one[0] for _, one, _ in pairs)
-            shared = time_s / min(each[0] for _, _, each in pairs)
-            wall = time_s / min(each[1] for _, _, each in pairs)
-            usual = usual or core
+            rates = _rates(Order(mission, fidelity=fidelity), wishes.robots, wishes.threads)
+            single, core, shared, wall = rates
+            usual = usual or (single, core)
             print(
-                f"{mission:17} {fidelity:5}: one with the interpreter {single:6,.0f} × real time, "
-                f"batch {core:6,.0f} per core = {core / single:.2f} ×, {core / usual:.2f} × usual; "
-                f"threads: {shared:6,.0f} per core, {wall:6,.0f} in all"
+                f"{mission}, {fidelity}: one with the interpreter {single:,.0f} × real time, batch "
+                f"{core:,.0f} per core: {core / usual[0]:.2f} × the usual one with the "
+                f"interpreter, {core / usual[1]:.2f} × the usual batch; on {wishes.threads} "
+                f"threads {shared:,.0f} per core, {wall:,.0f} in all"
             )
+    _share(wishes.robots, wishes.threads)
     return 0
+
+
+def _rates(order: Order, robots: int, threads: int) -> tuple[float, float, float, float]:
+    """Return × real time of a mission, of a batch per core on one thread and on several, in all."""
+    loaded = load(order)
+    courses, alone, shared = [], [], []
+    for _ in range(REPEATS):
+        course = course_of(loaded, order)
+        courses.append(course)
+        alone.append(replayed(loaded, course, order, robots, 1))
+        shared.append(replayed(loaded, course, order, robots, threads))
+        for each in (alone[-1], shared[-1]):
+            assert (each.batch.quantities == course.quantities).all(), "it has gone another way"
+    time_s = courses[0].time_s
+    return (
+        time_s / min(each.cpu_s for each in courses),
+        robots * time_s / min(each.cpu_s for each in alone),
+        robots * time_s / min(each.cpu_s for each in shared),
+        robots * time_s / min(each.wall_s for each in shared),
+    )
+
+
+def one(seed: int) -> None:
+    """Run a whole mission."""
+    gliding.run(Order(SHARED, seed=seed), glides=True)
+
+
+def _share(missions: int, threads: int) -> None:
+    """Print how many whole missions pass in a second."""
+    pool = ProcessPoolExecutor(threads, mp_context=get_context("spawn"))
+    with pool, Crew(1) as alone, Crew(threads) as crew:
+        list(pool.map(one, range(8 * threads)))  # each has loaded the mission
+        ways: dict[str, Callable[[], object]] = {
+            "one thread": lambda: alone.each(one, range(missions)),
+            f"{threads} threads": lambda: crew.each(one, range(missions)),
+            f"{threads} processes": lambda: list(pool.map(one, range(missions), chunksize=4)),
+        }
+        rates: dict[str, list[float]] = {name: [] for name in ways}
+        for _ in range(REPEATS):
+            for name, way in ways.items():
+                began_s = perf_counter()
+                way()
+                rates[name].append(missions / (perf_counter() - began_s))
+    found = ", ".join(f"{name} {max(some):.1f}" for name, some in rates.items())
+    print(f"whole missions, {SHARED}, per second: {found}")
 
 
 if __name__ == "__main__":

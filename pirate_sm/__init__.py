@@ -1,9 +1,9 @@
 """Missions in YAML for in-pipe inspection robots: checked, simulated and run by one engine.
 
 These functions are the public API (``docs/python.md``): :func:`load`, :func:`check`,
-:func:`run`, :func:`session`, :func:`advance_all`, :func:`sweep` and :func:`read`. Importing the
-package imports nothing else, to keep the command line fast. Each name is imported when it is first
-used.
+:func:`run`, :func:`session`, :func:`advance_all`, :func:`batch`, :func:`sweep` and :func:`read`.
+Importing the package imports nothing else, to keep the command line fast. Each name is imported
+when it is first used.
 """
 
 from __future__ import annotations
@@ -13,6 +13,7 @@ TYPE_CHECKING = False  # importing typing would take half of the time of a help 
 if TYPE_CHECKING:
     from pirate_sm.api import (
         BackendError,
+        Batch,
         CheckError,
         Columns,
         ExpressionError,
@@ -26,6 +27,7 @@ if TYPE_CHECKING:
         Session,
         UsageError,
         advance_all,
+        batch,
         check,
         load,
         read,
@@ -38,6 +40,7 @@ __version__ = "0.1.0"
 
 __all__ = [
     "BackendError",
+    "Batch",
     "CheckError",
     "Columns",
     "ExpressionError",
@@ -51,6 +54,7 @@ __all__ = [
     "Session",
     "UsageError",
     "advance_all",
+    "batch",
     "check",
     "load",
     "read",

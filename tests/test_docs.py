@@ -78,3 +78,10 @@ def test_the_page_on_python_has_every_member_of_a_session():
 
     members = {name for name in {*dir(pirate_sm.Session), *vars(session)} if name[0] != "_"}
     assert first_cells("Step by step") == members
+
+
+def test_the_page_on_python_has_every_member_of_a_batch():
+    batch = pirate_sm.batch("mitre_bend", seeds=[1])
+
+    members = {name for name in {*dir(batch), *vars(batch)} if name[0] != "_"}
+    assert first_cells("Many robots at once") == members

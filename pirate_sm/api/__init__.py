@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from pirate_sm.api import pickling
 from pirate_sm.api.arguments import Mission, check, load
+from pirate_sm.api.batches import batch
 from pirate_sm.api.result import Columns, Page, Run, read
 from pirate_sm.api.running import run
 from pirate_sm.api.stepping import Session, advance_all, session
@@ -17,11 +18,13 @@ from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageErr
 from pirate_sm.expressions import ExpressionError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
+from pirate_sm.simulation.batch import Batch
 
 pickling.register()
 
 __all__ = [
     "BackendError",
+    "Batch",
     "CheckError",
     "Columns",
     "ExpressionError",
@@ -36,6 +39,7 @@ __all__ = [
     "Session",
     "UsageError",
     "advance_all",
+    "batch",
     "check",
     "load",
     "read",

@@ -12,12 +12,14 @@ from math import ceil, inf
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import LinkSettings
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.crew import Crew
 from pirate_sm.simulation.gliding.protocol import GlidingPhysics
+from pirate_sm.simulation.physics import QuantityLayout
 from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
 
 
@@ -30,6 +32,7 @@ class Batch:
         threads: How many threads share the work; one for each processor by default.
 
     Attributes:
+        cycle_s: How long a cycle is.
         quantities: `(robots, quantities)`: the true quantities after the last cycle, SI, laid out
             by :class:`~pirate_sm.simulation.physics.QuantityLayout`.
         counts: `(robots, channels)`: what the boards have measured last, raw. Defects that change
@@ -40,13 +43,23 @@ class Batch:
     def __init__(
         self, robots: Sequence[SimulatedRobot], link: LinkSettings, threads: int | None = None
     ) -> None:
+        self.cycle_s = link.cycle
         self._courses = [_Course(robot, link) for robot in robots]
         self._crew = Crew(threads)
         self.quantities: Floats = np.array([each.physics.quantities for each in robots])
         self.counts: Floats = np.array([each.electronics.counts for each in robots])
         self.gone = np.array([each.gone for each in robots], dtype=np.bool_)
 
-    def advance(self, cycles: int, setpoints: Floats | None = None) -> None:
+    def __len__(self) -> int:
+        """Return how many robots there are."""
+        return len(self._courses)
+
+    def values(self, quantity: str) -> Floats:
+        """Return a quantity of every wheel, `(robots, wheels)`; see `physics.PER_WHEEL`."""
+        layout = QuantityLayout(len(self._courses[0].robot.arcs))
+        return self.quantities[:, layout.block(quantity)]
+
+    def advance(self, cycles: int, setpoints: ArrayLike | None = None) -> None:
         """Let cycles of the bus pass for every robot.
 
         Args:
@@ -55,13 +68,15 @@ class Batch:
                 slot; None leaves those in force.
 
         Raises:
-            UsageError: There is not one row of setpoints for each robot.
+            UsageError: The setpoints are not a finite number for each slot of each robot.
         """
         courses = self._courses
         if setpoints is not None:
-            if len(setpoints) != len(courses):
-                raise UsageError(f"{len(setpoints)} rows of setpoints for {len(courses)} robots")
-            for course, values in zip(courses, setpoints.tolist(), strict=True):
+            rows = np.asarray(setpoints, dtype=np.float64)
+            expected = len(courses), courses[0].robot.electronics.slots
+            if rows.shape != expected or not np.isfinite(rows).all():
+                raise UsageError(f"setpoints: expected finite numbers of the shape {expected}")
+            for course, values in zip(courses, rows.tolist(), strict=True):
                 course.robot.set_values(values)
         self._crew.each(partial(_Course.run, cycles=cycles), courses)
         for row, course in enumerate(courses):

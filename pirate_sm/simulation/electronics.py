@@ -52,6 +52,11 @@ class Electronics:
         self.rng: Words = np.array([seed], dtype=np.uint64)
         self.read(0, len(self.counts))
 
+    @property
+    def slots(self) -> int:
+        """How many setpoints an array has."""
+        return len(self._routes)
+
     def read(self, first: int, last: int) -> None:
         """Read the channels from `first` to before `last`."""
         digitizing.digitize(self.channels, first, last, self._quantities, self.counts, self.rng)

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.simulation.machine_code.built_library import find_library
-from pirate_sm.simulation.machine_code.calls import callable_from_python
+from pirate_sm.simulation.machine_code.calls import callable_from_python, own_call
 from pirate_sm.simulation.machine_code.entry_points import ENTRY_POINTS, entry_point
 
 FOUND = find_library()
@@ -129,3 +129,29 @@ def test_a_number_can_be_returned(kind: str, is_a: type) -> None:
     found = callable_from_python(entry_point("m:f", "int", kind), Recorded())(1)
 
     assert (found, type(found)) == (0, is_a)
+
+
+def test_a_call_of_ones_own_looks_at_its_own_arrays_once() -> None:
+    function, looked = Recorded(), []
+
+    class Watched(np.ndarray):
+        """An array that notes when somebody looks at its shape."""
+
+        @property
+        def shape(self) -> Any:  # type: ignore[override]
+            looked.append(id(self))
+            return super().shape
+
+    first, second = np.ones(1).view(Watched), np.ones(2).view(Watched)
+    shared = callable_from_python(entry_point("m:f", "Floats1"), function)
+    one, other = own_call(shared), own_call(shared)
+    for _ in range(3):
+        one(first)
+        other(second)
+
+    assert [block[1] for block in function.blocks] == [1, 2] * 3
+    assert len(looked) == 2
+
+
+def test_a_function_that_is_not_built_is_everybodys_own() -> None:
+    assert own_call(len) is len
