@@ -13,7 +13,6 @@ TYPE_CHECKING = False  # importing typing would take half of the time of a help 
 if TYPE_CHECKING:
     from pirate_sm.api import (
         BackendError,
-        Batch,
         CheckError,
         Columns,
         ExpressionError,
@@ -40,7 +39,6 @@ __version__ = "0.1.0"
 
 __all__ = [
     "BackendError",
-    "Batch",
     "CheckError",
     "Columns",
     "ExpressionError",

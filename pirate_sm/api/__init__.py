@@ -18,13 +18,11 @@ from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageErr
 from pirate_sm.expressions import ExpressionError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.simulation.batch import Batch
 
 pickling.register()
 
 __all__ = [
     "BackendError",
-    "Batch",
     "CheckError",
     "Columns",
     "ExpressionError",

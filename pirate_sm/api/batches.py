@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import Unpack
+from typing import TYPE_CHECKING, Unpack
 
 from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared, whole
-from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.errors import UsageError
-from pirate_sm.simulation.batch import Batch
+
+if TYPE_CHECKING:
+    from pirate_sm.simulation.batch import Batch
 
 
 def batch(
@@ -35,6 +36,9 @@ def batch(
         CheckError: The mission is refused; ``findings`` has why, each with its place.
         UsageError: An argument does not fit, there are no seeds, or the backend simulates no robot.
     """
+    from pirate_sm.backends.simulated import SimulatorBackend
+    from pirate_sm.simulation.batch import Batch
+
     count = None if threads is None else whole(threads, "threads", 1)
     loaded, rest = loaded_once(mission, **options)
     robots, link = [], None
