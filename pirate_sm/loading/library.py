@@ -16,6 +16,7 @@ from pirate_sm.spelling import meant
 _PACKAGE = Path(__file__).resolve().parent.parent
 SUFFIXES = (".yaml", ".yml")
 _LONGEST_NAME = 100
+_LONGEST_MESSAGE = 600
 
 
 def shipped() -> Path:
@@ -158,8 +159,14 @@ def is_path(name: str) -> bool:
 def _by_name(kind: str, name: str, known: dict[str, Path]) -> Path:
     if name in known:
         return known[name]
-    hint = meant(name, sorted(known), limit=len(known))
-    raise UsageError(f"there is no {kind} '{_cut(name)}'; {hint}")
+    raise UsageError(_unknown(kind, name, sorted(known)))
+
+
+def _unknown(kind: str, name: str, known: list[str]) -> str:
+    """Return the message for an unknown name, with as many known names as fit into it."""
+    hints = (meant(name, known, limit=limit) for limit in range(len(known), -1, -1))
+    messages = (f"there is no {kind} '{_cut(name)}'; {hint}" for hint in hints)
+    return next(message for message in messages if len(message) < _LONGEST_MESSAGE)
 
 
 def _is_file(path: Path) -> bool:

@@ -50,6 +50,7 @@ def test_everything_listed_is_found_by_its_name():
         (library.find_robot, "a" * 5000, "there is no robot 'aaa"),
         (library.find_robot, "a/" * 5000, "there is no robot at 'a/a"),
         (library.find_mission, "a\0b", "there is no mission 'a\\0b'"),
+        (library.find_mission, "ä" * 5000, "there is no mission 'ä"),
         (library.find_pipe, "ä" * 5000, "there is no pipe 'ä"),
     ],
 )
@@ -58,7 +59,12 @@ def test_an_unknown_name_is_refused_with_the_nearest(find, name, message):
         find(name)
 
     assert message in str(caught.value)
-    assert len(str(caught.value)) < 1000
+    assert len(str(caught.value)) < 600
+
+
+def test_names_that_a_message_has_no_room_for_are_counted():
+    with pytest.raises(UsageError, match=r"one of climb, .*, … \(\d more\)$"):
+        library.find_mission("z" * 60)
 
 
 def test_a_path_goes_to_the_file_itself(tmp_path):
