@@ -48,16 +48,6 @@ def codes(*paths: str) -> list[str]:
     return [each.code for each in check_paths(paths).findings]
 
 
-def test_all_that_is_shipped_is_clean(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(ROOT)
-
-    report = check_paths()
-    assert told(report) == []
-    kinds = [file.kind for file in report.files]
-    assert kinds.count(Kind.MISSION) == 39
-    assert {Kind.ROBOT, Kind.CHART, Kind.PIPE, Kind.PANEL} <= set(kinds)
-
-
 def test_a_panel_is_held_against_its_robot_or_the_one_that_is_named(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
