@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import pty
 import tty
@@ -29,6 +30,15 @@ os.environ["PIRATE_SM_RUNS"] = ""
 def pytest_xdist_auto_num_workers() -> int:
     """Return one worker more than there are cores: some tests wait for processes and ports."""
     return (os.cpu_count() or 1) + 1
+
+
+def pytest_collection_finish() -> None:
+    """Spare the garbage collector the thousands of tests, which it would look at again and again.
+
+    That takes a tenth of the processor time of the suite.
+    """
+    gc.collect()
+    gc.freeze()
 
 
 class MidiPlug:
