@@ -41,8 +41,8 @@ class Options(TypedDict, total=False):
         twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
-        fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, which takes
-            half the time and is coarser.
+        fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, with half the
+            iterations, which is coarser.
         detector: Name of a detector, in place of the backend's usual one.
         also: A second detector, whose words are logged and do nothing.
         ruler: Whether a simulated ruler measures the robot's speed from outside, for slip.

@@ -1,8 +1,8 @@
 """Starts the commands `pirate` and `pirate-run`, without a traceback for an early Ctrl-C.
 
 Loading the command line takes some tenths of a second. Until it can answer Ctrl-C with a sentence,
-the system's own handling ends the process without a traceback. Nothing has moved by then. Nothing
-is looked for that could be thrown away, either: all that is loaded stays (see `entry.py`).
+the system's own handling ends the process without a traceback. Nothing has moved by then. Garbage
+is not collected meanwhile either, because all that is loaded stays (see `entry.py`).
 """
 
 from __future__ import annotations

@@ -15,7 +15,7 @@ from pirate_sm.engine.sensing.part_axes import axis_of, meeting, plane_of, wheel
 from pirate_sm.geometry.space import Frame, Vector, between, combined, dot, scaled
 
 BEND_RAD = radians(20)
-"""The least angle of a bend that is told from a slanting part [decided]."""
+"""The least angle of a bend; a smaller one may be a slanting part [decided]."""
 
 
 class Reached(NamedTuple):

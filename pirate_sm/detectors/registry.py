@@ -225,7 +225,7 @@ def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
     token = os.environ.get(TOKEN_VARIABLE, "")
     shown = f"with the token in {TOKEN_VARIABLE}"
     if any("\ud800" <= letter <= "\udfff" for letter in token):
-        raise UsageError(f"{TOKEN_VARIABLE} holds bytes that are no text in UTF-8")
+        raise UsageError(f"{TOKEN_VARIABLE} holds bytes that are not UTF-8 text")
     if not token:
         token = secrets.token_urlsafe(_TOKEN_BYTES)
         shown = json.dumps({"token": token})

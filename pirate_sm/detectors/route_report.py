@@ -14,7 +14,7 @@ from pirate_sm.geometry.space import dot
 from pirate_sm.model.events import EnvironmentReport
 
 _EVERY_M = 0.1
-"""The place is reported again after so much of the way, about a link [decided]."""
+"""The place is reported again after this distance, about a link [decided]."""
 
 _LEAST_SHARE = 0.2
 """With a smaller share of gravity across the pipe (78 deg) the roll is undefined."""

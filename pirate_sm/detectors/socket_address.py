@@ -82,7 +82,7 @@ def _reason(address: Address, error: OSError) -> str:
     if error.errno != errno.EADDRINUSE:
         return error.strerror or str(error)
     if address.path and not Path(address.path).is_socket():
-        return "this is no socket, and is left alone; name a file that does not exist"
+        return "this is not a socket, so it is left alone; name a file that does not exist"
     return "a run or another program listens here already; end it, or name another address"
 
 

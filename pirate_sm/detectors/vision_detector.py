@@ -230,7 +230,7 @@ class Sight:
         if not before_s < _DOUBTED_S <= self._outside_s:
             return ()
         message = "the camera sees wheels outside of the pipe, whose positions count as unknown"
-        return (Log("warning", f"{message}: is it this pipe, and hangs the camera where it did?"),)
+        return (Log("warning", f"{message}: is it another pipe, or was the camera moved?"),)
 
     def _measure(self, places_m: Sequence[float], age_s: float) -> None:
         """Report the mean speed in the window that ended ``age_s`` ago, positive ahead."""

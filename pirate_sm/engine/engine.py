@@ -140,7 +140,7 @@ class Engine:
         return self._lookout.watch(state)
 
     def glided(self, state: EngineState, after: Glided) -> EngineState:
-        """Return the state after frames that have left true what :meth:`watch` tells.
+        """Return the state after frames that leave true what :meth:`watch` returned.
 
         It is the state that :meth:`step` returns after the same frames, which have no effects.
         """

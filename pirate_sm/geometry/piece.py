@@ -24,7 +24,7 @@ class Arc(NamedTuple):
     towards: Vector
 
     def turned_round(self, ahead: Vector) -> Arc:
-        """Return the arc for who comes the other way, by the direction at its beginning."""
+        """Return the arc for the other direction of travel, by the direction at its beginning."""
         c, s = cos(self.angle_rad), sin(self.angle_rad)
         return self._replace(towards=combined((c, self.towards), (-s, ahead)))
 
@@ -141,7 +141,7 @@ class Piece(NamedTuple):
         return self._replace(frame=self.frame.rolled(roll_rad), bend=bend)
 
     def turned_round(self, bend: Mitre | None) -> Piece:
-        """Return the piece for who comes the other way; ``bend`` is the mitre at its new end."""
+        """Return the piece for the other direction; ``bend`` is the mitre at its new end."""
         return self._replace(
             frame=self.frame_at(self.ends_m).reversed(),
             diameter_m=self.ends_with_m,

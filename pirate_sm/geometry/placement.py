@@ -85,7 +85,7 @@ class _Heading(NamedTuple):
 
 
 class _Door(NamedTuple):
-    """Where a run leaves a junction: the heading of who leaves there, and the place."""
+    """Where a run leaves a junction: the heading there, out of it, and the place."""
 
     heading: _Heading
     origin: Vector
@@ -147,7 +147,7 @@ class _Placer:
         self._reach(name, run.ends, last, begins=False)
 
     def _reach(self, name: str, at: str, out: _Door, *, begins: bool) -> None:
-        """Take note of a junction that a run reaches, as who leaves the run sees it."""
+        """Take note of a junction that a run reaches; its heading is that out of the run."""
         junction, port = port_of(at)
         tee = self.network.tees.get(junction)
         if at in self._taken:

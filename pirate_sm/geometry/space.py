@@ -79,7 +79,7 @@ class Frame(NamedTuple):
         return Frame(self.origin, turned(self.ahead), turned(self.side), turned(self.normal))
 
     def reversed(self) -> Frame:
-        """Return the frame of the same point for who comes the other way."""
+        """Return the frame of the same point for the other direction of travel."""
         return self._replace(ahead=scaled(-1.0, self.ahead), side=scaled(-1.0, self.side))
 
     def led_to(self, ahead: Vector) -> Frame:

@@ -93,7 +93,7 @@ def unrolled_walls(route: Route) -> Walls:
 
 
 def clock_rad(route: Route, arc_m: float, roll_rad: float) -> float:
-    """Return where a direction across a route points for who looks ahead: 0 right, 90 deg up.
+    """Return where a direction across a route points, looking ahead: 0 right, 90 deg up.
 
     In an upright pipe, which has no upper side, it is the roll against the frame of the pipe.
 

@@ -11,14 +11,14 @@ from typing import NamedTuple
 from pirate_sm.mapping.legs import Bore
 
 _BIN_M = 0.01
-"""Diameters are averaged over so much of the way [decided]."""
+"""Diameters are averaged over this distance [decided]."""
 
 _STRETCH_BINS = 4
-"""So many of these, one after the other, are a stretch of one diameter [decided]."""
+"""This number of consecutive averages makes a stretch of one diameter [decided]."""
 
 _PLATEAU_BINS = 7
-"""A plain pipe shows its diameter for so long: half a V is shorter, and while a step is between two
-of its wheels a V shows a diameter that is none [decided]."""
+"""A plain pipe shows its diameter over this distance: half a V is shorter, and while a step is
+between two of its wheels a V shows a wrong diameter [decided]."""
 
 _EVEN = 0.01
 """They differ by less than this share [decided]."""
@@ -32,7 +32,7 @@ class Narrowing(NamedTuple):
     """A change of the diameter.
 
     Attributes:
-        middle_m: Place in the leg of its middle; how long it is a V does not show.
+        middle_m: Place in the leg of its middle; a V does not show how long it is.
         diameter_m: The inner diameter behind it.
     """
 

@@ -71,7 +71,7 @@ class Bend:
         angle_rad: By how much it turns, positive.
         roll_rad: Towards where, about the direction of travel, in the frame that is carried along
             without twist.
-        kind: What a word announced it to be; empty if none did.
+        kind: The kind that a word announced; empty without one.
     """
 
     angle_rad: float

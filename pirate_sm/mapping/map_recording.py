@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.mapping.legs import Map
-from pirate_sm.mapping.listening import looks
+from pirate_sm.mapping.looks import looks
 from pirate_sm.mapping.mapper import Mapper
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import recorded_robot

@@ -30,7 +30,7 @@ from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.sensing.part_axes import axis_at, axis_of, wheel_at
 from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.legs import Bend, Bore, Leg, Map, middle
-from pirate_sm.mapping.listening import Look
+from pirate_sm.mapping.looks import Look
 from pirate_sm.mapping.spots import Anchor, Passage, Spot
 from pirate_sm.mapping.way import Way
 
@@ -47,10 +47,10 @@ _STEEP_RAD = radians(60)
 """In a steeper leg a robot's roll is not taken from gravity [decided]."""
 
 _FELT = 9
-"""So many of the last rolls count, and of the last diameters of a part."""
+"""This number of the last rolls counts, and of the last diameters of a part."""
 
 _BORE_EVERY_M = 0.02
-"""The diameter that a part shows counts again after so much of the way [decided]."""
+"""The diameter that a part shows counts again after this distance [decided]."""
 
 _STILL_RAD = radians(3)
 """Joints that differ by less from the start have not moved [decided]."""

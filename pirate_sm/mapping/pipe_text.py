@@ -1,4 +1,4 @@
-"""Write a map as a pipe file; comments say what could not be known."""
+"""Write a map as a pipe file; comments name what is unknown."""
 
 from __future__ import annotations
 

@@ -10,10 +10,10 @@ from collections.abc import Collection
 
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.mapping.listening import Look
+from pirate_sm.mapping.looks import Look
 
 _PIECE_S = 0.6
-"""Parts are compared over so long: two pieces of an odometer [decided]."""
+"""Parts are compared over this distance: two pieces of an odometer [decided]."""
 
 
 class Way:

@@ -5,6 +5,6 @@ from __future__ import annotations
 from typing import Literal, TypeAlias
 
 Fidelity: TypeAlias = Literal["usual", "fast"]
-"""``fast`` takes about half the time and is coarser, with an error that has been measured."""
+"""``fast`` computes half the iterations and is coarser, with an error that has been measured."""
 
 USUAL: Fidelity = "usual"

@@ -213,7 +213,7 @@ class DetectorDefinition(Frozen):
         backward: The point when driving backward.
         when: The condition on signals and states, for the detector ``signals``.
         held: How long the condition must have been true without interruption.
-        joint: The kind of joint that it announces, where whoever says it can tell.
+        joint: The kind of joint that it announces, where its detector can know that.
     """
 
     forward: DetectorPoint | None = None

@@ -10,7 +10,7 @@ from pirate_sm.geometry.space import Vector
 
 
 class InSpace(NamedTuple):
-    """What the places of a robot's wheels in a plane do not tell of a robot in space.
+    """What the places of a robot's wheels in a plane leave out of a robot in space.
 
     Attributes:
         z_m: Third coordinate of each wheel, across the plane of the drawing.

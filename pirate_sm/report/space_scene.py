@@ -95,7 +95,7 @@ def _names(route: Route, frame: Frame) -> Iterator[NamedPoint]:
 
 
 def joint_name(joint: Joint) -> str:
-    """Return what a person calls a joint: ``mitre 90°``, or a tee by its name."""
+    """Return the label of a joint: ``mitre 90°``, or a tee by its name."""
     if joint.junction:
         return joint.junction
     return f"{joint.kind} {degrees(joint.turn_rad):.0f}°" if joint.turn_rad else joint.kind

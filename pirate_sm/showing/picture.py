@@ -43,7 +43,7 @@ _DIAL = 6
 """Radius of a dial, in dots."""
 
 _DIALS_FROM = 15 * DOWN
-"""In a lower picture dials are words only."""
+"""In a picture that is less high, directions are written and no dials are drawn."""
 
 _BAR_M = 0.1
 _BESIDE_M = 0.018
@@ -133,7 +133,7 @@ class _Drawing:
                 self._canvas.write(left, y - DOWN, joint.text, NOTE)
 
     def dials(self) -> None:
-        """Draw where side A of each part points, for who looks ahead along the pipe."""
+        """Draw where side A of each part points, looking ahead along the pipe."""
         canvas, dials = self._canvas, self._pose.dials
         wide = max((len(dial.text) for dial in dials), default=0) * ACROSS
         for row, dial in enumerate(dials):

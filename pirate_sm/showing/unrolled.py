@@ -1,6 +1,6 @@
 """The route through a round pipe as a plane: along it, and across it in the plane of each part.
 
-Where side A points is told as who looks ahead along the pipe sees it: 0 is to the right, 90 deg up.
+Where side A points is given as seen looking ahead along the pipe: 0 is to the right, 90 deg up.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ _CORNER = 2.0
 """The outer corner of a mitre of 120 deg is this many radii away from where the axes cross."""
 
 ARROWS = "→↗↑↖←↙↓↘"
-"""The directions across a pipe for who looks ahead, counter-clockwise from the right."""
+"""The directions across a pipe, looking ahead, counter-clockwise from the right."""
 
 
 class JointMark(NamedTuple):
@@ -47,7 +47,7 @@ class Dial(NamedTuple):
 
     Attributes:
         part: Name of the part.
-        angle_rad: The direction across the pipe for who looks ahead; 0 right, 90 deg up.
+        angle_rad: The direction across the pipe, looking ahead; 0 right, 90 deg up.
     """
 
     part: str

@@ -19,7 +19,7 @@ except ImportError:
     ) from None
 
 cv2: Any = _cv2
-# Somebody else may have imported it before, as in a notebook.
+# It may be imported already, as in a notebook.
 if os.environ["OPENCV_LOG_LEVEL"] == "SILENT":
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 # The control loop runs beside it: one core is enough (docs/measurements.md).

@@ -27,7 +27,7 @@ class Order:
         seed: Seed of all random numbers.
         start_jitter_m: How far a simulated robot may start from its position; likewise
             ``diameter_jitter_m`` for the pipe, and ``friction_jitter`` as a share.
-        fidelity: How finely the kinematic simulator computes; ``fast`` takes half its time.
+        fidelity: How finely the kinematic simulator computes; ``fast`` has half the iterations.
         defects: Defects of the simulated robot.
         twin: File with numbers of the simulated robot, in place of its profile's.
         firings: Triggers that a trace fires instead of the first trigger of each wait.

@@ -78,7 +78,7 @@ def _missed(view: PipeView) -> Iterator[_Missed]:
 
 
 def _looked_at(view: PipeView, bending: Bending) -> _Missed | None:
-    """Return how far a part bends off; None if nobody can know."""
+    """Return how far a part bends off; None if it is unknown."""
     joint = view.bend(bending.joint)
     if joint is None or bending.roll is None:
         return None
@@ -122,7 +122,7 @@ def _aside(view: PipeView, missed: _Missed) -> Finding:
 def _how_to_turn(view: PipeView, missed: _Missed) -> str:
     """Return which command turns a part into the plane of its bend."""
     joint, rolls, part = view.roll_joint, missed.bending.point.rolls, missed.bending.bend.part
-    assert rolls is not None  # as _looked_at has seen
+    assert rolls is not None  # _looked_at has checked it
     ahead = joint.is_ahead(part)
     turned = rolls.turned(missed.quarters if ahead else -missed.quarters, ahead=ahead)
     name = view.fit.robot.parts[part]

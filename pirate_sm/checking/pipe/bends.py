@@ -25,8 +25,8 @@ class Bends:
     """Finds the configurations of a robot, in one polarity, that bend a part.
 
     In a bend, joints of a part that is not held have target angles to one side, while another part
-    is held. A negative angle turns the body on both sides of the joint to side A. What a state is,
-    its usual actuation says: no control seeks an angle.
+    is held. A negative angle turns the body on both sides of the joint to side A. The usual
+    actuation of a state counts: no control seeks an angle.
     """
 
     def __init__(self, robot: RobotSpec, profile: Profile) -> None:

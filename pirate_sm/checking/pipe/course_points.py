@@ -23,7 +23,7 @@ class CoursePoint(NamedTuple):
         way: Direction in which they were driven last, 1 forward, -1 backward; 0 if unknown.
         passed: How many bends the robot has passed forward, less those backward; without the
             present one.
-        rolls: How the parts are rolled; None if nobody can know.
+        rolls: How the parts are rolled; None if unknown.
         wound: Parts that are relaxed with their worms wound.
         place: Place of the step that led to the configuration or to the control; empty at the
             start.
@@ -68,7 +68,7 @@ class Bending(NamedTuple):
         point: The point at which it is bent; its place is empty for a bend at the start.
         joint: Into which bend, counted from the robot's start: 0 is the first ahead of it, -1 the
             first behind it.
-        roll: Roll of the part in quarter turns; None if nobody can know.
+        roll: Roll of the part in quarter turns; None if unknown.
     """
 
     bend: Bend

@@ -76,7 +76,7 @@ class RollJoint:
     def aim(self, configuration: int) -> float | None:
         """Return the angle that a configuration asks for, in quarter turns.
 
-        None: the joint keeps its angle. NaN: one that nobody knows before the mission runs.
+        None: the joint keeps its angle. NaN: an angle that is unknown before the mission runs.
         """
         if configuration not in self._aims:
             self._aims[configuration] = self._aim(configuration)
@@ -126,7 +126,7 @@ class RollJoint:
         return behind if held & ahead and not held & behind else frozenset()
 
     def after(self, rolls: Rolls | None, before: int, after: int) -> Rolls | None:
-        """Return the rolls after a command; None if nobody can know them.
+        """Return the rolls after a command; None if they are unknown.
 
         Args:
             rolls: Those before it.
@@ -135,7 +135,7 @@ class RollJoint:
         """
         aim, held = self.aim(after), self._robot.held
         if rolls is None or (held[before] and not held[after]):
-            return None  # a loose robot rolls in a round pipe as it likes
+            return None  # a loose robot may roll either way in a round pipe
         if aim is None or aim == rolls.joint or not self.turns(before, after):
             return rolls
         turning = self.turning(after)

@@ -18,8 +18,8 @@ from pirate_sm.checking.pipe.course_story import story_of
 from pirate_sm.checking.pipe.pipe_view import PipeView
 
 _MOST_OBLIQUE_RAD = asin(0.1)
-"""Smallest obliqueness of the module that is told [decided]: 6 deg, beside the 47 deg at which a
-part runs into the wall in a pipe of 120 mm."""
+"""Smallest obliqueness of the module that is reported [decided]: 6 deg, beside the 47 deg at which
+a part runs into the wall in a pipe of 120 mm."""
 
 
 def turns_what_is_slack(view: PipeView) -> Iterator[Finding]:

@@ -79,9 +79,7 @@ Defects = Annotated[
 ]
 FidelityOfSim = Annotated[
     Fidelity,
-    typer.Option(
-        "--fidelity", help="Of sim; fast takes half the time, with an error that is known."
-    ),
+    typer.Option("--fidelity", help="Of sim; fast computes half the iterations and is coarser."),
 ]
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")

@@ -26,7 +26,7 @@ STEP = 0.03
 """Smallest relative difference of two diameters that is a reducer, more than noise [decided]."""
 
 _LOOKS = 3
-"""A reducer is seen in so many surveys one after the other [decided]."""
+"""A reducer counts after it was seen in this number of consecutive surveys [decided]."""
 
 
 class Around(NamedTuple):

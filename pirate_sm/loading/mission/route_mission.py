@@ -13,7 +13,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.model.travel import PassedBy, Travel
 
 _SPARE_M = 0.1
-"""The robot stops so far before the end of the route [decided]."""
+"""The robot stops this far before the end of the route [decided]."""
 
 
 class Course(NamedTuple):

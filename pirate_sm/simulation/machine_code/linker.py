@@ -61,13 +61,13 @@ def link(parts: Sequence[Path], into: Path) -> None:
         raise RuntimeError(_why(done.stderr))
 
 
-def _why(told: str) -> str:
-    """Return the cause of a failure that zig has told."""
-    missing = sorted(set(re.findall(r"undefined symbol: (\S+)", told)))
+def _why(printed: str) -> str:
+    """Return the cause of a failure from what zig has printed."""
+    missing = sorted(set(re.findall(r"undefined symbol: (\S+)", printed)))
     if missing:
         return (
             f"a function needs more of numba's runtime than support.c has ({', '.join(missing)}); "
             "compute in loops what it computes with whole arrays or slices"
         )
-    lines = told.strip().splitlines() or ["it said nothing"]
+    lines = printed.strip().splitlines() or ["no message"]
     return f"zig did not link it: {lines[-1]}"

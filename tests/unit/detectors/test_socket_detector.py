@@ -173,7 +173,7 @@ def test_a_socket_that_a_dead_run_left_is_replaced_and_a_file_is_not(tmp_path: P
     file.write_text("keep me", "utf-8")
     with OutsideWords(Address(path=str(left)), ACCEPTED):
         pass
-    with pytest.raises(UsageError, match="this is no socket, and is left alone"):
+    with pytest.raises(UsageError, match="this is not a socket, so it is left alone"):
         OutsideWords(Address(path=str(file)), ACCEPTED).__enter__()
     assert file.read_text("utf-8") == "keep me"
 

@@ -40,7 +40,7 @@ def test_a_c_library_that_numba_is_not_made_for_counts_as_another_system(
             r"more of numba's runtime than support.c has \(NRT_Free, PyErr_SetString\)",
         ),
         ("No module named ziglang\n", "zig did not link it: No module named ziglang"),
-        ("", "zig did not link it: it said nothing"),
+        ("", "zig did not link it: no message"),
     ],
 )
 def test_a_failure_names_its_cause(

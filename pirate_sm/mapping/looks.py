@@ -1,4 +1,4 @@
-"""What a recorded robot has sensed and been told, step by step, without mission, pipe and truth.
+"""Looks at a recorded robot: what is known of it at each step, without mission, pipe and truth.
 
 Of a recording only these are read: the robot's own files, the frames of its boards, the detector's
 words, and what it was commanded to: its states and its setpoints.
@@ -51,7 +51,7 @@ class Look(NamedTuple):
 
 
 def looks(robot: RobotSpec, steps: Iterable[Step], origin_s: float = 0.0) -> Iterator[Look]:
-    """Yield what is known of the robot after each step that tells something of it.
+    """Yield what is known of the robot after each step that reports on it or commands it.
 
     Args:
         robot: The robot.
