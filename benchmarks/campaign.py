@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from argparse import ArgumentParser, RawTextHelpFormatter
 from collections.abc import Callable, Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import dataclass, field, replace
@@ -26,6 +27,24 @@ if TYPE_CHECKING:
     from pirate_sm.engine.robot.robot_spec import RobotSpec
     from pirate_sm.loading.mission import LoadedMission
     from pirate_sm.wiring import Order, Prepared
+
+
+def options_of_rows(
+    about: str | None, rows: Sequence[str], seeds: int | None, counted: str
+) -> ArgumentParser:
+    """Return the options of a command that runs rows of many seeds.
+
+    Args:
+        about: What the command does.
+        rows: The names of the rows, of which some can be chosen.
+        seeds: How many seeds it runs by default.
+        counted: What the number of seeds counts.
+    """
+    parser = ArgumentParser(description=about, formatter_class=RawTextHelpFormatter)
+    parser.add_argument("--row", action="append", choices=rows)
+    parser.add_argument("--seeds", type=int, default=seeds, help=counted)
+    parser.add_argument("--workers", type=int, help="processes; all processors by default")
+    return parser
 
 
 @dataclass

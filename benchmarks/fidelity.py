@@ -16,7 +16,6 @@ kernels alone, called for each cycle of 16 ms as in a mission, between bars also
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -25,7 +24,7 @@ from statistics import median
 from time import process_time
 from typing import NamedTuple
 
-from benchmarks.campaign import Outcome, run_all
+from benchmarks.campaign import Outcome, options_of_rows, run_all
 from pirate_sm.geometry.network import Section, Straight, planar
 from pirate_sm.geometry.route import Route
 from pirate_sm.loading import library
@@ -92,16 +91,11 @@ class Pair(NamedTuple):
 
 def main() -> int:
     """Print each row and the speeds; return 1 when fast succeeds less often in a row."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--row", action="append", choices=[row.name for row in ROWS])
-    parser.add_argument("--seeds", type=int, default=20, help="pairs of every row")
-    parser.add_argument("--workers", type=int, help="processes; all processors by default")
-    wishes = parser.parse_args()
+    names = [row.name for row in ROWS]
+    wishes = options_of_rows(__doc__, names, 20, "pairs of every row").parse_args()
     good = True
     for row in ROWS:
-        if wishes.row is None or row.name in wishes.row:
+        if row.name in (wishes.row or names):
             pairs = _pairs(row, wishes.seeds, wishes.workers)
             good &= _show(row, pairs)
     for section, cycles in KERNELS:

@@ -14,7 +14,6 @@ stays where it is, both in truth. In no row may a run say falsely that it succee
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -24,7 +23,7 @@ from time import perf_counter
 
 import yaml
 
-from benchmarks.campaign import MotorValue, Outcome, run_all
+from benchmarks.campaign import MotorValue, Outcome, options_of_rows, run_all
 from pirate_sm.wiring import Order
 
 SNAPSHOTS = Path(__file__).with_name("fig_6_9.yaml")
@@ -108,12 +107,8 @@ class Verdict:
 
 def main() -> int:
     """Print each row; return 1 when one misses its bar or a run succeeded falsely."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--row", action="append", choices=[row.name for row in ROWS])
-    parser.add_argument("--seeds", type=int, help="runs of every row, in place of its own number")
-    parser.add_argument("--workers", type=int, help="processes; all processors by default")
+    seeds = "runs of every row, in place of its own number"
+    parser = options_of_rows(__doc__, [row.name for row in ROWS], None, seeds)
     parser.add_argument("--detector", default="sim")
     parser.add_argument("--backend", default="sim", help="physics: at least 95 %% of each row")
     parser.add_argument("--start-jitter", type=float, default=20.0, help="mm")

@@ -11,7 +11,6 @@ what a clamp's force makes of the contact's stiffness.
 
 from __future__ import annotations
 
-import argparse
 import sys
 from collections import Counter
 from collections.abc import Sequence
@@ -21,7 +20,7 @@ from pathlib import Path
 from statistics import median
 from tempfile import TemporaryDirectory
 
-from benchmarks.campaign import Outcome, run_all
+from benchmarks.campaign import Outcome, options_of_rows, run_all
 from pirate_sm.wiring import Order
 
 BEND, ROUND, BRANCH, DRIVE = "take_bend", "take_elbow", "take_branch", "drive_on"
@@ -115,17 +114,12 @@ ROWS = (
 
 def main() -> int:
     """Print each row; return 1 when one misses its bar."""
-    parser = argparse.ArgumentParser(
-        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
-    )
-    parser.add_argument("--row", action="append", choices=[row.name for row in ROWS])
-    parser.add_argument("--seeds", type=int, default=100, help="runs of every row")
-    parser.add_argument("--workers", type=int, help="processes; all processors by default")
-    wishes = parser.parse_args()
+    names = [row.name for row in ROWS]
+    wishes = options_of_rows(__doc__, names, 100, "runs of every row").parse_args()
     good = True
     with TemporaryDirectory() as folder:
         for row in ROWS:
-            if wishes.row is None or row.name in wishes.row:
+            if row.name in (wishes.row or names):
                 good &= _show(row, Path(folder), wishes.seeds, wishes.workers)
     return 0 if good else 1
 

@@ -33,12 +33,13 @@ def pytest_xdist_auto_num_workers() -> int:
 
 
 def pytest_collection_finish() -> None:
-    """Spare the garbage collector the thousands of tests, which it would look at again and again.
+    """Spare the garbage collector the thousands of tests, and let it look less often.
 
-    That takes a tenth of the processor time of the suite.
+    Otherwise it takes a sixth of the processor time of the suite.
     """
     gc.collect()
     gc.freeze()
+    gc.set_threshold(50_000, 20, 20)
 
 
 class MidiPlug:
