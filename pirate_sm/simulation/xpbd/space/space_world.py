@@ -17,6 +17,7 @@ from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import lying, normal_of
 from pirate_sm.simulation.xpbd.chain import body_array
+from pirate_sm.simulation.xpbd.chain_world import ChainWorld
 from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
 from pirate_sm.simulation.xpbd.space import kernel
 from pirate_sm.simulation.xpbd.space.glide import glide, pass_cycles
@@ -30,7 +31,7 @@ _ANCHOR_M = 2e-4
 _FIELD_UT = (20.0, 0.0, -44.0)
 
 
-class SpaceWorld:
+class SpaceWorld(ChainWorld):
     """A chain in round pipes; a :class:`~pirate_sm.simulation.physics.Physics`.
 
     Args:
@@ -46,6 +47,8 @@ class SpaceWorld:
         duties: Duties in force: of joints, then of wheels.
         quantities: Quantities after the last cycle, then the kernel's own.
     """
+
+    _kernel = kernel
 
     def __init__(
         self,
@@ -76,10 +79,6 @@ class SpaceWorld:
         self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
         # This fills in the quantities of the start pose; hardly any time passes.
         kernel.advance(*self._arrays, 1)
-
-    def turn_roll_to(self, angle_rad: float) -> None:
-        """Set a new target for the roll joint."""
-        self._world[kernel.ROLL_TARGET] = angle_rad
 
     def advance(self) -> None:
         """Simulate one cycle."""
@@ -120,28 +119,9 @@ class SpaceWorld:
         self._world[kernel.BLOCK_X : kernel.BLOCK_Z + 1] = frame.origin
         self._world[kernel.BLOCK_NX : kernel.BLOCK_NZ + 1] = [sign * each for each in frame.ahead]
 
-    def unblock(self) -> None:
-        """Remove the obstacle."""
-        self._world[kernel.BLOCK_NODE] = -1
-
-    def disable_wheel(self, wheel: int, drag_nm: float) -> None:
-        """Disable a wheel's motor and make the wheel drag with this torque."""
-        self.body[wheel, kernel.WHEEL_RATE] = 0.0
-        self.body[wheel, kernel.WHEEL_HOLD] = drag_nm
-        self.body[wheel, kernel.WHEEL_STALL] = drag_nm
-
-    def let_grip(self, wheel: int, static: float, kinetic: float) -> None:
-        """Give a wheel these friction coefficients."""
-        self.body[wheel, kernel.MU_STATIC] = static
-        self.body[wheel, kernel.MU_KINETIC] = kinetic
-
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
         self._world[kernel.G_X : kernel.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
-
-    def stiffen_joint(self, wheel: int, friction_nm: float) -> None:
-        """Set the dry friction of the joint at a wheel."""
-        self.body[wheel, kernel.JOINT_FRICTION] = friction_nm
 
 
 def _constants(chain: ChainBody, dt: float, iterations: int) -> Floats:
