@@ -71,7 +71,7 @@ def test_a_wish_that_cannot_be_met_is_refused(text, options, why) -> None:
 
 def test_a_token_that_no_line_can_hold_is_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("PIRATE_SM_TOKEN", "a\udcff")
-    with pytest.raises(UsageError, match="PIRATE_SM_TOKEN holds bytes that are no text"):
+    with pytest.raises(UsageError, match="PIRATE_SM_TOKEN holds bytes that are not UTF-8 text"):
         choose("socket:127.0.0.1:5005")
 
 
