@@ -9,6 +9,7 @@ from math import asin, atan2, cos, isnan, nan, radians, sin
 
 import pytest
 
+from benchmarks.gliding import Stepping
 from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
@@ -76,9 +77,9 @@ def run(order: Order) -> Beside:
     assert prepared.loaded.pipe is not None
     beside = Beside(prepared.loaded.pipe, lambda: prepared.backend.truth.arcs_m)
     companions = [*prepared.companions, FirstChoice()]
-    MissionRun(
-        prepared.engine, prepared.backend, observers=[beside], companions=companions
-    ).execute()
+    # Step by step: after a glide the truth is that of its end.
+    backend = Stepping(prepared.backend)
+    MissionRun(prepared.engine, backend, observers=[beside], companions=companions).execute()
     return beside
 
 
