@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align space twin mutants physics vision clean
+.PHONY: help demo test test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align maps space twin mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -19,6 +19,7 @@ help:
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make space   how often each fitting of a round pipe is passed, by 100 seeds each"
+	@echo "make maps    how far maps of driven pipes are from these, by 10 seeds each"
 	@echo "make align   how level a part comes that is turned by the accelerometer, from twelve rolls, and the mission level"
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque, over a bad line and without"
 	@echo "make twin    the numbers of simulated robots, found in ten-minute recordings of them"
@@ -81,6 +82,9 @@ seeds: $(VENV)/.ready-sim
 
 upright: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.upright
+
+maps: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.maps
 
 space: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.space

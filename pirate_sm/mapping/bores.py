@@ -45,6 +45,10 @@ class _Bin(NamedTuple):
     front_m: float
     diameter_m: float
 
+    @property
+    def middle_m(self) -> float:
+        return (self.rear_m + self.front_m) / 2
+
 
 def diameter_of(bores: Sequence[Bore]) -> float | None:
     """Return the first inner diameter along a leg, m; None if it was never shown."""
@@ -57,13 +61,18 @@ def diameter_of(bores: Sequence[Bore]) -> float | None:
 def narrowings(bores: Sequence[Bore]) -> Iterator[Narrowing]:
     """Yield the changes of the diameter along a leg, in order.
 
-    A V shows the diameter of a plain pipe while all its wheels are in it. So the pipe begins to
-    change ahead of the first wheel, where a V shows the old diameter last, and has changed behind
-    the last wheel, where a V shows the new one first.
+    A V in the middle of a change shows the mean of the two diameters.
     """
+    bins = list(_bins(bores))
     for before, after in pairwise(_plateaus(bores)):
-        middle_m = (before[-1].front_m + after[0].rear_m) / 2
-        yield Narrowing(middle_m, median(each.diameter_m for each in after))
+        old_m, new_m = (median(each.diameter_m for each in it) for it in (before, after))
+        between = bins[bins.index(before[0]) : bins.index(after[-1]) + 1]
+        for one, other in pairwise(between):
+            shares = [(it.diameter_m - old_m) / (new_m - old_m) for it in (one, other)]
+            if shares[0] < 0.5 <= shares[1]:
+                more = (0.5 - shares[0]) / (shares[1] - shares[0])
+                yield Narrowing(one.middle_m + more * (other.middle_m - one.middle_m), new_m)
+                break
 
 
 def _plateaus(bores: Sequence[Bore]) -> list[list[_Bin]]:

@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, inf, isnan, nan, sin
+from math import atan2, cos, hypot, inf, isnan, nan, pi, sin, tan
 from statistics import median
 from typing import NamedTuple
 
 from pirate_sm.geometry.space import DRAWING, Frame, Vector, dot
+
+_ROUND_M = 0.04
+"""A bend whose end is farther than this from its beginning is an elbow: a word is wrong by some
+5 mm, and an elbow of one diameter is 60 mm long [decided]."""
 
 LEAST_ACROSS = 0.2
 """With a smaller share of gravity across the pipe (78 deg) its roll is undefined."""
@@ -32,8 +36,9 @@ class Leg:
     """A straight of the pipe, with places along it that count from an origin of its own.
 
     Attributes:
-        begins_m: Where its axis meets that of the leg behind; infinite if no bend is known.
-        ends_m: Where it meets that of the leg ahead.
+        begins_m: Where its axis meets that of the leg behind, or where an elbow ends; infinite if
+            no bend is known.
+        ends_m: Where it meets that of the leg ahead, or where an elbow begins.
         rolls_rad: Roll of the held part's plane against the horizontal, as it was felt.
         pitches_rad: Pitch of the leg, as it was felt.
         bores: What clamped parts showed of its diameter.
@@ -72,11 +77,32 @@ class Bend:
         roll_rad: Towards where, about the direction of travel, in the frame that is carried along
             without twist.
         kind: The kind that a word announced; empty without one.
+        extent_m: How far its end is from its beginning along the pipe, both as words count: where
+            the axes would meet in a mitre that takes as much wall. NaN if no word told; 0 for a
+            corner.
+        radius_m: Radius of an elbow's axis; 0 for a corner.
+        felt: Whether its angle is from gravity.
     """
 
     angle_rad: float
     roll_rad: float
     kind: str = ""
+    extent_m: float = nan
+    radius_m: float = 0.0
+    felt: bool = False
+
+    @property
+    def is_round(self) -> bool:
+        """Return whether words have told that it is an elbow."""
+        return self.extent_m > _ROUND_M
+
+    def wall_m(self, diameter_m: float) -> float:
+        """Return how far an elbow begins before the place from which words count, m."""
+        return diameter_m / 2 * tan(min(self.angle_rad / 2, pi / 4))
+
+    def arc_m(self, diameter_m: float) -> float:
+        """Return the length of an elbow's axis."""
+        return self.extent_m + 2 * self.wall_m(diameter_m)
 
 
 @dataclass

@@ -33,6 +33,8 @@ class Look(NamedTuple):
         around: The pipe around the robot, as its signals and words show it.
         part: The clamped part in whose plane roll and pitch are; -1 without one.
         announced: The kind of joint that the valid word announces; empty without one.
+        word: The detector's word that is valid; empty without one.
+        travel: Where wheels were driven last: 1 forward, -1 backward, 0 nowhere yet.
         state: The state by which an odometer counts.
     """
 
@@ -43,6 +45,8 @@ class Look(NamedTuple):
     around: Environment
     part: int
     announced: str
+    word: str
+    travel: int
     state: EngineState
 
     def travelled(self, odometer: Odometer, wheels: Iterable[int]) -> float:
@@ -81,6 +85,7 @@ class _Listener:
         self._around: Environment = self._surveyed.reported
         self._word: str | None = None
         self._until_s = 0.0
+        self._travel = 0
         self._sent: dict[int, tuple[float, ...]] = {}
 
     def hear(self, step: Step, now_s: float) -> Look:
@@ -146,6 +151,7 @@ class _Listener:
                 *(word, frozenset(), now_s),
             )
         driven = any(state.robot.values[wheel.slot] for wheel in robot.wheels)
+        self._travel = robot.travel(state.robot.values) or self._travel
         return Look(
             now_s,
             state.sensing.numbers,
@@ -154,5 +160,7 @@ class _Listener:
             self._around,
             self._surveyed.part,
             robot.words_joint.get(word or "", ""),
+            word or "",
+            self._travel,
             state,
         )

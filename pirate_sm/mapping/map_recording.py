@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.mapping.legs import Map
 from pirate_sm.mapping.looks import looks
 from pirate_sm.mapping.mapper import Mapper
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.replay.recorded_mission import recorded_robot
+from pirate_sm.recording.replay.recorded_mission import recorded_robot_files, robot_as_recorded
 
 
 def mapped(recording: Recording) -> Map:
@@ -18,7 +19,9 @@ def mapped(recording: Recording) -> Map:
     Raises:
         RecordingError: The recording is damaged, or its robot cannot be loaded any more.
     """
-    mapper = Mapper(recorded_robot(recording.header))
+    loaded = recorded_robot_files(recording.header)
+    robot = robot_as_recorded(loaded, recording.header)
+    mapper = Mapper(robot, words_of(loaded.profile))
     for look in looks(mapper.robot, recording.steps(), recording.origin_s):
         mapper.look(look)
     return mapper.finish()

@@ -10,13 +10,17 @@ moves by what the odometer counts. When another part clamps, the joint angles sa
   estimated: it was not pressed between the walls then. The outermost wheel of the last part still
   touches its wall in the leg behind, which gives the anchor's place in the new leg anew.
 
+Where the detector's words tell of a joint, they decide its places, in the leg behind and in the leg
+ahead: so nothing that happens in between can make a leg longer or shorter.
+
 Neglected: slip of all wheels of both parts at once; motion of an anchor that no odometer sees.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from math import inf, isnan, nan, pi, radians, remainder
+from collections.abc import Collection, Sequence
+from math import copysign, isnan, pi, radians, remainder
 
 from pirate_sm.detectors.leg_meetings import (
     Reached,
@@ -25,32 +29,25 @@ from pirate_sm.detectors.leg_meetings import (
     outermost,
     reached,
 )
+from pirate_sm.detectors.place_filter import WINDOW_S
+from pirate_sm.detectors.word_timing import Word
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
-from pirate_sm.engine.sensing.part_axes import axis_at, axis_of, wheel_at
+from pirate_sm.engine.sensing.part_axes import axis_at
 from pirate_sm.geometry.space import Frame, between, dot
-from pirate_sm.mapping.legs import Bend, Bore, Leg, Map, middle
+from pirate_sm.mapping.bend_angles import angle_of_corner, angle_of_elbow
+from pirate_sm.mapping.bores import STEP
+from pirate_sm.mapping.legs import Bend, Bore, Leg, Map
 from pirate_sm.mapping.looks import Look
-from pirate_sm.mapping.spots import Anchor, Passage, Spot
-from pirate_sm.mapping.way import Way
-
-_AGREEING = 0.03
-"""A V that shows the diameter of its leg up to this share lies along it [decided]."""
-
-_ALONG_RAD = radians(10)
-"""Two parts whose axes differ by less are in one leg [decided]."""
+from pirate_sm.mapping.places import ALONG_RAD, Places
+from pirate_sm.mapping.rolls import Rolls
+from pirate_sm.mapping.settling import feel_angles, round_elbows
+from pirate_sm.mapping.shape import Shape
+from pirate_sm.mapping.spots import Anchor, Approach, Passage, Spot
+from pirate_sm.mapping.told import End, Telling, Told
 
 _PARALLEL_RAD = radians(2)
 """Two parts whose axes differ by less show the diameters of plain pipes [decided]."""
-
-_STEEP_RAD = radians(60)
-"""In a steeper leg a robot's roll is not taken from gravity [decided]."""
-
-_FELT = 9
-"""This number of the last rolls counts, and of the last diameters of a part."""
-
-_BORE_EVERY_M = 0.02
-"""The diameter that a part shows counts again after this distance [decided]."""
 
 _STILL_RAD = radians(3)
 """Joints that differ by less from the start have not moved [decided]."""
@@ -64,6 +61,7 @@ class Mapper:
 
     Args:
         robot: The robot.
+        words: The detector's words that have points.
 
     Attributes:
         robot: The robot.
@@ -71,20 +69,17 @@ class Mapper:
         lost: Whether nothing is known any more of where the robot is.
     """
 
-    def __init__(self, robot: RobotSpec) -> None:
+    def __init__(self, robot: RobotSpec, words: Sequence[Word] = ()) -> None:
         self.map = Map()
         self.lost = False
         self.robot, self._body = robot, robot.body
-        self._way = Way(robot)
-        self._way_m = 0.0
-        self._spots: dict[int, Spot] = {}
-        self._bores: dict[int, deque[float]] = {}
-        self._bored_m: dict[int, float] = {}
+        self._shape, self._telling = Shape(robot.body), Telling(words)
+        self._places, self._rolls = Places(robot, self._shape), Rolls(self.map, robot.body)
+        self._approach: Approach | None = None
         self._started: tuple[float, ...] = ()
-        self._links: dict[int, tuple[tuple[int, ...], float]] = {}
+        self._looks: deque[Look] = deque()
         self._passage: Passage | None = None
-        self._rho_rad = 0.0
-        self._felt_s = -1.0
+        self._newest: Passage | None = None
         self._announced = ""
 
     def look(self, look: Look) -> None:
@@ -92,12 +87,16 @@ class Mapper:
         if self.lost:
             return
         self._announced = look.announced or self._announced
-        self._move(look)
+        self._looks.append(look)
+        while self._looks[0].at_s < look.at_s - WINDOW_S / 4:
+            self._looks.popleft()
+        self._places.move(look)
         if not self._spots:
             self._begin(look)
             return
         self._release(look)
-        anchor, passage = self._anchor(look), self._passage
+        self._tell(look)
+        anchor, passage = self._places.anchor(look), self._passage
         for part in sorted(look.held - self._spots.keys()):
             if anchor is not None and self._along(look, part, anchor):
                 continue
@@ -106,12 +105,14 @@ class Mapper:
                     self._correct(look, passage)
             elif anchor is not None and not look.driven:
                 self._reach_into(look, part, anchor)
-        self._feel(look)
+        self._rolls.feel(look, self._spots)
         self._measure(look)
 
     def finish(self) -> Map:
         """Return the map; to be called after the last look."""
-        if self._passage is not None:
+        feel_angles(self.map)
+        round_elbows(self.map)
+        if self._passage is not None and not self._passage.passed:
             self.map.notes.append(
                 "the last bend was not passed, so its angle and its place are not sure"
             )
@@ -119,16 +120,13 @@ class Mapper:
 
     # --- where the robot is -------------------------------------------------------------------
 
-    def _move(self, look: Look) -> None:
-        """Move what is known by what the odometer has counted since the last look."""
-        counted_m = self._way.until(look, [part for part in self._spots if part != WHOLE])
-        moved_m, self._way_m = counted_m - self._way_m, counted_m
-        for part, spot in self._spots.items():
-            self._spots[part] = spot._replace(along_m=spot.along_m + moved_m)
+    @property
+    def _spots(self) -> dict[int, Spot]:
+        return self._places.spots
 
     def _begin(self, look: Look) -> None:
         """Begin once all joints are known; the middle of the robot is the origin of its leg."""
-        frame = self._whole(look)
+        frame = self._shape.whole(look)
         if frame is None:
             return
         self._spots[WHOLE] = Spot(0, 0.0, self._body.wheels_of(WHOLE))
@@ -140,7 +138,7 @@ class Mapper:
     def _start_at(self, look: Look, frame: Frame, along_m: float) -> None:
         """Take the wheels' present places as those at the start."""
         wheels = self._body.wheels_of(WHOLE)
-        places = [along_m + self._ahead_of(look, wheel, frame) for wheel in wheels]
+        places = [along_m + self._shape.ahead_of(look, wheel, frame) for wheel in wheels]
         self.map.legs[0] = leg = Leg()
         leg.reach(*places)
         self.map.start = (0, places[0])
@@ -153,9 +151,9 @@ class Mapper:
         if self._spots:
             return
         known = next(iter(before.items()))
-        frame = self._frame(look, *known)
+        frame = self._shape.frame(look, *known)
         if not look.held:
-            self._spots[WHOLE] = known[1] if known[0] == WHOLE else self._laid(look, *known)
+            self._spots[WHOLE] = known[1] if known[0] == WHOLE else self._places.laid(look, *known)
         elif frame is not None and known[0] == WHOLE:
             part = min(look.held)
             axis = axis_at(self._body, look.numbers, part)
@@ -172,103 +170,134 @@ class Mapper:
     def _as_started(self, look: Look) -> bool:
         """Return whether the robot has neither moved nor changed its shape since the start."""
         pairs = zip(self._started, self._body.angles(look.numbers), strict=True)
-        return not self._way_m and all(abs(one - now) < _STILL_RAD for one, now in pairs)
-
-    def _laid(self, look: Look, part: int, spot: Spot) -> Spot:
-        """Return the place of the whole robot from that of a part."""
-        frame, whole = self._frame(look, part, spot), self._whole(look)
-        away_m = 0.0
-        if frame is not None and whole is not None:
-            away_m = dot(between(frame.origin, whole.origin), frame.ahead)
-        return Spot(spot.leg, spot.along_m + away_m, self._body.wheels_of(WHOLE))
-
-    def _anchor(self, look: Look) -> Anchor | None:
-        """Return a part that lies along its leg, or whose outermost link does; None without one."""
-        for part, spot in self._spots.items():
-            if part == WHOLE or not self._lies(look, part):
-                continue
-            frame = axis_at(self._body, look.numbers, part)
-            if frame is None:
-                continue
-            own = self._body.wheels_of(part)
-            if spot.wheels != own:  # from now on the whole V counts
-                link = self._frame(look, part, spot)
-                away_m = dot(between(link.origin, frame.origin), frame.ahead) if link else 0.0
-                self._spots[part] = Spot(spot.leg, spot.along_m + away_m, own)
-            wheels = outermost(self._body, part, 1 if own[0] == 0 else -1)
-            link = axis_of(self._body, look.numbers, wheels, self._bore(part))
-            if link is not None:
-                away_m = dot(between(frame.origin, link.origin), frame.ahead)
-                self._links[part] = wheels, away_m
-            return Anchor(part, frame, self._spots[part].along_m, whole=True)
-        return self._pulled(look)
-
-    def _pulled(self, look: Look) -> Anchor | None:
-        """Return a part that another one has pulled out of shape, by its outermost link."""
-        for part, spot in self._spots.items():
-            if part in self._links and spot.wheels == self._body.wheels_of(part):
-                wheels, away_m = self._links[part]
-                frame = axis_of(self._body, look.numbers, wheels, self._bore(part))
-                if frame is not None:
-                    return Anchor(part, frame, spot.along_m + away_m, whole=False)
-        return None
-
-    def _lies(self, look: Look, part: int, like: int | None = None) -> bool:
-        """Return whether the V of a part shows the diameter of its leg, or of another part's."""
-        shown, known = self._shown(look, part), self._bore(part if like is None else like)
-        return isnan(known) or abs(shown - known) <= _AGREEING * known
+        return not any(self._places.ways_m) and all(
+            abs(one - now) < _STILL_RAD for one, now in pairs
+        )
 
     # --- another part clamps ------------------------------------------------------------------
 
     def _along(self, look: Look, part: int, anchor: Anchor) -> bool:
         """Place a part in the anchor's leg if it lies along it; return whether it does."""
         own, axis = axis_at(self._body, look.numbers, part), anchor.axis
-        lies = self._lies(look, part) or self._lies(look, part, anchor.part)
-        if own is None or not lies or angle_between(own, axis) > _ALONG_RAD:
+        lies = self._shape.lies(look, part) or self._shape.lies(look, part, anchor.part)
+        if own is None:
             return False
-        place_m = anchor.along_m + dot(between(axis.origin, own.origin), axis.ahead)
+        if not self._is_behind(look) and (not lies or angle_between(own, axis) > ALONG_RAD):
+            return False
+        away = between(axis.origin, own.origin)
+        place_m = anchor.along_m + copysign(dot(away, away) ** 0.5, dot(away, axis.ahead))
         leg = self._spots[anchor.part].leg
         self._spots[part] = Spot(leg, place_m, self._body.wheels_of(part))
         if self._passage is not None and self._passage.last == part:
             self._passage = None
         return True
 
+    def _is_behind(self, look: Look) -> bool:
+        """Return whether a word has told that the whole robot is behind a bend, in one leg."""
+        newest = self._newest
+        return newest is not None and newest.passed and newest.leads == look.travel
+
     def _reach_into(self, look: Look, part: int, anchor: Anchor) -> None:
         """Find the bend between the anchor and a part that has gone first into another leg."""
         leads = 1 if self._body.wheels_of(part) < self._body.wheels_of(anchor.part) else -1
-        numbers, bore_m = look.numbers, self._bore(part)
+        numbers, bore_m = look.numbers, self._shape.bore(part)
+        if look.travel == -leads:
+            return
         found = reached(self._body, numbers, anchor.axis, part, leads, bore_m)
         if found is None:
             return
-        rolled = self._roll_of_part(look, anchor.part)
+        feel_angles(self.map)
+        spot = self._spots[anchor.part]
+        rolled, was_m = self._rolls.of_part(look, anchor.part, spot.leg), spot.along_m
         roll_rad = remainder(found.towards_rad + rolled, 2 * pi)
         bend = Bend(found.angle_rad, roll_rad, self._announced)
         self._announced = ""
         into, new = self.map.beyond(self._spots[anchor.part].leg, leads, bend)
         if new and leads < 0:  # the new leg is the first one
-            self._spots = {n: each._replace(leg=each.leg + 1) for n, each in self._spots.items()}
+            self._places.spots = {
+                n: each._replace(leg=each.leg + 1) for n, each in self._spots.items()
+            }
+            if self._approach is not None:
+                self._approach.leg += 1
         passage = Passage(into - 1 if leads > 0 else into, leads, part, anchor, numbers, new)
-        self._passage = passage
-        self._meet(passage, found)
+        self._passage = self._newest = passage
+        approach = self._approach
+        at_m = anchor.along_m + leads * found.away_m
+        if approach and approach.leads == leads:
+            at_m = approach.begins_m
+            bend.extent_m = leads * (approach.ends_m - approach.begins_m)
+            if bend.is_round:
+                parts, into_m = (part, anchor.part), leads * (was_m - at_m)
+                bend.angle_rad = angle_of_elbow(self._body, numbers, bend, parts, into_m, bore_m)
+            else:
+                if not isnan(approach.ends_m):
+                    at_m = (approach.begins_m + approach.ends_m) / 2
+                corner = anchor.axis.moved(at_m - anchor.along_m)
+                bend.angle_rad = angle_of_corner(
+                    self._body, numbers, corner, part, leads, found.angle_rad
+                )
+        self._meet(passage, at_m)
         leg = self.map.legs[into]
         begins_m = leg.begins_m if leads > 0 else leg.ends_m
         wheels = outermost(self._body, part, leads)
         self._spots[part] = Spot(into, begins_m + leads * found.beyond_m, wheels)
 
-    def _meet(self, passage: Passage, found: Reached) -> None:
-        """Fix the place of a new bend by the anchor, or the anchor's by a known bend."""
-        leads, anchor = passage.leads, passage.anchor
+    def _meet(self, passage: Passage, at_m: float) -> None:
+        """Fix the place of a new bend in the leg behind, or places in that leg by a known bend."""
+        leads = passage.leads
         leg = passage.bend if leads > 0 else passage.bend + 1
-        at_m, behind = anchor.along_m + leads * found.away_m, self.map.legs[leg]
+        behind = self.map.legs[leg]
         if not passage.new:
-            known_m = behind.ends_m if leads > 0 else behind.begins_m
-            for part, spot in self._spots.items():
-                if spot.leg == leg:
-                    self._spots[part] = spot._replace(along_m=spot.along_m + known_m - at_m)
+            self._places.shift(leg, (behind.ends_m if leads > 0 else behind.begins_m) - at_m)
         elif leads > 0:
             behind.ends_m = at_m
         else:
             behind.begins_m = at_m
+
+    # --- words --------------------------------------------------------------------------------
+
+    def _tell(self, look: Look) -> None:
+        """Take a word that has begun for the place of its joint."""
+        told = self._telling.look(look, self._places.ways_m[0])
+        if told is None:
+            return
+        leads, approach, passage = told.leads, self._approach, self._newest
+        if told.end is End.BEGINS:
+            found = self._told_at(look, told, {spot.leg for spot in self._spots.values()})
+            self._approach = Approach(found[0], leads, found[1]) if found else None
+            self._newest = None
+        elif told.end is End.INSIDE and approach is not None and approach.leads == leads:
+            found = self._told_at(look, told, {approach.leg})
+            if found is not None and isnan(approach.ends_m):
+                approach.ends_m = found[1]
+        elif told.end is End.PASSED and passage is not None and passage.leads == leads:
+            passage.passed = True
+            into = passage.bend + 1 if leads > 0 else passage.bend
+            found, leg = self._told_at(look, told, {into}), self.map.legs[into]
+            if found is None:
+                return
+            if not passage.new:
+                self._places.shift(into, (leg.begins_m if leads > 0 else leg.ends_m) - found[1])
+            elif leads > 0:
+                leg.begins_m = found[1]
+            else:
+                leg.ends_m = found[1]
+
+    def _told_at(self, look: Look, told: Told, legs: Collection[int]) -> tuple[int, float] | None:
+        """Return where a word's joint is, as an index of a leg and a place in it.
+
+        While no wheel is driven a detector filters places by their median, which is late.
+        """
+        then = look if look.driven else self._looks[0]
+        for part, spot in sorted(
+            self._spots.items(),
+            key=lambda each: told.wheel not in self._body.wheels_of(each[0]),
+        ):
+            frame = self._shape.frame(then, part, spot)
+            if spot.leg in legs and frame is not None:
+                at_m = spot.along_m + self._shape.ahead_of(then, told.wheel, frame)
+                return spot.leg, at_m - told.leads * told.passed_m
+        return None
 
     def _correct(self, look: Look, passage: Passage) -> None:
         """Correct the place in the new leg when the part that comes last clamps there."""
@@ -277,11 +306,13 @@ class Mapper:
         axis, spot = axis_at(self._body, look.numbers, first), self._spots.get(first)
         if axis is None or spot is None:
             return
-        if not self._lies(look, first):  # the new leg has another diameter
-            self._bores[first] = deque([self._shown(look, first)], maxlen=_FELT)
-            self._refine(passage)
+        shown_m, known_m = self._shape.shown(look, first), self._shape.bore(first)
+        if abs(shown_m - known_m) > STEP * known_m:  # the new leg has another diameter
+            self._shape.begin_anew(look, first)
+            if isnan(self.map.bends[passage.bend].extent_m):
+                self._refine(passage)
         bend = self.map.bends[passage.bend]
-        towards = bend.roll_rad - self._roll_of_part(look, first)
+        towards = bend.roll_rad - self._rolls.of_part(look, first, spot.leg)
         away_m = away_by_last_wheel(
             self._body,
             look.numbers,
@@ -289,7 +320,7 @@ class Mapper:
             passage.anchor.part,
             Reached(bend.angle_rad, towards, 0.0, 0.0),
             leads,
-            self._bore(passage.anchor.part),
+            self._shape.bore(passage.anchor.part),
         )
         leg = self.map.legs[spot.leg]
         at_m = leg.begins_m + away_m if leads > 0 else leg.ends_m - away_m
@@ -298,45 +329,13 @@ class Mapper:
 
     def _refine(self, passage: Passage) -> None:
         """Find a bend anew, once the diameter behind it is known."""
-        bore_m, axis = self._bore(passage.first), passage.anchor.axis
+        bore_m, axis = self._shape.bore(passage.first), passage.anchor.axis
         found = reached(self._body, passage.numbers, axis, passage.first, passage.leads, bore_m)
         if found is not None and passage.new:
             self.map.bends[passage.bend].angle_rad = found.angle_rad
-            self._meet(passage, found)
+            self._meet(passage, passage.anchor.along_m + passage.leads * found.away_m)
 
     # --- what the legs are like ---------------------------------------------------------------
-
-    def _feel(self, look: Look) -> None:
-        """Take note of gravity in the leg of the part that feels it."""
-        around, spot = look.around, self._spots.get(look.part)
-        if spot is None or look.at_s < self._felt_s + 0.2 or isnan(around.pitch_rad):
-            return
-        self._felt_s = look.at_s
-        leg, made = self.map.legs[spot.leg], self.map
-        leg.pitches_rad.append(around.pitch_rad)
-        roll_rad = around.roll_rad - self._twist(look, look.part)
-        if not isnan(roll_rad) and abs(around.pitch_rad) < _STEEP_RAD:
-            leg.rolls_rad.append(roll_rad)
-        if spot.leg == made.start[0] and not made.bends:
-            made.pitch_rad = middle(leg.pitches_rad)
-            if len(leg.rolls_rad) <= _FELT:
-                made.roll_rad = middle(leg.rolls_rad)
-
-    def _roll_of_part(self, look: Look, part: int) -> float:
-        """Return the roll of a part's plane against the frame that is carried along, rad."""
-        leg = self._spots[part].leg
-        felt_rad, frame_rad = self.map.legs[leg].rolls_rad[-_FELT:], self.map.roll_of(leg)
-        if felt_rad and not isnan(frame_rad):
-            self._rho_rad = remainder(middle(felt_rad) - frame_rad, 2 * pi)
-        return self._rho_rad + self._twist(look, part)
-
-    def _twist(self, look: Look, part: int) -> float:
-        """Return the roll of a part's plane against that of the rear half, rad."""
-        roll, ahead = (
-            self._body.roll,
-            part >= 0 and (self._body.parts[part].wheels[0] <= self._body.roll_link),
-        )
-        return look.numbers[roll] if roll >= 0 and ahead else 0.0
 
     def _measure(self, look: Look) -> None:
         """Take note of the diameters that parts along one axis show, and of how far they are."""
@@ -347,51 +346,16 @@ class Mapper:
         together = len(known) > 1 and len({self._spots[part].leg for part in axes}) == 1
         parallel = together and angle_between(known[0], known[-1]) <= _PARALLEL_RAD
         for part, axis in axes.items():
-            spot, shown_m = self._spots[part], self._shown(look, part)
+            spot, shown_m = self._spots[part], self._shape.shown(look, part)
             if axis is None or isnan(shown_m) or spot.wheels != self._body.wheels_of(part):
                 continue
-            if (parallel or not self._bores) and self._is_farther(part):
-                self._bores.setdefault(part, deque(maxlen=_FELT)).append(shown_m)
-            if not (parallel or self._lies(look, part)):
+            self._shape.note_bore(look, part, self._places.ways_m[part], parallel=parallel)
+            if not (parallel or self._shape.lies(look, part)):
                 continue
-            places = [spot.along_m + self._ahead_of(look, wheel, axis) for wheel in spot.wheels]
+            places = [
+                spot.along_m + self._shape.ahead_of(look, wheel, axis) for wheel in spot.wheels
+            ]
             leg = self.map.legs[spot.leg]
             leg.reach(min(places), max(places))
             if parallel:
                 leg.bores.append(Bore(min(places), max(places), shown_m))
-
-    # --- the robot ----------------------------------------------------------------------------
-
-    @property
-    def _radius_m(self) -> float:
-        return self._body.wheel_radius_m
-
-    def _shown(self, look: Look, part: int) -> float:
-        index = self._body.parts[part].diameter
-        return look.numbers[index] if index >= 0 else nan
-
-    def _bore(self, part: int) -> float:
-        """Return the diameter that a part, or any other, has lately shown in a straight, m."""
-        shown = self._bores.get(part) or next(iter(self._bores.values()), ())
-        return middle(list(shown))
-
-    def _is_farther(self, part: int) -> bool:
-        """Return whether the robot has moved on since the diameter at a part last counted."""
-        if abs(self._way_m - self._bored_m.get(part, -inf)) < _BORE_EVERY_M:
-            return False
-        self._bored_m[part] = self._way_m
-        return True
-
-    def _whole(self, look: Look) -> Frame | None:
-        wheels = self._body.wheels_of(WHOLE)
-        return axis_of(self._body, look.numbers, wheels, 2 * self._radius_m)
-
-    def _frame(self, look: Look, part: int, spot: Spot) -> Frame | None:
-        if part == WHOLE:
-            return self._whole(look)
-        return axis_of(self._body, look.numbers, spot.wheels, self._bore(part))
-
-    def _ahead_of(self, look: Look, wheel: int, frame: Frame) -> float:
-        """Return how far a wheel is ahead of the origin of a frame, m."""
-        place = wheel_at(self._body, look.numbers, wheel)
-        return dot(between(frame.origin, place), frame.ahead)

@@ -15,10 +15,14 @@ _IN_PLANE_RAD = radians(3)
 
 _LEAST_STRAIGHT_M = 0.001
 
+_ROUNDED_M = 0.0005
+"""The least distance of the start from the end: each length is rounded, and their sum counts."""
+
 
 class _Segment(NamedTuple):
     text: str
     comment: str = ""
+    length_m: float = 0.0
 
 
 def pipe_text(made: Map, name: str, source: str, first_wheel_m: float | None = None) -> str:
@@ -39,6 +43,7 @@ def pipe_text(made: Map, name: str, source: str, first_wheel_m: float | None = N
     diameter_m = next((it for it in map(diameter_of, (leg.bores for leg in legs)) if it), None)
     start_leg, start_m = made.start
     into_m = start_m - legs[start_leg].from_m + sum(_length_m(leg) for leg in legs[:start_leg])
+    into_m += sum(bend.radius_m * bend.angle_rad for bend in made.bends[:start_leg])
     longer_m = 0.0 if first_wheel_m is None else first_wheel_m - into_m
     lines = [
         f"# Mapped from {source}, by the robot's signals and words alone.",
@@ -49,11 +54,13 @@ def pipe_text(made: Map, name: str, source: str, first_wheel_m: float | None = N
         *_attitude(made, flat),
         "segments:",
     ]
+    end_m = 0.0
     for segment in _segments(made, flat, longer_m):
+        end_m += segment.length_m
         if segment.comment:
             lines.append(f"  # {segment.comment}")
         lines.append(f"  - {segment.text}")
-    lines.append(f"start: {{at: {_mm(into_m + longer_m)}}}")
+    lines.append(f"start: {{at: {_mm(min(into_m + longer_m, end_m - _ROUNDED_M))}}}")
     return "\n".join(lines) + "\n"
 
 
@@ -118,11 +125,19 @@ def _bend(bend: Bend, flat: bool) -> _Segment:
     if bend.kind == "tee":
         text = f"{{tee: 90 deg, roll: {_deg(roll_rad)}, take: branch}}"
         return _Segment(text, "The length of the arm straight on is not known.")
+    if bend.radius_m:
+        radius, roll = _mm(bend.radius_m), _deg(roll_rad)
+        text = f"{{elbow: {_deg(bend.angle_rad)}, radius: {radius}, roll: {roll}}}"
+        sure = "Its angle is from gravity" if bend.felt else "Its angle is known to 15 deg only"
+        comment = f"{sure}, its radius from words, to some centimetres."
+        return _Segment(text, comment, bend.radius_m * bend.angle_rad)
     comment = "A mitre or an elbow: the signals do not say which."
     if bend.kind == "elbow":
         comment = "An elbow; its radius is not known."
     elif bend.kind == "mitre":
         comment = ""
+    elif not isnan(bend.extent_m):
+        comment = "A mitre, a short elbow or a tee's branch: the signals do not say which."
     if flat:
         sign = 1.0 if abs(roll_rad) < pi / 2 else -1.0
         return _Segment(f"{{mitre: {_deg(sign * bend.angle_rad)}}}", comment)
@@ -132,7 +147,8 @@ def _bend(bend: Bend, flat: bool) -> _Segment:
 def _is_flat(made: Map) -> bool:
     """Return whether all bends lie in the robot's plane, and nothing needs a round pipe."""
     turns = (abs(remainder(bend.roll_rad, pi)) for bend in made.bends)
-    if any(turn > _IN_PLANE_RAD for turn in turns) or any(b.kind == "tee" for b in made.bends):
+    round_alone = any(bend.kind == "tee" or bend.radius_m for bend in made.bends)
+    if round_alone or any(turn > _IN_PLANE_RAD for turn in turns):
         return False
     if -dot(made.frame(0).normal, made.up) < -sin(_IN_PLANE_RAD):  # the robot lies on its back
         return False
@@ -143,7 +159,8 @@ def _is_flat(made: Map) -> bool:
 
 
 def _straight(length_m: float) -> _Segment:
-    return _Segment(f"{{straight: {_mm(max(length_m, _LEAST_STRAIGHT_M))}}}")
+    length_m = max(length_m, _LEAST_STRAIGHT_M)
+    return _Segment(f"{{straight: {_mm(length_m)}}}", length_m=length_m)
 
 
 def _length_m(leg: Leg) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from math import nan
 from typing import NamedTuple
 
 from pirate_sm.geometry.space import Frame
@@ -39,6 +40,23 @@ class Spot(NamedTuple):
 
 
 @dataclass
+class Approach:
+    """A joint ahead, by the words that told of it.
+
+    Attributes:
+        leg: Index of the leg behind it.
+        leads: The direction of travel.
+        begins_m: Where it begins, in that leg.
+        ends_m: Where it ends, had the leg gone on round it; NaN before a word tells.
+    """
+
+    leg: int
+    leads: int
+    begins_m: float
+    ends_m: float = nan
+
+
+@dataclass
 class Passage:
     """A bend that the robot is in.
 
@@ -50,6 +68,7 @@ class Passage:
         numbers: The signals then.
         new: Whether the bend was not known before.
         placed: Whether the part that comes last has given the place of the other one.
+        passed: Whether a word has told that the whole robot is behind it.
     """
 
     bend: int
@@ -59,6 +78,7 @@ class Passage:
     numbers: tuple[float, ...]
     new: bool
     placed: bool = False
+    passed: bool = False
 
     @property
     def last(self) -> int:

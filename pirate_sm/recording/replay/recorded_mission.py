@@ -15,7 +15,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.robot.calibration_files import with_zeros
 from pirate_sm.recording.format.header import RecordedFile, RunHeader
 
@@ -59,6 +59,21 @@ def recorded_robot(header: RunHeader) -> RobotSpec:
     Raises:
         RecordingError: This version cannot load the texts any more, or they cannot be written.
     """
+    return robot_as_recorded(recorded_robot_files(header), header)
+
+
+def robot_as_recorded(loaded: LoadedRobot, header: RunHeader) -> RobotSpec:
+    """Return a robot with the polarity and the joint zeros of a recording."""
+    robot = loaded.mirrored if header.polarity == "mirrored" else loaded.normal
+    return with_zeros(robot, dict(header.zeros)) if header.zeros else robot
+
+
+def recorded_robot_files(header: RunHeader) -> LoadedRobot:
+    """Return the robot of a recording as its files say.
+
+    Raises:
+        RecordingError: This version cannot load the texts any more, or they cannot be written.
+    """
     try:
         with TemporaryDirectory(prefix="recorded-") as folder:
             for file in header.files:
@@ -67,7 +82,7 @@ def recorded_robot(header: RunHeader) -> RobotSpec:
                     place = Path(folder, name)
                     place.parent.mkdir(parents=True, exist_ok=True)
                     place.write_text(file.text, encoding="utf-8")
-            loaded = load_robot(Path(folder))
+            return load_robot(Path(folder))
     except OSError as error:
         raise _unwritable(error) from None
     except (LoadError, UsageError) as error:
@@ -75,8 +90,6 @@ def recorded_robot(header: RunHeader) -> RobotSpec:
             f"the robot in the recording, made with version {header.version}, cannot be "
             f"loaded any more: {error}"
         ) from None
-    robot = loaded.mirrored if header.polarity == "mirrored" else loaded.normal
-    return with_zeros(robot, dict(header.zeros)) if header.zeros else robot
 
 
 def _unwritable(error: OSError) -> RecordingError:

@@ -13,7 +13,7 @@ from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.mapping.legs import Bend, Bore, Leg, Map
 from pirate_sm.mapping.pipe_text import pipe_text
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.pipe_segments import InlineTee, Mitre, Reducer, Straight
+from pirate_sm.model.pipe_segments import Elbow, InlineTee, Mitre, Reducer, Straight
 
 
 def leg(begins_m: float, ends_m: float, reached: tuple[float, float], diameter_m: float) -> Leg:
@@ -65,6 +65,38 @@ def test_a_tee_is_one_that_a_word_has_announced() -> None:
     assert pipe.segments is not None
     assert isinstance(pipe.segments[1], InlineTee)
     assert "The length of the arm straight on is not known." in text
+
+
+@pytest.mark.parametrize(("felt", "sure"), [(True, "from gravity"), (False, "15 deg only")])
+def test_an_elbow_is_written_as_one_in_a_round_pipe(felt: bool, sure: str) -> None:
+    elbow = Bend(radians(88), 0.0, extent_m=0.15, radius_m=0.17, felt=felt)
+    pipe, text = read(two_legs(elbow))
+    assert pipe.section == "round"
+    assert pipe.segments is not None
+    found = pipe.segments[1]
+    assert isinstance(found, Elbow)
+    assert (degrees(found.elbow), found.radius) == pytest.approx((88, 0.17))
+    assert sure in text
+
+
+def test_the_start_behind_an_elbow_counts_its_length() -> None:
+    made = two_legs(Bend(pi / 2, 0.0, extent_m=0.15, radius_m=0.17))
+    made.start = (1, 0.3)
+    pipe, _ = read(made)
+    assert pipe.start is not None
+    assert pipe.start.at == pytest.approx(1.0 + 0.17 * pi / 2 + 0.3, abs=0.001)
+
+
+def test_a_start_at_the_end_of_the_pipe_is_still_in_it() -> None:
+    made = two_legs(Bend(pi / 2, 0.0))
+    made.legs[0].ends_m, made.legs[1].reached_m = 0.80004, (0.1, 0.60004)
+    made.start = (1, 0.60004)
+    read(made)
+
+
+def test_a_corner_that_words_tell_of_is_no_long_elbow() -> None:
+    _, text = read(two_legs(Bend(pi / 2, 0.0, extent_m=0.005)))
+    assert "A mitre, a short elbow or a tee's branch" in text
 
 
 def test_another_diameter_behind_a_bend_is_a_reducer_of_unknown_place() -> None:
