@@ -1,7 +1,7 @@
 """What a command uses, as a process of its own.
 
 A new process has once been a copy of the one that started it, and the operating system counts that
-among its memory. So a process that imports next to nothing starts the command and tells.
+among its memory. So a small process starts the command and reports its memory.
 """
 
 from __future__ import annotations

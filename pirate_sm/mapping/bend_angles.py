@@ -1,4 +1,4 @@
-"""The angle of a bend whose place words have told, from the joint angles."""
+"""The angle of a bend whose place words give, from the joint angles."""
 
 from __future__ import annotations
 

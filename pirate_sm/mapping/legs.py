@@ -93,7 +93,7 @@ class Bend:
 
     @property
     def is_round(self) -> bool:
-        """Return whether words have told that it is an elbow."""
+        """Return whether words say that it is an elbow."""
         return self.extent_m > _ROUND_M
 
     def wall_m(self, diameter_m: float) -> float:

@@ -44,7 +44,7 @@ from pirate_sm.mapping.rolls import Rolls
 from pirate_sm.mapping.settling import feel_angles, round_elbows
 from pirate_sm.mapping.shape import Shape
 from pirate_sm.mapping.spots import Anchor, Approach, Passage, Spot
-from pirate_sm.mapping.told import End, Telling, Told
+from pirate_sm.mapping.word_places import End, WordPlace, WordReader
 
 _PARALLEL_RAD = radians(2)
 """Two parts whose axes differ by less show the diameters of plain pipes [decided]."""
@@ -73,7 +73,7 @@ class Mapper:
         self.map = Map()
         self.lost = False
         self.robot, self._body = robot, robot.body
-        self._shape, self._telling = Shape(robot.body), Telling(words)
+        self._shape, self._reader = Shape(robot.body), WordReader(words)
         self._places, self._rolls = Places(robot, self._shape), Rolls(self.map, robot.body)
         self._approach: Approach | None = None
         self._started: tuple[float, ...] = ()
@@ -193,7 +193,7 @@ class Mapper:
         return True
 
     def _is_behind(self, look: Look) -> bool:
-        """Return whether a word has told that the whole robot is behind a bend, in one leg."""
+        """Return whether a word says that the whole robot is behind a bend, in one leg."""
         newest = self._newest
         return newest is not None and newest.passed and newest.leads == look.travel
 
@@ -258,22 +258,22 @@ class Mapper:
 
     def _tell(self, look: Look) -> None:
         """Take a word that has begun for the place of its joint."""
-        told = self._telling.look(look, self._places.ways_m[0])
+        told = self._reader.look(look, self._places.ways_m[0])
         if told is None:
             return
         leads, approach, passage = told.leads, self._approach, self._newest
         if told.end is End.BEGINS:
-            found = self._told_at(look, told, {spot.leg for spot in self._spots.values()})
+            found = self._place_of_word(look, told, {spot.leg for spot in self._spots.values()})
             self._approach = Approach(found[0], leads, found[1]) if found else None
             self._newest = None
         elif told.end is End.INSIDE and approach is not None and approach.leads == leads:
-            found = self._told_at(look, told, {approach.leg})
+            found = self._place_of_word(look, told, {approach.leg})
             if found is not None and isnan(approach.ends_m):
                 approach.ends_m = found[1]
         elif told.end is End.PASSED and passage is not None and passage.leads == leads:
             passage.passed = True
             into = passage.bend + 1 if leads > 0 else passage.bend
-            found, leg = self._told_at(look, told, {into}), self.map.legs[into]
+            found, leg = self._place_of_word(look, told, {into}), self.map.legs[into]
             if found is None:
                 return
             if not passage.new:
@@ -283,7 +283,9 @@ class Mapper:
             else:
                 leg.ends_m = found[1]
 
-    def _told_at(self, look: Look, told: Told, legs: Collection[int]) -> tuple[int, float] | None:
+    def _place_of_word(
+        self, look: Look, told: WordPlace, legs: Collection[int]
+    ) -> tuple[int, float] | None:
         """Return where a word's joint is, as an index of a leg and a place in it.
 
         While no wheel is driven a detector filters places by their median, which is late.

@@ -41,13 +41,13 @@ class Spot(NamedTuple):
 
 @dataclass
 class Approach:
-    """A joint ahead, by the words that told of it.
+    """A joint ahead, by the words that announced it.
 
     Attributes:
         leg: Index of the leg behind it.
         leads: The direction of travel.
         begins_m: Where it begins, in that leg.
-        ends_m: Where it ends, had the leg gone on round it; NaN before a word tells.
+        ends_m: Where it ends, had the leg gone on round it; NaN before a word says so.
     """
 
     leg: int
@@ -68,7 +68,7 @@ class Passage:
         numbers: The signals then.
         new: Whether the bend was not known before.
         placed: Whether the part that comes last has given the place of the other one.
-        passed: Whether a word has told that the whole robot is behind it.
+        passed: Whether a word says that the whole robot is behind it.
     """
 
     bend: int

@@ -1,4 +1,4 @@
-"""What a command uses is told without what the program that starts it uses."""
+"""What a command uses is reported without what the program that starts it uses."""
 
 from __future__ import annotations
 

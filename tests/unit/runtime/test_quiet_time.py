@@ -1,4 +1,4 @@
-"""What has passed without the engine is told in the order of time."""
+"""What has passed without the engine is reported in the order of time."""
 
 from __future__ import annotations
 

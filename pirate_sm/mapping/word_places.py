@@ -1,4 +1,4 @@
-"""Where joints begin and end, as the detector's words tell.
+"""Read from the detector's words where joints begin and end.
 
 A word begins when its wheel passes a point: a distance from where the axes meet, or, at an elbow,
 from where they would meet in a mitre that takes as much wall as its beginning or its end. The first
@@ -27,7 +27,7 @@ class End(Enum):
     PASSED = "passed"
 
 
-class Told(NamedTuple):
+class WordPlace(NamedTuple):
     """A word that has just begun.
 
     Attributes:
@@ -43,8 +43,8 @@ class Told(NamedTuple):
     leads: int
 
 
-class Telling:
-    """Tells when words begin.
+class WordReader:
+    """Notes where words begin.
 
     Args:
         words: The detector's words that have points, in the order in which a robot reaches them.
@@ -57,7 +57,7 @@ class Telling:
         self._travel = 0
         self._since_m = 0.0
 
-    def look(self, look: Look, way_m: float) -> Told | None:
+    def look(self, look: Look, way_m: float) -> WordPlace | None:
         """Return the word that has begun with this look.
 
         Args:
@@ -81,4 +81,4 @@ class Telling:
         point = word.forward if look.travel > 0 else word.backward
         ends = {0: End.BEGINS, len(self._names) - 1: End.PASSED}
         end = ends.get(number, End.INSIDE)
-        return Told(end, point.wheel, point.passed_m, look.travel)
+        return WordPlace(end, point.wheel, point.passed_m, look.travel)
