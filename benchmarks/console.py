@@ -26,6 +26,7 @@ from textual.events import Key
 
 from pirate_sm.cli.commands.console import SWITCH_EVERY_S
 from pirate_sm.console.app import Console
+from pirate_sm.console.check_process import CheckProcess
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import StopDriver
 from pirate_sm.console.widgets import Picture
@@ -102,27 +103,28 @@ async def _frames() -> float:
 
 async def _stops(*, loaded: bool) -> list[float]:
     session, timed = begun_session()
-    app = Console(session)
     found = []
-    async with app.run_test(size=SIZE):
-        await asyncio.sleep(1.0)
-        for number in range(STOPS):
-            with busy(loaded):
-                await drive(session)
-                driver = StopDriver(app)
-                pressed: list[float] = []
+    with CheckProcess() as process:
+        app = Console(session, ask_check=process.ask)
+        async with app.run_test(size=SIZE):
+            await asyncio.sleep(1.0)
+            for number in range(STOPS):
+                with busy(loaded):
+                    await drive(session)
+                    driver = StopDriver(app)
+                    pressed: list[float] = []
 
-                def press(driver: StopDriver = driver, pressed: list[float] = pressed) -> None:
-                    wait(0.05)
-                    pressed.append(perf_counter())
-                    driver.process_message(Key("space", " "))
+                    def press(driver: StopDriver = driver, pressed: list[float] = pressed) -> None:
+                        wait(0.05)
+                        pressed.append(perf_counter())
+                        driver.process_message(Key("space", " "))
 
-                thread = Thread(target=press)
-                thread.start()
-                spin(SLICE_S) if loaded else await asyncio.sleep(SLICE_S)
-                thread.join()
-            assert timed.submitted_s > pressed[0], f"stop {number} did nothing"
-            found.append(timed.submitted_s - pressed[0])
+                    thread = Thread(target=press)
+                    thread.start()
+                    spin(SLICE_S) if loaded else await asyncio.sleep(SLICE_S)
+                    thread.join()
+                assert timed.submitted_s > pressed[0], f"stop {number} did nothing"
+                found.append(timed.submitted_s - pressed[0])
     session.quit()
     session.join()
     return found

@@ -25,6 +25,7 @@ from time import perf_counter
 from benchmarks.console import SIZE, SLICE_S, Timed, begun_session, busy, drive, spin, wait
 from pirate_sm.cli.commands.console import SWITCH_EVERY_S
 from pirate_sm.console.app import Console
+from pirate_sm.console.check_process import CheckProcess
 from pirate_sm.control_panel.panel_companion import PanelCompanion
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import INTERRUPTED
@@ -79,8 +80,8 @@ async def _in_console(played: Played, *, loaded: bool) -> list[float]:
     panel = session.prepared.panel
     assert panel is not None
     found = []
-    with panel.reader(lambda reason: session.stop()) as reader:
-        app = Console(session, reader)
+    with CheckProcess() as process, panel.reader(lambda reason: session.stop()) as reader:
+        app = Console(session, reader, ask_check=process.ask)
         async with app.run_test(size=SIZE):
             await asyncio.sleep(1.0)
             for number in range(STOPS):

@@ -5,7 +5,6 @@ Everything here does what the command line does, with the package's own exceptio
 
 from __future__ import annotations
 
-from pirate_sm.api import pickling
 from pirate_sm.api.arguments import Mission, check, load
 from pirate_sm.api.batches import batch
 from pirate_sm.api.result import Columns, Page, Run, read
@@ -18,8 +17,6 @@ from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageErr
 from pirate_sm.expressions import ExpressionError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
-
-pickling.register()
 
 __all__ = [
     "BackendError",

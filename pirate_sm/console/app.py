@@ -16,6 +16,7 @@ from textual.widget import Widget
 from textual.widgets import Footer
 
 from pirate_sm.console import availability, hand_back_plan
+from pirate_sm.console.check_process import Ask, ask_here
 from pirate_sm.console.dialogs import Help
 from pirate_sm.console.help_page import help_lines
 from pirate_sm.console.key_bindings import (
@@ -68,6 +69,8 @@ class Console(PanelActions, App[None]):
     Args:
         session: Runs the missions. It is started when the console is shown.
         panel: A control panel, opened.
+        ask_check: Asks the check about missions, in a process of its own where a stop must not
+            wait for the answer.
         frames_per_s: How often it shows the newest snapshot by itself; 0 is never.
 
     Attributes:
@@ -101,12 +104,14 @@ class Console(PanelActions, App[None]):
         session: OperatorSession,
         panel: PanelReader | None = None,
         *,
+        ask_check: Ask = ask_here,
         frames_per_s: float = FRAMES_PER_S,
         **options: object,
     ) -> None:
         super().__init__(**options)  # type: ignore[arg-type]
         self.session = session
         self.panel = panel
+        self.ask_check = ask_check
         self._frames_per_s = frames_per_s
         self.failure: Exception | None = None
         self._frame = 0

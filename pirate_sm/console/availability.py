@@ -16,7 +16,7 @@ from pirate_sm.engine.robot.robot_state import RobotState, state_change
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo, Resume
-from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.snapshot import Snapshot
 
 OVER = "the run is over"
 OPENING = "the backend is being opened"
@@ -58,12 +58,10 @@ def situation_of(snapshot: Snapshot) -> Situation | None:
     return Situation(id(snapshot.scene), state.robot.configuration, change.unconfirmed)
 
 
-def look_at_entries(scene: Scene, body: RobotState) -> Entries:
-    """Return why the mission cannot start at each phase; takes some milliseconds per phase."""
-    document, phases = Path(scene.loaded.documents[0].name), scene.loaded.program.phases
-    return {
-        phase: without_path(why_not_from(scene.loaded, phase, body), document) for phase in phases
-    }
+def look_at_entries(loaded: LoadedMission, body: RobotState) -> Entries:
+    """Return why the mission cannot start at each phase; takes up to 0.1 s per phase."""
+    document, phases = Path(loaded.documents[0].name), loaded.program.phases
+    return {phase: without_path(why_not_from(loaded, phase, body), document) for phase in phases}
 
 
 def without_path(reason: str, document: Path) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from functools import partial
 
 from pirate_sm.console import availability, hand_back_plan
+from pirate_sm.console.check_process import Ask
 from pirate_sm.console.confirmed_actions import ConfirmedActions
 from pirate_sm.console.dialogs import Choice, Pick
 from pirate_sm.console.waits_before import not_passed
@@ -14,6 +15,9 @@ from pirate_sm.showing.snapshot import Snapshot
 
 class HandBackActions(ConfirmedActions):
     """The list of phases, with obstacles to each and commands against them."""
+
+    ask_check: Ask
+    """Asks the check; takes some tenths of a second, so only threads of their own call it."""
 
     _situation: availability.Situation | None = None
     _entries: availability.Entries | None = None
@@ -93,7 +97,8 @@ class HandBackActions(ConfirmedActions):
         situation = availability.situation_of(snapshot)
         if situation is not None and situation != self._situation and snapshot.state is not None:
             self._situation, self._entries = situation, None
-            look = partial(availability.look_at_entries, snapshot.scene, snapshot.state.robot)
+            what = snapshot.scene.loaded, snapshot.state.robot
+            look = partial(self.ask_check, availability.look_at_entries, *what)
             self.run_worker(look, thread=True, group="entries", exclusive=True, exit_on_error=False)
         if self._picking is not None and self._picking.is_mounted:
             self._look_for_ways(snapshot)
@@ -109,8 +114,9 @@ class HandBackActions(ConfirmedActions):
             return
         self._looking_for = (situation, snapshot.scene)
         blocked = tuple(phase for phase, reason in entries.items() if reason)
-        what = snapshot.scene, situation, snapshot.state, blocked, self._ways
-        look = partial(hand_back_plan.look_for_ways, *what)
+        body, places = snapshot.state.robot, snapshot.state.rules
+        what = snapshot.scene.loaded, situation, body, places, blocked, self._ways
+        look = partial(self.ask_check, hand_back_plan.look_for_ways, *what)
         self.run_worker(look, thread=True, group="ways", exclusive=True, exit_on_error=False)
 
     def _report_series(self) -> None:

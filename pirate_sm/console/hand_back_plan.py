@@ -11,12 +11,11 @@ from pirate_sm.checking.plans.restoring_commands import Beginnings, beginnings, 
 from pirate_sm.console.availability import Situation
 from pirate_sm.console.command_series import Series
 from pirate_sm.console.dialogs import Choice
-from pirate_sm.engine.robot.planning import Plan
+from pirate_sm.engine.robot.planning import Plan, RulePlaces
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState, state_change
-from pirate_sm.engine.state import EngineState
+from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo
-from pirate_sm.showing.snapshot import Scene
 from pirate_sm.showing.text_styles import STRONG, Part, line
 
 SEEKING = "looking for commands that lead there …"
@@ -27,38 +26,38 @@ class Ways(NamedTuple):
     """The plans for the phases at which the mission cannot be handed back now.
 
     Attributes:
-        scene: The mission.
-        situation: The robot's situation.
+        situation: The mission and the robot's situation in it.
         begun_in: States in which the phases of the mission begin.
         plans: Plans by phase.
     """
 
-    scene: Scene
     situation: Situation
     begun_in: Beginnings
     plans: Mapping[str, Plan]
 
 
 def look_for_ways(
-    scene: Scene,
+    loaded: LoadedMission,
     situation: Situation,
-    state: EngineState,
+    body: RobotState,
+    places: RulePlaces | None,
     blocked: tuple[str, ...],
     known: Ways | None,
 ) -> Ways:
     """Return the plan for each blocked phase; takes some tenths of a second.
 
     Args:
-        scene: The mission.
+        loaded: The mission.
         situation: The robot's situation.
-        state: The engine's state.
+        body: The commanded state of the robot.
+        places: Progress of the mission's safety rules; None if they are not evaluated yet.
         blocked: Phases that cannot run now.
-        known: Earlier results, perhaps for another situation.
+        known: Earlier results, perhaps for another situation or mission.
     """
-    same = known is not None and known.scene is scene
-    begun_in = known.begun_in if known is not None and same else beginnings(scene.loaded)
-    found = restoring(scene.loaded, blocked, state.robot, begun_in, state.rules)
-    return Ways(scene, situation, begun_in, found)
+    same = known is not None and known.situation.mission == situation.mission
+    begun_in = known.begun_in if known is not None and same else beginnings(loaded)
+    found = restoring(loaded, blocked, body, begun_in, places)
+    return Ways(situation, begun_in, found)
 
 
 def names(robot: RobotSpec, plan: Plan) -> tuple[str, ...]:

@@ -216,7 +216,7 @@ def test_a_step_of_a_called_mission_is_named_by_that_mission_and_its_line() -> N
     scene = scene_of(mission)
     body = at_rest_in(scene.robot, scene.loaded.program.start_configuration)
 
-    found = look_at_entries(scene, body)
+    found = look_at_entries(scene.loaded, body)
 
     assert "/" not in "".join(found.values())
     assert "Brake (line 18 of pass_bend) would be refused" in found["pass/pass_bend.pass"]

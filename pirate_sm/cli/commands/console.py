@@ -55,11 +55,14 @@ def open_console(options: ConsoleOptions) -> int:
         return _view(order.mission)
     session = _session(order, factor, RecordingOptions(None, options.no_record, options.live))
     from pirate_sm.console.app import Console
+    from pirate_sm.console.check_process import CheckProcess
     from pirate_sm.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
-        app = Console(session, _panel(session, stack), driver_class=StopDriver)
+        ask = stack.enter_context(CheckProcess()).ask
+        panel = _panel(session, stack)
+        app = Console(session, panel, ask_check=ask, driver_class=StopDriver)
         try:
             app.run()
         except Exception as error:

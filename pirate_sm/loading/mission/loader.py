@@ -10,7 +10,7 @@ from pathlib import Path
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
-from pirate_sm.loading import library, references
+from pirate_sm.loading import library, pickling, references
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
 from pirate_sm.loading.mission.partial_mission import without_faulty_phases
@@ -25,6 +25,8 @@ from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.spelling import meant
 from pirate_sm.units import QuantityError
+
+pickling.make_picklable()
 
 
 @dataclass(frozen=True)

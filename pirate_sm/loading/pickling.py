@@ -1,4 +1,4 @@
-"""Lets missions and runs be pickled, so that other processes can be sent them."""
+"""Lets loaded missions be pickled, so that other processes can be sent them."""
 
 from __future__ import annotations
 
@@ -15,6 +15,6 @@ def _reduced(view: MappingProxyType[Any, Any]) -> tuple[Any, ...]:
     return _read_only, (dict(view),)
 
 
-def register() -> None:
+def make_picklable() -> None:
     """Teach :mod:`pickle` the read-only views that a loaded mission holds; it knows none itself."""
     pickle(MappingProxyType, _reduced)

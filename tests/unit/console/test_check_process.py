@@ -1,0 +1,89 @@
+"""The check of the console answers from a process of its own."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+
+import pytest
+
+from pirate_sm.console.availability import Situation, look_at_entries
+from pirate_sm.console.check_process import CheckProcess, ask_here
+from pirate_sm.console.hand_back_plan import look_for_ways
+from pirate_sm.engine.robot.robot_state import at_rest_in
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.wiring import Order, load
+
+
+@pytest.fixture(scope="module")
+def process() -> Iterator[CheckProcess]:
+    with CheckProcess() as process:
+        yield process
+
+
+def _phases(loaded: LoadedMission) -> tuple[str, ...]:
+    return tuple(loaded.program.phases)
+
+
+def _kill() -> None:
+    os.kill(os.getpid(), signal.SIGKILL)
+
+
+def test_it_answers_as_this_process_would_for_one_mission_after_the_other(
+    process: CheckProcess,
+) -> None:
+    for name in ("mitre_bend", "exp_3_drive", "mitre_bend"):
+        loaded = load(Order(name))
+        body = at_rest_in(loaded.robot, loaded.program.start_configuration)
+        entries = ask_here(look_at_entries, loaded, body)
+        blocked = tuple(phase for phase, reason in entries.items() if reason)
+        situation = Situation(1, body.configuration, ())
+        what = loaded, situation, body, None, blocked, None
+
+        assert process.ask(look_at_entries, loaded, body) == entries
+        assert process.ask(look_for_ways, *what) == ask_here(look_for_ways, *what)
+
+
+def test_it_is_another_process_which_signals_for_the_console_do_not_end(
+    process: CheckProcess,
+) -> None:
+    number = process.ask(os.getpid)
+    assert number != os.getpid()
+
+    for meant_for_the_console in (signal.SIGINT, signal.SIGHUP, signal.SIGQUIT):
+        os.kill(number, meant_for_the_console)
+
+    assert process.ask(os.getpid) == number
+
+
+def test_a_function_that_raises_is_a_fault_of_this_program_with_its_traceback(
+    process: CheckProcess,
+) -> None:
+    with pytest.raises(RuntimeError, match=r"Traceback(.|\n)*invalid literal for int"):
+        process.ask(int, "no number")
+    assert process.ask(int, "7") == 7
+
+
+def test_a_process_that_has_died_is_replaced_and_sent_the_mission_again(
+    process: CheckProcess,
+) -> None:
+    loaded = load(Order("exp_3_drive"))
+    assert process.ask(_phases, loaded) == _phases(loaded)
+    os.kill(process.ask(os.getpid), signal.SIGKILL)
+
+    assert process.ask(_phases, loaded) == _phases(loaded)
+
+
+def test_a_question_that_kills_the_process_twice_is_an_error(process: CheckProcess) -> None:
+    with pytest.raises(RuntimeError, match="ended by itself"):
+        process.ask(_kill)
+    assert process.ask(int, "7") == 7
+
+
+def test_it_ends_with_the_console() -> None:
+    with CheckProcess() as process:
+        number = process.ask(os.getpid)
+
+    with pytest.raises(ProcessLookupError):
+        os.kill(number, 0)
