@@ -9,7 +9,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import partial
 from math import ceil, inf
-from typing import Any
+from numbers import Integral
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -68,15 +69,14 @@ class Batch:
                 slot; None leaves those in force.
 
         Raises:
-            UsageError: The setpoints are not a finite number for each slot of each robot.
+            UsageError: The cycles are no whole number from 0 on, or the setpoints are not a finite
+                number for each slot of each robot.
         """
         courses = self._courses
+        if not isinstance(cycles, Integral) or cycles < 0:
+            raise UsageError(f"cycles: expected a whole number from 0 on, got {cycles!r}")
         if setpoints is not None:
-            rows = np.asarray(setpoints, dtype=np.float64)
-            expected = len(courses), courses[0].robot.electronics.slots
-            if rows.shape != expected or not np.isfinite(rows).all():
-                raise UsageError(f"setpoints: expected finite numbers of the shape {expected}")
-            for course, values in zip(courses, rows.tolist(), strict=True):
+            for course, values in zip(courses, self._rows(setpoints), strict=True):
                 course.robot.set_values(values)
         self._crew.each(partial(_Course.run, cycles=cycles), courses)
         for row, course in enumerate(courses):
@@ -84,6 +84,17 @@ class Batch:
             self.quantities[row] = robot.physics.quantities
             self.counts[row] = robot.electronics.counts
             self.gone[row] = robot.gone
+
+    def _rows(self, setpoints: ArrayLike) -> list[list[float]]:
+        """Return the setpoints of each robot."""
+        expected = len(self._courses), self._courses[0].robot.electronics.slots
+        try:
+            rows = np.asarray(setpoints, dtype=np.float64)
+        except (TypeError, ValueError):
+            rows = np.empty(0)
+        if rows.shape != expected or not np.isfinite(rows).all():
+            raise UsageError(f"setpoints: expected finite numbers of the shape {expected}")
+        return cast(list[list[float]], rows.tolist())
 
 
 class _Course:

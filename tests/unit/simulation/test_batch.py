@@ -112,6 +112,22 @@ def test_setpoints_are_a_number_for_each_slot_of_each_robot(
         batch.advance(1, np.full((rows, len(profile.slots) + more), value))
 
 
+@pytest.mark.parametrize("rows", ["x", [["x"]], [[1.0], [1.0, 2.0]], {}])
+def test_setpoints_that_are_no_numbers_are_refused(profile: Profile, rows: Any) -> None:
+    batch = Batch(robots(profile, Pipe(diameter=0.12, segments=STRAIGHT)), profile.link)
+
+    with pytest.raises(UsageError, match=r"finite numbers of the shape \(3, 18\)"):
+        batch.advance(1, rows)
+
+
+@pytest.mark.parametrize("cycles", [-1, 1.5, "x", None])
+def test_cycles_are_a_whole_number(profile: Profile, cycles: Any) -> None:
+    batch = Batch(robots(profile, Pipe(diameter=0.12, segments=STRAIGHT)), profile.link)
+
+    with pytest.raises(UsageError, match="cycles: expected a whole number from 0 on, got"):
+        batch.advance(cycles)
+
+
 def test_quantities_have_names(profile: Profile) -> None:
     some = robots(profile, Pipe(diameter=0.12, segments=STRAIGHT))
     batch = Batch(some, profile.link)
