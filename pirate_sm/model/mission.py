@@ -362,12 +362,3 @@ class Mission(Frozen):
     start: Name
     phases: Annotated[dict[Name, Phase], Field(min_length=1)]
     ends: Annotated[dict[Name, End], Field(min_length=1)]
-
-
-WaitStep.model_rebuild()
-RepeatBody.model_rebuild()
-RepeatStep.model_rebuild()
-Choice.model_rebuild()
-ChooseStep.model_rebuild()
-Phase.model_rebuild()
-Mission.model_rebuild()

@@ -66,6 +66,7 @@ class _Explaining(GenerateJsonSchema):
         """Return the model's schema, with descriptions of the model and its keys."""
         result = super().model_schema(schema)
         model = schema["cls"]
+        model.model_rebuild()  # its fields are complete only once it was built itself
         said = explanations(model)
         for name, field in model.model_fields.items():
             node = result["properties"][field.alias or name]
