@@ -109,6 +109,7 @@ ROWS = (
         beyond_m=0.0,
         before_m=1.2,
     ),
+    Row("house and back", pipe="house", mission="house_and_back", beyond_m=0.0, before_m=1.2),
 )
 
 
