@@ -40,8 +40,8 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     if state.mission.ending is not None:
         state = finish(moment, state)
     elif not state.mission.ended:
-        if state.look is not None:
-            state = start_check.go_on(moment, state, state.look)
+        if state.looking is not None:
+            state = start_check.go_on(moment, state, state.looking)
         if state.robot.motion is not None and not state.mission.suspended:
             state = _watch(moment, state)
         # The next command is judged by the progress of the rules, so bring that up to date first.

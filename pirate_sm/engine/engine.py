@@ -7,6 +7,7 @@ way, the wait's triggers as listed, then time.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from math import isnan
 
 from pirate_sm.engine import inputs
 from pirate_sm.engine.consequences import settle
@@ -17,14 +18,15 @@ from pirate_sm.engine.mission import operator, scripted_signals
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.mission.signals_read import signals_read
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot import confirmation, robot_state
+from pirate_sm.engine.resuming.resumption import Resumption
+from pirate_sm.engine.robot import commands, confirmation, robot_state
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.safety.faults import no_faults
 from pirate_sm.engine.sensing import environment, surroundings
 from pirate_sm.engine.sensing.conversion import observe
-from pirate_sm.engine.sensing.known_signals import Numbers, nothing_known
+from pirate_sm.engine.sensing.known_signals import Numbers, nothing_known, with_odometry
 from pirate_sm.engine.sensing.traction import with_traction
 from pirate_sm.engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.model import events
@@ -64,6 +66,7 @@ class Engine:
         *,
         body: RobotState | None = None,
         paused: bool = False,
+        resumed: Resumption | None = None,
     ) -> tuple[EngineState, Effects]:
         """Start the mission and return its first state and effects.
 
@@ -74,9 +77,14 @@ class Engine:
             body: The robot's state after an earlier mission. None declares it at rest in the
                 configuration in which the program begins.
             paused: Whether the mission starts paused, with the operator in control.
+            resumed: With what a mission goes on whose run was cut off; in place of ``body``. The
+                program of the engine is then that of the resumption. The first array holds the
+                robot, and nothing is confirmed or commanded before it is accepted.
         """
-        robot = body or self._declared()
+        robot = resumed.body if resumed else body or self._declared()
         sensing = nothing_known(self.robot, blind=self.nominal)
+        if resumed is not None and not isnan(resumed.odometry_m) and not self.nominal:
+            sensing = with_odometry(self.robot, sensing, resumed.odometry_m, adrift=resumed.adrift)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
             if isinstance(frame, events.SensorFrame):
@@ -85,7 +93,16 @@ class Engine:
                 )
         words = (*robot_state.states_of(self.robot, robot), *(None for _ in OUTSIDE))
         mission = MissionState(self.program.start, offset_s=now_s, pause_wanted=paused)
-        following, _ = rules.follow(self.program, self.robot, rules.unseen(self.program), robot, 0)
+        progress = rules.unseen(self.program)
+        if resumed is not None:
+            mission = mission._replace(
+                offset_s=now_s - resumed.clock_s,
+                cause=resumed.cause,
+                handling=resumed.handling,
+                pause_wanted=paused or resumed.paused,
+            )
+            progress = resumed.rules or progress
+        following, _ = rules.follow(self.program, self.robot, progress, robot, 0)
         look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)
         surveyed = environment.nothing_surveyed(nominal=self.nominal)
         faults = no_faults(self.robot)
@@ -96,6 +113,8 @@ class Engine:
         for report in seen:
             if isinstance(report, events.SignalReport):
                 state = scripted_signals.show(moment, state, report)
+        if resumed is not None:
+            state = state._replace(robot=commands.stop(moment, state.robot, state.sensing))
         return settle(moment, state, state), tuple(moment.effects)
 
     def _declared(self) -> RobotState:

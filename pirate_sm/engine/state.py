@@ -167,6 +167,11 @@ class EngineState(NamedTuple):
     surveyed: Surveyed = Surveyed()
     look: Look | None = None
 
+    @property
+    def looking(self) -> Look | None:
+        """Return the running start check; None while an array is awaited that holds the robot."""
+        return self.look if self.robot.awaited is None else None
+
     def moved(self, robot: RobotSpec, body: RobotState) -> EngineState:
         """Return the state with this robot state, and with the words of its configuration."""
         if body.configuration == self.robot.configuration:

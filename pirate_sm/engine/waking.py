@@ -27,8 +27,8 @@ def deadline_s(moment: Moment, state: EngineState) -> float:
         robot_state.next_deadline(moment.robot, body, moment.nominal),
         next_deadline(moment, state),
     )
-    if state.look is not None and not state.mission.ending:
-        return min(due_s, state.look.due_s)
+    if state.looking is not None and not state.mission.ending:
+        return min(due_s, state.looking.due_s)
     return due_s
 
 

@@ -22,6 +22,7 @@ class Wheel(Frozen):
         mass: Point mass at this wheel.
         angle: Signal of its angle.
         speed: Signal of its angular speed.
+        absolute: Whether its angle, up to whole turns, is the same after its board was restarted.
     """
 
     name: Name
@@ -30,6 +31,7 @@ class Wheel(Frozen):
     mass: Annotated[Mass, Field(gt=0)]
     angle: Name
     speed: Name
+    absolute: bool = False
 
 
 class Link(Frozen):

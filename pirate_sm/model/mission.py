@@ -280,6 +280,8 @@ class Phase(Frozen):
         within: Time limit of the wait, and the target after it.
         go: The next phase or end, in a phase without ``wait``.
         on_failure: The target phase or end of a failure of one of its steps.
+        resume: Where the mission goes on if its run is cut off in this phase: ``here``, at another
+            phase, or ``never``.
     """
 
     description: str = ""
@@ -288,6 +290,7 @@ class Phase(Frozen):
     within: Annotated[Within, AfterValidator(_leading)] | None = None
     go: Name | None = None
     on_failure: Name | None = None
+    resume: Name = "here"
 
     @model_validator(mode="after")
     def _waits_or_goes(self) -> Phase:

@@ -5,12 +5,13 @@ A state that a person or a file declares is unconfirmed until sensors show it.
 
 from __future__ import annotations
 
+from math import radians
 from typing import Annotated, Literal, TypeAlias
 
 from pydantic import Field
 
 from pirate_sm.model.base import Frozen, Name
-from pirate_sm.model.quantities import Angle, AngularSpeed, Duration, Ratio, Torque
+from pirate_sm.model.quantities import Angle, AngularSpeed, Duration, Length, Ratio, Torque
 
 PositiveDuration = Annotated[Duration, Field(gt=0)]
 
@@ -140,10 +141,19 @@ class Seen(Frozen):
 
     Attributes:
         within: Longest duration of the comparison.
+        wheels_agree: After a crash the way rolled meanwhile is known if all wheels with an
+            ``absolute`` angle agree on it within this.
+        tilt: A robot at rest whose direction of gravity has changed by more since the recording
+            was cut off is not where it was.
+        joint_off: A loaded joint of a part that was clamped and at rest has moved if its angle
+            has changed by more since then.
         parts: The criterion of each part.
         states: The criterion of each state of each region.
     """
 
     within: PositiveDuration = 1.0
+    wheels_agree: Annotated[Length, Field(gt=0)] = 0.003
+    tilt: Annotated[Angle, Field(gt=0)] = radians(15)
+    joint_off: Annotated[Angle, Field(gt=0)] = radians(5)
     parts: dict[Name, HeldPart] = {}
     states: dict[Name, dict[Name, SeenState]] = {}

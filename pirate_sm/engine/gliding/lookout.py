@@ -175,6 +175,7 @@ def _calm(state: EngineState) -> bool:
         and not faults.blind
         and not sensing.stale
         and not sensing.told
+        and not sensing.adrift
         and not sensing.sees_slip
     )
 

@@ -21,11 +21,23 @@ STOP = -1
 """A failure's target when nothing handles it: the safe stop, mission failed."""
 
 
+HERE, NEVER = "here", "never"
+"""What a phase says about going on in it after a crash, if it names no other phase."""
+
+
 class Enter(NamedTuple):
-    """Begins a phase."""
+    """Begins a phase.
+
+    Attributes:
+        failed: Where a failure in the phase leads.
+        resume: Where the mission goes on if its run is cut off in the phase: ``here``, ``never``,
+            or the index of the instruction that enters another phase.
+    """
 
     phase: str
     next: int
+    failed: int = STOP
+    resume: int | Literal["here", "never"] = "here"
 
 
 class Do(NamedTuple):
@@ -118,6 +130,7 @@ class Wait(NamedTuple):
     Attributes:
         within: Target after the time limit. ``fails``: whether that is a failure of the step.
         compares: Whether a condition uses the change of a signal since the wait began.
+        origin: The signals that changes count from; empty: those when the wait begins.
     """
 
     phase: str
@@ -128,6 +141,7 @@ class Wait(NamedTuple):
     place: str
     compares: bool = False
     fails: bool = False
+    origin: tuple[float, ...] = ()
 
 
 class Question(NamedTuple):
@@ -235,6 +249,15 @@ class Program:
         """Return an instruction's round of a repeat as `` (2 of 4)``; empty outside repeats."""
         turn = self.turn_of[at] if at < len(self.turn_of) else ""
         return f" ({turn})" if turn else ""
+
+    def entered(self, at: int) -> Enter:
+        """Return the instruction that enters the phase of an instruction."""
+        home = self.phase_of[at]
+        inside = (
+            self.instructions[each] for each in range(at, -1, -1) if self.phase_of[each] == home
+        )
+        found = next((each for each in inside if isinstance(each, Enter)), None)
+        return found or Enter(home, at)
 
     def enter(self, phase: str) -> int | None:
         """Return the index of the instruction that enters a phase, None where there is none."""

@@ -44,7 +44,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     clock = mission.clock(moment.now_s)
     if not mission.begun:
         since = (nan,) * len(it.triggers)
-        origin = state.sensing.shown if it.compares else ()
+        origin = (it.origin or state.sensing.counted) if it.compares else ()
         mission = mission._replace(begun=True, armed_s=clock, since=since, origin=origin)
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from math import inf
 from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.robot.criteria import AcceptedSpec
@@ -69,6 +70,21 @@ class ImpliedSpec(NamedTuple):
 SeenSpec: TypeAlias = AnglesSpec | StandingSpec | DrivenSpec | ImpliedSpec | AcceptedSpec
 
 
+class DarkSpec(NamedTuple):
+    """What may have changed while nobody recorded; limits as in :class:`pirate_sm.model.seen.Seen`.
+
+    Attributes:
+        absolute: Places of the wheels whose angle is absolute.
+        top_m_s: Largest speed of a driven wheel's rim.
+    """
+
+    absolute: frozenset[int] = frozenset()
+    top_m_s: float = inf
+    agree_m: float = 0.0
+    tilt_rad: float = inf
+    joint_rad: float = inf
+
+
 @dataclass(frozen=True)
 class Sight:
     """All criteria by which sensors confirm declared states at the start.
@@ -77,8 +93,10 @@ class Sight:
         within_s: Longest duration of the comparison.
         parts: Per part; None where no sensor can show that it is held.
         states: Per region and state; no sensor can show a state that is missing here.
+        dark: What is compared besides when a run that was cut off is resumed.
     """
 
     within_s: float = 0.0
     parts: tuple[HeldSpec | None, ...] = ()
     states: tuple[Mapping[str, SeenSpec], ...] = ()
+    dark: DarkSpec = field(default_factory=DarkSpec)

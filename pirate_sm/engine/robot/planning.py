@@ -102,7 +102,7 @@ def plans(
             continue
         known.add(key)
         yield way.plan(here) if way is not None else Plan(here, (), None)
-        for step, after in _steps(robot, program, sensing, here, at):
+        for step, after in next_steps(robot, program, sensing, here, at):
             if (step.body.configuration, step.body.marks, after) not in known:
                 cost = (
                     hindrances + bool(step.hindrance),
@@ -122,7 +122,7 @@ def opened(robot: RobotSpec, body: RobotState, target: int) -> frozenset[int]:
     return frozenset() if remaining else before - after
 
 
-def _steps(
+def next_steps(
     robot: RobotSpec, program: Program, sensing: Sensing, body: RobotState, places: RulePlaces
 ) -> Iterator[tuple[PlannedStep, RulePlaces]]:
     """Yield the step of each possible command, with the progress of the rules after it."""

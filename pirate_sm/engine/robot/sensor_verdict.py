@@ -33,6 +33,18 @@ class SensorVerdict(NamedTuple):
     for_s: float = 0.0
 
 
+class Shown(NamedTuple):
+    """A signal that decides about a state: what was recorded, what it shows now, and the limit.
+
+    All with units, for people.
+    """
+
+    signal: str
+    recorded: str
+    seen: str
+    limit: str
+
+
 def spec_of(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> SeenSpec | HeldSpec | None:
     """Return the criterion of a declared state or clamp; None where no sensor can show it."""
     sight = robot.sight
@@ -76,6 +88,60 @@ def verdict(
             return SensorVerdict(True, "")
         case AcceptedSpec() | None:
             return SensorVerdict(False, "")
+
+
+def shown_by(
+    robot: RobotSpec,
+    spec: SeenSpec | HeldSpec | None,
+    before: Numbers,
+    numbers: Numbers,
+    diameter_m: float | None,
+) -> tuple[Shown, ...]:
+    """Return the signals that decide about a state, with the values before and now.
+
+    Args:
+        robot: The robot.
+        spec: The criterion of the state.
+        before: Signals as recorded, SI.
+        numbers: Signals now, SI.
+        diameter_m: Inner diameter of the pipe; None where it is unknown.
+    """
+    rows: list[tuple[int, float, str, str]] = []
+    match spec:
+        case HeldSpec():
+            limit = f"{spec.torque * 1000:.0f} mNm or more, slack below {spec.slack * 1000:.0f} mNm"
+            rows = [(joint.torque, 1000, ".0f} mNm", limit) for joint in spec.joints]
+            pipe = "the other parts" if diameter_m is None else f"{diameter_m * 1000:.0f} mm"
+            limit = f"{pipe} within {spec.span:.0%}, off beyond {spec.span_off:.0%}"
+            rows.append((spec.diameter, 1000, ".0f} mm", limit))
+        case AnglesSpec():
+            off = f", off beyond {degrees(spec.beyond):.0f} deg" if spec.beyond < inf else ""
+            within = f"within {degrees(spec.within):.0f} deg{off}"
+            rows = [
+                (angle, degrees(1), ".1f} deg", f"{degrees(target):.0f} deg {within}")
+                for angle, target in spec.targets
+            ]
+        case StandingSpec():
+            limit = f"below {spec.below:g} rad/s"
+            rows = [(speed, 1, ".2f} rad/s", limit) for speed in spec.speeds]
+        case DrivenSpec():
+            limit = f"not above {spec.above:g} rad/s the other way"
+            rows = [(speed, 1, ".2f} rad/s", limit) for speed, _ in spec.wheels]
+        case ImpliedSpec() | AcceptedSpec() | None:
+            pass
+    return tuple(
+        Shown(
+            robot.vocabulary.numbers[index],
+            _written(before[index] * scale, form),
+            _written(numbers[index] * scale, form),
+            limit,
+        )
+        for index, scale, form, limit in rows
+    )
+
+
+def _written(value: float, form: str) -> str:
+    return "unknown" if isnan(value) else ("{:" + form).format(value)
 
 
 def _gripping(

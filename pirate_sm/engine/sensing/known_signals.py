@@ -48,6 +48,8 @@ class Sensing(NamedTuple):
         traction: What is remembered of the wheels' slip and normal forces.
         outside_until_s: Per outside signal that is known its number index, and until when it
             counts.
+        adrift: Number indexes of signals of which only changes are known: what they count from
+            is not known any more. Conditions see them as unknown.
     """
 
     numbers: Numbers
@@ -62,11 +64,20 @@ class Sensing(NamedTuple):
     told: Numbers = ()
     traction: Traction = Traction()
     outside_until_s: tuple[tuple[int, float], ...] = ()
+    adrift: frozenset[int] = frozenset()
+
+    @property
+    def counted(self) -> Numbers:
+        """Return the signals from which changes are counted, as :attr:`shown` otherwise."""
+        return self.told[: len(self.numbers)] or self.numbers
 
     @property
     def shown(self) -> Numbers:
         """Return the signals that conditions of the mission see; loops use those of the boards."""
-        return self.told[: len(self.numbers)] or self.numbers
+        counted = self.counted
+        if not self.adrift:
+            return counted
+        return tuple(nan if at in self.adrift else now for at, now in enumerate(counted))
 
     @property
     def sees_slip(self) -> bool:
@@ -93,10 +104,10 @@ def with_changes(sensing: Sensing, origin: Numbers) -> Numbers:
         origin: The signals when the wait began. A change is NaN if the signal is unknown now or
             was unknown then.
     """
-    shown = sensing.shown
+    shown, counted = sensing.shown, sensing.counted
     if len(sensing.told) > len(shown):  # a script gives the changes too
         return sensing.told
-    return (*shown, *(now - then for now, then in zip(shown, origin, strict=True)))
+    return (*shown, *(now - then for now, then in zip(counted, origin, strict=True)))
 
 
 def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
@@ -113,3 +124,18 @@ def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
         records=tuple(plausibility.unseen(board.watched) for board in robot.boards.values()),
         traction=nothing_estimated(robot.traction),
     )
+
+
+def with_odometry(robot: RobotSpec, sensing: Sensing, way_m: float, *, adrift: bool) -> Sensing:
+    """Return the signals with odometry that goes on from a value.
+
+    Args:
+        robot: A robot with odometry.
+        sensing: The signals.
+        way_m: The value.
+        adrift: Whether it is not known, so that only changes count from now on.
+    """
+    numbers = list(sensing.numbers)
+    numbers[robot.odometry] = way_m
+    unknown = sensing.adrift | {robot.odometry} if adrift else sensing.adrift
+    return sensing._replace(numbers=tuple(numbers), adrift=unknown)

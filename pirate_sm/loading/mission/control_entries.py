@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import replace
 
-from pirate_sm.engine.mission.program import STOP, Program, SwitchControl
+from pirate_sm.engine.mission.program import Program, SwitchControl
 from pirate_sm.engine.mission.successors import successors
 
 _Set = tuple[int, SwitchControl]
@@ -28,7 +28,7 @@ def with_entries(program: Program) -> Program:
     for at, (control, setter) in _controls_at_phases(program, first):
         place = len(program.instructions) + len(extra)
         entries.setdefault(program.phase_of[at], []).append((control, place))
-        failed = _failed(program, at)
+        failed = program.entered(at).failed
         extra.append(setter._replace(control=control, next=at, failed=failed))
         homes.append(at)
     return replace(
@@ -61,13 +61,3 @@ def _controls_at_phases(program: Program, first: SwitchControl) -> list[tuple[in
         after = (step.control, step) if isinstance(step, SwitchControl) else in_force
         waiting += [(target, after) for target in successors(program, at)]
     return found
-
-
-def _failed(program: Program, begin: int) -> int:
-    """Return where a failure in a phase leads, as its first step that can fail says."""
-    phase = program.phase_of[begin]
-    for each, home in zip(program.instructions[begin:], program.phase_of[begin:], strict=True):
-        failed = getattr(each, "failed", None)
-        if home == phase and failed is not None:
-            return int(failed)
-    return STOP

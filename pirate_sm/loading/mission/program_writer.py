@@ -92,7 +92,13 @@ class _PhaseWriter:
         scope = self.scope
         self.compiler.assembly.mark(scope.targets[scope.phase])
         steps, wait = Label(), Label()
-        self._emit(out.Enter, phase=scope.full_phase, next=steps)
+        self._emit(
+            out.Enter,
+            phase=scope.full_phase,
+            next=steps,
+            failed=scope.failure(None, path),
+            resume=scope.resumed_at(phase.resume, (*path, "resume")),
+        )
         self.compiler.assembly.mark(steps)
         after = wait if phase.wait else scope.target(phase.go or "", (*path, "go"))
         self._steps(phase.do, (*path, "do"), after)

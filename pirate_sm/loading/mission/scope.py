@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
+from pirate_sm.engine.mission.program import HERE, NEVER
 from pirate_sm.engine.robot.robot_spec import USUAL, RobotSpec
 from pirate_sm.expressions import Expression, ExpressionError, compile_condition
 from pirate_sm.loading.mission.assembler import Handlers, Label
@@ -126,6 +127,15 @@ class Scope:
         if mission.on_failure is not None and mission.on_failure != self.phase:
             return self.target(mission.on_failure, ("on_failure",))
         return self.caller
+
+    def resumed_at(self, wanted: str, path: Path) -> Label | str:
+        """Return where the mission goes on after a crash in a phase; report an unknown phase."""
+        if wanted in (HERE, NEVER):
+            return wanted
+        if wanted not in self.source.mission.phases:
+            self._unknown("phase", wanted, self.source.mission.phases, path)
+            return HERE
+        return self.targets[wanted]
 
     @property
     def handles_failures(self) -> bool:

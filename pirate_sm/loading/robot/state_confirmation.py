@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
 from pirate_sm.engine.robot.confirmation_spec import (
     AnglesSpec,
+    DarkSpec,
     DrivenSpec,
     HeldSpec,
     ImpliedSpec,
@@ -52,7 +53,26 @@ def resolve_sight(
     held = tuple(
         _part(name, seen.parts[name], signals) if name in seen.parts else None for name in parts
     )
-    return Sight(seen.within, held, tuple(states))
+    return Sight(seen.within, held, tuple(states), _dark(signals))
+
+
+def _dark(signals: Signals) -> DarkSpec:
+    """Return what is compared besides when a run that was cut off is resumed."""
+    profile, seen = signals.profile, signals.profile.seen
+    absolute = {wheel.angle for wheel in profile.body.wheels if wheel.absolute}
+    motors = [profile.motors[slot.motor] for slot in profile.slots if slot.wheel is not None]
+    speeds = [getattr(motor, "no_load_speed", None) or inf for motor in motors]
+    return DarkSpec(
+        frozenset(
+            wheel.place
+            for wheel in signals.wheels
+            if signals.vocabulary.numbers[wheel.angle] in absolute
+        ),
+        max(speeds, default=0.0) * profile.body.wheel_radius,
+        seen.wheels_agree,
+        seen.tilt,
+        seen.joint_off,
+    )
 
 
 def _check_names(

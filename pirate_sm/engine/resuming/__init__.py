@@ -1,0 +1,7 @@
+"""Resume a mission from a recording: what may be so, what sensors show, where the mission goes on.
+
+Everything here is pure. :func:`.hypotheses.hypotheses` lists where the robot may be,
+:func:`.reconciling.reconcile` compares that with what the boards show, :func:`.entry.entry` says
+where the mission goes on, and :func:`.resumption.resumption` puts both together for
+``Engine.start``.
+"""

@@ -1,0 +1,230 @@
+"""Say where a mission goes on after a crash, and change its program for that."""
+
+from __future__ import annotations
+
+from collections.abc import Set as AbstractSet
+from dataclasses import replace
+from math import nan
+from typing import NamedTuple
+
+from pirate_sm.engine.mission.program import (
+    HERE,
+    NEVER,
+    STOP,
+    Do,
+    Enter,
+    Instruction,
+    Program,
+    Wait,
+)
+from pirate_sm.engine.robot import planning
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, RobotState
+from pirate_sm.engine.safety import rules
+from pirate_sm.engine.sensing.known_signals import Numbers, nothing_known
+from pirate_sm.engine.state import EngineState
+
+FAILURE = "failure"
+"""Go on where a failure of the present step leads."""
+
+RESTORING = "resume"
+"""The place of a command that a resumed mission gives before it goes on."""
+
+
+class Entry(NamedTuple):
+    """Where a mission goes on.
+
+    Attributes:
+        pc: Index of the instruction, in the program that was recorded.
+        restoring: Commands, by index, that confirm again what was confirmed when the run was cut
+            off: clamps first, wheels last. One that is unneeded is left out during the run.
+        armed_s: For a wait, how long it had been armed; its time limit goes on from there.
+        origin: For a wait that compares, the signals from which changes count; a change of a
+            signal that is NaN here stays unknown. Empty where they count anew.
+    """
+
+    pc: int
+    restoring: tuple[int, ...] = ()
+    armed_s: float = 0.0
+    origin: Numbers = ()
+
+
+class Refused(NamedTuple):
+    """The mission cannot go on, and why."""
+
+    reason: str
+
+
+def entry(
+    robot: RobotSpec,
+    program: Program,
+    last: EngineState,
+    last_s: float,
+    body: RobotState,
+    at: str = HERE,
+    *,
+    lost: AbstractSet[int] = frozenset(),
+) -> Entry | Refused:
+    """Return where the mission goes on.
+
+    It goes on with the instruction that it was at, begun anew: what was done is not repeated, a
+    command under way is given again, a wait is armed again for the rest of its time limit, a
+    question is asked again. The phase's key ``resume`` may say otherwise.
+
+    Args:
+        robot: The robot.
+        program: The program that was recorded.
+        last: The engine's last recorded state.
+        last_s: When that was, s.
+        body: The robot as it is taken to be, with everything unconfirmed.
+        at: ``here``; ``failure``, where a failure of the present step leads; or a phase.
+        lost: Number indexes of signals that do not count from the same value any more.
+    """
+    mission = last.mission
+    if mission.ended or mission.ending is not None:
+        return Refused("the mission had come to its end")
+    pc = _goal(program, mission.pc)
+    other = _elsewhere(program, last, pc, body.control, at)
+    if isinstance(other, Refused):
+        return other
+    if other is not None:
+        return Entry(other, _restoring(robot, program, body, drives=False))
+    before = mission.before_pause
+    if before is not None and before.configuration != last.robot.configuration:
+        return Refused("it was paused, and the operator had changed the configuration since")
+    again = _restoring(robot, program, body, drives=True)
+    if not mission.begun or not isinstance(program.instructions[mission.pc], Wait):
+        return Entry(pc, again)
+    origin = tuple(nan if index in lost else was for index, was in enumerate(mission.origin))
+    return Entry(pc, again, mission.clock(last_s) - mission.armed_s, origin)
+
+
+def _elsewhere(
+    program: Program, last: EngineState, pc: int, control: int, at: str
+) -> int | Refused | None:
+    """Return the instruction at which the mission goes on if that is not its present one."""
+    phase, entered = program.phase_of[pc], program.entered(pc)
+    if at == FAILURE:
+        failed = getattr(program.instructions[pc], "failed", entered.failed)
+        if failed == STOP:
+            return Refused(f"no `on_failure` handles a failure in {phase}")
+        return int(failed)
+    if at != HERE:
+        begin = program.beginning(at, control)
+        return Refused(f"the mission has no phase {at}") if begin is None else begin
+    if entered.resume == NEVER:
+        return Refused(f"the mission does not go on in {phase}: it says `resume: never` there")
+    if isinstance(entered.resume, int):
+        wanted = program.phase_of[entered.resume]
+        return program.beginning(wanted, control) if program.entries else entered.resume
+    diverting = last.mission.diverting
+    return None if diverting is None else diverting.go
+
+
+def resumed_program(program: Program, it: Entry) -> Program:
+    """Return the program that begins at an entry: the same instructions, and more at the end.
+
+    These enter the phase, give the restoring commands and lead to the entry's instruction. A wait
+    that was armed is a copy with the rest of its time limit.
+    """
+    instructions, first = program.instructions, len(program.instructions)
+    goal, entered = instructions[it.pc], program.entered(it.pc)
+    home = program.phase_of[it.pc]
+    begin = Enter(home, first + 1, entered.failed, entered.resume)
+    failed = getattr(goal, "failed", entered.failed)
+    given = [
+        Do(command, None, 0, True, first + 2 + number, failed, RESTORING)
+        for number, command in enumerate(it.restoring)
+    ]
+    rest = _rest_of(goal, it) if isinstance(goal, Wait) and (it.armed_s or it.origin) else None
+    if rest is None and given:
+        given[-1] = given[-1]._replace(next=it.pc)
+    elif rest is None:
+        begin = begin._replace(next=it.pc)
+    added: tuple[Instruction, ...] = (begin, *given) if rest is None else (begin, *given, rest)
+    turn = program.turn_of[it.pc] if it.pc < len(program.turn_of) else ""
+    count = len(added)
+    return replace(
+        program,
+        instructions=(*instructions, *added),
+        start=first,
+        handlers=(*program.handlers, *(program.handlers[it.pc],) * count),
+        phase_of=(*program.phase_of, *(home,) * count),
+        turn_of=(*program.turn_of, *(turn,) * count),
+    )
+
+
+# --- inside ---------------------------------------------------------------------------------
+
+
+def _goal(program: Program, pc: int) -> int:
+    """Return the instruction to which the restoring commands of an earlier resumption lead."""
+    it = program.instructions[pc]
+    while isinstance(it, Do) and it.place == RESTORING:
+        pc = it.next
+        it = program.instructions[pc]
+    return pc
+
+
+def _rest_of(wait: Wait, it: Entry) -> Wait:
+    triggers = tuple(
+        each if each.after_s is None else each._replace(after_s=max(0.0, each.after_s - it.armed_s))
+        for each in wait.triggers
+    )
+    within_s = max(0.0, wait.within_s - it.armed_s)
+    return wait._replace(within_s=within_s, triggers=triggers, origin=it.origin)
+
+
+def _restoring(
+    robot: RobotSpec, program: Program, body: RobotState, *, drives: bool
+) -> tuple[int, ...]:
+    """Return commands that confirm what is declared and stay in the configuration.
+
+    Args:
+        robot: The robot.
+        program: The program with the safety rules in force.
+        body: The robot with its marks.
+        drives: Whether wheels that were driven are to be driven again.
+    """
+    given: list[int] = []
+    sensing = nothing_known(robot, blind=True)
+    places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
+    while True:
+        open_ = _open(robot, body, drives=drives)
+        found = [
+            (_order(robot, body, open_ - _open(robot, step.body, drives=drives)), step, after)
+            for step, after in planning.next_steps(robot, program, sensing, body, places)
+            if step.body.configuration == body.configuration
+            and not step.hindrance
+            and not robot.commands[step.command].lets_go
+            and (drives or not _turns(robot, step.body))
+            and _open(robot, step.body, drives=drives) < open_
+        ]
+        if not found:
+            return tuple(given)
+        _, step, places = min(found, key=lambda each: (each[0], each[1].command))
+        given.append(step.command)
+        body = step.body
+
+
+def _open(robot: RobotSpec, body: RobotState, *, drives: bool) -> frozenset[Mark]:
+    """Return the marks that a restoring command shall remove."""
+    driven = robot.driven[body.configuration]
+    return frozenset(
+        mark
+        for mark in body.marks
+        if mark.command in (DECLARED, STOPPED)
+        and (drives or mark.kind == "part" or mark.which not in driven)
+    )
+
+
+def _turns(robot: RobotSpec, body: RobotState) -> bool:
+    return any(body.values[slot] for slot in robot.safe_zero)
+
+
+def _order(robot: RobotSpec, body: RobotState, removed: AbstractSet[Mark]) -> int:
+    """Return the order of a command that removes these marks: clamps, the rest, wheels."""
+    if any(mark.kind == "part" for mark in removed):
+        return 0
+    driven = robot.driven[body.configuration]
+    return 2 if any(mark.which in driven for mark in removed) else 1

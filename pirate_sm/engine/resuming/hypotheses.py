@@ -1,0 +1,114 @@
+"""List the configurations in which a robot may be whose run was cut off."""
+
+from __future__ import annotations
+
+from typing import Literal, NamedTuple
+
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import command_outcome, commands
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    DECLARED,
+    STOPPED,
+    Flight,
+    Mark,
+    Marks,
+    Motion,
+    RobotState,
+    known_values,
+)
+from pirate_sm.engine.state import EngineState
+
+
+class Hypothesis(NamedTuple):
+    """A configuration in which the robot may be.
+
+    Attributes:
+        name: ``recorded``: as the recording ends. ``sent``: a command whose first array was
+            submitted last was accepted although nobody has recorded it.
+        body: The robot at rest there, with everything unconfirmed. Its values are those of the
+            array that holds it: recorded duties, wheels and the slots of loops at zero.
+        command: The command that leads there; empty where none does.
+    """
+
+    name: Literal["recorded", "sent"]
+    body: RobotState
+    command: str = ""
+
+
+def hypotheses(
+    robot: RobotSpec, program: Program, last: EngineState, maybe: int | None = None
+) -> tuple[Hypothesis, ...]:
+    """Return where the robot may be; the recorded configuration comes first.
+
+    Args:
+        robot: The robot.
+        program: The mission.
+        last: The engine's last recorded state.
+        maybe: A command, by its index, that may have been sent after it; None if the recording
+            shows everything that was sent. A command whose first array is in flight in ``last``
+            counts without it.
+    """
+    body = last.robot
+    flight, motion = body.flight, body.motion
+    if maybe is not None and flight is None and not command_outcome.refusal(robot, body, maybe):
+        moment = Moment(robot, program, False, 0.0)
+        begun = commands.begin(moment, body, last.sensing, maybe, None, "")
+        flight, motion = begun.flight, begun.motion
+    found = [Hypothesis("recorded", _at_rest(robot, last, body))]
+    if flight is not None and motion is not None and flight.purpose == "gate":
+        sent = _after(robot, body, flight, motion)
+        name = robot.commands[motion.command].name
+        found.append(Hypothesis("sent", _at_rest(robot, last, sent), name))
+    return tuple(found)
+
+
+def _after(robot: RobotSpec, body: RobotState, flight: Flight, motion: Motion) -> RobotState:
+    """Return the robot after the acceptance of a command's first array."""
+    return body._replace(
+        configuration=motion.target,
+        marks=command_outcome.marks_after(robot, body.configuration, body.marks, motion.command),
+        values=flight.values,
+        seeking=flight.seeking,
+    )
+
+
+def _at_rest(robot: RobotSpec, last: EngineState, body: RobotState) -> RobotState:
+    """Return the robot with nothing under way, everything unconfirmed and the values of a hold."""
+    values = list(known_values(body.values, last.sensing.numbers, robot))
+    for slot in (*robot.safe_zero, *body.seeking):
+        values[slot] = 0.0
+    return RobotState(
+        body.configuration,
+        tuple(values),
+        marks=unproven(robot, body.configuration, body.marks),
+        next_id=body.next_id + (body.flight is not None),
+        control=body.control,
+    )
+
+
+def unproven(robot: RobotSpec, configuration: int, marks: Marks) -> Marks:
+    """Return the marks of a robot of which nothing is confirmed any more.
+
+    What the recording had confirmed is *declared*: sensors may confirm it. What was not confirmed
+    in the recording keeps its mark, so that only the command that set it can remove that.
+
+    Args:
+        robot: The robot.
+        configuration: Where it may be.
+        marks: What was not confirmed in the recording.
+    """
+    kept = {mark for mark in marks if mark.command not in (DECLARED, STOPPED)}
+    known = {(mark.kind, mark.which) for mark in kept}
+    kept |= {
+        Mark("part", part, DECLARED)
+        for part in robot.held[configuration]
+        if ("part", part) not in known
+    }
+    kept |= {
+        Mark("region", region, DECLARED)
+        for region in range(len(robot.regions))
+        if ("region", region) not in known
+    }
+    return frozenset(kept | {Mark("region", each, STOPPED) for each in robot.driven[configuration]})

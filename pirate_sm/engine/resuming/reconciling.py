@@ -1,0 +1,307 @@
+"""Compare where a robot may be after a crash with what its boards show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from math import acos, degrees, hypot, inf, isnan, nan
+from typing import Literal, NamedTuple, TypeAlias
+
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.resuming.dark_way import DarkWay, dark_way
+from pirate_sm.engine.resuming.hypotheses import Hypothesis, hypotheses
+from pirate_sm.engine.robot.confirmation_spec import DrivenSpec, StandingSpec
+from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    DECLARED,
+    DENIED,
+    STOPPED,
+    Mark,
+    at_rest_in,
+    states_of,
+)
+from pirate_sm.engine.robot.sensor_verdict import Shown, shown_by, spec_of, verdict
+from pirate_sm.engine.sensing.conversion import forget_stale, observe
+from pirate_sm.engine.sensing.known_signals import Numbers, Sensing, nothing_known
+from pirate_sm.engine.state import OUTSIDE, EngineState
+from pirate_sm.model.events import SensorFrame
+
+Frames: TypeAlias = Sequence[tuple[float, SensorFrame]]
+"""Frames of the boards, each with the time of its arrival, s."""
+
+Word = Literal["confirmed", "contradicted", "unknown"]
+
+
+class StateVerdict(NamedTuple):
+    """What the sensors show about one region's state or one part's clamp.
+
+    Attributes:
+        mark: The region or part.
+        about: Its name.
+        state: The name of the region's state; ``holds`` for a part.
+        why: Why it is not confirmed; empty if it is.
+        shown: What was compared.
+    """
+
+    mark: Mark
+    about: str
+    state: str
+    word: Word
+    why: str
+    shown: tuple[Shown, ...]
+
+
+class VerdictTable(NamedTuple):
+    """What the sensors show about one hypothesis.
+
+    Attributes:
+        refusals: Why the mission must not go on if the robot is there.
+    """
+
+    hypothesis: Hypothesis
+    verdicts: tuple[StateVerdict, ...]
+    refusals: tuple[str, ...] = ()
+
+    def having(self, word: Word) -> frozenset[tuple[str, str]]:
+        """Return what has this verdict, as pairs of name and state."""
+        return frozenset((each.about, each.state) for each in self.verdicts if each.word == word)
+
+
+class Reconciled(NamedTuple):
+    """What looking at the robot has shown.
+
+    Attributes:
+        tables: One for each hypothesis, the recorded one first.
+        chosen: The table of the hypothesis that counts; None if there is none, or a person must
+            choose.
+        choices: The tables among which a person must choose.
+        refusals: Why the mission cannot go on, whatever a person says. Empty if it can.
+        questions: What has changed while the robot may have moved; a person must say whether that
+            is right.
+        turning: Whether a wheel turns: send the safe array, then look again.
+        way: How far the robot has driven meanwhile.
+        numbers: The signals at the end of the look.
+    """
+
+    tables: tuple[VerdictTable, ...]
+    chosen: VerdictTable | None
+    choices: tuple[VerdictTable, ...]
+    refusals: tuple[str, ...]
+    questions: tuple[str, ...]
+    turning: bool
+    way: DarkWay
+    numbers: Numbers
+
+
+def reconcile(
+    robot: RobotSpec,
+    program: Program,
+    last: EngineState,
+    frames: Frames,
+    now_s: float,
+    driven_s: float,
+    maybe: int | None = None,
+) -> Reconciled:
+    """Return what the boards have shown, and which hypothesis counts.
+
+    Args:
+        robot: The robot.
+        program: The mission.
+        last: The engine's last recorded state.
+        frames: What the boards have reported while nothing but a stop was written, in order of
+            time. A second is enough; ``for`` of the profile's ``seen`` is the least.
+        now_s: The end of the look, by the clock of the frames.
+        driven_s: How long the wheels may have been driven since ``last``; infinite if nobody knows.
+        maybe: As for :func:`.hypotheses.hypotheses`.
+    """
+    found = hypotheses(robot, program, last, maybe)
+    tables = tuple(verdicts(robot, program, last, each, frames, now_s) for each in found)
+    *_, (_, sensing) = _course(robot, found[0], frames, now_s)
+    moved = last.robot.motion is not None or len(found) > 1 or _drove(robot, last)
+    changed = tuple(_changed(robot, last, found[0], sensing.numbers))
+    refusals = [*_silent(robot, frames, now_s), *(() if moved else changed)]
+    chosen, choices, none = _choose(tables)
+    return Reconciled(
+        tables,
+        chosen,
+        choices,
+        (*refusals, *(chosen.refusals if chosen else ()), *none),
+        changed if moved else (),
+        turning(robot, sensing.numbers),
+        dark_way(robot, last.sensing, sensing.numbers, driven_s),
+        sensing.numbers,
+    )
+
+
+def verdicts(
+    robot: RobotSpec,
+    program: Program,
+    last: EngineState,
+    hypothesis: Hypothesis,
+    frames: Frames,
+    now_s: float,
+) -> VerdictTable:
+    """Return what the sensors show about a hypothesis; the arguments are those of `reconcile`.
+
+    A verdict counts if it has lasted, to the end of the look, as long as the profile asks for. What
+    is unknown agrees with nothing. What the recording had not confirmed cannot be contradicted:
+    its command was under way.
+    """
+    body, diameter_m = hypothesis.body, program.diameter_m
+    names, setpoints = states_of(robot, body), at_rest_in(robot, body.configuration).values
+    marks = sorted(mark for mark in body.marks if mark.command != STOPPED)
+    agrees, against = dict.fromkeys(marks, nan), dict.fromkeys(marks, nan)
+    fatal = [rule for rule in robot.faults if not rule.catchable]
+    raised = [nan] * len(fatal)
+    words = (*names, *(None for _ in OUTSIDE))
+    for at_s, sensing in _course(robot, hypothesis, frames, now_s):
+        for mark in marks:
+            found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
+            agrees[mark] = _since(agrees[mark], found.agrees, at_s)
+            against[mark] = _since(against[mark], bool(found.against), at_s)
+        for number, rule in enumerate(fatal):
+            true = rule.when.evaluate(sensing.numbers, words) is True
+            raised[number] = _since(raised[number], true, at_s)
+    told = []
+    for mark in marks:
+        found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
+        confirmed = has_come(now_s, agrees[mark] + found.for_s)
+        denied = mark.command == DECLARED and has_come(now_s, against[mark] + found.for_s)
+        word: Word = "confirmed" if confirmed else "contradicted" if denied else "unknown"
+        why = "" if confirmed else found.against if denied else _why_unknown(robot, names, mark)
+        about, state = robot.parts[mark.which], "holds"
+        if mark.kind == "region":
+            about, state = robot.regions[mark.which], names[mark.which]
+        spec = spec_of(robot, names, mark)
+        shown = shown_by(robot, spec, last.sensing.numbers, sensing.numbers, diameter_m)
+        told.append(StateVerdict(mark, about, state, word, why, shown))
+    refusals = [
+        f"{rule.code}: {rule.message}"
+        for rule, since in zip(fatal, raised, strict=True)
+        if has_come(now_s, since + rule.held_s)
+    ]
+    return VerdictTable(hypothesis, tuple(told), tuple(dict.fromkeys(refusals)))
+
+
+def turning(robot: RobotSpec, numbers: Numbers) -> bool:
+    """Return whether a wheel turns that would stand still if it were stopped."""
+    return any(
+        abs(numbers[speed]) >= spec.below
+        for states in robot.sight.states
+        for spec in states.values()
+        if isinstance(spec, StandingSpec)
+        for speed in spec.speeds
+    )
+
+
+# --- inside ---------------------------------------------------------------------------------
+
+
+def _course(
+    robot: RobotSpec, hypothesis: Hypothesis, frames: Frames, now_s: float
+) -> Iterator[tuple[float, Sensing]]:
+    """Yield the signals after each frame and at the end of the look; old ones are unknown."""
+    began_s = frames[0][0] if frames else now_s
+    sensing = nothing_known(robot)
+    sensing = sensing._replace(heard_s=(began_s,) * len(robot.boards), checked_s=began_s)
+    values = hypothesis.body.values
+    for at_s, frame in frames:
+        sensing, _ = observe(robot, sensing, frame, values, values, at_s, sent=False)
+        yield at_s, forget_stale(robot, sensing, at_s)
+    yield now_s, forget_stale(robot, sensing, now_s)
+
+
+def _since(since_s: float, holds: bool, now_s: float) -> float:
+    if not holds:
+        return nan
+    return now_s if isnan(since_s) else since_s
+
+
+def _why_unknown(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> str:
+    if mark.command >= 0:
+        return f"{robot.commands[mark.command].name} was not done when the recording ends"
+    if mark.command == DENIED:
+        return "a fault had denied it"
+    match spec_of(robot, names, mark):
+        case None:
+            return "no sensor shows it"
+        case AcceptedSpec():
+            return "nothing measures it; the first accepted array that holds it confirms it"
+        case DrivenSpec():
+            return "the wheels are taken to stand; a command must drive them again"
+        case _:
+            return "the sensors show it neither so nor otherwise for long enough"
+
+
+def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
+    """Yield the boards that do not report at the end of the look."""
+    heard = {frame.board: at_s for at_s, frame in frames}
+    for number, board in robot.boards.items():
+        if not now_s - heard.get(number, -inf) < robot.link.stale_after_s:
+            yield f"board {number} ({board.module}) does not report"
+
+
+def _drove(robot: RobotSpec, last: EngineState) -> bool:
+    return any(last.robot.latest[slot] for slot in robot.safe_zero)
+
+
+def _changed(
+    robot: RobotSpec, last: EngineState, hypothesis: Hypothesis, numbers: Numbers
+) -> Iterator[str]:
+    """Yield what a robot at rest does not change by itself: its attitude, its clamped joints."""
+    was, dark = last.sensing.numbers, robot.sight.dark
+    tilt = _tilt_rad(robot, was, numbers)
+    if tilt > dark.tilt_rad:
+        yield (
+            f"the robot lies {degrees(tilt):.0f} deg otherwise than recorded, "
+            f"limit {degrees(dark.tilt_rad):.0f} deg"
+        )
+    declared = {mark.which for mark in hypothesis.body.marks if mark.kind == "part"}
+    for part in sorted(declared):
+        spec = robot.sight.parts[part] if robot.sight.parts else None
+        for joint in () if spec is None else spec.joints:
+            angle = robot.slots[joint.slot].angle
+            off = abs(numbers[angle] - was[angle])
+            if off > dark.joint_rad:
+                yield (
+                    f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
+                    f"{degrees(numbers[angle]):.1f} deg, recorded {degrees(was[angle]):.1f} deg, "
+                    f"limit {degrees(dark.joint_rad):.0f} deg off"
+                )
+
+
+def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
+    """Return the angle between the recorded direction of gravity and that of now; NaN unknown."""
+    for board in robot.boards.values():
+        for vector in board.vectors:
+            before = [was[source] for source in vector.sources]
+            after = [now[source] for source in vector.sources]
+            size = hypot(*before) * hypot(*after)
+            if size > 0:
+                dot = sum(a * b for a, b in zip(before, after, strict=True)) / size
+                return acos(max(-1.0, min(1.0, dot)))
+    return nan
+
+
+def _choose(
+    tables: tuple[VerdictTable, ...],
+) -> tuple[VerdictTable | None, tuple[VerdictTable, ...], tuple[str, ...]]:
+    """Return the table that counts, or those among which a person chooses, or why there is none.
+
+    The one without a contradiction counts. Of several the one whose confirmations include those
+    of the others.
+    """
+    possible = [each for each in tables if not each.having("contradicted")]
+    for each in possible:
+        if all(each.having("confirmed") >= other.having("confirmed") for other in possible):
+            return each, (), ()
+    if possible:
+        return None, tuple(possible), ()
+    reasons = (
+        f"{each.about} was recorded as {each.state}, but {each.why}"
+        for table in tables
+        for each in table.verdicts
+        if each.word == "contradicted"
+    )
+    return None, (), tuple(dict.fromkeys(reasons))

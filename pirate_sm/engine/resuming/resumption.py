@@ -1,0 +1,95 @@
+"""Put together with what a mission is started that goes on after a crash."""
+
+from __future__ import annotations
+
+from math import isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.engine.mission.program import HERE, Program
+from pirate_sm.engine.resuming.dark_way import DarkWay, odometry_m
+from pirate_sm.engine.resuming.entry import Entry, Refused, entry, resumed_program
+from pirate_sm.engine.resuming.hypotheses import Hypothesis
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.state import EngineState
+
+
+class Resumption(NamedTuple):
+    """With what a mission goes on; ``Engine.start`` takes it, with :attr:`program` as its program.
+
+    All of it is plain data that a recording can hold as text; :func:`.entry.resumed_program` makes
+    the program again from the entry and the program of the run before.
+
+    Attributes:
+        entry: Where it goes on.
+        body: The robot at rest, with nothing confirmed; its values are those of the first array.
+        clock_s: Mission time at which the run was cut off, which goes on from there.
+        cause: Reason of the last failure or fault; ``handling``: the phase that handles a fault.
+        paused: Whether the operator had paused the mission.
+        rules: Progress of the safety rules.
+        odometry_m: Odometry at the start; NaN if the robot has none.
+        adrift: Whether that is not known, so that conditions see only its changes from now on.
+    """
+
+    entry: Entry
+    body: RobotState
+    clock_s: float = 0.0
+    cause: str = ""
+    handling: str = ""
+    paused: bool = False
+    rules: tuple[int, ...] = ()
+    odometry_m: float = nan
+    adrift: bool = False
+
+    def program(self, before: Program) -> Program:
+        """Return the program of the resumed run, from that of the run before."""
+        return resumed_program(before, self.entry)
+
+
+def resumption(
+    robot: RobotSpec,
+    program: Program,
+    last: EngineState,
+    last_s: float,
+    hypothesis: Hypothesis,
+    way: DarkWay,
+    at: str = HERE,
+    *,
+    said_odometry_m: float = nan,
+) -> Resumption | Refused:
+    """Return with what the mission goes on, or why it cannot.
+
+    Args:
+        robot: The robot.
+        program: The program that was recorded.
+        last: The engine's last recorded state.
+        last_s: When that was, s.
+        hypothesis: Where the robot is taken to be.
+        way: How far it has driven since.
+        at: Where to go on: ``here``, ``failure`` or a phase, see :func:`.entry.entry`.
+        said_odometry_m: The odometry by what a person says; NaN if nobody does.
+    """
+    said = not isnan(said_odometry_m)
+    exact = way.exact and not said
+    lost = _restarted(robot) | (frozenset() if exact else {robot.odometry})
+    found = entry(robot, program, last, last_s, hypothesis.body, at, lost=lost)
+    if isinstance(found, Refused):
+        return found
+    mission = last.mission
+    return Resumption(
+        found,
+        hypothesis.body,
+        mission.clock(last_s),
+        mission.cause,
+        mission.diverting.go_name if mission.diverting is not None else mission.handling,
+        mission.paused or mission.pause_wanted,
+        last.rules,
+        said_odometry_m if said else odometry_m(robot, last.sensing, way),
+        not (exact or said) and robot.odometry >= 0,
+    )
+
+
+def _restarted(robot: RobotSpec) -> frozenset[int]:
+    """Return the angles of wheels that may count from zero again."""
+    absolute = robot.sight.dark.absolute
+    return frozenset(wheel.angle for wheel in robot.wheels if wheel.place not in absolute)
