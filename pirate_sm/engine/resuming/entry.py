@@ -88,11 +88,11 @@ def entry(
     if isinstance(other, Refused):
         return other
     if other is not None:
-        return Entry(other, _restoring(robot, program, body, drives=False))
+        return Entry(other, _restoring(robot, program, last, body, drives=False))
     before = mission.before_pause
     if before is not None and before.configuration != last.robot.configuration:
         return Refused("it was paused, and the operator had changed the configuration since")
-    again = _restoring(robot, program, body, drives=True)
+    again = _restoring(robot, program, last, body, drives=True)
     if not mission.begun or not isinstance(program.instructions[mission.pc], Wait):
         return Entry(pc, again)
     origin = tuple(nan if index in lost else was for index, was in enumerate(mission.origin))
@@ -124,26 +124,28 @@ def _elsewhere(
 def resumed_program(program: Program, it: Entry) -> Program:
     """Return the program that begins at an entry: the same instructions, and more at the end.
 
-    These enter the phase, give the restoring commands and lead to the entry's instruction. A wait
-    that was armed is a copy with the rest of its time limit.
+    These enter the phase, give the restoring commands and do what the entry's instruction does: a
+    wait that was armed has only the rest of its time limit, and a command counts as done if it is
+    unneeded now.
     """
     instructions, first = program.instructions, len(program.instructions)
-    goal, entered = instructions[it.pc], program.entered(it.pc)
-    home = program.phase_of[it.pc]
-    begin = Enter(home, first + 1, entered.failed, entered.resume)
+    goal, entered, home = instructions[it.pc], program.entered(it.pc), program.phase_of[it.pc]
     failed = getattr(goal, "failed", entered.failed)
-    given = [
+    added: list[Instruction] = [Enter(home, first + 1, entered.failed, entered.resume)]
+    added += [
         Do(command, None, 0, True, first + 2 + number, failed, RESTORING)
         for number, command in enumerate(it.restoring)
     ]
-    rest = _rest_of(goal, it) if isinstance(goal, Wait) and (it.armed_s or it.origin) else None
-    if rest is None and given:
-        given[-1] = given[-1]._replace(next=it.pc)
-    elif rest is None:
-        begin = begin._replace(next=it.pc)
-    added: tuple[Instruction, ...] = (begin, *given) if rest is None else (begin, *given, rest)
-    turn = program.turn_of[it.pc] if it.pc < len(program.turn_of) else ""
+    match goal:
+        case Wait():
+            goal = _rest_of(goal, it)
+        case Do():
+            goal = goal._replace(skip_unneeded=True)
+        case _:
+            pass
+    added.append(goal)
     count = len(added)
+    turn = program.turn_of[it.pc] if it.pc < len(program.turn_of) else ""
     return replace(
         program,
         instructions=(*instructions, *added),
@@ -176,55 +178,61 @@ def _rest_of(wait: Wait, it: Entry) -> Wait:
 
 
 def _restoring(
-    robot: RobotSpec, program: Program, body: RobotState, *, drives: bool
+    robot: RobotSpec, program: Program, last: EngineState, body: RobotState, *, drives: bool
 ) -> tuple[int, ...]:
-    """Return commands that confirm what is declared and stay in the configuration.
+    """Return commands that confirm what was confirmed and stay in the configuration.
+
+    Clamps come first and wheels that were driven come last.
 
     Args:
         robot: The robot.
         program: The program with the safety rules in force.
+        last: The engine's last recorded state.
         body: The robot with its marks.
         drives: Whether wheels that were driven are to be driven again.
     """
     given: list[int] = []
+    recorded = {
+        (mark.kind, mark.which)
+        for mark in last.robot.marks
+        if mark.command not in (DECLARED, STOPPED)
+    }
+
+    def open_(body: RobotState) -> frozenset[Mark]:
+        """Return the marks that these commands shall remove."""
+        driven = robot.driven[body.configuration]
+        return frozenset(
+            mark
+            for mark in body.marks
+            if mark.command < 0
+            and (mark.kind, mark.which) not in recorded
+            and (drives or mark.kind == "part" or mark.which not in driven)
+        )
+
     sensing = nothing_known(robot, blind=True)
     places, _ = rules.follow(program, robot, rules.unseen(program), body, 0)
+
+    def order(found: tuple[planning.PlannedStep, planning.RulePlaces]) -> tuple[bool, bool, int]:
+        step, _ = found
+        clamps = any(mark.kind == "part" for mark in open_(body) - open_(step.body))
+        return _turns(robot, step.body), not clamps, step.command
+
     while True:
-        open_ = _open(robot, body, drives=drives)
         found = [
-            (_order(robot, body, open_ - _open(robot, step.body, drives=drives)), step, after)
+            (step, after)
             for step, after in planning.next_steps(robot, program, sensing, body, places)
             if step.body.configuration == body.configuration
             and not step.hindrance
             and not robot.commands[step.command].lets_go
             and (drives or not _turns(robot, step.body))
-            and _open(robot, step.body, drives=drives) < open_
+            and open_(step.body) < open_(body)
         ]
         if not found:
             return tuple(given)
-        _, step, places = min(found, key=lambda each: (each[0], each[1].command))
+        step, places = min(found, key=order)
         given.append(step.command)
         body = step.body
 
 
-def _open(robot: RobotSpec, body: RobotState, *, drives: bool) -> frozenset[Mark]:
-    """Return the marks that a restoring command shall remove."""
-    driven = robot.driven[body.configuration]
-    return frozenset(
-        mark
-        for mark in body.marks
-        if mark.command in (DECLARED, STOPPED)
-        and (drives or mark.kind == "part" or mark.which not in driven)
-    )
-
-
 def _turns(robot: RobotSpec, body: RobotState) -> bool:
     return any(body.values[slot] for slot in robot.safe_zero)
-
-
-def _order(robot: RobotSpec, body: RobotState, removed: AbstractSet[Mark]) -> int:
-    """Return the order of a command that removes these marks: clamps, the rest, wheels."""
-    if any(mark.kind == "part" for mark in removed):
-        return 0
-    driven = robot.driven[body.configuration]
-    return 2 if any(mark.which in driven for mark in removed) else 1

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 from pirate_sm.engine.mission.program import Program
@@ -10,14 +11,17 @@ from pirate_sm.engine.robot import command_outcome, commands
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DECLARED,
+    DENIED,
     STOPPED,
     Flight,
     Mark,
     Marks,
     Motion,
     RobotState,
+    at_rest_in,
     known_values,
 )
+from pirate_sm.engine.robot.sensor_verdict import verdict
 from pirate_sm.engine.state import EngineState
 
 
@@ -30,11 +34,13 @@ class Hypothesis(NamedTuple):
         body: The robot at rest there, with everything unconfirmed. Its values are those of the
             array that holds it: recorded duties, wheels and the slots of loops at zero.
         command: The command that leads there; empty where none does.
+        drives: Whether its array drives wheels.
     """
 
     name: Literal["recorded", "sent"]
     body: RobotState
     command: str = ""
+    drives: bool = False
 
 
 def hypotheses(
@@ -56,11 +62,12 @@ def hypotheses(
         moment = Moment(robot, program, False, 0.0)
         begun = commands.begin(moment, body, last.sensing, maybe, None, "")
         flight, motion = begun.flight, begun.motion
-    found = [Hypothesis("recorded", _at_rest(robot, last, body))]
+    found = [Hypothesis("recorded", _at_rest(robot, program, last, body))]
     if flight is not None and motion is not None and flight.purpose == "gate":
         sent = _after(robot, body, flight, motion)
         name = robot.commands[motion.command].name
-        found.append(Hypothesis("sent", _at_rest(robot, last, sent), name))
+        drives = any(flight.values[slot] for slot in robot.safe_zero)
+        found.append(Hypothesis("sent", _at_rest(robot, program, last, sent), name, drives))
     return tuple(found)
 
 
@@ -74,41 +81,50 @@ def _after(robot: RobotSpec, body: RobotState, flight: Flight, motion: Motion) -
     )
 
 
-def _at_rest(robot: RobotSpec, last: EngineState, body: RobotState) -> RobotState:
+def _at_rest(robot: RobotSpec, program: Program, last: EngineState, body: RobotState) -> RobotState:
     """Return the robot with nothing under way, everything unconfirmed and the values of a hold."""
     values = list(known_values(body.values, last.sensing.numbers, robot))
     for slot in (*robot.safe_zero, *body.seeking):
         values[slot] = 0.0
-    return RobotState(
+    rest = RobotState(
         body.configuration,
         tuple(values),
-        marks=unproven(robot, body.configuration, body.marks),
+        marks=_unproven(robot, body),
         next_id=body.next_id + (body.flight is not None),
         control=body.control,
     )
+    return rest._replace(marks=frozenset(_denied(robot, program, last, rest)))
 
 
-def unproven(robot: RobotSpec, configuration: int, marks: Marks) -> Marks:
+def _unproven(robot: RobotSpec, body: RobotState) -> Marks:
     """Return the marks of a robot of which nothing is confirmed any more.
 
     What the recording had confirmed is *declared*: sensors may confirm it. What was not confirmed
-    in the recording keeps its mark, so that only the command that set it can remove that.
-
-    Args:
-        robot: The robot.
-        configuration: Where it may be.
-        marks: What was not confirmed in the recording.
+    keeps its mark, which only a command removes.
     """
-    kept = {mark for mark in marks if mark.command not in (DECLARED, STOPPED)}
+    here = body.configuration
+    kept = {mark for mark in body.marks if mark.command not in (DECLARED, STOPPED)}
     known = {(mark.kind, mark.which) for mark in kept}
-    kept |= {
-        Mark("part", part, DECLARED)
-        for part in robot.held[configuration]
-        if ("part", part) not in known
-    }
-    kept |= {
-        Mark("region", region, DECLARED)
-        for region in range(len(robot.regions))
-        if ("region", region) not in known
-    }
-    return frozenset(kept | {Mark("region", each, STOPPED) for each in robot.driven[configuration]})
+    every = {Mark("part", part, DECLARED) for part in robot.held[here]}
+    every |= {Mark("region", region, DECLARED) for region in range(len(robot.regions))}
+    kept |= {mark for mark in every if (mark.kind, mark.which) not in known}
+    return frozenset(kept | {Mark("region", each, STOPPED) for each in robot.driven[here]})
+
+
+def _denied(
+    robot: RobotSpec, program: Program, last: EngineState, rest: RobotState
+) -> Iterator[Mark]:
+    """Yield the marks; those that the recorded signals contradict are denied.
+
+    A part that stands across the mouth of a tee, for example, shows another diameter. There the
+    sensors say nothing now either, and a command must confirm the part.
+    """
+    setpoints = at_rest_in(robot, rest.configuration).values
+    for mark in rest.marks:
+        numbers, diameter_m = last.sensing.numbers, program.diameter_m
+        if mark.command != DECLARED:
+            yield mark
+        elif verdict(robot, setpoints, rest, mark, numbers, diameter_m).against:
+            yield mark._replace(command=DENIED)
+        else:
+            yield mark

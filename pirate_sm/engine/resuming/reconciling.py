@@ -77,8 +77,8 @@ class Reconciled(NamedTuple):
             choose.
         choices: The tables among which a person must choose.
         refusals: Why the mission cannot go on, whatever a person says. Empty if it can.
-        questions: What has changed while the robot may have moved; a person must say whether that
-            is right.
+        questions: What the wheels show that the motors cannot have done; a person must say
+            where the robot is.
         turning: Whether a wheel turns: send the safe array, then look again.
         way: How far the robot has driven meanwhile.
         numbers: The signals at the end of the look.
@@ -118,18 +118,21 @@ def reconcile(
     found = hypotheses(robot, program, last, maybe)
     tables = tuple(verdicts(robot, program, last, each, frames, now_s) for each in found)
     *_, (_, sensing) = _course(robot, found[0], frames, now_s)
-    moved = last.robot.motion is not None or len(found) > 1 or _drove(robot, last)
-    changed = tuple(_changed(robot, last, found[0], sensing.numbers))
-    refusals = [*_silent(robot, frames, now_s), *(() if moved else changed)]
+    drove = any(last.robot.latest[slot] for slot in robot.safe_zero)
+    driven_s = driven_s if drove or any(each.drives for each in found) else 0.0
+    way = dark_way(robot, last, sensing.numbers, driven_s)
+    refusals = list(_silent(robot, frames, now_s))
+    if last.robot.motion is None and not driven_s:
+        refusals += _changed(robot, last, found[0], sensing.numbers)
     chosen, choices, none = _choose(tables)
     return Reconciled(
         tables,
         chosen,
         choices,
         (*refusals, *(chosen.refusals if chosen else ()), *none),
-        changed if moved else (),
+        (way.moved,) if way.moved else (),
         turning(robot, sensing.numbers),
-        dark_way(robot, last.sensing, sensing.numbers, driven_s),
+        way,
         sensing.numbers,
     )
 
@@ -145,8 +148,8 @@ def verdicts(
     """Return what the sensors show about a hypothesis; the arguments are those of `reconcile`.
 
     A verdict counts if it has lasted, to the end of the look, as long as the profile asks for. What
-    is unknown agrees with nothing. What the recording had not confirmed cannot be contradicted:
-    its command was under way.
+    is unknown agrees with nothing. What the recording had not confirmed is not contradicted: its
+    command was under way.
     """
     body, diameter_m = hypothesis.body, program.diameter_m
     names, setpoints = states_of(robot, body), at_rest_in(robot, body.configuration).values
@@ -170,9 +173,10 @@ def verdicts(
         denied = mark.command == DECLARED and has_come(now_s, against[mark] + found.for_s)
         word: Word = "confirmed" if confirmed else "contradicted" if denied else "unknown"
         why = "" if confirmed else found.against if denied else _why_unknown(robot, names, mark)
-        about, state = robot.parts[mark.which], "holds"
         if mark.kind == "region":
             about, state = robot.regions[mark.which], names[mark.which]
+        else:
+            about, state = robot.parts[mark.which], "holds"
         spec = spec_of(robot, names, mark)
         shown = shown_by(robot, spec, last.sensing.numbers, sensing.numbers, diameter_m)
         told.append(StateVerdict(mark, about, state, word, why, shown))
@@ -222,7 +226,7 @@ def _why_unknown(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> str:
     if mark.command >= 0:
         return f"{robot.commands[mark.command].name} was not done when the recording ends"
     if mark.command == DENIED:
-        return "a fault had denied it"
+        return "it is contradicted in the recording already"
     match spec_of(robot, names, mark):
         case None:
             return "no sensor shows it"
@@ -242,10 +246,6 @@ def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
             yield f"board {number} ({board.module}) does not report"
 
 
-def _drove(robot: RobotSpec, last: EngineState) -> bool:
-    return any(last.robot.latest[slot] for slot in robot.safe_zero)
-
-
 def _changed(
     robot: RobotSpec, last: EngineState, hypothesis: Hypothesis, numbers: Numbers
 ) -> Iterator[str]:
@@ -257,8 +257,8 @@ def _changed(
             f"the robot lies {degrees(tilt):.0f} deg otherwise than recorded, "
             f"limit {degrees(dark.tilt_rad):.0f} deg"
         )
-    declared = {mark.which for mark in hypothesis.body.marks if mark.kind == "part"}
-    for part in sorted(declared):
+    marks = hypothesis.body.marks
+    for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
         spec = robot.sight.parts[part] if robot.sight.parts else None
         for joint in () if spec is None else spec.joints:
             angle = robot.slots[joint.slot].angle

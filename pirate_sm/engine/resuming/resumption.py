@@ -71,7 +71,9 @@ def resumption(
     """
     said = not isnan(said_odometry_m)
     exact = way.exact and not said
-    lost = _restarted(robot) | (frozenset() if exact else {robot.odometry})
+    lost = {wheel.angle for wheel in robot.wheels} - way.seen
+    if not exact:
+        lost.add(robot.odometry)
     found = entry(robot, program, last, last_s, hypothesis.body, at, lost=lost)
     if isinstance(found, Refused):
         return found
@@ -87,9 +89,3 @@ def resumption(
         said_odometry_m if said else odometry_m(robot, last.sensing, way),
         not (exact or said) and robot.odometry >= 0,
     )
-
-
-def _restarted(robot: RobotSpec) -> frozenset[int]:
-    """Return the angles of wheels that may count from zero again."""
-    absolute = robot.sight.dark.absolute
-    return frozenset(wheel.angle for wheel in robot.wheels if wheel.place not in absolute)

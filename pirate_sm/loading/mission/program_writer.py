@@ -92,11 +92,12 @@ class _PhaseWriter:
         scope = self.scope
         self.compiler.assembly.mark(scope.targets[scope.phase])
         steps, wait = Label(), Label()
+        handles_itself = phase.on_failure == scope.phase  # its steps report that
         self._emit(
             out.Enter,
             phase=scope.full_phase,
             next=steps,
-            failed=scope.failure(None, path),
+            failed=scope.caller if handles_itself else scope.failure(None, path),
             resume=scope.resumed_at(phase.resume, (*path, "resume")),
         )
         self.compiler.assembly.mark(steps)
