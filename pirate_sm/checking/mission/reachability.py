@@ -56,7 +56,7 @@ def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -
     found = books[-1].found
     if isfinite(loaded.program.time_limit_s):
         return
-    lost = _cannot_end(found)
+    lost = cannot_end(found)
     if not lost:
         return
     first = min(lost)
@@ -83,7 +83,7 @@ def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -
     )
 
 
-def _cannot_end(found: Exploration) -> set[int]:
+def cannot_end(found: Exploration) -> set[int]:
     """Return states from which no end, or none that succeeds, is reached without a mishap."""
     usual: dict[int, list[int]] = defaultdict(list)
     every: dict[int, list[int]] = defaultdict(list)

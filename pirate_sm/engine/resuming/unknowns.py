@@ -1,0 +1,81 @@
+"""List what a mission that goes on still depends on and nobody knows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from math import isnan
+
+from pirate_sm.engine.mission.program import Branch, Do, Program, Wait
+from pirate_sm.engine.mission.successors import successors
+from pirate_sm.engine.resuming.reconciling import VerdictTable
+from pirate_sm.engine.resuming.resumption import Resumption
+from pirate_sm.engine.robot.confirmation_spec import AnglesSpec
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import states_of
+from pirate_sm.engine.robot.sensor_verdict import spec_of
+
+
+def unknowns(
+    robot: RobotSpec, program: Program, it: Resumption, table: VerdictTable
+) -> tuple[str, ...]:
+    """Return clamps, angles and positions that the mission depends on and the sensors do not show.
+
+    A state that the command under way was to bring about is left out: it is given again at once.
+
+    Args:
+        robot: The robot.
+        program: The program of the resumption.
+        it: With what the mission goes on.
+        table: What the sensors have shown.
+    """
+    names = states_of(robot, table.hypothesis.body)
+    goal = program.instructions[-1]
+    under_way = goal.command if isinstance(goal, Do) else None
+    found = [
+        f"{each.about} {each.state}: {each.why}"
+        for each in table.verdicts
+        if each.word != "confirmed"
+        and each.mark.command != under_way
+        and (each.mark.kind == "part" or isinstance(spec_of(robot, names, each.mark), AnglesSpec))
+    ]
+    if it.adrift:
+        place = next((place for _, place in position_read(robot, program)), "")
+        if place:
+            found.append(f"the position: the mission reads it ({place})")
+    return tuple(found)
+
+
+def position_read(robot: RobotSpec, program: Program) -> Iterator[tuple[int, str]]:
+    """Yield the instructions from which the odometry is read, with the places of their conditions.
+
+    A change of the odometry is read too if the value from which it counts is unknown.
+    """
+    if robot.odometry < 0:
+        return
+    name = robot.vocabulary.numbers[robot.odometry]
+    changes = robot.vocabulary.with_changes.numbers
+    change = changes[len(robot.vocabulary.numbers) + robot.odometry]
+    for index in sorted(_reached(program)):
+        match program.instructions[index]:
+            case Branch(condition=condition, place=place):
+                if name in condition.names:
+                    yield index, place
+            case Wait(triggers=triggers, origin=origin, place=place):
+                lost = bool(origin) and isnan(origin[robot.odometry])
+                for each in triggers:
+                    read = each.condition.names if each.condition is not None else ()
+                    if name in read or (lost and change in read):
+                        yield index, each.place or place
+            case _:
+                pass
+
+
+def _reached(program: Program) -> set[int]:
+    """Return the instructions to which a way leads from the start."""
+    found, pending = {program.start}, [program.start]
+    while pending:
+        for target in successors(program, pending.pop()):
+            if target >= 0 and target not in found:
+                found.add(target)
+                pending.append(target)
+    return found
