@@ -32,6 +32,7 @@ ENDS = {
     "parameters": "arrived",
     "polarity": "arrived",
     "repeat": "blinked",
+    "resume": "measured",
     "retry": "clamped",
     "starts_in": "clamped",
     "time_limit": "",

@@ -182,7 +182,8 @@ def _restoring(
 ) -> tuple[int, ...]:
     """Return commands that confirm what was confirmed and stay in the configuration.
 
-    Clamps come first and wheels that were driven come last.
+    Clamps come first and wheels that were driven come last. What the recording had not confirmed
+    is left as it is.
 
     Args:
         robot: The robot.
@@ -225,6 +226,7 @@ def _restoring(
             and not step.hindrance
             and not robot.commands[step.command].lets_go
             and (drives or not _turns(robot, step.body))
+            and body.marks - step.body.marks <= open_(body)
             and open_(step.body) < open_(body)
         ]
         if not found:

@@ -63,9 +63,12 @@ class VerdictTable(NamedTuple):
     verdicts: tuple[StateVerdict, ...]
     refusals: tuple[str, ...] = ()
 
-    def having(self, word: Word) -> frozenset[tuple[str, str]]:
-        """Return what has this verdict, as pairs of name and state."""
-        return frozenset((each.about, each.state) for each in self.verdicts if each.word == word)
+    def having(self, word: Word) -> frozenset[str]:
+        """Return the names of the regions and parts that have this verdict.
+
+        Without the names of their states: wheels that stand confirm several of these.
+        """
+        return frozenset(each.about for each in self.verdicts if each.word == word)
 
 
 class Reconciled(NamedTuple):
@@ -290,11 +293,12 @@ def _choose(
     """Return the table that counts, or those among which a person chooses, or why there is none.
 
     The one without a contradiction counts. Of several the one whose confirmations include those
-    of the others.
+    of the others, and are more.
     """
     possible = [each for each in tables if not each.having("contradicted")]
     for each in possible:
-        if all(each.having("confirmed") >= other.having("confirmed") for other in possible):
+        others = [other.having("confirmed") for other in possible if other is not each]
+        if all(each.having("confirmed") > other for other in others):
             return each, (), ()
     if possible:
         return None, tuple(possible), ()

@@ -103,6 +103,9 @@ def test_what_is_shipped_loads(path):
         # phases
         (phase("do: [Brake]"), "6:3: a phase without `wait` needs `go`"),
         (phase("go: b"), "6:11: there is no phase or end 'b'"),
+        (phase("go: e, resume: b"), "6:22: there is no phase 'b'"),
+        (phase("go: e, resume: e"), "6:22: there is no phase 'e'"),
+        (phase("go: e, resume: [a]"), "6:22: expected text, got a list"),
         (phase("wait: [{when: 'true', go: e}]"), "6:3: a phase with `wait` needs `within"),
         (phase("do: [Brake], within: {time: 1 s, go: e}, go: e"),
          "6:3: `within` limits a `wait`, and this phase has none"),

@@ -1,0 +1,102 @@
+"""What may become of a mission that goes on is explored before anybody agrees to it."""
+
+from __future__ import annotations
+
+from math import inf, nan
+
+import pytest
+
+from checking.plans.conftest import ROOT
+from pirate_sm.checking.plans.resume_forecast import forecast
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.resuming.dark_way import DarkWay
+from pirate_sm.engine.resuming.hypotheses import hypotheses
+from pirate_sm.engine.resuming.reconciling import StateVerdict, VerdictTable
+from pirate_sm.engine.resuming.resumption import Resumption, resumption
+from pirate_sm.engine.resuming.unknowns import unknowns
+from pirate_sm.engine.robot.robot_state import at_rest_in
+from pirate_sm.loading.mission import load_mission
+
+KNOWN = DarkWay(0.0, 0.0, True, "known")
+UNKNOWN = DarkWay(-inf, inf, False, "unknown")
+
+
+@pytest.fixture(scope="module")
+def climb():
+    return load_mission(ROOT / "sequences" / "climb.yaml")
+
+
+def cut_off_in_a_wait(loaded, phase, states, way):
+    """The mission is cut off in the wait of a phase, with the robot in these states."""
+    robot, program = loaded.robot, loaded.program
+    last, _ = Engine(robot, program, nominal=True).start(0.0)
+    pc = next(
+        at
+        for at, it in enumerate(program.instructions)
+        if isinstance(it, Wait) and it.phase == phase
+    )
+    last = last._replace(
+        robot=at_rest_in(robot, robot.table.index_of(states)),
+        mission=last.mission.at(pc)._replace(begun=True),
+    )
+    hypothesis = hypotheses(robot, program, last)[0]
+    found = resumption(robot, program, last, 10.0, hypothesis, way)
+    assert isinstance(found, Resumption)
+    return found, hypothesis
+
+
+DRIVING = ("DrivingBackward", "DrivingBackward", "DoubleClamped", "Unaligned", "Off")
+
+
+def test_with_all_known_it_is_possible(climb):
+    found, _ = cut_off_in_a_wait(climb, "down", DRIVING, KNOWN)
+
+    assert forecast(climb, found) == ("possible", "", ())
+
+
+def test_a_wait_for_a_position_that_nobody_knows_may_hang(climb):
+    found, _ = cut_off_in_a_wait(climb, "down", DRIVING, UNKNOWN)
+
+    told = forecast(climb, found)
+
+    assert told.word == "may hang"
+    assert "waits for a position" in told.why
+    assert "climb.yaml:37" in told.why
+    assert "DriveBackward" in told.course[-1]
+
+
+def test_a_position_that_is_read_is_among_the_unknowns(climb):
+    found, hypothesis = cut_off_in_a_wait(climb, "down", DRIVING, UNKNOWN)
+    program = found.program(climb.program)
+
+    told = unknowns(climb.robot, program, found, VerdictTable(hypothesis, ()))
+
+    assert len(told) == 1
+    assert told[0].startswith("the position: the mission reads it (")
+
+
+def test_a_part_that_is_not_seen_to_hold_is_among_the_unknowns(climb):
+    found, hypothesis = cut_off_in_a_wait(climb, "down", DRIVING, KNOWN)
+    mark = next(each for each in sorted(hypothesis.body.marks) if each.kind == "part")
+    verdict = StateVerdict(mark, "front", "holds", "unknown", "why", ())
+    program = found.program(climb.program)
+
+    told = unknowns(climb.robot, program, found, VerdictTable(hypothesis, (verdict,)))
+
+    assert told == ("front holds: why",)
+
+
+def test_what_cannot_succeed_is_impossible_and_shown(bend):
+    states = ("Fixed", "Fixed", "DoubleClamped", "Unaligned", "Off")
+    last, _ = Engine(bend.robot, bend.program, nominal=True).start(0.0)
+    last = last._replace(robot=at_rest_in(bend.robot, bend.robot.table.index_of(states)))
+    chosen = hypotheses(bend.robot, bend.program, last)[0]
+    found = resumption(bend.robot, bend.program, last, nan, chosen, KNOWN, "regrip")
+    assert isinstance(found, Resumption)
+
+    told = forecast(bend, found)
+
+    assert told.word == "impossible"
+    assert "no path leads to an end that succeeds" in told.why
+    assert told.course

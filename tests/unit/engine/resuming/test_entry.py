@@ -1,0 +1,275 @@
+"""Where a mission goes on, and what it does first: rules 2 to 5 on missions written here."""
+
+from __future__ import annotations
+
+from math import isnan
+
+import pytest
+from cut_off import GRIPPING, CutOff
+from driving import BOTH_CLAMPED, FRONT_CLAMPED
+
+from pirate_sm.engine.sensing.known_signals import with_changes
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+STEPS = """\
+start: work
+on_failure: unclear
+phases:
+  work:
+    do: [DriveForward, ToggleLighting]
+    wait:
+      - {when: change(odometry) >= 1 m, go: done}
+      - {after: 50 s, go: late}
+    within: {time: 60 s, go: late}
+  unclear: {do: [{command: Brake, unneeded: skip}], go: unsure}
+ends:
+  done: {succeed: There}
+  late: {fail: Late}
+  unsure: {fail: "{cause}"}
+"""
+
+
+def clamped(drive, body: str):
+    driver = drive(body, states=BOTH_CLAMPED)
+    driver.signals |= GRIPPING
+    driver.run(0.4)
+    return driver
+
+
+def waiting(drive, body: str = STEPS):
+    """The mission drives, its light is on, and it has waited for 10 s."""
+    driver = clamped(drive, body)
+    driver.until(lambda seen: seen.of(fx.WaitArmed))
+    while driver.in_flight:
+        driver.accept()
+    turning = {f"theta_{n}": (1.5 if n in (1, 3, 5) else -1.5) for n in range(1, 7)}
+    driver.run(driver.now + 10.0, **turning)
+    assert not driver.ended
+    return driver
+
+
+def begun(driver):
+    """The hold is accepted and the boards have been looked at."""
+    driver.accept()
+    driver.run(4.0)
+    return driver
+
+
+LOOSE = {"bend_torque_1": -0.3, "bend_torque_2": 0.3, "bend_torque_3": -0.3, "bend_torque_4": 0.3}
+"""No part is seen to hold, and none is seen not to."""
+
+
+class TestGoingOnInAWait:
+    def test_nothing_is_sent_before_the_hold_is_accepted(self, drive):
+        driver = CutOff(waiting(drive)).go_on()
+        driver.run(5.0)
+
+        assert [each.values for each in driver.of(fx.Setpoints)] == [driver.setpoints.values]
+        assert not driver.statuses
+
+    def test_the_hold_keeps_what_was_recorded_and_stops_the_wheels(self, drive):
+        before = waiting(drive)
+        recorded = before.state.robot.values
+        driver = CutOff(before).go_on()
+
+        wheels = set(driver.robot.safe_zero)
+        for slot, (held, was) in enumerate(zip(driver.setpoints.values, recorded, strict=True)):
+            assert held == (0.0 if slot in wheels else was)
+
+    def test_the_wheels_are_driven_again_and_nothing_else_is_repeated(self, drive):
+        driver = begun(CutOff(waiting(drive)).go_on())
+        driver.until(lambda seen: seen.of(fx.WaitArmed))
+
+        assert [name for name, status in driver.statuses if status == "sent"] == ["DriveForward"]
+        assert driver.phases == ["work"]
+
+    def test_a_wait_has_the_rest_of_its_time(self, drive):
+        driver = begun(CutOff(waiting(drive)).go_on())
+        driver.until(lambda seen: seen.of(fx.WaitArmed))
+        driver.accept()
+        turning = {f"theta_{n}": (0.6 if n in (1, 3, 5) else -0.6) for n in range(1, 7)}
+        driver.run(driver.now + 30.0, every=0.4, **turning)
+        assert not driver.fired
+
+        driver.run(driver.now + 11.0, every=0.4, **turning)
+        assert driver.fired == ["late"]
+
+    def test_a_change_goes_on_from_where_it_counted(self, drive):
+        before = waiting(drive)
+        way_m = before.state.sensing.numbers[before.robot.odometry]
+        assert way_m > 0.3
+        driver = CutOff(before).go_on()
+
+        odometry = driver.engine.signals(driver.state)["odometry"]
+        assert odometry == pytest.approx(way_m, abs=1e-6)
+
+    def test_an_unknown_way_hides_the_position_but_not_later_changes(self, drive):
+        driver = CutOff(waiting(drive), driven_s=0.4).go_on(
+            **{f"theta_{n}": 0.0 for n in range(1, 7)}
+        )
+
+        assert isnan(driver.engine.signals(driver.state)["odometry"])
+        begun(driver).until(lambda seen: seen.of(fx.WaitArmed))
+        rolled = {f"theta_{n}": (1.5 if n in (1, 3, 5) else -1.5) for n in range(1, 7)}
+        driver.run(driver.now + 1.0, **rolled)
+        sensing = driver.state.sensing
+        assert (
+            with_changes(sensing, sensing.counted)[len(sensing.numbers) + driver.robot.odometry]
+            == 0.0
+        )
+
+
+class TestAClampThatIsNotSeen:
+    def test_wheels_are_not_driven_before_a_clamp_is_confirmed(self, drive):
+        driver = begun(CutOff(waiting(drive)).go_on(**LOOSE))
+
+        assert driver.statuses[0] == ("ClampFront", "sent")
+        assert all(driver.setpoints.values[slot] == 0 for slot in driver.robot.safe_zero)
+
+    def test_without_a_clamp_in_time_the_mission_fails_as_it_says(self, drive):
+        driver = begun(CutOff(waiting(drive)).go_on(**LOOSE))
+        while driver.in_flight:
+            driver.accept()
+        driver.run(20.0)
+
+        assert ("ClampFront", "failed") in driver.statuses
+        assert "unclear" in driver.phases
+        assert {name for name, status in driver.statuses if status == "sent"} == {
+            "ClampFront",
+            "Brake",
+        }
+
+
+def test_a_command_under_way_is_given_again(drive):
+    body = STEPS.replace("[DriveForward, ToggleLighting]", "[ClampRear]")
+    driver = drive(body, states=FRONT_CLAMPED)
+    driver.signals |= GRIPPING | {"bend_torque_4": 0.0}
+    driver.run(0.4)
+    assert driver.statuses == [("ClampRear", "sent")]
+    driver.accept()
+
+    again = begun(CutOff(driver).go_on())
+
+    assert [name for name, status in again.statuses if status == "sent"] == ["ClampRear"]
+
+
+QUESTION = """\
+start: ask
+phases:
+  ask: {do: [{ask: "Is it dry?", choices: {"yes": continue, "no": fail}}], go: done}
+ends: {done: {succeed: Dry}}
+"""
+
+
+def test_an_open_question_is_asked_again(drive):
+    driver = clamped(drive, QUESTION)
+    assert driver.of(fx.Ask)
+
+    again = begun(CutOff(driver).go_on())
+
+    assert [each.question for each in again.of(fx.Ask)] == ["Is it dry?"]
+
+
+class TestAPhaseThatSaysWhereToGoOn:
+    BODY = """\
+start: first
+phases:
+  first: {do: [ToggleLighting], go: second}
+  second: {resume: RESUME, do: [{ask: "Go on?"}], go: done}
+ends: {done: {succeed: Done}}
+"""
+
+    def cut(self, drive, resume: str) -> CutOff:
+        driver = clamped(drive, self.BODY.replace("RESUME", resume))
+        driver.until(lambda seen: seen.of(fx.Ask))
+        return CutOff(driver)
+
+    def test_never_refuses(self, drive):
+        assert "resume: never" in self.cut(drive, "never").why_not()
+
+    def test_another_phase_is_begun(self, drive):
+        driver = begun(self.cut(drive, "first").go_on())
+
+        assert driver.phases[0] == "first"
+
+    def test_here_goes_on_in_it(self, drive):
+        assert begun(self.cut(drive, "here").go_on()).phases == ["second"]
+
+    def test_the_operator_may_say_another(self, drive):
+        driver = begun(self.cut(drive, "never").go_on(at="first"))
+
+        assert driver.phases[0] == "first"
+
+    def test_an_unknown_phase_is_refused(self, drive):
+        assert self.cut(drive, "here").why_not(at="nowhere") == "the mission has no phase nowhere"
+
+
+def test_regripping_goes_where_a_failure_leads(drive):
+    assert begun(CutOff(waiting(drive)).go_on(at="failure")).phases[0] == "unclear"
+
+
+def test_without_on_failure_there_is_nothing_to_go_to(drive):
+    assert "no `on_failure`" in CutOff(clamped(drive, QUESTION)).why_not(at="failure")
+
+
+def test_a_mission_at_its_end_does_not_go_on(drive):
+    driver = clamped(drive, QUESTION)
+    driver.give(ev.Answer("yes"))
+
+    assert CutOff(driver).why_not() == "the mission had come to its end"
+
+
+def test_a_paused_mission_goes_on_paused(drive):
+    driver = waiting(drive)
+    driver.give(ev.Pause())
+    driver.accept()
+
+    again = begun(CutOff(driver).go_on())
+
+    assert again.state.mission.paused
+    assert not again.statuses
+
+
+def test_a_crash_while_resuming_resumes(drive):
+    once = begun(CutOff(waiting(drive)).go_on(**LOOSE))
+    assert once.statuses == [("ClampFront", "sent")]
+
+    twice = begun(CutOff(once).go_on(**GRIPPING))
+    twice.until(lambda seen: seen.of(fx.WaitArmed))
+
+    assert ("DriveForward", "done") in twice.statuses
+
+
+def test_the_time_limit_goes_on_from_where_it_was(drive):
+    again = begun(CutOff(waiting(drive, "time_limit: 20 s\n" + STEPS)).go_on())
+    assert not again.ended
+
+    again.run(14.0, every=0.4)
+    again.accept()
+
+    assert again.ended is not None
+    assert "time limit of 20 s" in again.ended.message
+
+
+HANDLED = """\
+start: work
+on_fault: [{fault: motor.hot, go: cooling}]
+phases:
+  work: {do: [{ask: "Go on?"}], go: done}
+  cooling: {do: [{ask: "Cool?"}], go: done}
+ends: {done: {succeed: Done}}
+"""
+
+
+def test_a_fault_that_is_being_handled_is_not_handled_again(drive):
+    driver = clamped(drive, HANDLED)
+    driver.give(ev.FaultReport("motor.hot", "hot"))
+    driver.accept()
+    assert driver.phases[-1] == "cooling"
+
+    again = begun(CutOff(driver).go_on())
+    again.give(ev.FaultReport("motor.hot", "hot"))
+
+    assert again.phases == ["cooling"]
+    assert again.faults == [("motor.hot", "stop")]

@@ -1,0 +1,209 @@
+"""What the sensors show is compared with where the robot may be: rules 1 and 6."""
+
+from __future__ import annotations
+
+from math import nan
+
+import pytest
+from cut_off import GRIPPING, CutOff, verdict_of
+from driving import BOTH_CLAMPED, DRIVING_FORWARD, FRONT_CLAMPED, IDLE, command
+
+from pirate_sm.engine.resuming.reconciling import reconcile
+from pirate_sm.engine.robot.robot_state import states_of
+
+CONFIRMED, CONTRADICTED, UNKNOWN = "confirmed", "contradicted", "unknown"
+
+
+@pytest.fixture
+def clamped(drive):
+    """A robot at rest, both parts clamped, whose run is cut off."""
+    return CutOff(at_rest(drive(IDLE, states=BOTH_CLAMPED)))
+
+
+def at_rest(driver):
+    driver.signals |= GRIPPING
+    driver.run(2.0)
+    return driver
+
+
+def test_parts_that_bear_and_span_are_confirmed(clamped):
+    found = clamped.look()
+
+    assert not found.refusals
+    assert found.chosen is found.tables[0]
+    assert [verdict_of(found, part).word for part in ("front", "rear")] == [CONFIRMED] * 2
+    assert verdict_of(found, "FrontWheelsState").word == CONFIRMED
+
+
+def test_a_table_says_what_was_recorded_what_is_seen_and_the_limit(clamped):
+    shown = verdict_of(clamped.look(bend_torque_1=-0.6), "front").shown
+
+    assert shown[0].signal == "bend_torque_1"
+    assert (shown[0].recorded, shown[0].seen) == ("-700 mNm", "-600 mNm")
+    assert "500 mNm" in shown[0].limit
+
+
+@pytest.mark.parametrize("signal", ["bend_torque_1", "gamma_1", "gamma_2"])
+def test_a_sensor_without_value_confirms_nothing_and_contradicts_nothing(clamped, signal):
+    found = clamped.look(**{signal: nan})
+
+    assert verdict_of(found, "front").word == UNKNOWN
+    assert found.chosen is not None
+
+
+def test_a_light_is_unknown_since_nothing_sees_it(clamped):
+    assert verdict_of(clamped.look(), "LightingState").word == UNKNOWN
+
+
+def test_slack_springs_contradict_a_clamp_and_refuse(clamped):
+    found = clamped.look(bend_torque_1=0.0, bend_torque_2=0.0)
+
+    assert verdict_of(found, "front").word == CONTRADICTED
+    assert found.chosen is None
+    assert found.refusals == (
+        "front was recorded as holds, but bend_torque_1, bend_torque_2 show 0, 0 mNm,"
+        " less than 100 mNm",
+    )
+
+
+def test_a_joint_that_is_stuck_elsewhere_refuses(clamped):
+    found = clamped.look(gamma_1=0.0)
+
+    assert any("gamma_1 of the front part shows 0.0 deg" in each for each in found.refusals)
+
+
+def test_a_clamped_joint_that_has_moved_by_more_than_five_degrees_refuses(clamped):
+    assert not clamped.look(gamma_2=1.0 + 0.08).refusals
+    assert any("gamma_2" in each for each in clamped.look(gamma_2=1.0 + 0.10).refusals)
+
+
+def test_a_robot_that_lies_otherwise_refuses(clamped):
+    found = clamped.look(acc_z=9.81 * 0.94, acc_y=9.81 * 0.34)
+
+    assert found.refusals == ("the robot lies 20 deg otherwise than recorded, limit 15 deg",)
+
+
+def test_a_fallen_robot_refuses(clamped):
+    found = clamped.look(acc_z=0.0)
+
+    assert "robot.fallen: the robot is falling or sliding freely" in found.refusals
+
+
+def test_a_board_that_does_not_report_refuses(clamped):
+    clamped.silent = frozenset({24})
+
+    assert clamped.look().refusals == ("board 24 (rotation) does not report",)
+
+
+def test_a_robot_that_was_moved_by_hand_is_asked_about(clamped):
+    clamped.driver.signals |= {f"theta_{number}": 20.0 for number in range(1, 7)}
+    clamped.driver.run(3.0)
+    moved = CutOff(clamped.driver)
+
+    found = moved.look(**{f"theta_{number}": 20.0 + 0.05 / 0.024 for number in range(1, 7)})
+
+    assert "wheels have rolled" in found.questions[0]
+    assert "50" in found.questions[0]
+    assert not found.way.exact
+
+
+def test_another_diameter_contradicts(drive):
+    pipe = "pipe: {format: 1, diameter: 91 mm, segments: [{straight: 2 m}]}\n"
+    driver = at_rest(drive(pipe + IDLE, states=BOTH_CLAMPED))
+
+    found = CutOff(driver).look(gamma_1=-1.4, gamma_2=1.4)
+
+    assert any(
+        "diameter_front shows" in each and "limit 15% off" in each for each in found.refusals
+    )
+
+
+def test_what_the_recording_contradicts_itself_is_left_to_a_command(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    driver.signals |= GRIPPING | {"bend_torque_1": 0.0, "bend_torque_2": 0.0}
+    driver.run(2.0)
+
+    found = CutOff(driver).look()
+
+    assert verdict_of(found, "front").word == UNKNOWN
+    assert found.chosen is not None
+
+
+def test_wheels_that_turn_are_stopped_first(clamped):
+    clamped.driver.signals["theta_1"] = 0.0
+    robot, driver = clamped.robot, clamped.driver
+    for turn in range(11):
+        driver.signals["theta_1"] = 0.1 * turn
+        at_s = 10.0 + turn / 10
+        clamped.frames += [(at_s, driver.frame(board)) for board in robot.boards]
+    found = reconcile(robot, clamped.program, clamped.last, clamped.frames, 11.0, 0.0)
+
+    assert found.turning
+
+
+def test_driven_wheels_that_stand_are_unknown(drive):
+    driver = at_rest(drive(IDLE, states=DRIVING_FORWARD))
+    command(driver, "DriveForward")
+
+    found = CutOff(driver).look()
+
+    assert verdict_of(found, "FrontWheelsState").word == UNKNOWN
+    assert not found.turning
+
+
+class TestACommandSentLast:
+    @pytest.fixture
+    def relaxing(self, drive):
+        """The rear is told to relax, and nobody has recorded whether that was accepted."""
+        driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+        command(driver, "RelaxRear")
+        assert driver.in_flight
+        return CutOff(driver)
+
+    def test_there_are_two_hypotheses(self, relaxing):
+        found = relaxing.look()
+
+        bending = [states_of(relaxing.robot, each.hypothesis.body)[2] for each in found.tables]
+        assert bending == ["DoubleClamped", "FrontClampedRearRelaxed"]
+        assert [each.hypothesis.command for each in found.tables] == ["", "RelaxRear"]
+
+    def test_a_rear_that_is_seen_to_hold_was_not_relaxed(self, relaxing):
+        found = relaxing.look()
+
+        assert found.chosen is found.tables[0]
+
+    def test_a_slack_rear_was_relaxed(self, relaxing):
+        found = relaxing.look(bend_torque_3=0.0, bend_torque_4=0.0)
+
+        assert found.chosen is found.tables[1]
+
+    def test_a_slack_front_contradicts_both(self, relaxing):
+        found = relaxing.look(bend_torque_1=0.0, bend_torque_2=0.0)
+
+        assert found.chosen is None
+        assert not found.choices
+        assert found.refusals
+
+
+def test_a_light_that_may_have_been_toggled_a_person_must_see(drive):
+    driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+    command(driver, "ToggleLighting")
+
+    found = CutOff(driver).look()
+
+    assert not found.refusals
+    assert found.chosen is None
+    assert found.choices == found.tables
+
+
+def test_a_part_whose_command_was_under_way_is_not_contradicted(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    driver.signals |= GRIPPING | {"bend_torque_3": 0.0, "bend_torque_4": 0.0}
+    driver.run(2.0)
+    command(driver, "ClampRear")
+    driver.accept()
+
+    found = CutOff(driver).look()
+
+    rear = verdict_of(found, "rear")
+    assert (rear.word, rear.why) == (UNKNOWN, "ClampRear was not done when the recording ends")
