@@ -56,10 +56,10 @@ def dark_way(robot: RobotSpec, last: EngineState, numbers: Numbers, driven_s: fl
             moved = f"no wheel was driven, but {shown}"
             return DarkWay(-inf, inf, False, moved, moved)
         return DarkWay(0.0, 0.0, True, "no wheel was driven", "", seen)
-    if max(map(abs, rolled_m), default=0.0) > most_m + dark.agree_m:
+    level = [way.level_m for way in ways]
+    if max(map(abs, level), default=0.0) > most_m + dark.agree_m:
         moved = f"{shown}, but driven they can have {most_m * 1000:.0f} mm"
         return DarkWay(-inf, inf, False, moved, moved)
-    level = [way.level_m for way in ways]
     if len(ways) > 1 and max(level) - min(level) <= dark.agree_m:
         way_m = sum(rolled_m) / len(ways)
         return DarkWay(way_m, way_m, True, f"{len(ways)} driven wheels agree on it", "", seen)

@@ -8,6 +8,7 @@ from typing import Literal, NamedTuple
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import command_outcome, commands
+from pirate_sm.engine.robot.confirmation_spec import DrivenSpec, StandingSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DECLARED,
@@ -20,8 +21,9 @@ from pirate_sm.engine.robot.robot_state import (
     RobotState,
     at_rest_in,
     known_values,
+    states_of,
 )
-from pirate_sm.engine.robot.sensor_verdict import verdict
+from pirate_sm.engine.robot.sensor_verdict import spec_of, verdict
 from pirate_sm.engine.state import EngineState
 
 
@@ -117,12 +119,14 @@ def _denied(
     """Yield the marks; those that the recorded signals contradict are denied.
 
     A part that stands across the mouth of a tee, for example, shows another diameter. There the
-    sensors say nothing now either, and a command must confirm the part.
+    sensors say nothing now either, and a command must confirm the part. Wheels that turned may
+    have come to rest since.
     """
-    setpoints = at_rest_in(robot, rest.configuration).values
+    names, setpoints = states_of(robot, rest), at_rest_in(robot, rest.configuration).values
     for mark in rest.marks:
         numbers, diameter_m = last.sensing.numbers, program.diameter_m
-        if mark.command != DECLARED:
+        wheels = isinstance(spec_of(robot, names, mark), StandingSpec | DrivenSpec)
+        if mark.command != DECLARED or wheels:
             yield mark
         elif verdict(robot, setpoints, rest, mark, numbers, diameter_m).against:
             yield mark._replace(command=DENIED)

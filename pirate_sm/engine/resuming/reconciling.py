@@ -18,6 +18,7 @@ from pirate_sm.engine.robot.robot_state import (
     DENIED,
     STOPPED,
     Mark,
+    RobotState,
     at_rest_in,
     states_of,
 )
@@ -188,6 +189,7 @@ def verdicts(
         for rule, since in zip(fatal, raised, strict=True)
         if has_come(now_s, since + rule.held_s)
     ]
+    hypothesis = hypothesis._replace(body=_redeclared(last, body, told))
     return VerdictTable(hypothesis, tuple(told), tuple(dict.fromkeys(refusals)))
 
 
@@ -217,6 +219,19 @@ def _course(
         sensing, _ = observe(robot, sensing, frame, values, values, at_s, sent=False)
         yield at_s, forget_stale(robot, sensing, at_s)
     yield now_s, forget_stale(robot, sensing, now_s)
+
+
+def _redeclared(last: EngineState, body: RobotState, told: Sequence[StateVerdict]) -> RobotState:
+    """Return the robot with what the sensors show now declared, although they had not before."""
+    shown = {
+        each.mark
+        for each in told
+        if each.word == "confirmed"
+        and each.mark.command == DENIED
+        and each.mark not in last.robot.marks
+    }
+    again = {mark._replace(command=DECLARED) for mark in shown}
+    return body._replace(marks=(body.marks - shown) | again)
 
 
 def _since(since_s: float, holds: bool, now_s: float) -> float:

@@ -9,7 +9,8 @@ from cut_off import GRIPPING, CutOff, verdict_of
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, FRONT_CLAMPED, IDLE, command
 
 from pirate_sm.engine.resuming.reconciling import reconcile
-from pirate_sm.engine.robot.robot_state import states_of
+from pirate_sm.engine.robot.robot_state import DECLARED, DENIED, states_of
+from pirate_sm.model.events import FaultReport
 
 CONFIRMED, CONTRADICTED, UNKNOWN = "confirmed", "contradicted", "unknown"
 
@@ -207,3 +208,33 @@ def test_a_part_whose_command_was_under_way_is_not_contradicted(drive):
 
     rear = verdict_of(found, "rear")
     assert (rear.word, rear.why) == (UNKNOWN, "ClampRear was not done when the recording ends")
+
+
+def test_what_the_recording_contradicts_and_the_sensors_show_now_may_be_confirmed(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    driver.signals |= GRIPPING | {"bend_torque_1": 0.0, "bend_torque_2": 0.0}
+    driver.run(2.0)
+
+    found = CutOff(driver).look(**GRIPPING)
+
+    assert verdict_of(found, "front").word == CONFIRMED
+    front = clamps_of(found)[0]
+    assert front.command == DECLARED
+
+
+def test_a_clamp_that_a_fault_denied_stays_denied(drive):
+    driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+    message = "the front has opened nearly to its end stop, there is no wall"
+    driver.give(FaultReport("clamp.lost", message))
+    cut = CutOff(driver)
+    assert any(mark.command == DENIED for mark in cut.last.robot.marks)
+
+    found = cut.look()
+
+    assert clamps_of(found)[0].command == DENIED
+
+
+def clamps_of(found):
+    """The marks of the parts, from the front."""
+    marks = found.tables[0].hypothesis.body.marks
+    return sorted(mark for mark in marks if mark.kind == "part")
