@@ -74,10 +74,9 @@ class Sensing(NamedTuple):
     @property
     def shown(self) -> Numbers:
         """Return the signals that conditions of the mission see; loops use those of the boards."""
-        counted = self.counted
-        if not self.adrift:
-            return counted
-        return tuple(nan if at in self.adrift else now for at, now in enumerate(counted))
+        if not self.adrift:  # asked at every frame
+            return self.told[: len(self.numbers)] or self.numbers
+        return tuple(nan if at in self.adrift else now for at, now in enumerate(self.counted))
 
     @property
     def sees_slip(self) -> bool:

@@ -8,6 +8,7 @@ import pytest
 from cut_off import GRIPPING, CutOff, verdict_of
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, FRONT_CLAMPED, IDLE, command
 
+from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.resuming.reconciling import reconcile
 from pirate_sm.engine.robot.robot_state import DECLARED, DENIED, states_of
 from pirate_sm.model.events import FaultReport
@@ -238,3 +239,21 @@ def clamps_of(found):
     """The marks of the parts, from the front."""
     marks = found.tables[0].hypothesis.body.marks
     return sorted(mark for mark in marks if mark.kind == "part")
+
+
+def test_a_command_that_only_the_caller_knows_of_is_a_hypothesis_too(drive):
+    driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+    robot, program = driver.robot, driver.engine.program
+    relax = robot.table.command_index["RelaxRear"]
+
+    found = hypotheses(robot, program, driver.state, relax)
+
+    assert [each.command for each in found] == ["", "RelaxRear"]
+
+
+def test_a_command_that_would_have_been_refused_is_none(drive):
+    driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+    robot, program = driver.robot, driver.engine.program
+    clamp = robot.table.command_index["ClampRear"]
+
+    assert len(hypotheses(robot, program, driver.state, clamp)) == 1
