@@ -9,6 +9,7 @@ from pydantic import BaseModel
 
 from pirate_sm.model.actuation import PostureCase
 from pirate_sm.model.mission import End, FaultHandler, Phase, WaitStep
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.safety import SafetyRule
 
 Schema = dict[str, Any]
@@ -29,9 +30,18 @@ _WAIT_ENDS: Final[Schema] = {
 }
 _LEADS: Final[Schema] = {"items": _given("go")}
 
+_NONE: Final[Schema] = {"maxItems": 0, "maxProperties": 0}
+"""An empty list or mapping, which counts as absent."""
+
 _OPTIONAL_LEADS: Final[Schema] = {"anyOf": [{"type": "null"}, _given("go")]}
 
 SHAPES: Final[Mapping[type[BaseModel], Schema]] = {
+    Pipe: {
+        "oneOf": [_given("segments"), _given("runs")],
+        "if": _given("runs"),
+        "then": {"properties": {"patches": _NONE}},
+        "else": {"properties": dict.fromkeys(("junctions", "ends", "routes"), _NONE)},
+    },
     Phase: {
         "if": _WAITS,
         "then": {

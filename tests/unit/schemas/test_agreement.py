@@ -214,3 +214,23 @@ def _compare(kind: Any, text: str) -> None:
         assert beyond or not pattern.is_valid(text)
     else:
         assert pattern.is_valid(text)
+
+
+@pytest.mark.parametrize(
+    "keys",
+    [
+        {},
+        {"segments": None},
+        {"segments": [{"straight": "1 m"}], "runs": {"a": {"segments": [{"straight": "1 m"}]}}},
+        {"segments": [{"straight": "1 m"}], "routes": {"x": ["a"]}},
+        {
+            "runs": {"a": {"segments": [{"straight": "1 m"}]}},
+            "patches": [{"from": "1 m", "to": "2 m", "friction": 0.3}],
+        },
+    ],
+)
+def test_both_refuse_a_pipe_that_has_no_form_or_two(keys: dict[str, Any]) -> None:
+    data = {"format": 1, "pipe": "x", "diameter": "120 mm", **keys}
+
+    assert refusals(Pipe, data)
+    agree("pipe", data)
