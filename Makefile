@@ -8,16 +8,18 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align maps space twin mutants physics vision clean
+.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align maps campaigns space twin mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make test    style, types, layers and tests"
 	@echo "make test-browser  a report's page in the Chromium that is installed"
+	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
 	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
+	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory"
 	@echo "make space   how often each fitting of a round pipe is passed, by 100 seeds each"
 	@echo "make maps    how far maps of driven pipes are from these, by 10 seeds each"
 	@echo "make align   how level a part comes that is turned by the accelerometer, from twelve rolls, and the mission level"
@@ -56,6 +58,9 @@ check: $(VENV)/.ready-dev
 test-pty: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/conformance
 
+test-cluster: $(VENV)/.ready-dev
+	$(BIN)/python -m pytest -m slow tests/unit/campaign
+
 test-built: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/unit/simulation/machine_code tests/installation
 
@@ -68,7 +73,7 @@ golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli
 
 schemas: $(VENV)/.ready-dev
-	for kind in mission pipe profile chart profile_extension chart_extension camera panel; do \
+	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign; do \
 	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
 	for robot in hardware_profiles/*/; do \
 	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done
@@ -77,8 +82,8 @@ bench: $(VENV)/.ready-bench
 	$(BIN)/python -m benchmarks.bench
 	$(BIN)/python -m benchmarks.check
 
-seeds: $(VENV)/.ready-sim
-	$(BIN)/python -m benchmarks.seeds
+seeds: $(VENV)/.ready-campaign
+	$(BIN)/pirate campaign campaigns/bend.yaml --resume
 
 upright: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.upright
@@ -97,13 +102,17 @@ twin: $(VENV)/.ready-sim
 
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
-	$(BIN)/python -m benchmarks.seeds --backend physics --seeds 20
+	$(BIN)/pirate campaign campaigns/bend_physics.yaml --resume
 
 vision: $(VENV)/.ready-vision
 	$(BIN)/python -m benchmarks.vision
 
-defects: $(VENV)/.ready-sim
-	$(BIN)/python -m benchmarks.defects
+defects: $(VENV)/.ready-campaign
+	$(BIN)/pirate campaign campaigns/defects.yaml --resume
+	$(BIN)/pirate campaign campaigns/joint_defects.yaml --resume
+
+campaigns: $(VENV)/.ready-campaign
+	$(BIN)/python -m benchmarks.campaigns
 
 soak: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.soak
@@ -128,13 +137,14 @@ clean:
 # One environment; each set of extras is installed once, and again when pyproject.toml changes. The
 # simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
-$(VENV)/.ready-dev: EXTRAS := dev,jit,physics,serial,live,report,console,vision
-$(VENV)/.ready-physics: EXTRAS := jit,physics
+$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,serial,live,report,console,vision
+$(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
+$(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report
 $(VENV)/.ready-bench: EXTRAS := bench,jit,console
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,physics,serial,live,report,console,vision
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,campaign,physics,serial,live,report,console,vision
 
 $(VENV)/.ready-%: pyproject.toml hatch_build.py | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

@@ -12,13 +12,13 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.events import SubmitResult

@@ -21,9 +21,10 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from benchmarks.campaign import Outcome, run_all
-from benchmarks.defects import is_false, joint_defects
+from pirate_sm.campaign.verdict import SHORT_M
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.profile import Profile
 from pirate_sm.wiring import Order
 
 LIGHTS = {
@@ -153,6 +154,21 @@ def _defects(camera: str, seeds: Sequence[int]) -> tuple[Order, ...]:
         for mission, pipe in BENDS[::2]
         for seed in seeds
     )
+
+
+def joint_defects(profile: Profile) -> list[str]:
+    """Return the names of the defects of bend joints or of their sensors."""
+    joints = {joint.name for joint in profile.body.joints}
+    return [
+        name
+        for name, defect in profile.simulation.defects.items()
+        if joints & {*defect.signals, *defect.raw, defect.joint}
+    ]
+
+
+def is_false(outcome: Outcome) -> bool:
+    """Return whether a run succeeded though its wheel was short of the last word's place."""
+    return outcome.outcome == "succeeded" and not outcome.short_m <= SHORT_M
 
 
 def _show_defects(orders: Sequence[Order], workers: int | None) -> bool:

@@ -3,8 +3,8 @@
     python -m benchmarks.fidelity [--row NAME] [--seeds 20] [--workers 2]
 
 The two runs of a seed have the same start, friction, diameter and noise, drawn as in
-`benchmarks.seeds`, so what differs is the error of the coarser computation; a detector's word that
-falls into another cycle is part of it. A run is right when its mission succeeds, and in bends
+`campaigns/bend.yaml`, so what differs is the error of the coarser computation; a detector's word
+that falls into another cycle is part of it. A run is right when its mission succeeds, and in bends
 every wheel is beyond the joint in truth. For each row are printed: how many runs are right, how
 many pairs end alike, by how much the time, the true distance and the hardest pressed joint's
 torque differ at the end (the median of the pairs with its sign, and the most), and how far a robot

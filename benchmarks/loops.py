@@ -19,9 +19,9 @@ from statistics import fmean
 from typing import NamedTuple
 
 from benchmarks.arrays import bay_at
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.engine.state import EngineState

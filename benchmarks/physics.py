@@ -4,7 +4,7 @@
 
 Prints how far the two are apart after three seconds of ClampFront from the same state and with the
 same setpoints, and how many times real time each world is by itself and with engine and boards in
-the loop. `python -m benchmarks.seeds --backend physics --seeds 20` runs the missions.
+the loop. `campaigns/bend_physics.yaml` runs the missions.
 """
 
 from __future__ import annotations
@@ -17,7 +17,8 @@ from time import process_time
 
 import numpy as np
 
-from benchmarks.campaign import WATCHED_AFTER_S, run
+from benchmarks.campaign import run
+from pirate_sm.campaign.watched_run import WATCHED_AFTER_S
 from pirate_sm.geometry.network import Section, Straight, planar
 from pirate_sm.geometry.route import Route
 from pirate_sm.loading import library

@@ -33,12 +33,12 @@ from benchmarks.arrays import (
     loaded_mission,
     twice,
 )
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.firmware import Record
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.runtime.backend_links import Holder

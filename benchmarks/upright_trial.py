@@ -237,9 +237,9 @@ def _over_the_line(
     loaded: LoadedMission, loss: float, seed: int, down: int
 ) -> tuple[Watch, MissionRun]:
     from benchmarks.arrays import bay_at
-    from benchmarks.virtual_port import VirtualPort
     from pirate_sm.backends.serial.backend import SerialBackend
     from pirate_sm.bay.switches import Switches
+    from pirate_sm.bay.virtual_port import VirtualPort
     from pirate_sm.detectors.ruler import Ruler
     from pirate_sm.engine.engine import Engine
     from pirate_sm.runtime.backend_links import Holder

@@ -18,6 +18,7 @@ from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.full_truth import FullTruth
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
+from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
 from pirate_sm.simulation.xpbd.kinematic import kinematic
 
 _SHORTEST_BOOT = 0.75
@@ -38,6 +39,7 @@ class VirtualBay:
         start_values: Setpoints of the configuration at the start, one per slot, for a start with
             clamped parts; None for a straight robot.
         physics: Makes the physics that moves the robot.
+        jitter: How far the robot and its pipe may differ from the files.
 
     Attributes:
         robot: The robot as it truly is, for whoever measures; it moves by whole cycles.
@@ -58,6 +60,7 @@ class VirtualBay:
         seed: int = 0,
         start_values: Sequence[float] | None = None,
         physics: MakePhysics = kinematic,
+        jitter: Jitter = NO_JITTER,
     ) -> None:
         self._switches = switches = switches or Switches()
         serial = serial_of(profile)
@@ -69,6 +72,7 @@ class VirtualBay:
             physics,
             seed=seed,
             start_values=start_values,
+            jitter=jitter,
             defects=switches.defects,
             more_defects=switches.more_defects(seed, chances[2:]),
         )

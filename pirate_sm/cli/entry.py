@@ -28,6 +28,7 @@ COMMANDS = {
     "graph": ("files:GraphOptions", "graph:draw_graph"),
     "plan": ("files:PlanOptions", "plan:print_plan"),
     "robot": ("files:RobotOptions", "robot_page:write_page"),
+    "campaign": ("campaigns:CampaignOptions", "campaign:run_campaign"),
     "console": ("running:ConsoleOptions", "console:open_console"),
     "panel": ("panels:PanelOptions", "panel:show_panel"),
     "doctor": ("links:DoctorOptions", "doctor:run_doctor"),
@@ -47,6 +48,7 @@ COMMANDS = {
     "camera look": ("cameras:LookOptions", "camera_look:look"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
+    "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),
     "new robot": ("files:NewRobotOptions", "new:write_robot"),
 }
 """Each command with its options in ``cli/options`` and its work in ``cli/commands``.
@@ -125,7 +127,7 @@ commands = _app(cls=_Group, no_args_is_help=True)
 commands.add_typer(
     _app(cls=_Group, no_args_is_help=True),
     name="new",
-    help="Start a mission or a robot from a template that runs.",
+    help="Start a mission, a pipe, a campaign or a robot that runs.",
 )
 commands.add_typer(
     _app(cls=_Group, no_args_is_help=True),

@@ -6,15 +6,23 @@ from collections.abc import Iterable
 from dataclasses import replace
 from math import isfinite
 from pathlib import Path
+from typing import TypeVar
+
+from pydantic import ValidationError
 
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs, read_settings
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import trace_script as loading
 from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.model.campaign import LineFaults, StartJitter
+from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
+from pirate_sm.spelling import meant
 from pirate_sm.wiring import Order
+
+Choices = TypeVar("Choices", StartJitter, LineFaults)
 
 
 def order_of(options: RunOptions | ConsoleOptions) -> Order:
@@ -53,7 +61,35 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
     if options.script is not None:
         listed, course = read_script(Path(options.script))
         firings += listed
-    return replace(order, start_phase=options.start_phase, firings=tuple(firings), course=course)
+    jitter = read_choices("--jitter", options.jitter, StartJitter)
+    return replace(
+        order,
+        start_phase=options.start_phase,
+        firings=tuple(firings),
+        course=course,
+        start_jitter_m=jitter.start,
+        friction_jitter=jitter.friction,
+        diameter_jitter_m=jitter.diameter,
+        line=read_choices("--line", options.line, LineFaults) if options.line else None,
+    )
+
+
+def read_choices(option: str, texts: Iterable[str] | None, model: type[Choices]) -> Choices:
+    """Return the values of a repeatable option NAME=VALUE, read as a file's.
+
+    Raises:
+        UsageError: A text has another form, a name is unknown, or a value does not fit.
+    """
+    pairs = read_pairs(option, texts or (), "NAME=VALUE")
+    try:
+        return model.model_validate(pairs, context=dict(FROM_FILE))
+    except ValidationError as error:
+        first = error.errors()[0]
+        name = str(first["loc"][0]) if first["loc"] else ""
+        if first["type"] == "extra_forbidden":
+            known = sorted(model.model_fields)
+            raise UsageError(f"{option} {name}: {meant(name, known)}") from None
+        raise UsageError(f"{option} {name}={pairs.get(name)}: {first['msg']}") from None
 
 
 def read_fire(texts: Iterable[str]) -> list[Firing]:

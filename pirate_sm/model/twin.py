@@ -18,11 +18,13 @@ class MotorNumbers(Frozen):
         no_load_speed: Speed at full duty without load.
         stall_torque: Torque at full duty at standstill.
         hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
+        dead_drag: Drag torque of a failed geared motor.
     """
 
     no_load_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     stall_torque: Annotated[Torque, Field(gt=0)] | None = None
     hold_torque: Annotated[Torque, Field(ge=0)] | None = None
+    dead_drag: Annotated[Torque, Field(ge=0)] | None = None
 
 
 class Twin(Frozen):

@@ -37,6 +37,7 @@ class FigureSection:
         header: Of its table; empty for none.
         rows: Of its table.
         plots: Under it.
+        markup: HTML after the paragraphs, in which all text is escaped already.
     """
 
     title: str
@@ -44,6 +45,7 @@ class FigureSection:
     header: Sequence[str] = ()
     rows: Sequence[Sequence[str]] = ()
     plots: Sequence[Plot] = field(default=())
+    markup: str = ""
 
 
 def figure_page(title: str, sections: Iterable[FigureSection]) -> str:
@@ -67,6 +69,8 @@ def _section(section: FigureSection) -> Iterator[str]:
     yield f"<section><h2>{escape(section.title)}</h2>"
     for line in section.lines:
         yield f"<p>{escape(line)}</p>"
+    if section.markup:
+        yield section.markup
     if section.header:
         yield f"<table><thead>{_row('th', section.header)}</thead><tbody>"
         yield from (_row("td", row) for row in section.rows)

@@ -8,6 +8,7 @@ from typing import Any, Final
 
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.camera import Camera
+from pirate_sm.model.campaign import Campaign
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.panel import Panel
 from pirate_sm.model.pipe import Pipe
@@ -26,6 +27,7 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "chart_extension": lambda: extension_of(chart_schema()),
     "camera": lambda: schema_of(Camera, "Camera over the setup"),
     "panel": lambda: schema_of(Panel, "Control panel"),
+    "campaign": lambda: schema_of(Campaign, "Campaign"),
 }
 """The kinds of files that have a schema."""
 

@@ -20,7 +20,7 @@ from pirate_sm.wiring.run_order import Order
 
 __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
 
-_OURS = ("physics", "serial", "sim", "trace")
+_OURS = ("bay", "physics", "serial", "sim", "trace")
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     "pirate_sm.backends",

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from pirate_sm.errors import Hint
+from pirate_sm.model.campaign import LineFaults
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
@@ -37,6 +38,7 @@ class Order:
         also: A second detector, whose words are logged only.
         ruler: Whether a simulated ruler measures the speed of the robot from outside.
         start_at_m: Position of the first wheel at the start of odometry, in place of the pipe's.
+        line: Faults of the line to the emulated bay; None: none.
         port: Port of the real robot, a device or a URL of pyserial; ``baud`` in place of the
             profile's rate.
         guard_for_s: How long a guardian goes on without the runner if the robot does not confirm
@@ -67,6 +69,7 @@ class Order:
     also: str | None = None
     ruler: bool = False
     start_at_m: float | None = None
+    line: LineFaults | None = None
     port: str | None = None
     baud: int | None = None
     guard_for_s: float | None = None

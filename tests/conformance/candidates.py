@@ -7,7 +7,6 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
@@ -15,6 +14,7 @@ from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.backends.trace import TraceBackend
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.pipe_file import load_pipe

@@ -15,7 +15,6 @@ from typing import NamedTuple
 
 import pytest
 
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.protocol import Backend
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
@@ -23,6 +22,7 @@ from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.robot import load_robot

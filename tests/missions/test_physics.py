@@ -7,8 +7,9 @@ from pathlib import Path
 import pytest
 
 from benchmarks.campaign import run
-from benchmarks.seeds import CROSSING_M
 from pirate_sm.wiring import Order
+
+CROSSING_M = 1.0
 
 
 @pytest.mark.parametrize("defects", [(), ("wheels_3_4_dead",)])

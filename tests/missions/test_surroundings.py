@@ -10,12 +10,12 @@ from math import asin, atan2, cos, isnan, nan, radians, sin
 import pytest
 
 from benchmarks.gliding import Stepping
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.companion import Companion
 from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine

@@ -1,9 +1,11 @@
-"""`pirate compare`: compares two recorded runs."""
+"""`pirate compare`: compares two recorded runs, or two campaigns."""
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
+from pirate_sm.campaign.store import is_store
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
 from pirate_sm.expressions import NumberType, Vocabulary
@@ -19,11 +21,14 @@ _MOST_SIGNALS = 12
 
 
 def run_compare(options: CompareOptions) -> int:
-    """Compare two recorded runs and print the result; return the exit code.
+    """Compare two recorded runs, or two campaigns, and print the result; return the exit code.
 
     Raises:
         RecordingError: One of the recordings cannot be read.
+        UsageError: The results of a campaign cannot be read.
     """
+    if is_store(Path(options.first)) and is_store(Path(options.second)):
+        return _compare_campaigns(Path(options.first), Path(options.second))
     courses, vocabularies, headers = [], [], []
     for name, path in (("A", options.first), ("B", options.second)):
         with opened_recording(path) as recording, recorded_mission(recording.header) as loaded:
@@ -36,6 +41,20 @@ def run_compare(options: CompareOptions) -> int:
     for line in [*lines, *_deviations(result, vocabularies[0])]:
         print_visible(line)
     return DIFFERENT if result.parted is not None else SAME
+
+
+def _compare_campaigns(first: Path, second: Path) -> int:
+    from pirate_sm.campaign.comparing import compare as compare_campaigns
+    from pirate_sm.campaign.comparing import comparison_text
+    from pirate_sm.campaign.conductor import stored_tallies
+
+    plans, tallies = zip(*map(stored_tallies, (first, second)), strict=True)
+    for name, place, plan in zip("AB", (first, second), plans, strict=True):
+        print_visible(f"{name}: {plan.name} in {place}, with {plan.version}")
+    compared = compare_campaigns(*tallies)
+    for line in comparison_text(compared).splitlines():
+        print_visible(line)
+    return DIFFERENT if compared.worse else SAME
 
 
 def _circumstances(first: RunHeader, second: RunHeader) -> Iterator[str]:

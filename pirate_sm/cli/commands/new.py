@@ -1,4 +1,4 @@
-"""`pirate new`: writes a mission, a pipe or a robot from a template that runs at once."""
+"""`pirate new`: writes a mission, a pipe, a campaign or a robot from a template that runs."""
 
 from __future__ import annotations
 
@@ -8,11 +8,17 @@ from importlib import resources
 from pathlib import Path
 from string import Template
 
-from pirate_sm.cli.options.files import NewMissionOptions, NewPipeOptions, NewRobotOptions
+from pirate_sm.cli.options.files import (
+    NewCampaignOptions,
+    NewMissionOptions,
+    NewPipeOptions,
+    NewRobotOptions,
+)
 from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.mission.route_mission import course_along, mission_along
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.problems import Problems
@@ -120,6 +126,34 @@ def write_pipe(options: NewPipeOptions) -> int:
         texts[schema] = schema_text("pipe")
     _write(texts)
     print(f"{path} is a pipe for {loaded.profile.robot}; draw it with: pirate graph {path}")
+    return 0
+
+
+def write_campaign(options: NewCampaignOptions) -> int:
+    """Write a campaign of a mission, NAME.yaml in the working directory; return the exit code.
+
+    Raises:
+        LoadError: The mission's files cannot be used.
+        UsageError: The name is invalid or taken, or there is no such mission.
+    """
+    name = options.name
+    _check(name)
+    loaded = load_mission(library.find_mission(options.mission))
+    schema = Path("campaign.schema.json")
+    defects = ["none", *list(loaded.loaded_robot.profile.simulation.defects)[:1]]
+    text = _fill(
+        "campaign.yaml",
+        name=name,
+        modeline=f"{MODELINE}{schema}",
+        mission=options.mission,
+        defects=", ".join(defects),
+    )
+    path = Path(f"{name}.yaml")
+    texts = {path: text}
+    if not schema.exists():
+        texts[schema] = schema_text("campaign")
+    _write(texts)
+    print(f"{path} is a campaign; run it with: pirate campaign {path}")
     return 0
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from urllib.parse import quote
 
 from pirate_sm import __version__
+from pirate_sm.campaign.store import RECORDINGS, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
 from pirate_sm.cli.output.files import begins, is_recording, write_file
@@ -36,10 +37,27 @@ def write_reports(options: ReportOptions) -> int:
         UsageError: A page cannot be written, or the plotting library is not installed.
     """
     places, output = options.recordings, options.output
+    if len(places) == 1 and is_store(Path(places[0])):
+        return _write_campaign(Path(places[0]), output)
     paths = tuple(dict.fromkeys(found for place in places for found in _recordings(Path(place))))
     if len(places) == 1 and paths == (Path(places[0]),):
         return _write_report(paths[0], output or paths[0].with_suffix(".html"))
     return _write_index(paths, output or paths[0].parent / _INDEX)
+
+
+def _write_campaign(folder: Path, output: Path | None) -> int:
+    """Write the page of a campaign, in the folder of its results; return the exit code."""
+    from pirate_sm.campaign.conductor import stored_tallies
+    from pirate_sm.campaign.page import page_of
+    from pirate_sm.campaign.results import result_of
+
+    place = output or folder / _INDEX
+    _refuse_read_only(place)
+    _refuse_foreign(place)
+    recordings = folder / RECORDINGS
+    link = Path(os.path.relpath(recordings.resolve(), place.resolve().parent))
+    _write(place, page_of(result_of(*stored_tallies(folder), recordings), link.as_posix()))
+    return 0
 
 
 def _recordings(place: Path) -> Iterator[Path]:

@@ -40,8 +40,8 @@ Backend = Annotated[
     typer.Option(
         metavar="NAME",
         autocompletion=_backends,
-        help="sim: the kinematic simulator; physics: MuJoCo; trace: nothing moves; "
-        "serial: the real robot; others: pirate list backends.",
+        help="sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
+        "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
     ),
 ]
 RobotOfMission = Annotated[
@@ -80,6 +80,22 @@ Defects = Annotated[
 FidelityOfSim = Annotated[
     Fidelity,
     typer.Option("--fidelity", help="Of sim; fast computes half the iterations and is coarser."),
+]
+Jitter = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--jitter",
+        metavar="NAME=VALUE",
+        help="How far a simulated run may differ: start=20mm, friction=20%, diameter=2mm.",
+    ),
+]
+LineFault = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--line",
+        metavar="NAME=VALUE",
+        help="Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every.",
+    ),
 ]
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")

@@ -54,6 +54,7 @@ class SchemaOptions:
             "chart_extension",
             "camera",
             "panel",
+            "campaign",
         ],
         typer.Argument(help="Of which files."),
     ]
@@ -176,6 +177,20 @@ class NewPipeOptions:
     round: Annotated[
         bool, typer.Option("--round", help="Round pipes, with a tee and a branch.")
     ] = False
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewCampaignOptions:
+    """Write a campaign that runs.
+
+    A mission runs many times, with a defect and without.
+    """
+
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
+    mission: Annotated[
+        str, typer.Option(metavar="MISSION", help="Which mission it runs: name or file.")
+    ] = "mitre_bend"
     debug: common.Debug = False
 
 

@@ -43,12 +43,18 @@ class ReplayOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class CompareOptions:
-    """Compare two recorded runs, aligned by the mission's progress.
+    """Compare two recorded runs, or two campaigns.
 
-    Exit codes: 0 the same course, 1 they part, 2 one cannot be read.
+    Runs are aligned by the mission's progress. Campaigns, folders with their results, are compared
+    cell by cell with Fisher's exact test.
+
+    Exit codes: 0 the same course, or B is not worse; 1 they part, or B is worse; 2 one cannot be
+    read.
     """
 
-    first: Annotated[str, typer.Argument(metavar="A.mcap", help="A recording.")]
+    first: Annotated[
+        str, typer.Argument(metavar="A.mcap", help="A recording, or the folder of a campaign.")
+    ]
     second: Annotated[str, typer.Argument(metavar="B.mcap", help="Another one.")]
     debug: common.Debug = False
 
@@ -107,6 +113,7 @@ class ReportOptions:
 
     Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
     Pages of a folder that is read-only stand beside the list: name that with --output.
+    Of a folder with the results of a campaign, index.html shows all cells and why runs failed.
     Pages that are newer than their recording are kept.
 
     Exit codes: 0 written, 2 no recording can be read or a page not be written.

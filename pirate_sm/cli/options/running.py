@@ -40,6 +40,8 @@ class RunOptions:
         ),
     ] = None
     defects: common.Defects = None
+    jitter: common.Jitter = None
+    line: common.LineFault = None
     fidelity: common.FidelityOfSim = USUAL
     view: common.View = False
     fire: Annotated[

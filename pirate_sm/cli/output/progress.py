@@ -7,7 +7,7 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
-from typing import TextIO
+from typing import Protocol, TextIO
 
 _FIRST_S = 0.5
 """Shorter tasks show nothing."""
@@ -16,11 +16,20 @@ _EVERY_S = 0.1
 _CLEARED = "\r\x1b[K"
 
 
+class Show(Protocol):
+    """Shows how far a task is."""
+
+    def __call__(self, share: float, more: str = "", /) -> None:
+        """Show the finished share, 0 to 1, and more text."""
+
+
 @contextmanager
 def progress(
     what: str, out: TextIO | None = None, clock: Callable[[], float] = monotonic
-) -> Iterator[Callable[[float], None]]:
+) -> Iterator[Show]:
     """Yield a function that takes the finished share, 0 to 1, and shows it on a terminal.
+
+    It may be given more to show, as a second argument.
 
     The line is removed when the block ends. A smaller share than the last one begins anew.
 
@@ -31,7 +40,7 @@ def progress(
     """
     out = sys.stderr if out is None else out
     if out is None or not out.isatty() or os.environ.get("TERM") == "dumb":
-        yield lambda share: None
+        yield lambda share, more="": None
         return
     line = _Line(what, out, clock)
     try:
@@ -50,7 +59,7 @@ class _Line:
         self._last = 0.0
         self._there = self._over = False
 
-    def show(self, share: float) -> None:
+    def show(self, share: float, more: str = "") -> None:
         if self._over:  # something else uses the terminal now
             return
         now_s = self._clock()
@@ -61,7 +70,7 @@ class _Line:
             return
         self._due_s = now_s + _EVERY_S
         self._there = True
-        self._write(f"{_CLEARED}{self._what}: {share:.0%}{self._left(share, now_s)}")
+        self._write(f"{_CLEARED}{self._what}: {share:.0%}{more}{self._left(share, now_s)}")
 
     def clear(self) -> None:
         self._over = True

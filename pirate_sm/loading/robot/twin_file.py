@@ -45,11 +45,11 @@ def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
         if motor is None:
             known = sorted(profile.motors)
             problems.add_unknown("twin.motor", at, "kind of motor", name, known, key=True)
-        elif numbers.hold_torque is not None and motor.kind != "geared":
-            message = (
-                f"a wheel's motor is held by its gears at duty 0, and '{name}' is {motor.kind}"
-            )
-            problems.add("twin.motor", (*at, "hold_torque"), message)
+        elif motor.kind != "geared":
+            for key in ("hold_torque", "dead_drag"):
+                if getattr(numbers, key) is not None:
+                    message = f"only a geared motor has a `{key}`, and '{name}' is {motor.kind}"
+                    problems.add("twin.motor", (*at, key), message)
 
 
 def with_twin(profile: Profile, twin: Twin) -> Profile:

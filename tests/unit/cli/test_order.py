@@ -69,3 +69,37 @@ def test_triggers_are_fired_in_order() -> None:
 def test_a_trigger_fires_after_seconds(text: str) -> None:
     with pytest.raises(UsageError, match="expected TRIGGER or TRIGGER=SECONDS"):
         order_of(RunOptions(mission="m", fire=[text]))
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--jitter", "begin=20mm"], "--jitter begin: "),
+        (["--jitter", "start"], "--jitter start: expected NAME=VALUE"),
+        (["--jitter", "start=20"], "--jitter start=20: "),
+        (["--jitter", "friction=200%"], "--jitter friction=200%: "),
+        (["--backend", "bay", "--line", "loss=1%"], "--line loss: "),
+    ],
+)
+def test_jitter_and_faults_of_a_line_are_read_as_in_files(words, message, pirate_run):
+    told = pirate_run("enter_2d", "--no-record", "--quiet", *words)
+
+    assert told.exit_code == 2
+    assert message in told.stderr
+
+
+def test_jitter_changes_a_run_and_its_seed_repeats_it(pirate_run):
+    words = ("enter_2d", "--no-record", "--quiet", "--jitter", "friction=20%", "--seed")
+    first, again, other = (pirate_run(*words, seed).stdout for seed in ("1", "1", "2"))
+
+    assert first == again
+    assert first != other
+
+
+def test_a_mission_runs_over_the_link_to_the_emulated_bay_in_virtual_time(pirate_run):
+    words = ("enter_2d", "--no-record", "--quiet", "--backend", "bay")
+    clean = pirate_run(*words)
+    bad = pirate_run(*words, "--line", "loss_in=20%", "--line", "loss_out=20%")
+
+    assert (clean.exit_code, bad.exit_code) == (0, 0)
+    assert clean.stdout != bad.stdout

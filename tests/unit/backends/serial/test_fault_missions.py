@@ -14,13 +14,13 @@ from typing import Any
 
 import pytest
 
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import LoadedMission, load_mission

@@ -6,12 +6,12 @@ from pathlib import Path
 
 import pytest
 
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 

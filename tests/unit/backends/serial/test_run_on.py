@@ -7,10 +7,10 @@ from math import degrees, radians
 import pytest
 
 from benchmarks.arrays import bay_of, loaded_mission
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.engine.engine import Engine
 from pirate_sm.runtime.backend_links import Holder

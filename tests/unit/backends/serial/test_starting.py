@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from benchmarks.virtual_port import VirtualPort
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx

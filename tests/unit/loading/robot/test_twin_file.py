@@ -36,7 +36,11 @@ def test_its_numbers_take_the_place_of_the_profiles_and_all_others_stay(twin_fil
         ("pirate_ii", "eel", "these are numbers of 'eel', and the robot is pirate_ii"),
         ("wheel", "wheels", "no kind of motor 'wheels'"),
         ("50 mNm", "50", "without a unit"),
-        ("wheel: {", "bend: {", "held by its gears at duty 0, and 'bend' is sprung_worm"),
+        (
+            "wheel: {",
+            "bend: {",
+            "only a geared motor has a `hold_torque`",
+        ),
         ("kinetic: 0.3", "kinetic: 0.9", "kinetic friction cannot be more"),
     ],
 )

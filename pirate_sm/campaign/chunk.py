@@ -1,0 +1,164 @@
+"""A chunk of runs of one cell: what a Dask worker is sent, does, and sends back."""
+
+from __future__ import annotations
+
+import pickle
+import traceback
+from collections import OrderedDict
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import nan
+from pathlib import Path
+from typing import NamedTuple
+
+from pirate_sm.campaign.code_version import code_version
+from pirate_sm.campaign.verdict import Verdict, judge
+from pirate_sm.campaign.watched_run import watched_run
+from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.loading import pickling
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.problems import LoadError
+from pirate_sm.model.campaign import TrueEnd
+from pirate_sm.wiring import Order
+
+CHUNK = 20
+"""Runs of a chunk: Dask takes some 10 ms of the client's processor for a task of any length."""
+
+_MOST_LOADED = 16
+"""A worker keeps so many loaded missions."""
+
+
+class OtherVersionError(Exception):
+    """Raised on a worker whose code is not that of the client."""
+
+
+class Row(NamedTuple):
+    """The result of one run.
+
+    Attributes:
+        cell: Key of its cell.
+        outcome: As the mission says; ``bug``: this program raised an exception.
+        verdict: What it was in truth, see :class:`pirate_sm.campaign.verdict.Verdict`.
+        why: Why it did not pass; empty if it did.
+        held: Whether it passed, or failed with the robot held.
+        unsafe: The rules of safety that it broke; empty for none.
+        short_m: How far a wheel was short of where the last word says; NaN if none was said.
+        deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
+    """
+
+    cell: str
+    seed: int
+    outcome: str
+    verdict: str
+    why: str
+    held: bool
+    unsafe: str
+    time_s: float
+    distance_m: float
+    short_m: float
+    deepest_m: float
+
+
+class Sent(NamedTuple):
+    """A loaded mission on its way to the workers.
+
+    Attributes:
+        key: Digest of it.
+        pickled: The mission.
+    """
+
+    key: str
+    pickled: bytes
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Runs of one cell with some of its seeds.
+
+    Attributes:
+        cell: Key of the cell.
+        order: What is run.
+        end: What must be true when the mission has succeeded.
+        mission: Key of its loaded mission.
+        seeds: The seeds.
+    """
+
+    cell: str
+    order: Order
+    end: TrueEnd
+    mission: str
+    seeds: tuple[int, ...]
+
+
+_loaded: OrderedDict[str, LoadedMission] = OrderedDict()
+
+
+def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
+    """Run a chunk on this worker; return a row for each seed, in their order.
+
+    Args:
+        chunk: The runs.
+        sent: Their mission; a process unpickles it once.
+        version: Version of the client's code.
+
+    Raises:
+        OtherVersionError: This worker's code is another one.
+    """
+    if version != code_version():
+        raise OtherVersionError(code_version())
+    loaded = loaded_mission(sent)
+    return [run_seed(chunk, loaded, seed) for seed in chunk.seeds]
+
+
+def loaded_mission(sent: Sent) -> LoadedMission:
+    """Return a mission that was sent; this process keeps the last ones."""
+    if sent.key not in _loaded:
+        pickling.register()
+        _loaded[sent.key] = pickle.loads(sent.pickled)
+        if len(_loaded) > _MOST_LOADED:
+            _loaded.popitem(last=False)
+    _loaded.move_to_end(sent.key)
+    return _loaded[sent.key]
+
+
+def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> Row:
+    """Run a mission with one seed; whatever exception it raises is its outcome."""
+    order = replace(chunk.order, seed=seed)
+    try:
+        outcome = watched_run(order, loaded, slides=False)
+    except (UsageError, LoadError, BackendError) as error:
+        return _without_end(chunk.cell, seed, "refused", Verdict("failed", str(error), False, ""))
+    except Exception as error:
+        return bug_row(chunk.cell, seed, _described(error))
+    verdict = judge(outcome, chunk.end)
+    return Row(
+        chunk.cell,
+        seed,
+        outcome.outcome,
+        *verdict,
+        outcome.time_s,
+        outcome.distance_m,
+        outcome.short_m,
+        outcome.deepest_m,
+    )
+
+
+def bug_row(cell: str, seed: int, why: str) -> Row:
+    """Return the result of a run that a fault in this program has ended."""
+    return _without_end(cell, seed, "bug", Verdict("bug", why, False, "did not end by itself"))
+
+
+def _without_end(cell: str, seed: int, outcome: str, verdict: Verdict) -> Row:
+    return Row(cell, seed, outcome, *verdict, 0.0, 0.0, nan, nan)
+
+
+def _described(error: Exception) -> str:
+    """Return an exception with the place in our code that it comes from."""
+    text = f"{type(error).__name__}: {error}"
+    frames = traceback.extract_tb(error.__traceback__)
+    return f"{text} ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else text
+
+
+def cut(chunk: Chunk, seeds: Sequence[int]) -> Chunk:
+    """Return the part of a chunk that has these seeds."""
+    return replace(chunk, seeds=tuple(seeds))

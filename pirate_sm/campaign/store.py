@@ -1,0 +1,236 @@
+"""The results of a campaign in a folder: Parquet files that are only ever added, readable always.
+
+A file is written under another name, synchronised and renamed, so it is whole or not there. As soon
+as there are 64 files of one level they are merged into one of the next: that is there before they
+are deleted. What is in two files counts once. A file that cannot be read is ignored: its runs are
+repeated.
+"""
+
+from __future__ import annotations
+
+import fcntl
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
+from functools import partial
+from pathlib import Path
+from time import monotonic
+from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
+
+from pirate_sm.campaign.chunk import Row
+from pirate_sm.errors import UsageError
+
+if TYPE_CHECKING:
+    from pyarrow import Table as ArrowTable
+
+MARK = "campaign.json"
+"""The file that makes a folder a store of results; it has what a reader needs of the campaign."""
+
+_RESULTS, _PART, _LOCK, RECORDINGS = "results", ".part", "lock", "recordings"
+
+_FLUSH_S = 2.0
+"""At most so much work is lost when the client is killed."""
+
+_MOST_ROWS = 20_000
+_MOST_FILES = 64
+
+_TYPES = {str: "string", int: "int64", float: "float64", bool: "bool_"}
+
+
+def is_store(place: Path) -> bool:
+    """Return whether there is a store of results at this path."""
+    return (place / MARK).is_file()
+
+
+class Store:
+    """The results of a campaign in a folder.
+
+    Args:
+        folder: The folder.
+        clock: The wall clock, s.
+    """
+
+    def __init__(self, folder: Path, clock: Callable[[], float] = monotonic) -> None:
+        self.folder = folder
+        self._clock = clock
+        self._rows: list[Row] = []
+        self._due_s = clock() + _FLUSH_S
+        self._numbers: dict[int, int] = {}
+        self._lock: TextIO | None = None
+
+    @property
+    def recordings(self) -> Path:
+        """The folder for recordings of runs that failed."""
+        return self.folder / RECORDINGS
+
+    def begin(self, mark: dict[str, Any]) -> None:
+        """Make the folder and describe the campaign in it.
+
+        Raises:
+            UsageError: It cannot be written.
+        """
+        with _writing(self.folder):
+            (self.folder / _RESULTS).mkdir(parents=True, exist_ok=True)
+            self._keep_others_out()
+            for left in (self.folder / _RESULTS).glob(f"*{_PART}"):
+                left.unlink()
+            text = json.dumps(mark, indent=1) + "\n"
+            _replace(self.folder / MARK, lambda place: place.write_text(text, "utf-8"))
+
+    def keep(self, name: str, recording: bytes) -> None:
+        """Write the recording of a run.
+
+        Raises:
+            UsageError: It cannot be written.
+        """
+        with _writing(self.recordings):
+            self.recordings.mkdir(exist_ok=True)
+            _replace(self.recordings / name, lambda place: place.write_bytes(recording))
+
+    def _keep_others_out(self) -> None:
+        """Lock the folder for this process; the lock ends with the process, however that ends.
+
+        Raises:
+            UsageError: Another process has it.
+        """
+        self._lock = (self.folder / _LOCK).open("w", encoding="utf-8")
+        try:
+            fcntl.flock(self._lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            self._lock.close()
+            raise UsageError(f"another process writes to '{self.folder}' now") from None
+
+    def close(self) -> None:
+        """Write what is left, and let others use the folder.
+
+        Raises:
+            UsageError: It cannot be written.
+        """
+        try:
+            self.flush()
+        finally:
+            if self._lock is not None:
+                self._lock.close()
+
+    def mark(self) -> dict[str, Any]:
+        """Return what :meth:`begin` has written.
+
+        Raises:
+            UsageError: There are no results of a campaign here.
+        """
+        try:
+            found = json.loads((self.folder / MARK).read_text("utf-8"))
+        except (OSError, ValueError):
+            found = None
+        if not isinstance(found, dict):
+            raise UsageError(f"there are no results of a campaign in '{self.folder}'")
+        return found
+
+    def read(self) -> Iterator[list[Row]]:
+        """Yield the rows of each file, in the order in which the files were written."""
+        yield from map(_rows_of, self._files())
+
+    def add(self, rows: Sequence[Row]) -> None:
+        """Add rows; every two seconds they are written to a file.
+
+        Raises:
+            UsageError: The file cannot be written; all before it are kept.
+        """
+        self._rows += rows
+        if self._clock() >= self._due_s or len(self._rows) >= _MOST_ROWS:
+            self.flush()
+
+    def flush(self) -> None:
+        """Write the rows that have been added since the last time.
+
+        Raises:
+            UsageError: The file cannot be written; all before it are kept.
+        """
+        self._due_s = self._clock() + _FLUSH_S
+        if self._rows:
+            rows, self._rows = self._rows, []
+            self._write(rows, level=0)
+
+    def _merge(self, level: int) -> None:
+        """Merge all files of a level into one of the next."""
+        files = self._files(level)
+        self._write([row for file in files for row in _rows_of(file)], level + 1)
+        for file in files:
+            with suppress(OSError):
+                file.unlink()
+
+    def _files(self, level: int | None = None) -> list[Path]:
+        """Return the files of a level, or all of them."""
+        which = "*" if level is None else level
+        return sorted((self.folder / _RESULTS).glob(f"{which}-*.parquet"))
+
+    def _write(self, rows: Sequence[Row], level: int) -> None:
+        from pyarrow import parquet
+
+        folder, files = self.folder / _RESULTS, self._files(level)
+        # A number that was used is not used again, even if its file is merged already.
+        self._numbers[level] = 1 + max(
+            [self._numbers.get(level, 0), *(int(file.stem.partition("-")[2]) for file in files)]
+        )
+        name = f"{level}-{self._numbers[level]:08d}.parquet"
+        with _writing(folder):
+            write = partial(parquet.write_table, _table(rows), compression="zstd")
+            _replace(folder / name, write)
+        if len(files) + 1 >= _MOST_FILES:
+            self._merge(level)
+
+
+class _writing:  # noqa: N801 - used as a statement
+    """Turns an error of the file system into a message that says what to do."""
+
+    def __init__(self, folder: Path) -> None:
+        self._folder = folder
+
+    def __enter__(self) -> None:
+        pass
+
+    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
+        if isinstance(error, OSError):
+            why = error.strerror or str(error)
+            raise UsageError(
+                f"results cannot be written to '{self._folder}': {why}; what was written before is "
+                "kept: make it possible, then go on with --resume"
+            ) from None
+
+
+def _replace(place: Path, write: Callable[[Path], Any]) -> None:
+    """Write a file so that it is either whole or not there."""
+    part = place.with_name(place.name + _PART)
+    try:
+        write(part)
+        with part.open("rb+") as file:
+            os.fsync(file.fileno())
+        part.replace(place)
+    except OSError:
+        with suppress(OSError):
+            part.unlink()
+        raise
+
+
+def _table(rows: Sequence[Row]) -> ArrowTable:
+    import pyarrow
+
+    schema = pyarrow.schema(
+        [(name, getattr(pyarrow, _TYPES[kind])()) for name, kind in get_type_hints(Row).items()]
+    )
+    columns = [list(column) for column in zip(*rows, strict=True)]
+    return pyarrow.table(dict(zip(Row._fields, columns, strict=True)), schema=schema)
+
+
+def _rows_of(file: Path) -> list[Row]:
+    """Return the rows in a file; none if it cannot be read."""
+    import pyarrow
+    from pyarrow import parquet
+
+    try:
+        table = parquet.ParquetFile(file).read()
+        columns = [table.column(name).to_pylist() for name in Row._fields]
+    except (OSError, KeyError, pyarrow.ArrowException):
+        return []
+    return [Row(*values) for values in zip(*columns, strict=True)]

@@ -1,0 +1,136 @@
+"""`pirate campaign`: runs a campaign and prints its table."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import replace
+from pathlib import Path
+from time import monotonic
+
+from pirate_sm.campaign.campaign_file import read_campaign
+from pirate_sm.campaign.conductor import Conductor, Progress
+from pirate_sm.campaign.crew import connected
+from pirate_sm.campaign.junit import as_junit
+from pirate_sm.campaign.plan import Plan, mark_of
+from pirate_sm.campaign.recording_failures import failures, record_failures
+from pirate_sm.campaign.results import CampaignResult, as_text, result_of
+from pirate_sm.campaign.store import Store, is_store
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.new_recording import RUNS, RUNS_VARIABLE
+from pirate_sm.cli.options.campaigns import CampaignOptions
+from pirate_sm.cli.output.progress import progress
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.spelling import meant
+from pirate_sm.visible import visible
+
+AS_EXPECTED, BELOW = 0, 1
+
+
+def run_campaign(options: CampaignOptions) -> int:
+    """Run the campaign, print its table and return the exit code.
+
+    Raises:
+        LoadError: Everything that is wrong with the files.
+        CheckError: A mission is refused.
+        UsageError: An argument does not fit, no scheduler answers, or results cannot be kept.
+        BackendError: The workers are lost; results so far are kept.
+    """
+    if options.scheduler is not None and options.workers is not None:
+        raise UsageError("--scheduler and --workers exclude each other: that cluster has its own")
+    seeds = None if options.seeds is None else range(options.seeds)
+    plan = _chosen(read_campaign(_file(options.campaign), seeds, check=options.check), options)
+    with _results(plan, options) as store:
+        result = _run(plan, store, options)
+    for line in _rendered(result, options.format):
+        print(line)
+    return AS_EXPECTED if result.good else BELOW
+
+
+def _file(name: str) -> Path:
+    return Path(name) if library.is_path(name) else library.find_mission(name)
+
+
+def _chosen(plan: Plan, options: CampaignOptions) -> Plan:
+    """Return the plan with the requested cells only."""
+    wanted = options.cells or ()
+    for name in wanted:
+        known = list(dict.fromkeys(each for cell in plan.cells for each in (cell.row, cell.name)))
+        if name not in known:
+            raise UsageError(f"there is no cell '{name}': {meant(name, known)}")
+    cells = tuple(cell for cell in plan.cells if not wanted or {cell.row, cell.name} & {*wanted})
+    return replace(plan, cells=cells)
+
+
+@contextmanager
+def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
+    """Yield the store of the results, which is closed when the block ends."""
+    try:
+        import pyarrow  # noqa: F401 - the store needs it
+    except ModuleNotFoundError:
+        raise UsageError(
+            "campaigns need pyarrow, which is not installed: pip install 'pirate-sm[campaign]'"
+        ) from None
+    runs = Path(os.environ.get(RUNS_VARIABLE) or RUNS)
+    folder = options.output or runs / f"{plan.name}.campaign"
+    store = Store(folder)
+    if is_store(folder):
+        if not options.resume:
+            raise UsageError(
+                f"there are results in '{folder}' already: go on with them with --resume, or name "
+                "another folder with --output"
+            )
+        before = store.mark().get("version")
+        if before != plan.version:
+            say(f"warning: results of another version, {before}, are in '{folder}': not used")
+    elif folder.exists() and any(folder.iterdir()):
+        raise UsageError(f"'{folder}' is there already and has no results of a campaign")
+    store.begin(mark_of(plan))
+    try:
+        yield store
+    except KeyboardInterrupt:
+        raise KeyboardInterrupt(
+            f"interrupted; results so far are in '{folder}': go on with --resume"
+        ) from None
+    finally:
+        store.close()
+
+
+def _run(plan: Plan, store: Store, options: CampaignOptions) -> CampaignResult:
+    """Run what has no result yet, record what failed, and return the result."""
+    conductor = Conductor(plan, store)
+    if conductor.goes_on or failures(conductor.results, store, options.record):
+        with (
+            connected(plan, options.scheduler, options.workers) as crew,
+            _progress(plan, conductor.progress.done) as show,
+        ):
+            conductor.conduct(crew, show)
+            record_failures(conductor.results, store, crew, options.record)
+    return result_of(plan, conductor.results, store.recordings)
+
+
+@contextmanager
+def _progress(plan: Plan, done_before: int) -> Iterator[Callable[[Progress], None]]:
+    """Yield a function that shows on a terminal how far the campaign is."""
+    began_s = monotonic()
+    with progress(f"campaign {plan.name}") as line:
+
+        def show(now: Progress) -> None:
+            rate = (now.done - done_before) / max(monotonic() - began_s, 1e-3) * 3600
+            line(
+                now.done / max(now.of, 1),
+                f" ({now.done:,} of {now.of:,} runs, {rate:,.0f} per hour)",
+            )
+
+        yield show
+
+
+def _rendered(result: CampaignResult, form: str) -> Sequence[str]:
+    if form == "json":
+        return [json.dumps(result.as_data(), indent=1, ensure_ascii=False)]
+    if form == "junit":
+        return [as_junit(result).rstrip()]
+    return [visible(line) for line in as_text(result).splitlines()]

@@ -1,0 +1,74 @@
+"""Makes the backend ``bay``: the serial link to the emulated bay, in this process and its time."""
+
+from __future__ import annotations
+
+from pirate_sm.detectors.registry import Places
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.robot.twin_file import simulated_profile
+from pirate_sm.model.campaign import LineFaults
+from pirate_sm.registry import Plugin
+from pirate_sm.runtime.backend_links import Holder
+from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+from pirate_sm.wiring.run_order import Order
+from pirate_sm.wiring.sim import check_order, start_values
+
+
+def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
+    """Return the driver of the link, its guardian and an emulated bay, where the mission begins.
+
+    Raises:
+        UsageError: There is no pipe or no serial link, a library is missing, or an option is for
+            another backend.
+    """
+    check_order(order, loaded)
+    try:
+        from pirate_sm.backends.serial.assembly import read_plan
+        from pirate_sm.backends.serial.backend import SerialBackend
+        from pirate_sm.bay.switches import Switches
+        from pirate_sm.bay.texts import message_texts
+        from pirate_sm.bay.virtual import VirtualBay
+        from pirate_sm.bay.virtual_port import VirtualPort
+        from pirate_sm.simulation.surroundings import Jitter
+    except ModuleNotFoundError as error:
+        if error.name is None or error.name.partition(".")[0] != "rosbags":
+            raise
+        raise UsageError(
+            f"the emulated bay needs {error.name}, which is not installed: "
+            "pip install 'pirate-sm[serial]'"
+        ) from None
+    assert loaded.pipe is not None  # as checked above
+    robot = loaded.loaded_robot
+    plan = read_plan(robot.folder, robot.profile, loaded.robot)
+    line = order.line or LineFaults()
+    bay = VirtualBay(
+        simulated_profile(robot.profile, order.twin),
+        loaded.pipe,
+        message_texts(robot.folder, robot.profile),
+        Switches(
+            line.loss_in,
+            line.loss_out,
+            corruption=line.corruption,
+            delay_s=line.delay,
+            jitter_s=line.jitter,
+            reset_every_s=line.reset_every,
+            defects=order.defects,
+        ),
+        order.seed,
+        start_values(loaded),
+        jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
+    )
+    backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
+    return Equipment(
+        backend=backend,
+        companions=(Holder(backend.hold),),
+        usual_detector="odometry",
+        places=Places(bay.robot.bends, lambda: bay.robot.arcs_m),
+        truth=lambda: bay.truth,
+        wheels=lambda: bay.robot.wheels,
+        in_space=None if loaded.pipe.section == "bars" else lambda: bay.robot.in_space,
+        link=lambda: backend.health,
+    )
+
+
+BACKEND: Plugin[MakeBackend] = Plugin("the serial link to an emulated robot, in virtual time", make)

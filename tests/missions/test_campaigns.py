@@ -1,0 +1,70 @@
+"""The shipped campaigns can be read, and mean what their comments say."""
+
+from __future__ import annotations
+
+import re
+from functools import cache
+from pathlib import Path
+
+import pytest
+
+from benchmarks.camera_bends import joint_defects
+from benchmarks.campaign import run, run_all
+from pirate_sm.campaign.campaign_file import read_campaign
+from pirate_sm.campaign.plan import Plan
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.wiring import Order
+
+CAMPAIGNS = Path(__file__).parents[2] / "campaigns"
+PROFILE = load_robot(library.find_robot("pirate_ii")).profile
+
+
+@cache
+def plan_of(name: str) -> Plan:
+    return read_campaign(CAMPAIGNS / f"{name}.yaml", check=False)
+
+
+@pytest.mark.parametrize("file", sorted(CAMPAIGNS.glob("*.yaml")), ids=lambda file: file.stem)
+def test_a_shipped_campaign_can_be_run(file: Path) -> None:
+    plan = plan_of(file.stem)
+
+    assert plan.name == file.stem
+    assert len({cell.key for cell in plan.cells}) == len(plan.cells)
+
+
+def test_every_defect_is_in_the_campaign_of_defects() -> None:
+    cells = plan_of("defects").cells
+
+    assert {cell.order.defects[0] for cell in cells} == {*PROFILE.simulation.defects}
+
+
+def test_every_defect_of_a_joint_is_in_the_campaign_of_joint_defects() -> None:
+    cells = plan_of("joint_defects").cells
+
+    assert {cell.order.defects[0] for cell in cells} == {*joint_defects(PROFILE)}
+
+
+@pytest.mark.parametrize("name", ["mitre_bend", "mitre_bend_backward"])
+def test_a_heedless_mission_differs_in_the_faults_that_it_ignores_alone(name: str) -> None:
+    heedless = (CAMPAIGNS / "missions" / f"{name}_heedless.yaml").read_text("utf-8")
+    ignored = re.compile(r"fault: \[sensor\.silent[^]]*\]")
+    text = heedless.replace(f"mission: {name}_heedless", f"mission: {name}")
+    text = text.replace("schema=../../", "schema=../")
+
+    assert ignored.search(heedless)
+    assert ignored.sub("", text) == ignored.sub("", library.find_mission(name).read_text("utf-8"))
+
+
+def test_wheels_that_hold_less_are_those_of_the_twin() -> None:
+    twin = str(CAMPAIGNS / "twins" / "soft_wheels.yaml")
+    as_it_is, soft = run(Order("climb")), run(Order("climb", twin=twin))
+
+    assert as_it_is.outcome == soft.outcome == "succeeded"
+    assert soft.time_s != as_it_is.time_s
+
+
+def test_outcomes_of_benchmarks_are_the_same_for_any_number_of_workers() -> None:
+    orders = [Order("enter_2d", seed=seed, friction_jitter=0.2) for seed in range(3)]
+    # As text, for NaN (no word was said) is not equal to itself.
+    assert repr(run_all(orders, workers=1)) == repr(run_all(orders, workers=2))

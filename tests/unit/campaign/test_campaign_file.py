@@ -1,0 +1,180 @@
+"""Campaign files: the cells they make, and all that is wrong with them at once, with places."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.campaign.campaign_file import read_campaign
+from pirate_sm.campaign.plan import Plan, command_of, mark_of, plan_of
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.problems import LoadError
+
+
+def planned(folder: Path, text: str) -> Plan:
+    file = folder / "trial.yaml"
+    file.write_text(text, "utf-8")
+    return read_campaign(file, check=False)
+
+
+def problems_of(folder: Path, text: str) -> list[str]:
+    with pytest.raises(LoadError) as caught:
+        planned(folder, text)
+    return [
+        f"{each.place.line}:{each.place.column} {each.message}" for each in caught.value.problems
+    ]
+
+
+CAMPAIGN = """\
+campaign: trial
+missions:
+  - mitre_bend
+  - mission: drive_on
+    name: straight on
+    set: {way: {from: 100 mm, to: 0.3 m, by: 100 mm}}
+defects: [none, [messages_lost, gamma_2_stiff]]
+jitter: {start: 20 mm, friction: 20 %}
+seeds: 0..9
+expect: {success: ">= 99 %"}
+"""
+
+
+def test_cells_are_all_combinations(tmp_path: Path) -> None:
+    plan = planned(tmp_path, CAMPAIGN)
+
+    assert [cell.name for cell in plan.cells] == [
+        "mitre_bend: no defect",
+        "mitre_bend: messages_lost + gamma_2_stiff",
+        "straight on: way 0.1 m, no defect",
+        "straight on: way 0.1 m, messages_lost + gamma_2_stiff",
+        "straight on: way 0.2 m, no defect",
+        "straight on: way 0.2 m, messages_lost + gamma_2_stiff",
+        "straight on: way 0.3 m, no defect",
+        "straight on: way 0.3 m, messages_lost + gamma_2_stiff",
+    ]
+    assert len({cell.key for cell in plan.cells}) == 8
+    assert {cell.expect.success for cell in plan.cells} == {0.99}
+    assert {(cell.order.start_jitter_m, cell.order.friction_jitter) for cell in plan.cells} == {
+        (0.02, 0.2)
+    }
+    assert plan.cells[0].seeds == range(10)
+
+
+def test_a_cell_has_the_command_that_repeats_a_run(tmp_path: Path) -> None:
+    cell = planned(tmp_path, CAMPAIGN).cells[3]
+
+    assert command_of(cell.order, 7) == (
+        "pirate run drive_on --seed 7 --speed max --set 'way=0.1 m' "
+        "--defect messages_lost --defect gamma_2_stiff --jitter start=20mm --jitter friction=20%"
+    )
+
+
+def test_a_plan_survives_being_written_down(tmp_path: Path) -> None:
+    line = "line: {loss_in: 10 %, delay: 3 ms}\nstop: {half_width: 1 %}\n"
+    text = f"{CAMPAIGN}backend: [sim, bay]\n{line}"
+    plan = planned(tmp_path, text)
+    read = plan_of(mark_of(plan))
+
+    assert [command_of(each.order, 1) for each in read.cells] == [
+        command_of(each.order, 1) for each in plan.cells
+    ]
+    assert mark_of(read) == mark_of(plan)
+    assert "--line loss_in=10% --line delay=3ms" in command_of(read.cells[-1].order, 1)
+
+
+def test_keys_tell_results_apart_that_may_differ(tmp_path: Path) -> None:
+    one, other = planned(tmp_path, CAMPAIGN), planned(tmp_path, CAMPAIGN.replace("20 %", "10 %"))
+    same = planned(tmp_path, CAMPAIGN.replace("0..9", "0..99").replace("99 %", "90 %"))
+
+    assert not {cell.key for cell in one.cells} & {cell.key for cell in other.cells}
+    assert [cell.key for cell in one.cells] == [cell.key for cell in same.cells]
+
+
+def test_every_fault_is_reported_at_its_place(tmp_path: Path) -> None:
+    assert problems_of(
+        tmp_path,
+        "campaign: trial\n"
+        "missions: [mitre_bent, {mission: mitre_bend, pip: x}]\n"
+        "seeds: 9..0\n"
+        "expect: {success: 101 %}\n"
+        "stop: {half_width: 0 %}\n"
+        "colour: red\n",
+    ) == [
+        "2:46 unknown key 'pip'",
+        "3:8 there are no seeds in '9..0'",
+        "4:19 expected a share of at most 100 %, got '101 %'",
+        "5:20 expected more than 0, got '0 %'",
+        "6:1 unknown key 'colour'",
+    ]
+    assert problems_of(
+        tmp_path,
+        "campaign: trial\n"
+        "missions: [mitre_bent, mitre_bend]\n"
+        "defects: [none, gamma_2_stif]\n"
+        "line: {loss_in: 1 %}\n"
+        "seeds: 5\n",
+    ) == [
+        "2:12 there is no mission 'mitre_bent'; did you mean 'mitre_bend'?",
+        "3:17 there is no defect 'gamma_2_stif'",
+        "4:7 only the backend bay has a line",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ("seeds: 0", "4:8 there are no seeds in '0'"),
+        ("seeds: []", "4:8 expected seeds such as 0..999"),
+        ("seeds: [1, 1]", "4:8 a seed is listed twice"),
+        ("seeds: many", "4:8 expected seeds such as 0..999"),
+        ("set: {give_up: {from: 2 s, to: 1 s, by: 1 s}}", "the range is empty"),
+        ("set: {give_up: {from: 1 s, to: 2 s, by: 0 s}}", "`by` must be more than zero"),
+        ("set: {give_up: {from: 1 s, to: 2 m, by: 1 s}}", "need units of one kind"),
+        ("set: {give_up: []}", "4:16 this is empty"),
+        ("set: {giveup: 30 s}", "giveup"),
+        ("pipe: mitre_9O", "4:7 there is no pipe 'mitre_9O'"),
+        ("detector: oracle", "there is no detector 'oracle'"),
+        ("backend: real", "4:10 "),
+        ("fidelity: fast\nbackend: physics", "cannot be made fast"),
+        ("missions: mitre_bend", "'missions'"),
+        ("expect: {success: 0.9}", "4:19 expected a least share such as '>= 99 %'"),
+    ],
+)
+def test_a_fault_is_reported(tmp_path: Path, line: str, message: str) -> None:
+    seeds = "" if "seeds" in line else "seeds: 1"
+    text = f"campaign: trial\nmissions: [mitre_bend]\n{seeds}\n{line}\n"
+    assert message in "\n".join(problems_of(tmp_path, text))
+
+
+def test_two_cells_of_one_name_are_told_apart_by_names(tmp_path: Path) -> None:
+    text = (
+        "campaign: trial\nseeds: 1\nmissions: [mitre_bend, {mission: mitre_bend, fidelity: fast}]\n"
+    )
+    assert "there are two cells 'mitre_bend'" in problems_of(tmp_path, text)[0]
+    named = text.replace("fidelity", "name: fast, fidelity")
+    assert [cell.name for cell in planned(tmp_path, named).cells] == ["mitre_bend", "fast"]
+
+
+def test_a_campaign_needs_seeds(tmp_path: Path) -> None:
+    text = "campaign: trial\nmissions: [mitre_bend]\n"
+    assert "nothing says how often it runs" in problems_of(tmp_path, text)[0]
+
+
+def test_files_are_searched_beside_the_campaign(tmp_path: Path) -> None:
+    (tmp_path / "tube.yaml").write_text(
+        "format: 1\npipe: tube\ndiameter: 120 mm\nsegments: [{straight: 2 m}]\n"
+        "start: {at: 700 mm}\n"
+    )
+    plan = planned(tmp_path, "campaign: t\nmissions: [{mission: climb, pipe: tube}]\nseeds: 1\n")
+
+    assert plan.cells[0].order.pipe == str(tmp_path / "tube.yaml")
+
+
+def test_a_mission_is_a_campaign_with_one_cell() -> None:
+    file = Path(__file__).parents[3] / "sequences" / "mitre_bend.yaml"
+    plan = read_campaign(file, range(5), check=False)
+
+    assert [(cell.name, cell.seeds) for cell in plan.cells] == [("mitre_bend", range(5))]
+    with pytest.raises(UsageError, match="say how often it runs with --seeds"):
+        read_campaign(file, check=False)

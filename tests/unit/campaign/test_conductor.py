@@ -1,0 +1,122 @@
+"""A campaign's table is the same however its chunks come back, and after the client was killed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.conductor import Conductor, stored_tallies
+from pirate_sm.campaign.plan import Plan, mark_of
+from pirate_sm.campaign.results import as_text, result_of
+from pirate_sm.campaign.store import Store
+from pirate_sm.errors import UsageError
+from pirate_sm.model.campaign import Expectation, StoppingRule
+
+from .rows import Hasty, cell, plan, row
+
+TWO = plan(cell("a", range(95)), cell("b", range(200)), stop=StoppingRule(half_width=0.06))
+
+
+def table(plan: Plan, folder: Path, crew: Hasty) -> str:
+    store = Store(folder)
+    store.begin(mark_of(plan))
+    conductor = Conductor(plan, store)
+    conductor.conduct(crew)
+    store.close()
+    return as_text(result_of(plan, conductor.results, store.recordings))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_the_table_is_the_same_for_any_order_and_any_number_of_workers(
+    tmp_path: Path, seed: int
+) -> None:
+    alone = table(TWO, tmp_path / "alone", Hasty(0, room=1))
+
+    assert table(TWO, tmp_path / "many", Hasty(seed, room=3 + 4 * seed)) == alone
+
+
+class KilledError(Exception):
+    pass
+
+
+def test_a_client_that_was_killed_goes_on_with_what_is_stored(tmp_path: Path) -> None:
+    whole = table(TWO, tmp_path / "whole", Hasty(1))
+    crew, folder = Hasty(2), tmp_path / "killed"
+
+    def dies(chunk: Chunk, seed: int) -> Row:
+        if len(crew.given) > 240:
+            raise KilledError
+        return Hasty(0).result(chunk, seed)
+
+    crew.result = dies
+    store = Store(folder, clock=iter(range(0, 10**6, 10)).__next__)  # writes every chunk
+    store.begin(mark_of(TWO))
+    with pytest.raises(KilledError):
+        Conductor(TWO, store).conduct(crew)
+    store.close()
+    stored = list(store.read())
+    again = Hasty(3)
+
+    assert table(TWO, folder, again) == whole
+    assert {each.seed for rows in stored for each in rows if each.cell == "key_b"}
+    assert len(again.given) < 295 - 60
+    assert table(TWO, folder, Hasty(4)) == whole
+
+
+def test_what_is_stored_is_not_run_again(tmp_path: Path) -> None:
+    whole = table(TWO, tmp_path, Hasty(1))
+    crew = Hasty(2)
+
+    assert table(TWO, tmp_path, crew) == whole
+    assert crew.given == []
+
+
+def test_more_seeds_of_the_same_campaign_are_added(tmp_path: Path) -> None:
+    table(plan(cell("a", range(50))), tmp_path, Hasty(1))
+    crew = Hasty(2)
+    table(plan(cell("a", range(70))), tmp_path, crew)
+
+    assert sorted(crew.given) == [*range(50, 70)]
+
+
+def test_a_campaign_ends_with_the_first_cell_that_is_not_as_expected(tmp_path: Path) -> None:
+    strict = Expectation(success=0.99)
+    wanted = plan(
+        cell("a", range(60)),
+        cell("b", range(200), strict),
+        cell("c", range(200), strict),
+        stop=StoppingRule(violated=True),
+    )
+    tables = {table(wanted, tmp_path / str(seed), Hasty(seed)) for seed in range(4)}
+
+    assert len(tables) == 1
+    (text,) = tables
+    assert "c: not run, a cell before it is not as expected" in text
+    assert "BELOW EXPECTED: success" in text
+
+
+def test_results_are_read_without_the_campaigns_files(tmp_path: Path) -> None:
+    text = table(TWO, tmp_path, Hasty(1))
+    read, tallies = stored_tallies(tmp_path)
+
+    assert as_text(result_of(read, tallies, tmp_path / "recordings")) == text
+
+
+def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
+    with pytest.raises(UsageError, match="there are no results of a campaign"):
+        stored_tallies(tmp_path)
+    (tmp_path / "campaign.json").write_text('{"format": 7}')
+    with pytest.raises(UsageError, match="cannot be read"):
+        stored_tallies(tmp_path)
+
+
+def test_a_bug_is_an_outcome_with_its_seed_and_a_command(tmp_path: Path) -> None:
+    def breaks(chunk: Chunk, seed: int) -> Row:
+        return row(chunk.cell, seed, "bug" if seed == 13 else "passed", "TypeError: no")
+
+    text = table(plan(cell("a", range(30))), tmp_path, Hasty(1, result=breaks))
+
+    assert "1 × bug: TypeError: no (seeds 13)" in text
+    assert "pirate run mitre_bend --seed 13" in text

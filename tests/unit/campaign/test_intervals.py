@@ -1,0 +1,43 @@
+"""Intervals of shares and the test of two shares agree with SciPy's."""
+
+from __future__ import annotations
+
+import pytest
+from scipy import stats
+
+from pirate_sm.campaign.intervals import fisher_exact, wilson
+
+
+@pytest.mark.parametrize(
+    ("passed", "runs"), [(0, 1), (1, 1), (0, 40), (40, 40), (991, 1000), (17, 23), (5, 10**6)]
+)
+@pytest.mark.parametrize("confidence", [0.9, 0.95, 0.999])
+def test_wilsons_interval(passed: int, runs: int, confidence: float) -> None:
+    expected = stats.binomtest(passed, runs).proportion_ci(confidence, method="wilson")
+
+    assert wilson(passed, runs, confidence) == pytest.approx(tuple(expected), abs=1e-9)
+
+
+def test_without_runs_nothing_is_known() -> None:
+    assert wilson(0, 0, 0.95) == (0.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    "table",
+    [
+        (10, 10, 10, 10),
+        (0, 5, 5, 5),
+        (98, 100, 90, 100),
+        (990, 1000, 999, 1000),
+        (3, 7, 1, 12),
+        (297, 300, 982, 1000),
+        (0, 20, 0, 30),
+        (99_000, 100_000, 98_800, 100_000),
+    ],
+)
+def test_fishers_exact_test(table: tuple[int, int, int, int]) -> None:
+    a, n, b, m = table
+    expected = stats.fisher_exact([[a, n - a], [b, m - b]]).pvalue
+
+    assert fisher_exact(a, n, b, m) == pytest.approx(expected, rel=1e-6)
+    assert fisher_exact(b, m, a, n) == pytest.approx(expected, rel=1e-6)

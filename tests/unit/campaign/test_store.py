@@ -1,0 +1,119 @@
+"""Results can be read after whatever happens to the client or its disk."""
+
+from __future__ import annotations
+
+import errno
+from collections.abc import Iterator
+from contextlib import ExitStack
+from itertools import count
+from pathlib import Path
+from typing import Protocol
+
+import pytest
+
+from pirate_sm.campaign import store as stores
+from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.store import Store, is_store
+from pirate_sm.errors import UsageError
+
+from .rows import row
+
+
+class Opened(Protocol):
+    def __call__(self, folder: Path) -> Store: ...
+
+
+@pytest.fixture
+def opened() -> Iterator[Opened]:
+    with ExitStack() as stack:
+
+        def open_(folder: Path) -> Store:
+            store = Store(
+                folder, clock=count(0, 10).__next__
+            )  # so late that all is written at once
+            store.begin({"campaign": "trial"})
+            stack.callback(store.close)
+            return store
+
+        yield open_
+
+
+def rows(*seeds: int) -> list[Row]:
+    return [row("key", seed) for seed in seeds]
+
+
+def seeds_in(folder: Path) -> list[int]:
+    return sorted(each.seed for rows in Store(folder).read() for each in rows)
+
+
+def test_rows_come_back_as_they_were(opened: Opened, tmp_path: Path) -> None:
+    store = opened(tmp_path)
+    failed = row("key", 3, "failed", "Ω: 30 % less, \n…")
+    store.add([failed])
+
+    (read,) = Store(tmp_path).read()
+    assert repr(read) == repr([failed])  # NaN is not equal to itself
+    assert is_store(tmp_path)
+    assert Store(tmp_path).mark() == {"campaign": "trial"}
+
+
+def test_a_torn_file_is_ignored(opened: Opened, tmp_path: Path) -> None:
+    store = opened(tmp_path)
+    for seeds in ((0, 1), (2, 3), (4, 5)):
+        store.add(rows(*seeds))
+    store.close()
+    last = sorted((tmp_path / "results").glob("*.parquet"))[-1]
+    last.write_bytes(last.read_bytes()[:-20])
+    (tmp_path / "results" / "0-99999999.parquet.part").write_bytes(b"PAR1")
+
+    assert seeds_in(tmp_path) == [0, 1, 2, 3]
+    after = opened(tmp_path)
+    after.add(rows(4, 5))
+    assert seeds_in(tmp_path) == [0, 1, 2, 3, 4, 5]
+    assert not list((tmp_path / "results").glob("*.part"))
+
+
+def test_many_files_become_few_and_nothing_is_lost(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stores, "_MOST_FILES", 4)
+    store = opened(tmp_path)
+    for seed in range(35):
+        store.add(rows(seed))
+
+    assert seeds_in(tmp_path) == [*range(35)]
+    assert len(list((tmp_path / "results").glob("*.parquet"))) < 8
+
+
+def test_rows_that_wait_are_written_when_the_store_is_closed(tmp_path: Path) -> None:
+    store = Store(tmp_path, clock=lambda: 0.0)
+    store.begin({})
+    store.add(rows(1))
+    assert seeds_in(tmp_path) == []
+    store.close()
+    assert seeds_in(tmp_path) == [1]
+
+
+def test_a_full_disk_is_reported_and_what_was_written_is_kept(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    store = opened(tmp_path)
+    store.add(rows(1))
+
+    def full(descriptor: int) -> None:
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(stores.os, "fsync", full)
+        with pytest.raises(UsageError, match=r"No space left on device; .* go on with --resume"):
+            store.add(rows(2))
+    assert seeds_in(tmp_path) == [1]
+    assert not list((tmp_path / "results").glob("*.part"))
+
+
+def test_one_process_at_a_time_writes(opened: Opened, tmp_path: Path) -> None:
+    store = opened(tmp_path)
+    with pytest.raises(UsageError, match="another process writes"):
+        opened(tmp_path)
+    store.close()
+    opened(tmp_path).close()

@@ -1,0 +1,121 @@
+"""A cell's counts and its end do not depend on the order in which results come."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from random import Random
+
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pirate_sm.campaign.tally import Tally
+from pirate_sm.model.campaign import Expectation, StoppingRule
+
+from .rows import cell, row
+
+ALL = StoppingRule()
+
+
+def tally(stop: StoppingRule = ALL, **wanted: object) -> Tally:
+    return Tally(cell(**wanted), 0.95, stop)  # type: ignore[arg-type]
+
+
+@given(
+    verdicts=st.lists(st.sampled_from(["passed"] * 6 + ["failed", "false"]), min_size=1),
+    half_width=st.floats(0.05, 0.45),
+    violated=st.booleans(),
+    order=st.integers(0, 10**6),
+    size=st.integers(1, 9),
+)
+def test_the_stopping_rule_does_not_depend_on_who_was_faster(
+    verdicts: list[str], half_width: float, violated: bool, order: int, size: int
+) -> None:
+    stop = StoppingRule(half_width=half_width, violated=violated)
+    wanted = {"seeds": range(len(verdicts)), "expect": Expectation(success=0.8)}
+    rows = [row("key_bend", seed, verdict) for seed, verdict in enumerate(verdicts)]
+    in_turn, hasty = tally(stop, **wanted), tally(stop, **wanted)
+    for each in rows:
+        in_turn.add([each])
+    chunks = [rows[n : n + size] for n in range(0, len(rows), size)]
+    Random(order).shuffle(chunks)
+    for chunk in chunks:
+        hasty.add(chunk)
+
+    assert replace(hasty) == replace(in_turn)
+    assert hasty.decided
+    assert hasty.missed() == in_turn.missed()
+
+
+def test_results_before_a_gap_alone_count() -> None:
+    counted = tally(seeds=range(10))
+    counted.add([row("key_bend", seed) for seed in (0, 1, 3, 4)])
+    assert counted.runs == 2
+    counted.add([row("key_bend", 2)])
+    assert counted.runs == 5
+
+
+def test_a_result_that_comes_twice_counts_once() -> None:
+    counted = tally(seeds=range(10))
+    counted.add([row("key_bend", 0), row("key_bend", 0, "failed"), row("key_bend", 99)])
+    counted.add([row("key_bend", 0, "failed")])
+    assert (counted.runs, counted.passed) == (1, 1)
+
+
+def test_seeds_of_a_list_are_counted_in_its_order() -> None:
+    counted = tally(seeds=(30, 7, 12))
+    counted.add([row("key_bend", 7, "failed"), row("key_bend", 12)])
+    assert counted.runs == 0
+    counted.add([row("key_bend", 30)])
+    assert counted.passes == bytes([1, 0, 1])
+    assert counted.decided
+
+
+def test_a_narrow_interval_ends_a_cell() -> None:
+    counted = tally(StoppingRule(half_width=0.01), seeds=range(1000))
+    counted.add(row("key_bend", seed) for seed in range(1000))
+    assert counted.decided
+    assert counted.interval.half_width <= 0.01
+    assert tally_of(counted.runs - 1).interval.half_width > 0.01
+
+
+def tally_of(runs: int) -> Tally:
+    counted = tally(seeds=range(1000))
+    counted.add(row("key_bend", seed) for seed in range(runs))
+    return counted
+
+
+def test_a_cell_ends_when_it_can_no_longer_be_as_expected() -> None:
+    expect = Expectation(success=0.97)
+    counted = tally(StoppingRule(violated=True), seeds=range(100), expect=expect)
+    counted.add(
+        row("key_bend", seed, "failed" if seed % 10 == 5 else "passed") for seed in range(100)
+    )
+    # The fourth failure of a hundred, that of seed 35, is one too many for 97 %.
+    assert (counted.runs, counted.missed()) == (36, ("success",))
+
+
+def test_exactly_the_expected_share_is_enough() -> None:
+    counted = tally(seeds=range(100), expect=Expectation(success=0.97))
+    counted.add(row("key_bend", seed, "failed" if seed < 3 else "passed") for seed in range(100))
+    assert counted.missed() == ()
+
+
+def test_a_false_success_is_missed_unless_it_is_allowed() -> None:
+    rows = [row("key_bend", 0, "false", "said to have succeeded")]
+    strict = tally(seeds=range(1))
+    strict.add(rows)
+    lenient = tally(seeds=range(1), expect=Expectation(truthful=0.0))
+    lenient.add(rows)
+    assert (strict.missed(), lenient.missed()) == (("truthful",), ())
+
+
+def test_causes_that_differ_in_what_was_measured_alone_are_one() -> None:
+    counted = tally(seeds=range(3))
+    counted.add(
+        [
+            row("key_bend", 0, "failed", "gamma_2 has shown the same for 1.6 s"),
+            row("key_bend", 1, "failed", "gamma_2 has shown the same for 12 s"),
+            row("key_bend", 2, "failed", "gamma_3 has shown the same for 1.6 s"),
+        ]
+    )
+    assert [(each.count, each.seeds) for each in counted.causes.values()] == [(2, [0, 1]), (1, [2])]

@@ -1,0 +1,73 @@
+"""A run is judged by the truth, not by what its mission says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from math import nan
+from typing import Any
+
+import pytest
+
+from pirate_sm.campaign.verdict import judge
+from pirate_sm.campaign.watched_run import Outcome
+from pirate_sm.model.campaign import TrueEnd
+
+STATES = (("Free", "Off"), ("Free", "On"), ("Fixed", "On"), ("Driving", "On"), ("Fixed", "On"))
+HELD = Outcome(
+    seed=7, outcome="failed", message="Holding", exit_code=1, time_s=20.0, distance_m=0.0,
+    arcs_m=(0.9, 0.85, 0.8, 0.7, 0.65, 0.6), gone=False, stopped=True, states=STATES, faults=(),
+    held_at_end=True, torques=(0.0, -0.7, 0.7, -0.7, 0.7, 0.0), slid_m=0.0, short_m=nan, late_m=(),
+)  # fmt: skip
+SUCCEEDED = replace(HELD, outcome="succeeded", arcs_m=(1.4, 1.35, 1.3, 1.2, 1.15, 1.1))
+
+
+def test_a_success_that_nothing_contradicts_has_passed():
+    assert judge(SUCCEEDED, TrueEnd(beyond=1.0)) == ("passed", "", True, "")
+
+
+@pytest.mark.parametrize(
+    ("change", "end", "why"),
+    [
+        ({}, {"beyond": 1.12}, "with 1 wheels not beyond 1120 mm"),
+        ({}, {"before": 1.32}, "with 2 wheels not before 1320 mm"),
+        ({"gone": True}, {}, "and the robot has left the pipe"),
+        ({"arcs_m": (1.2, 1.3, 1.1)}, {}, "with a part folded back on itself"),
+        ({"short_m": 0.02}, {"at_word": True}, "with a wheel 20 mm short of where"),
+        ({}, {"at_word": True}, "with a wheel nan mm short of where"),
+        ({}, {"states": (("Fixed", "On"), ("Free", "On"))}, "and 1 of its states did not appear"),
+    ],
+)
+def test_a_success_that_the_truth_contradicts_is_false(
+    change: dict[str, Any], end: dict[str, Any], why: str
+):
+    verdict = judge(replace(SUCCEEDED, **change), TrueEnd(**end))
+    assert (verdict.what, verdict.held) == ("false", False)
+    assert verdict.why.startswith(f"said to have succeeded, {why}")
+
+
+def test_states_may_have_others_between_them():
+    assert judge(SUCCEEDED, TrueEnd(states=(STATES[0], STATES[2], STATES[4]))).what == "passed"
+
+
+def test_a_failure_with_the_robot_held_holds():
+    assert judge(HELD, TrueEnd()) == ("failed", "Holding", True, "")
+
+
+@pytest.mark.parametrize(
+    ("change", "unsafe"),
+    [
+        ({"slid_m": 0.02}, ""),
+        ({"slid_m": nan}, ""),
+        ({"gone": True}, "left the pipe"),
+        ({"stopped": False}, "wheels not stopped"),
+        ({"held_at_end": False}, "let go: no part is held at the end"),
+        ({"torques": (0.0,) * 6}, "let go: no joint bears a torque at the end"),
+    ],
+)
+def test_a_robot_that_says_it_holds_and_does_not(change: dict[str, Any], unsafe: str):
+    verdict = judge(replace(HELD, **change), TrueEnd())
+    assert (verdict.held, verdict.unsafe) == (False, unsafe)
+
+
+def test_a_run_that_has_clamped_nothing_yet_has_not_let_go():
+    assert judge(replace(HELD, held_at_end=False, states=STATES[:3]), TrueEnd()).unsafe == ""

@@ -1,0 +1,150 @@
+"""`pirate campaign`, and reports and comparisons of what it leaves."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from pirate_sm.campaign.campaign_file import read_campaign
+from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.plan import mark_of
+from pirate_sm.campaign.store import Store
+
+TRIAL = """\
+campaign: trial
+missions: [{mission: enter_2d, name: enter}]
+defects: [none, stale_repeats]
+seeds: 0..59
+expect: {success: ">= 80 %"}
+"""
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    path = tmp_path / "trial.yaml"
+    path.write_text(TRIAL, "utf-8")
+    return path
+
+
+@pytest.fixture
+def filled(file: Path, tmp_path: Path) -> Any:
+    """Results of all runs, of which the first ones of the second cell have failed."""
+
+    def fill(name: str, failed: int) -> Path:
+        plan, store = read_campaign(file, check=False), Store(tmp_path / name)
+        store.begin(mark_of(plan))
+        for cell, failing in zip(plan.cells, (0, failed), strict=True):
+            store.add(
+                Row(cell.key, seed, "failed", "failed", "Lost", False, "", 9.0, 0.1, 0.0, 0.0)
+                if seed < failing
+                else Row(cell.key, seed, "succeeded", "passed", "", True, "", 9.0, 0.1, 0.0, 0.0)
+                for seed in cell.seeds
+            )
+        store.close()
+        return tmp_path / name
+
+    return fill
+
+
+def test_a_campaign_that_is_complete_prints_its_table_again(
+    pirate: Any, file: Path, filled: Any
+) -> None:
+    results = filled("results", 5)
+    told = pirate("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
+
+    assert told.exit_code == 0
+    assert "enter: stale_repeats       55 of 60  91.7%" in told.stdout
+    assert "5 × failed: Lost (seeds 0, 1, 2, 3, 4)" in told.stdout
+    assert "pirate run enter_2d --seed 0 --speed max --defect stale_repeats" in told.stdout
+
+
+def test_less_than_expected_is_exit_code_1_in_every_format(
+    pirate: Any, file: Path, filled: Any
+) -> None:
+    words = ("campaign", file, "-o", filled("results", 20), "--resume", "--record", "none")
+    text, data, junit = (
+        pirate(*words, "--no-check", "--format", form) for form in ("text", "json", "junit")
+    )
+
+    assert {text.exit_code, data.exit_code, junit.exit_code} == {1}
+    assert "BELOW EXPECTED: success" in text.stdout
+    read = json.loads(data.stdout)
+    assert [cell["missed"] for cell in read["cells"]] == [[], ["success"]]
+    assert 'failures="1"' in junit.stdout
+
+
+def test_results_that_are_there_are_not_touched_without_resume(
+    pirate: Any, file: Path, filled: Any
+) -> None:
+    told = pirate("campaign", file, "-o", filled("results", 5), "--no-check")
+
+    assert told.exit_code == 2
+    assert "go on with them with --resume" in told.stderr
+
+
+def test_a_folder_of_something_else_is_not_written_to(
+    pirate: Any, file: Path, tmp_path: Path
+) -> None:
+    told = pirate("campaign", file, "-o", tmp_path, "--no-check")
+
+    assert told.exit_code == 2
+    assert "has no results of a campaign" in told.stderr
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["--cell", "leave"], "there is no cell 'leave'"),
+        (["--workers", "2", "--scheduler", "tcp://a:1"], "exclude each other"),
+        (["--seeds", "0"], "greater than or equal to 1"),
+    ],
+)
+def test_options_that_do_not_fit_are_refused(
+    pirate: Any, file: Path, words: list[str], message: str
+) -> None:
+    told = pirate("campaign", file, "--no-check", *words)
+
+    assert told.exit_code == 2
+    assert message in told.stderr
+
+
+def test_a_mission_needs_a_number_of_seeds(pirate: Any) -> None:
+    told = pirate("campaign", "enter_2d")
+
+    assert told.exit_code == 2
+    assert "say how often it runs with --seeds" in told.stderr
+
+
+def test_a_new_campaign_can_be_run(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    told = pirate("new", "campaign", "first")
+
+    assert told.exit_code == 0
+    assert [cell.name for cell in read_campaign(Path("first.yaml"), check=False).cells] == [
+        "mitre_bend: no defect",
+        "mitre_bend: wheels_3_4_dead",
+    ]
+    assert (tmp_path / "campaign.schema.json").exists()
+
+
+def test_the_report_of_results_is_a_page_in_their_folder(pirate: Any, filled: Any) -> None:
+    results = filled("results", 5)
+    told = pirate("report", results)
+
+    assert told.exit_code == 0
+    assert "55 of 60" in (results / "index.html").read_text("utf-8")
+
+
+def test_two_campaigns_are_compared(pirate: Any, filled: Any) -> None:
+    before, after, alike = filled("before", 2), filled("after", 30), filled("alike", 3)
+    worse, same = pirate("compare", before, after), pirate("compare", before, alike)
+
+    assert (worse.exit_code, same.exit_code) == (1, 0)
+    assert "B is worse than A" in worse.stdout
+    assert "28 lost in B: seeds 2, 3, 4" in worse.stdout
+    assert "B is not significantly worse than A" in same.stdout
