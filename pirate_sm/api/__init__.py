@@ -15,7 +15,6 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.gate import CheckError
 from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageError
 from pirate_sm.expressions import ExpressionError
-from pirate_sm.loading import pickling
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
 

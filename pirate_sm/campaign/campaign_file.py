@@ -18,7 +18,7 @@ from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.plan import Cell, Plan
 from pirate_sm.checking.gate import pass_or_raise
 from pirate_sm.errors import UsageError
-from pirate_sm.loading import library, pickling
+from pirate_sm.loading import library
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError, Problems
@@ -45,8 +45,6 @@ NONE, EACH = "none", "each"
 
 _DIGITS = 12
 """Significant digits of the values of a range."""
-
-pickling.register()
 
 
 def is_campaign(document: Document) -> bool:

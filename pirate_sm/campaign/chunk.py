@@ -15,7 +15,6 @@ from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.verdict import Verdict, judge
 from pirate_sm.campaign.watched_run import watched_run
 from pirate_sm.errors import BackendError, UsageError
-from pirate_sm.loading import pickling
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.model.campaign import TrueEnd
@@ -113,7 +112,6 @@ def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
 def loaded_mission(sent: Sent) -> LoadedMission:
     """Return a mission that was sent; this process keeps the last ones."""
     if sent.key not in _loaded:
-        pickling.register()
         _loaded[sent.key] = pickle.loads(sent.pickled)
         if len(_loaded) > _MOST_LOADED:
             _loaded.popitem(last=False)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import logging
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from queue import Empty, Queue
+from threading import current_thread, main_thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 from uuid import uuid4
@@ -16,7 +18,7 @@ from pirate_sm.campaign.plan import Plan
 from pirate_sm.errors import BackendError, UsageError
 
 if TYPE_CHECKING:
-    from distributed import Client, Future
+    from distributed import Client, Future, LocalCluster
 
 _NO_ANSWER_S = 10.0
 _NO_WORKERS_S = 60.0
@@ -202,7 +204,7 @@ def connected(
 def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     try:
         import dask
-        from distributed import Client, LocalCluster
+        from distributed import Client
     except ModuleNotFoundError as error:
         raise UsageError(
             f"campaigns need {error.name}, which is not installed: "
@@ -210,16 +212,10 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         ) from None
     # What befalls workers is said in our words, or mended without any.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
-    quiet = {"distributed.logging": {"distributed": "critical"}}
     if scheduler is None:
         with (
-            dask.config.set({"logging.distributed": "critical", **quiet}),
-            LocalCluster(
-                n_workers=workers,
-                threads_per_worker=1,
-                dashboard_address=None,
-                silence_logs=logging.CRITICAL,
-            ) as cluster,
+            dask.config.set({"logging.distributed": "critical"}),
+            _started(workers) as cluster,
             Client(cluster) as client,
         ):
             yield client
@@ -232,6 +228,24 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         ) from None
     with client:
         yield client
+
+
+def _started(workers: int | None) -> LocalCluster:
+    """Return a cluster of processes that do not hear Ctrl-C, which this process answers."""
+    from distributed import LocalCluster
+
+    mine = current_thread() is main_thread()  # others may not touch signals
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if mine else None
+    try:
+        return LocalCluster(
+            n_workers=workers,
+            threads_per_worker=1,
+            dashboard_address=None,
+            silence_logs=logging.CRITICAL,
+        )
+    finally:
+        if mine:
+            signal.signal(signal.SIGINT, before)
 
 
 def _refuse_others(client: Client, version: str, scheduler: str) -> None:
