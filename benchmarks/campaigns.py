@@ -8,8 +8,8 @@ any check; the best of each counts. Printed are:
 
 - missions per hour of one and of two workers, from the first chunk to the last; bar 1.8 x;
 - the client's processor time for a mission; bar 2 ms; and the scheduler's;
-- how much memory a worker has gained since its first 200 missions; bar 8 MB, for it goes up and down
-  by 5 MB;
+- how much memory a worker has gained since its first 200 missions; bar 8 MB, for it goes up and
+  down by 5 MB;
 - the bytes in the store for a mission;
 - how many missions an hour the client, the scheduler and the store would pass if a mission took no
   time: two workers that answer at once;
