@@ -28,7 +28,7 @@ from pirate_sm.campaign.chunk import run_chunk
 chunk, sent, version = pickle.load(sys.stdin.buffer)
 rows = run_chunk(chunk, sent, version)
 assert rows[0].verdict == "passed", rows
-needless = {"textual", "matplotlib", "pandas", "pyarrow", "scipy", "cv2", "mujoco", "typer", "rich",
+needless = {"textual", "matplotlib", "pandas", "pyarrow", "cv2", "mujoco", "typer", "rich",
             "pirate_sm.cli", "pirate_sm.console", "pirate_sm.checking", "pirate_sm.report"}
 print(*sorted(needless & {*sys.modules}))
 """
