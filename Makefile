@@ -137,7 +137,7 @@ clean:
 # One environment; each set of extras is installed once, and again when pyproject.toml changes. The
 # simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
-$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,serial,live,report,console,vision
+$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,gym,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report

@@ -1,0 +1,22 @@
+"""Environments of Gymnasium in which an agent commands the robot; importing this registers them.
+
+``docs/learning.md`` says what they are. They need the extra ``gym``.
+"""
+
+from __future__ import annotations
+
+from pirate_sm.learning import registration
+from pirate_sm.learning.rewards import REWARDS, Reward, least_commands, least_slip, reach
+from pirate_sm.learning.transition import Outcome, Transition
+
+__all__ = [
+    "REWARDS",
+    "Outcome",
+    "Reward",
+    "Transition",
+    "least_commands",
+    "least_slip",
+    "reach",
+]
+
+registration.register()

@@ -1,0 +1,122 @@
+"""Where episodes take place: a mission's robot and pipe, or a robot and a pipe of their own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field
+from math import inf
+from os import PathLike
+from pathlib import Path
+from typing import cast
+
+from pirate_sm.api.arguments import Options, is_number, path_of, prepared
+from pirate_sm.backends.simulated import SimulatorBackend
+from pirate_sm.errors import UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.mission.manual_mission import by_hand
+from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.wiring import Prepared
+
+USUAL = "mitre_bend"
+"""The mission whose robot, pipe and start are used where nothing is named."""
+
+_BEHIND_M = 0.3
+"""How far every wheel must come in a pipe that does not turn, where no place is named."""
+
+Name = str | PathLike[str]
+
+
+@dataclass(frozen=True, kw_only=True)
+class Scenario:
+    """Where and how episodes take place; the keyword arguments of ``gymnasium.make``.
+
+    Attributes:
+        mission: Name or file of a mission, whose robot, pipe and start count; None: the shipped
+            bend, or, with both a robot and a pipe, no mission: the robot lies straight in the pipe.
+        robot: Name or path of a robot, in place of the mission's; likewise ``pipe``.
+        states: States of the robot at the start by region, in place of the mission's.
+        backend: ``sim`` or ``physics``.
+        fidelity: ``usual`` or ``fast``, as for :func:`pirate_sm.run`.
+        defects: Names of known defects of the robot.
+        start_jitter_m: How far the robot may start from its place; likewise ``diameter_jitter_m``
+            of the pipe, and ``friction_jitter`` as a share.
+        reach_m: The place along the pipe that every wheel must reach; None: behind the last bend
+            by half a diameter, or 0.3 m ahead of the last wheel's start where nothing turns.
+        time_limit_s: Mission time after which an episode is truncated.
+    """
+
+    mission: Name | None = None
+    robot: Name | None = None
+    pipe: Name | None = None
+    states: Mapping[str, str] | None = None
+    backend: str = "sim"
+    fidelity: str = "usual"
+    defects: Iterable[str] = ()
+    start_jitter_m: float = 0.01
+    friction_jitter: float = 0.1
+    diameter_jitter_m: float = 0.0
+    reach_m: float | None = None
+    time_limit_s: float = 180.0
+    _loaded: list[LoadedMission] = field(default_factory=list, init=False, repr=False)
+
+    def __post_init__(self) -> None:
+        for name in ("time_limit_s", "reach_m"):
+            value = getattr(self, name)
+            if value is not None and (not is_number(value) or not 0 < value < inf):
+                raise UsageError(f"{name}: expected a number above 0, got {value!r}")
+        if isinstance(self.defects, str):
+            object.__setattr__(self, "defects", (self.defects,))
+
+    @property
+    def loaded(self) -> LoadedMission:
+        """The mission, read once.
+
+        Raises:
+            LoadError: Everything that is wrong with the files.
+            UsageError: There is no such file, or the states do not fit.
+        """
+        if not self._loaded:
+            self._loaded.append(self._load())
+        return self._loaded[0]
+
+    def _load(self) -> LoadedMission:
+        robot, pipe = (None if x is None else path_of(x) for x in (self.robot, self.pipe))
+        if self.mission is not None or robot is None or pipe is None:
+            file = library.find_mission(path_of(self.mission or USUAL))
+            return load_mission(file, robot=robot, pipe=pipe, states=self.states)
+        if self.states is not None:
+            raise UsageError("states: name a mission; without one the robot lies straight")
+        own = load_robot(library.find_robot(robot, Path.cwd()))
+        shape, document = load_pipe(library.find_pipe(pipe, Path.cwd()))
+        return by_hand(own, shape, shape.pipe or Path(document.name).stem)
+
+    def prepared(self, seed: int) -> Prepared:
+        """Return an episode's robot and engine, with the robot at its start.
+
+        Raises:
+            LoadError: Everything that is wrong with the files.
+            UsageError: An option does not fit, or the backend simulates no robot.
+        """
+        names = ("fidelity", "start_jitter_m", "friction_jitter", "diameter_jitter_m")
+        options = {name: getattr(self, name) for name in names} | {"defects": self.defects}
+        ready = prepared(
+            self.loaded, self.backend, seed, check=False, yes=False, **cast(Options, options)
+        )
+        if not isinstance(ready.backend, SimulatorBackend):
+            raise UsageError(
+                f"the backend {self.backend} simulates no robot: take 'sim' or 'physics'"
+            )
+        return ready
+
+    def place_to_reach(self, backend: SimulatorBackend) -> float:
+        """Return the place that every wheel must reach, m along the pipe."""
+        if self.reach_m is not None:
+            return self.reach_m
+        bends, pipe = backend.bends, self.loaded.pipe
+        if not bends or pipe is None:
+            return min(backend.arcs_m) + _BEHIND_M
+        last = bends[-1]
+        return last.crossing_m + last.reach_m + pipe.diameter / 2
+
