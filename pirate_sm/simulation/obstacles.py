@@ -15,6 +15,10 @@ from pirate_sm.simulation.physics import Physics, QuantityLayout
 _PUSHED_WITHIN_M = 0.0005
 # Width of a wheel; a part turned farther out of a bend's plane catches on the mitre.
 _OUT_OF_PLANE_RAD = math.radians(10.0)
+# How near before it a wheel meets what stops it.
+_NEARING_M = 0.005
+# More than the physics lets a chain become longer.
+_STRETCHED_M = 0.005
 
 
 @dataclass(frozen=True)
@@ -71,6 +75,26 @@ class Obstacles:
         """How far a part may be turned; infinite without bends, and where the walls stop it."""
         return _OUT_OF_PLANE_RAD if self._in_bars and self._route.crossings_m else math.inf
 
+    def clear_m(self) -> tuple[float, float] | None:
+        """Return between which places a robot out of plane meets no bend; None if it may now.
+
+        As long as the foremost wheel is ahead of the first place and the rearmost wheel behind the
+        second, no wheel comes near a bend: all of them are in one leg, and their places differ by
+        no more than the length of the chain.
+        """
+        first, last = float(self._arcs.min()), float(self._arcs.max())
+        length_m = self._chain.length_m + _STRETCHED_M
+        ahead_m, behind_m = -math.inf, math.inf
+        for number, crossing in enumerate(self._route.crossings_m, start=1):
+            near_m = self._reach_m(number) + _NEARING_M
+            if last < crossing - near_m:
+                behind_m = min(behind_m, crossing - near_m - length_m)
+            elif first > crossing + near_m:
+                ahead_m = max(ahead_m, crossing + near_m + length_m)
+            else:
+                return None
+        return (ahead_m, behind_m) if last > ahead_m and first < behind_m else None
+
     def step(self, now_s: float, cycle_s: float) -> FaultReport | None:
         """Update the obstacles; return the fault of a bend between bars that is impassable."""
         rolls = self._physics.rolls() if self._in_bars else ()
@@ -115,10 +139,8 @@ class Obstacles:
                 continue
             wheels = [i for i in range(self._chain.nodes) if (i <= split) == (part == 1)]
             for number, crossing in enumerate(self._route.crossings_m, start=1):
-                piece = self._route.pieces[number - 1]
-                assert piece.bend is not None  # a crossing is the end of a piece with a bend
-                reach = piece.bend.taken_m(piece.diameter_m) + self._chain.wheel_radius_m
-                near = [i for i in wheels if abs(arcs[i] - crossing) < reach + 0.005]
+                reach = self._reach_m(number)
+                near = [i for i in wheels if abs(arcs[i] - crossing) < reach + _NEARING_M]
                 if near and (crossing not in self._reported):
                     self._reported.add(crossing)
                     before = arcs[near[0]] < crossing
@@ -129,3 +151,9 @@ class Obstacles:
                         f" wheel {near[0] + 1}; align the part with the bend first",
                     )
         return None
+
+    def _reach_m(self, bend: int) -> float:
+        """Return how near to the crossing of a bend, counted from 1, a wheel can come."""
+        piece = self._route.pieces[bend - 1]
+        assert piece.bend is not None  # a crossing is the end of a piece with a bend
+        return piece.bend.taken_m(piece.diameter_m) + self._chain.wheel_radius_m

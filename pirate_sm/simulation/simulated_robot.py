@@ -256,8 +256,13 @@ class SimulatedRobot:
 
     @property
     def leeway(self) -> Leeway:
-        """Where the robot may be while its surroundings do nothing to it."""
+        """Where the robot may be, from now on, while its surroundings do nothing to it."""
         turned_rad, behind_m = self._obstacles.out_of_plane_rad, self._route.length_m + _NEAR_M
+        if any(abs(roll) >= turned_rad for roll in self.physics.rolls()[1:]):
+            clear_m = self._obstacles.clear_m()
+            if clear_m is not None:  # it may turn as it likes until it comes nearer to a bend
+                ends = max(clear_m[0], -_NEAR_M), min(clear_m[1], behind_m)
+                return Leeway(math.inf, not self._flat, *ends)
         return Leeway(turned_rad, not self._flat, -_NEAR_M, behind_m)
 
     @property

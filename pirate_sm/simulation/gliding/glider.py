@@ -81,7 +81,7 @@ class Glider:
         self._signals = SignalTables(robot)
         self._survey = SurveyTables(robot)
         self._looks = LookTables(len(simulated.arcs))
-        self._around: Floats = np.array([cycle_s, *simulated.leeway])
+        self._around: Floats = np.full(1 + len(simulated.leeway), cycle_s)
         self._turns = _turn_table(robot, turns)
         self._reports_after: list[int] = self._turns[:, U_REPORTS].tolist()
         self._forced: Floats = np.full(len(electronics.counts), nan)
@@ -130,6 +130,7 @@ class Glider:
         sensing = watch.sensing
         self._clock[:4] = now_s, cycles, simulated.time_s, sensing.loss
         self._clock[4:] = sensing.checked_s, watch.listening_s, watch.word_until_s
+        self._around[1:] = simulated.leeway
         self._met[:] = 0
         physics.glide(*self._arguments(physics))
         return self._passed(watch, asked, words, cycles)

@@ -85,3 +85,14 @@ def test_a_bend_in_plane_is_no_fault(place: Place) -> None:
     robot.clamp(1, 2, 3, 4)
     robot.drive(1.0)
     assert run(robot, in_the_way(robot, []), 5.0) == []
+
+
+def test_a_robot_far_from_the_bend_meets_nothing_however_it_is_turned(place: Place) -> None:
+    near, far, beyond = (place(bend(), at=at) for at in (0.75, 0.3, 1.6))
+    windows = [in_the_way(robot, []).clear_m() for robot in (near, far, beyond)]
+
+    assert windows[0] is None  # it may come near within a cycle
+    assert windows[1] is not None
+    assert windows[1][0] == -math.inf < windows[1][1] < 1.0
+    assert windows[2] is not None
+    assert windows[2][1] == math.inf > windows[2][0] > 1.0
