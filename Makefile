@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align maps campaigns space twin mutants physics vision clean
+.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -25,6 +25,7 @@ help:
 	@echo "make align   how level a part comes that is turned by the accelerometer, from twelve rolls, and the mission level"
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque, over a bad line and without"
 	@echo "make twin    the numbers of simulated robots, found in ten-minute recordings of them"
+	@echo "make learning an agent that learns the bend, refusals in random play, and steps per second"
 	@echo "make physics MuJoCo beside the kinematic simulator, its speed, and the bend in many pipes"
 	@echo "make vision  what a synthetic camera sees of the bend, its speed, and the calibration of a lens"
 	@echo "make defects every known defect of the robot, in several missions"
@@ -100,6 +101,10 @@ align: $(VENV)/.ready-sim
 twin: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.twin
 
+learning: $(VENV)/.ready-learning
+	$(BIN)/python -m benchmarks.learning
+	$(BIN)/python -m pytest -m slow tests/unit/learning
+
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics
 	$(BIN)/pirate campaign campaigns/bend_physics.yaml --resume
@@ -140,6 +145,7 @@ $(VENV)/.ready-sim: EXTRAS := jit
 $(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,gym,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
+$(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report
 $(VENV)/.ready-bench: EXTRAS := bench,jit,console
 $(VENV)/.ready-vision: EXTRAS := jit,vision

@@ -28,16 +28,17 @@ def test_the_readme_fits_on_two_screens():
     assert len((ROOT / "README.md").read_text("utf-8").splitlines()) <= 100
 
 
-def test_the_examples_in_python_run_as_they_are_written(monkeypatch):
+@pytest.mark.parametrize(("page", "least"), [("python.md", 15), ("learning.md", 7)])
+def test_the_examples_in_python_run_as_they_are_written(monkeypatch, page, least):
     monkeypatch.chdir(ROOT)
     # A fence is no expected output.
-    text = re.sub(r"^```.*$", "", (ROOT / "docs" / "python.md").read_text("utf-8"), flags=re.M)
-    test = doctest.DocTestParser().get_doctest(text, {}, "python.md", "docs/python.md", 0)
+    text = re.sub(r"^```.*$", "", (ROOT / "docs" / page).read_text("utf-8"), flags=re.M)
+    test = doctest.DocTestParser().get_doctest(text, {}, page, f"docs/{page}", 0)
     told: list[str] = []
 
     result = doctest.DocTestRunner(verbose=False).run(test, out=told.append)
 
-    assert result.attempted >= 15
+    assert result.attempted >= least
     assert result.failed == 0, "".join(told)
 
 

@@ -5,18 +5,20 @@
 
 from __future__ import annotations
 
-from pirate_sm.learning import registration
-from pirate_sm.learning.rewards import REWARDS, Reward, least_commands, least_slip, reach
+from pirate_sm.learning.registration import IN_PIPE, register
+from pirate_sm.learning.rewards import REWARDS, Reward, least_commands, least_slip, progress, reach
 from pirate_sm.learning.transition import Outcome, Transition
 
 __all__ = [
+    "IN_PIPE",
     "REWARDS",
     "Outcome",
     "Reward",
     "Transition",
     "least_commands",
     "least_slip",
+    "progress",
     "reach",
 ]
 
-registration.register()
+register()

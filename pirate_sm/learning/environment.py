@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import numpy as np
@@ -33,7 +33,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
         UsageError: An option does not fit.
     """
 
-    metadata: ClassVar[dict[str, Any]] = {"render_modes": []}
+    metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # typed so by Gymnasium
 
     def __init__(
         self,
@@ -63,17 +63,15 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
         super().reset(seed=seed)
         self.close()
         run_seed = int(self.np_random.integers(2**31))
-        ready = self._scenario.prepared(run_seed)
-        self._trial = trial = Trial(ready, self._scenario.time_limit_s)
+        ready, backend = self._scenario.prepared(run_seed)
+        self._trial = trial = Trial(ready, backend, self._scenario.time_limit_s)
         self._mask = self._find_mask(trial)
         self._moment = trial.moment
         self._start_m = self._moment.last_wheel_m
-        self._reach_m = self._scenario.place_to_reach(ready.backend)
+        self._reach_m = self._scenario.place_to_reach(backend)
         return self._observation(trial), {**self._info(self._moment), "run_seed": run_seed}
 
-    def step(
-        self, action: np.int64 | int
-    ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
+    def step(self, action: np.int64 | int) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
         """Give a command or wait.
 
         Returns:
@@ -84,7 +82,9 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
         if trial is None:
             raise UsageError("reset the environment before its first step")
         if not self.action_space.contains(action):
-            raise UsageError(f"expected an action from 0 to {self.action_space.n - 1}: {action!r}")
+            raise UsageError(
+                f"expected an action from 0 to {len(self.spaces.actions) - 1}: {action!r}"
+            )
         waits = int(action) == len(self.spaces.actions) - 1
         course = trial.wait() if waits else trial.command(int(action))
         before, self._moment = self._moment, trial.moment

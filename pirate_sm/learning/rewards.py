@@ -26,15 +26,19 @@ PER_METRE = 1.0
 
 
 def reach(step: Transition) -> float:
-    """Return 1 when the place is reached, and -1 when the run has ended otherwise.
+    """Return 1 when the place is reached, and -1 when the run has ended otherwise; time costs."""
+    time_s = step.after.now_s - step.before.now_s
+    return float(step.reached) - float(step.ended) - PER_SECOND * time_s
 
-    On the way the share of it that the robot has come forward in this step is returned, and time
-    costs. Over an episode the shares add up to 1 at most, and going back takes them away again.
+
+def progress(step: Transition) -> float:
+    """Return what :func:`reach` does, and the share of the way that the robot has come forward.
+
+    Over an episode the shares add up to about 1, and going back takes them away again. An agent
+    that does not know where it is can take going to and fro for progress.
     """
     way_m = max(step.reach_m - step.start_m, 1e-9)
-    progress = fmean(step.after.wheels_m) - fmean(step.before.wheels_m)
-    time_s = step.after.now_s - step.before.now_s
-    return progress / way_m + float(step.reached) - float(step.ended) - PER_SECOND * time_s
+    return reach(step) + (fmean(step.after.wheels_m) - fmean(step.before.wheels_m)) / way_m
 
 
 def least_commands(step: Transition) -> float:
@@ -43,7 +47,7 @@ def least_commands(step: Transition) -> float:
 
 
 def least_slip(step: Transition) -> float:
-    """Return what :func:`reach` does, less a cost of the way that rims roll and wheels do not go."""
+    """Return what :func:`reach` does, less a cost of slip: rims roll, wheels do not go."""
     before, after = step.before, step.after
     rolled = (b - a for a, b in zip(before.rolled_m, after.rolled_m, strict=True))
     gone = (b - a for a, b in zip(before.wheels_m, after.wheels_m, strict=True))
@@ -53,6 +57,7 @@ def least_slip(step: Transition) -> float:
 
 REWARDS: Mapping[str, Reward] = {
     "reach": reach,
+    "progress": progress,
     "least_commands": least_commands,
     "least_slip": least_slip,
 }
@@ -67,6 +72,6 @@ def reward_of(reward: str | Reward) -> Reward:
     """
     if callable(reward):
         return reward
-    if not isinstance(reward, str) or reward not in REWARDS:
+    if reward not in REWARDS:
         raise UsageError(f"there is no reward {reward!r}: {meant(str(reward), sorted(REWARDS))}")
     return REWARDS[reward]

@@ -92,8 +92,8 @@ class Scenario:
         shape, document = load_pipe(library.find_pipe(pipe, Path.cwd()))
         return by_hand(own, shape, shape.pipe or Path(document.name).stem)
 
-    def prepared(self, seed: int) -> Prepared:
-        """Return an episode's robot and engine, with the robot at its start.
+    def prepared(self, seed: int) -> tuple[Prepared, SimulatorBackend]:
+        """Return an episode's engine and its simulator, with the robot at its start.
 
         Raises:
             LoadError: Everything that is wrong with the files.
@@ -108,7 +108,7 @@ class Scenario:
             raise UsageError(
                 f"the backend {self.backend} simulates no robot: take 'sim' or 'physics'"
             )
-        return ready
+        return ready, ready.backend
 
     def place_to_reach(self, backend: SimulatorBackend) -> float:
         """Return the place that every wheel must reach, m along the pipe."""
@@ -119,4 +119,3 @@ class Scenario:
             return min(backend.arcs_m) + _BEHIND_M
         last = bends[-1]
         return last.crossing_m + last.reach_m + pipe.diameter / 2
-

@@ -67,7 +67,9 @@ class Spaces:
         signals = np.array(numbers, dtype=np.float64)
         known = np.isfinite(signals)
         shown = np.where(known, np.clip(signals, -LARGEST, LARGEST), 0.0)
-        indexes = [known_as[state or ""] for known_as, state in zip(self._states, states, strict=True)]
+        indexes = [
+            known_as[state or ""] for known_as, state in zip(self._states, states, strict=True)
+        ]
         return {
             "states": np.array(indexes, dtype=np.int64),
             "word": np.int64(self._words[word or ""]),

@@ -37,6 +37,7 @@ class Trial:
 
     Args:
         ready: The prepared run; nobody else uses it.
+        backend: Its backend.
         limit_s: Mission time that no step passes.
 
     Attributes:
@@ -46,9 +47,7 @@ class Trial:
         BackendError: The backend has failed; likewise in all methods.
     """
 
-    def __init__(self, ready: Prepared, limit_s: float) -> None:
-        backend = ready.backend
-        assert isinstance(backend, SimulatorBackend)  # as the scenario has seen
+    def __init__(self, ready: Prepared, backend: SimulatorBackend, limit_s: float) -> None:
         self.robot: RobotSpec = ready.engine.robot
         self._ready, self._backend, self._limit_s = ready, backend, limit_s
         layout = QuantityLayout(len(backend.robot.arcs))
@@ -134,7 +133,7 @@ class Trial:
         return self._course("failed")
 
     def wait(self) -> Course:
-        """Let time pass until the detector's word changes or there is a fault, for 0.5 s at most."""
+        """Let time pass until the detector's word changes or there is a fault; 0.5 s at most."""
         self._begin()
         self._pass()
         return self._course("waited")
@@ -163,9 +162,13 @@ class Trial:
     def _advance(self, come: Callable[[EngineState], bool], limit_s: float) -> None:
         pump = self._pump
         with self._guarded():
-            while pump.ended is None and not come(self._state) and pump.now_s < limit_s:
+            while pump.ended is None and not self._come(come) and pump.now_s < limit_s:
                 pump.glide(limit_s)
                 pump.take(*pump.wait(limit_s))
+
+    def _come(self, come: Callable[[EngineState], bool]) -> bool:
+        """Return whether that has come which is waited for; a run that ends is waited for."""
+        return self._state.mission.ending is None and come(self._state)
 
     def _busy(self, state: EngineState) -> bool:
         moving = state.robot.motion is not None and not state.mission.suspended
@@ -186,5 +189,3 @@ class Trial:
         state = self._pump.state
         assert state is not None  # the constructor has started the engine
         return state
-
-
