@@ -20,9 +20,6 @@ SHORT_M = 0.015
 HUNG_S = 3600.0
 """A run that takes longer does not end by itself."""
 
-_BEGUN = 3
-"""A run of so few changes of state has not clamped a part yet."""
-
 FALSE = "said to have succeeded"
 
 What: TypeAlias = Literal["passed", "failed", "false", "bug"]
@@ -107,7 +104,7 @@ def _broken(outcome: Outcome) -> Iterable[str]:
         yield "wheels not stopped"
     if outcome.gone:
         yield "left the pipe"
-    elif not outcome.held_at_end and len(outcome.states) > _BEGUN:
+    elif outcome.held_before and not outcome.held_at_end:
         yield "let go: no part is held at the end"
     elif outcome.held_at_end and _torque_nm(outcome) < GRIPPED_NM:
         yield "let go: no joint bears a torque at the end"

@@ -49,6 +49,11 @@ class Notes:
     faults: list[str] = field(default_factory=list)
     late_m: list[tuple[str, float]] = field(default_factory=list)
 
+    def holds(self, states: tuple[str, ...]) -> bool:
+        """Return whether a part is clamped in these states."""
+        configuration = self.robot.table.index_of(states)
+        return configuration is not None and bool(self.robot.held[configuration])
+
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Note states, faults and words."""
         for effect in effects:
@@ -74,6 +79,7 @@ class Outcome:
         arcs_m: Where each wheel ended along the pipe.
         stopped: Whether the last setpoints that were sent had every wheel at zero.
         torques: What each bend joint bears, Nm.
+        held_before: Whether a part was clamped at any time, by the engine.
         held_at_end: Whether a part is clamped, by the engine.
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end;
             NaN where that was not looked at.
@@ -97,6 +103,7 @@ class Outcome:
     stopped: bool
     states: tuple[tuple[str, ...], ...]
     faults: tuple[str, ...]
+    held_before: bool
     held_at_end: bool
     torques: tuple[float, ...]
     slid_m: float
@@ -173,6 +180,7 @@ def finished(
         all(state.robot.latest[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states),
         tuple(notes.faults),
+        any(map(notes.holds, notes.states)),
         bool(engine.robot.held[state.robot.configuration]),
         real.torques_nm,
         _slid_m(prepared.backend, truth, result.now_s) if looked_at else nan,

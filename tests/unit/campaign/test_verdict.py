@@ -16,7 +16,8 @@ STATES = (("Free", "Off"), ("Free", "On"), ("Fixed", "On"), ("Driving", "On"), (
 HELD = Outcome(
     seed=7, outcome="failed", message="Holding", exit_code=1, time_s=20.0, distance_m=0.0,
     arcs_m=(0.9, 0.85, 0.8, 0.7, 0.65, 0.6), gone=False, stopped=True, states=STATES, faults=(),
-    held_at_end=True, torques=(0.0, -0.7, 0.7, -0.7, 0.7, 0.0), slid_m=0.0, short_m=nan, late_m=(),
+    held_before=True, held_at_end=True, torques=(0.0, -0.7, 0.7, -0.7, 0.7, 0.0), slid_m=0.0,
+    short_m=nan, late_m=(),
 )  # fmt: skip
 SUCCEEDED = replace(HELD, outcome="succeeded", arcs_m=(1.4, 1.35, 1.3, 1.2, 1.15, 1.1))
 
@@ -70,4 +71,4 @@ def test_a_robot_that_says_it_holds_and_does_not(change: dict[str, Any], unsafe:
 
 
 def test_a_run_that_has_clamped_nothing_yet_has_not_let_go():
-    assert judge(replace(HELD, held_at_end=False, states=STATES[:3]), TrueEnd()).unsafe == ""
+    assert judge(replace(HELD, held_before=False, held_at_end=False), TrueEnd()).unsafe == ""
