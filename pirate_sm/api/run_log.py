@@ -13,6 +13,7 @@ from typing import Generic, TypeVar
 
 from pirate_sm.api.arguments import path_of
 from pirate_sm.api.result import Run
+from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
@@ -74,14 +75,17 @@ class Notes:
         *,
         body: RobotState | None = None,
         paused: bool = False,
+        resumed: Resumption | None = None,
     ) -> None:
         """Note how the engine started."""
         if self._recorder is not None:
-            self._recorder.start(seen, now_s, effects, body=body, paused=paused)
+            self._recorder.start(seen, now_s, effects, body=body, paused=paused, resumed=resumed)
         number = len(self._steps)
         self._steps += [Step(number + n, now_s, event, (), "seen") for n, event in enumerate(seen)]
         number = len(self._steps)
-        self._steps.append(Step(number, now_s, None, tuple(effects), "start", body, paused))
+        self._steps.append(
+            Step(number, now_s, None, tuple(effects), "start", body, paused, resumed=resumed)
+        )
         self._pose(now_s)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
@@ -90,6 +94,11 @@ class Notes:
             self._recorder.take(event, now_s, effects)
         self._steps.append(Step(len(self._steps), now_s, event, tuple(effects), "engine"))
         self._pose(now_s)
+
+    def secure(self) -> None:
+        """Return when all that was noted is on the disk, or soon if that takes too long."""
+        if self._recorder is not None:
+            self._recorder.secure()
 
     def take_trail(self, trail: Trail) -> None:
         """Note the poses at the steps that follow from where the robot was."""

@@ -18,7 +18,7 @@ from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.observers import PULSE_S, Observer, Tap, Watcher
 from pirate_sm.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
 from pirate_sm.runtime.pacer import Pacer
-from pirate_sm.runtime.pump import BackendRaisedError, Pump, described
+from pirate_sm.runtime.pump import BackendRaisedError, Pump, Resuming, described
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, Stop, StopRequests
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ class MissionRun:
         clock: Clock | None = None,
         factor: float = inf,
         after: MissionRun | None = None,
+        resuming: Resuming | None = None,
         paused: bool = False,
         keep_open: bool = False,
     ) -> None:
@@ -67,6 +68,7 @@ class MissionRun:
                 backend in real time is never delayed.
             after: The run before it on this backend, which has left it open: the robot keeps its
                 configuration, and time continues.
+            resuming: With what a mission goes on whose run was cut off, on a backend that is open.
             paused: Whether the operator controls the robot first.
             keep_open: Whether the backend stays open when the engine itself has ended the run.
         """
@@ -77,6 +79,7 @@ class MissionRun:
             tell=self._tell,
             tap=tap,
             after=after._pump if after is not None else None,
+            resuming=resuming,
         )
         self._name = backend.name
         self._observers = list(observers)

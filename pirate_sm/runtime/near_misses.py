@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from math import inf, isinf
 
 from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
@@ -63,6 +64,7 @@ class NearMisses:
         *,
         body: RobotState | None = None,
         paused: bool = False,
+        resumed: Resumption | None = None,
     ) -> None:
         """Look at the start of the run."""
         self._look(None, now_s, effects)
@@ -70,6 +72,9 @@ class NearMisses:
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Look at a step."""
         self._look(event, now_s, effects)
+
+    def secure(self) -> None:
+        """Do nothing: what it notes lives no longer than this program."""
 
     def take_trail(self, trail: Trail) -> None:
         """Do nothing: the robot's position does not count."""

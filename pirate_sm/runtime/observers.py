@@ -11,6 +11,7 @@ from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
 
 if TYPE_CHECKING:
+    from pirate_sm.engine.resuming.resumption import Resumption
     from pirate_sm.engine.robot.robot_state import RobotState
 
 PULSE_S = 0.05
@@ -52,11 +53,15 @@ class Tap(Protocol):
         *,
         body: RobotState | None = None,
         paused: bool = False,
+        resumed: Resumption | None = None,
     ) -> None:
         """Receive the start of the engine, with the events known then."""
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive a step; a step in which the engine raised has no effects."""
+
+    def secure(self) -> None:
+        """Return when all that was received is on the disk, or soon if that takes too long."""
 
     def take_trail(self, trail: Trail) -> None:
         """Receive where the robot was at the steps that follow, which were taken at once."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.companion import Companion, Counting, Following, Onlooker
 from pirate_sm.errors import BackendError
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
     from pirate_sm.engine.engine import Engine
     from pirate_sm.engine.gliding.glided import Glide
+    from pirate_sm.engine.resuming.resumption import Resumption
     from pirate_sm.engine.state import EngineState
 
 UNCONFIRMED = "the safe setpoints were not confirmed"
@@ -41,6 +42,20 @@ class BackendRaisedError(Exception):
     """The backend has raised; the original exception is the cause."""
 
 
+class Resuming(NamedTuple):
+    """With what a mission goes on whose run was cut off.
+
+    Attributes:
+        resumption: With what the engine starts; its program is that of the resumption.
+        now_s: Mission time by the backend, which is open.
+        events: The last report of every board, and what else the backend has reported.
+    """
+
+    resumption: Resumption
+    now_s: float
+    events: tuple[Event, ...]
+
+
 class Pump:
     """Moves events and effects between one backend and one engine.
 
@@ -53,6 +68,7 @@ class Pump:
         tap: Receives every input and output of the engine.
         after: The pump before it on this backend, which has left it open: the robot keeps its
             configuration, and time continues.
+        resuming: With what a mission goes on whose run was cut off, on a backend that is open.
 
     Attributes:
         state: The engine's present state; None before the start.
@@ -73,9 +89,10 @@ class Pump:
         tell: Tell = lambda effects, now_s: None,
         tap: Tap | None = None,
         after: Pump | None = None,
+        resuming: Resuming | None = None,
     ) -> None:
         self.state: EngineState | None = None
-        self.now_s: float = after.now_s if after else 0.0
+        self.now_s: float = after.now_s if after else resuming.now_s if resuming else 0.0
         self.ended: Ended | None = None
         self.fault = ""
         self.listening = False
@@ -88,6 +105,9 @@ class Pump:
         self._tell = tell
         self._tap = tap
         self._after = after
+        self._resuming = resuming
+        # A robot that moves on while this program dies: what it was told must be known.
+        self._secure = tap.secure if tap is not None and backend.real_time else None
         self._heard: LastFrames = after._heard if after else LastFrames()
         self._last_id: int = after._last_id if after else 0
         self._quiet = QuietTime(engine, backend, companions)
@@ -110,28 +130,40 @@ class Pump:
             BackendRaisedError: The backend cannot be opened or takes no array.
         """
         before = self._after.state if self._after else None
-        events: Sequence[Event] = self._heard.frames()
-        if before is None:
-            try:
-                events = self._backend.open()
-            except Exception as error:
-                raise BackendRaisedError from error
-        else:
-            for companion in self._companions:
-                if isinstance(companion, Counting):
-                    companion.restart(self._engine.robot)
+        events = self._first_events()
+        resumed = self._resuming.resumption if self._resuming is not None else None
         body = before and before.robot.at_rest()
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         for each in seen:
             if isinstance(each, SensorFrame):
                 self._heard.hear(each)
-        self.state, effects = self._engine.start(self.now_s, seen, body=body, paused=paused)
+        self.state, effects = self._engine.start(
+            self.now_s, seen, body=body, paused=paused, resumed=resumed
+        )
         if self._tap is not None:
-            self._tap.start(seen, self.now_s, effects, body=body, paused=paused)
+            self._tap.start(seen, self.now_s, effects, body=body, paused=paused, resumed=resumed)
         self._perform(effects)
         for event in events:
             if not isinstance(event, SensorFrame | SignalReport):
                 self.give(event)
+
+    def _first_events(self) -> Sequence[Event]:
+        """Return what the backend has reported before the engine starts; open it if it is closed.
+
+        Raises:
+            BackendRaisedError: It cannot be opened.
+        """
+        if self._resuming is not None:
+            return self._resuming.events
+        if self._after is None or self._after.state is None:
+            try:
+                return self._backend.open()
+            except Exception as error:
+                raise BackendRaisedError from error
+        for companion in self._companions:
+            if isinstance(companion, Counting):
+                companion.restart(self._engine.robot)
+        return self._heard.frames()
 
     def glide(self, until_s: float = inf) -> None:
         """Let time run without the engine, as long as nothing but signals changes.
@@ -307,6 +339,8 @@ class Pump:
         failure: Exception | None = None
         for effect in effects:
             if isinstance(effect, Setpoints):
+                if self._secure is not None and self._begins_command(effect):
+                    self._secure()
                 failure = self._submit(effect) or failure
             elif isinstance(effect, WakeAt):
                 self._wake_s = effect.at_s
@@ -320,6 +354,15 @@ class Pump:
         self._plan()
         if failure is not None:
             raise BackendRaisedError from failure
+
+    def _begins_command(self, setpoints: Setpoints) -> bool:
+        """Return whether this is the first array of a command, which moves the chart."""
+        flight = self.state.robot.flight if self.state is not None else None
+        return (
+            flight is not None
+            and flight.purpose == "gate"
+            and flight.setpoint_id == setpoints.setpoint_id
+        )
 
     def _submit(self, setpoints: Setpoints) -> Exception | None:
         self._last_id = max(self._last_id, setpoints.setpoint_id)

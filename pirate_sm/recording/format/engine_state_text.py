@@ -1,4 +1,4 @@
-"""The engine's state as text, so that reading can begin in the middle of a recording.
+"""The engine's records as text: its state at checkpoints, and with what a mission is resumed.
 
 It is derived field by field from the types of the engine's own records. A new field needs no change
 here unless it has a new type.
@@ -12,6 +12,7 @@ from functools import cache
 from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
+from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.state import EngineState
 from pirate_sm.recording.format.json_values import (
     number_from_json,
@@ -32,7 +33,7 @@ class _Form(NamedTuple):
 
 def state_to_text(state: EngineState) -> str:
     """Return the state as JSON, without loss."""
-    return json.dumps(_form(EngineState).encode(state), separators=(",", ":"), allow_nan=False)
+    return _to_text(EngineState, state)
 
 
 def state_from_text(written: str) -> EngineState:
@@ -41,11 +42,33 @@ def state_from_text(written: str) -> EngineState:
     Raises:
         ValueError: The text is not a state of this version of the engine.
     """
-    try:
-        state: EngineState = _form(EngineState).decode(json.loads(written))
-    except (KeyError, TypeError, AttributeError) as error:
-        raise ValueError(f"no state of this engine: {error!r}") from None
+    state: EngineState = _from_text(EngineState, written)
     return state
+
+
+def resumption_to_text(resumption: Resumption | None) -> str:
+    """Return with what a mission goes on as JSON, without loss; empty for none."""
+    return "" if resumption is None else _to_text(Resumption, resumption)
+
+
+def resumption_from_text(written: str) -> Resumption | None:
+    """Return with what a mission goes on, from the output of :func:`resumption_to_text`.
+
+    Raises:
+        ValueError: The text is not a resumption by this version of the engine.
+    """
+    return _from_text(Resumption, written) if written else None
+
+
+def _to_text(kind: Any, value: Any) -> str:
+    return json.dumps(_form(kind).encode(value), separators=(",", ":"), allow_nan=False)
+
+
+def _from_text(kind: Any, written: str) -> Any:
+    try:
+        return _form(kind).decode(json.loads(written))
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"no {kind.__name__} of this engine: {error!r}") from None
 
 
 @cache

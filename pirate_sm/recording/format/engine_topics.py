@@ -40,10 +40,12 @@ class Started(NamedTuple):
     Attributes:
         paused: Whether the operator had the robot first.
         body: What an earlier mission had commanded the robot to, as JSON; empty without one.
+        resumed: With what a mission goes on whose run was cut off, as JSON; empty if none does.
     """
 
     paused: bool = False
     body: str = ""
+    resumed: str = ""
 
 
 class Abandoned(NamedTuple):
@@ -58,6 +60,16 @@ class Remembered(NamedTuple):
     """
 
     state: str
+
+
+class Unlogged(NamedTuple):
+    """A command's first array was submitted before the step that gave it was on the disk.
+
+    Attributes:
+        waited_s: How long the run had waited for the disk.
+    """
+
+    waited_s: float
 
 
 Input: TypeAlias = events.Event | Started | Abandoned
@@ -294,6 +306,9 @@ def _fields(made: type[Any]) -> tuple[tuple[str, JsonKind], ...]:
 
 STATE: Final = Topic(f"{ENGINE}state", Remembered, _fields(Remembered))
 """Checkpoints, see :mod:`pirate_sm.recording.format.engine_state_text`."""
+
+UNLOGGED: Final = Topic(f"{ENGINE}unlogged", Unlogged, _fields(Unlogged))
+"""Steps whose command may be missing in a recording that ends soon after."""
 
 
 @lru_cache(maxsize=256)

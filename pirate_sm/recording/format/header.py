@@ -31,6 +31,10 @@ FILES = "files/"
 REPAIRED = "pirate_sm.repaired"
 """Name of the metadata in a recording that was cut short and repaired later."""
 
+CHECKPOINT = "pirate_sm.checkpoint"
+"""Name of the metadata before each piece with a checkpoint: its own offset in the file, and the
+topics so far by their numbers. Readers that begin at the end of a file find it by its name."""
+
 Role: TypeAlias = Literal["mission", "profile", "chart", "called", "pipe"]
 
 
@@ -53,6 +57,27 @@ class RecordedFile:
     sha256: str
     attachment: str
     text: str = field(default="", repr=False)
+
+
+@dataclass(frozen=True)
+class ResumedRun:
+    """A recording from which a run goes on that was cut off.
+
+    Attributes:
+        name: Name of its file.
+        sha256: Hash of its file, hexadecimal.
+        last_step: Number of its last step.
+        last_s: Time of that step by the engine's clock, s.
+        resumption: With what the mission goes on, as JSON.
+        said: What the operator has said about the robot, in words.
+    """
+
+    name: str
+    sha256: str
+    last_step: int
+    last_s: float
+    resumption: str
+    said: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -80,6 +105,7 @@ class RunHeader:
         files: The texts.
         viewers: Whether it has messages for viewers; if not, it has samples, from which they can be
             made.
+        resumed: The recordings from which it goes on, the first run first; empty for most.
     """
 
     began: str
@@ -98,6 +124,7 @@ class RunHeader:
     slots: tuple[tuple[str, str], ...]
     files: tuple[RecordedFile, ...]
     viewers: bool = True
+    resumed: tuple[ResumedRun, ...] = ()
     format: int = FORMAT
     alphabet: int = ALPHABET_VERSION
     version: str = __version__
@@ -122,7 +149,8 @@ class RunHeader:
         files = [{**vars(file)} for file in self.files]
         for file in files:
             del file["text"]
-        return {**vars(self), "files": files}
+        resumed = [{**vars(each)} for each in self.resumed]
+        return {**vars(self), "files": files, "resumed": resumed}
 
 
 def header_from_json(data: bytes, texts: Mapping[str, str]) -> RunHeader:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from pirate_sm.recording.read.mcap_records import (
@@ -20,13 +21,17 @@ class Chunks:
     Args:
         path: The file.
         pieces: The places of the pieces.
+        topics: Names of topics that are known already, by their numbers.
 
     Attributes:
         topics: The topics read so far.
     """
 
-    def __init__(self, path: Path, pieces: list[ChunkPlace]) -> None:
+    def __init__(
+        self, path: Path, pieces: list[ChunkPlace], topics: Mapping[int, str] | None = None
+    ) -> None:
         self.topics = FileTopics()
+        self.topics.names.update(topics or {})
         self._path = path
         self._pieces = pieces
         self._learned = 0

@@ -6,16 +6,19 @@ the records by their lengths, to distinguish records that are cut off from damag
 
 from __future__ import annotations
 
+import json
 import os
 import struct
 import zlib
 from collections.abc import Callable, Iterator
+from itertools import chain
 from typing import BinaryIO, Final, NamedTuple
 
 from mcap.opcode import Opcode
 from mcap.records import Attachment, Header, Metadata
 from mcap.writer import MCAP0_MAGIC
 
+from pirate_sm.recording.format.header import CHECKPOINT
 from pirate_sm.recording.read.mcap_records import (
     BROKEN,
     FRAME,
@@ -26,6 +29,9 @@ from pirate_sm.recording.read.mcap_records import (
     records_of,
     stream_of,
 )
+
+_SEARCHED_BYTES: Final = 1 << 20
+"""How much of a file is searched at once for the last checkpoint, bytes."""
 
 _TIME: Final = struct.Struct("<Q")
 _CRC: Final = struct.Struct("<I")
@@ -49,6 +55,7 @@ class Content(NamedTuple):
         damage: Where the damage begins; empty if there is none.
         whole: Bytes of whole records; the rest is torn.
         size: Size of the file, bytes.
+        since: What is between the first chunk and this byte was left out; 0: nothing.
     """
 
     profile: str | None
@@ -60,10 +67,24 @@ class Content(NamedTuple):
     size: int
     indexed: bool = False
     damage: str = ""
+    since: int = 0
+
+    @property
+    def topics(self) -> dict[int, str]:
+        """Names of the topics that the last mark before a checkpoint tells, by their numbers."""
+        try:
+            found = json.loads(self.metadata.get(CHECKPOINT, {}).get("topics", "{}"))
+            return {int(number): str(name) for number, name in found.items()}
+        except (ValueError, AttributeError):
+            return {}
 
 
-def read_content(file: BinaryIO) -> Content:
+def read_content(file: BinaryIO, since: int = 0) -> Content:
     """Return the content of the file up to its end, or to where it is cut off or damaged.
+
+    Args:
+        file: The file.
+        since: Leave out what is between the first chunk and this byte, where a record begins.
 
     Raises:
         NotMcapError: The file is not MCAP.
@@ -73,8 +94,13 @@ def read_content(file: BinaryIO) -> Content:
     file.seek(0)
     if not MCAP0_MAGIC.startswith(file.read(len(MCAP0_MAGIC))):
         raise NotMcapError
-    content, bad, good, end = Content(None, {}, {}, [], False, 0, size), [], 0, len(MCAP0_MAGIC)
-    for frame in _frames(file, size):
+    content, bad, good, end = (
+        Content(None, {}, {}, [], False, 0, size, since=since),
+        [],
+        0,
+        len(MCAP0_MAGIC),
+    )
+    for frame in chain(_first(file, size, since), _frames(file, size, since)):
         end = frame.end
         try:
             if frame.opcode == Opcode.CHUNK:
@@ -103,9 +129,49 @@ def _up_to(content: Content, at: int) -> Content:
     return content._replace(pieces=pieces, complete=False, whole=whole, damage=f"at byte {at}")
 
 
-def _frames(file: BinaryIO, size: int) -> Iterator[Frame]:
-    """Yield the places of the whole records, by their lengths."""
-    at = len(MCAP0_MAGIC)
+def newest_checkpoints(file: BinaryIO) -> Iterator[int]:
+    """Yield where the marks before pieces with a checkpoint begin, the last one first.
+
+    The file is searched from its end. A mark holds its own offset, so nothing else is taken for it.
+    """
+    name, before = CHECKPOINT.encode(), FRAME.size + 4  # the length of the name
+    end = file.seek(0, os.SEEK_END)
+    while end > 0:
+        begin = max(0, end - _SEARCHED_BYTES)
+        data = bytes_at(file, begin, end - begin)
+        at = data.rfind(name)
+        while at >= 0:
+            start = begin + at - before
+            if start > 0 and _is_mark(file, start):
+                yield start
+            at = data.rfind(name, 0, at)
+        end = begin + len(name) - 1 if begin else 0
+
+
+def _is_mark(file: BinaryIO, start: int) -> bool:
+    opcode, length = FRAME.unpack(bytes_at(file, start, FRAME.size))
+    if opcode != Opcode.METADATA or length > _SEARCHED_BYTES:
+        return False
+    try:
+        mark: Metadata = Metadata.read(stream_of(bytes_at(file, start + FRAME.size, length)))
+    except BROKEN:
+        return False
+    return bool(mark.metadata.get("at") == str(start))
+
+
+def _first(file: BinaryIO, size: int, since: int) -> Iterator[Frame]:
+    """Yield the records up to the first chunk, which are before this byte."""
+    for frame in _frames(file, size) if since else ():
+        if frame.end > since:
+            return
+        yield frame
+        if frame.opcode == Opcode.CHUNK:
+            return
+
+
+def _frames(file: BinaryIO, size: int, since: int = 0) -> Iterator[Frame]:
+    """Yield the places of the whole records from this byte on, by their lengths."""
+    at = since or len(MCAP0_MAGIC)
     while at + FRAME.size <= size:
         file.seek(at)
         opcode, length = FRAME.unpack(file.read(FRAME.size))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
@@ -15,7 +15,10 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import ALPHABET_VERSION
-from pirate_sm.recording.format.engine_state_text import state_from_text
+from pirate_sm.recording.format.engine_state_text import (
+    resumption_from_text,
+    state_from_text,
+)
 from pirate_sm.recording.format.engine_topics import STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.format.robot_state_text import body_from_text
@@ -34,11 +37,18 @@ class PieceReader:
         path: The file.
         header: The header of the recording.
         pieces: The places of the pieces in the file.
+        topics: Names of topics that are known already, by their numbers.
     """
 
-    def __init__(self, path: Path, header: RunHeader, pieces: list[ChunkPlace]) -> None:
+    def __init__(
+        self,
+        path: Path,
+        header: RunHeader,
+        pieces: list[ChunkPlace],
+        topics: Mapping[int, str] | None = None,
+    ) -> None:
         self._path = path
-        self._chunks = Chunks(path, pieces)
+        self._chunks = Chunks(path, pieces, topics)
         self._topics = Topics(header.layout).by_name
         self._same_version = (header.version, header.alphabet) == (__version__, ALPHABET_VERSION)
 
@@ -119,7 +129,8 @@ class PieceReader:
 def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:
     given = tuple(effect for _, effect in sorted(effects, key=lambda each: each[0]))
     if isinstance(made, Started):
-        return Step(number, at_s, None, given, "start", body_from_text(made.body), made.paused)
+        body, resumed = body_from_text(made.body), resumption_from_text(made.resumed)
+        return Step(number, at_s, None, given, "start", body, made.paused, resumed=resumed)
     if isinstance(made, Abandoned):
         return Step(number, at_s, None, given, "runtime")
     return Step(number, at_s, made, given, "engine")

@@ -24,7 +24,12 @@ from pirate_sm.model.effects import Ended
 from pirate_sm.recording.format.engine_topics import ENGINE
 from pirate_sm.recording.format.header import PROFILE, REPAIRED, RunHeader
 from pirate_sm.recording.read.header_reader import DamagedInsideError, read_header
-from pirate_sm.recording.read.mcap_content import Content, NotMcapError, read_content
+from pirate_sm.recording.read.mcap_content import (
+    Content,
+    NotMcapError,
+    newest_checkpoints,
+    read_content,
+)
 from pirate_sm.recording.read.piece_reader import PieceReader, unreadable
 from pirate_sm.recording.read.steps import (
     Checkpoint,
@@ -205,7 +210,8 @@ class Recording:
 
     @cached_property
     def _reader(self) -> PieceReader:
-        return PieceReader(self.path, self.header, self.content.pieces)
+        content = self.content
+        return PieceReader(self.path, self.header, content.pieces, content.topics)
 
     @cached_property
     def _zero_ns(self) -> int:
@@ -234,6 +240,26 @@ class Recording:
         self.watch(1.0)
 
 
+def read_end_of_recording(path: Path) -> Recording:
+    """Return the recording with its first piece, and its last ones from the last checkpoint on.
+
+    So the end of a long recording is read without the rest. A recording without a checkpoint that
+    this version can use is whole.
+
+    Raises:
+        RecordingError: As for :func:`read_recording`.
+    """
+    try:
+        with path.open("rb") as file:
+            for since in newest_checkpoints(file):
+                found = _recording(path, read_content(file, since), _no_progress)
+                if found.checkpoint(inf) is not None:
+                    return found
+    except (NotMcapError, OSError, RecordingError):
+        pass  # the reading of the whole file says what is wrong
+    return read_recording(path)
+
+
 def read_recording(
     path: Path, watch: Callable[[float], None] = _no_progress, *, damaged: bool = False
 ) -> Recording:
@@ -256,6 +282,12 @@ def read_recording(
         raise unreadable(path, error) from None
     except ValueError:
         raise RecordingError(f"there is no file '{shown(path)}'") from None
+    return _recording(path, content, watch, damaged=damaged)
+
+
+def _recording(
+    path: Path, content: Content, watch: Callable[[float], None], *, damaged: bool = False
+) -> Recording:
     if content.profile not in (PROFILE, None):
         raise RecordingError(f"{shown(path)} is an MCAP file, but not a recording of a mission")
     recording = Recording(path, read_header(path, content), content, watch)

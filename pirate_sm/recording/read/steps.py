@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, Literal, NamedTuple
 
+from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, WaitArmed
@@ -24,6 +25,7 @@ class Step(NamedTuple):
         body: For a start: the robot state after an earlier mission.
         paused: For a start: whether the operator controlled the robot first.
         state: The engine's state after it, if it was recorded.
+        resumed: For a start: with what a mission went on whose run was cut off.
     """
 
     number: int
@@ -34,6 +36,7 @@ class Step(NamedTuple):
     body: RobotState | None = None
     paused: bool = False
     state: EngineState | None = None
+    resumed: Resumption | None = None
 
 
 class StepEffects(NamedTuple):

@@ -17,6 +17,7 @@ from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.robot.calibration_files import with_zeros
+from pirate_sm.recording.format.engine_state_text import resumption_from_text
 from pirate_sm.recording.format.header import RecordedFile, RunHeader
 
 _PROFILE = "profile.yaml"
@@ -100,13 +101,17 @@ def _unwritable(error: OSError) -> RecordingError:
 
 
 def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
-    """Return the mission with the file names and joint zeros of the run."""
+    """Return the mission with the file names, the joint zeros and the program of the run."""
     names = {
         document.name: file.name
         for document, file in zip(loaded.documents, header.files, strict=False)
     }
     instructions = tuple(_placed(each, names) for each in loaded.program.instructions)
-    named = replace(loaded, program=replace(loaded.program, instructions=instructions))
+    program = replace(loaded.program, instructions=instructions)
+    for each in header.resumed:
+        resumption = resumption_from_text(each.resumption)
+        program = resumption.program(program) if resumption is not None else program
+    named = replace(loaded, program=program)
     if not header.zeros:
         return named
     return replace(named, robot=with_zeros(loaded.robot, dict(header.zeros)))

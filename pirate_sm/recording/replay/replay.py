@@ -124,7 +124,9 @@ def rerun_steps(
         if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
         elif step.by == "start":
-            state, effects = engine.start(step.at_s, seen, body=step.body, paused=step.paused)
+            state, effects = engine.start(
+                step.at_s, seen, body=step.body, paused=step.paused, resumed=step.resumed
+            )
         elif step.by == "engine" and state is not None and step.event is not None:
             state, effects = engine.step(state, step.event, step.at_s)
         yield Rerun(step, state, effects, step.at_s - origin_s)

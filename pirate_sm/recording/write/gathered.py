@@ -60,11 +60,13 @@ class Gathered:
         inputs: All other inputs, each with its step and its time in s.
         told: The effects of steps and the samples of the run, in their order.
         states: States of the engine, each with the step before it and its time in s.
+        unlogged: Steps whose command was submitted before they were on the disk: each with its
+            time and how long the run had waited, s.
         until_s: Time of the last step, s; None before the first step of the run.
     """
 
     __slots__ = (
-        *("step", "frames", "blocks", "inputs", "told", "states", "until_s"),
+        *("step", "frames", "blocks", "inputs", "told", "states", "unlogged", "until_s"),
         *("_first", "_channels"),
     )
 
@@ -77,6 +79,7 @@ class Gathered:
         self.inputs: list[tuple[int, float, Input]] = []
         self.told: list[Told] = []
         self.states: list[tuple[int, float, EngineState]] = []
+        self.unlogged: list[tuple[int, float, float]] = []
         self.until_s = until_s
         self._channels = channels
 

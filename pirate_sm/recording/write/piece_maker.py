@@ -7,17 +7,29 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple, Protocol
 
 from pirate_sm.recording.format.engine_state_text import state_to_text
-from pirate_sm.recording.format.engine_topics import STATE, Remembered, Topic, Topics
+from pirate_sm.recording.format.engine_topics import (
+    STATE,
+    UNLOGGED,
+    Remembered,
+    Topic,
+    Topics,
+    Unlogged,
+)
 from pirate_sm.recording.write.frame_batches import batches_of_blocks, batches_of_frames
 from pirate_sm.recording.write.gathered import Caused, Gathered, Told
 from pirate_sm.recording.write.recording_file import RecordingFile
 
 
 class WrittenPiece(NamedTuple):
-    """Bytes to write at once; ``until_s`` is the time of the last step in them."""
+    """Bytes to write at once.
+
+    Attributes:
+        until_s: Time of the last step in them; ``step`` is the number of the step after it.
+    """
 
     data: bytes
     until_s: float | None
+    step: int
 
 
 class Beside(Protocol):
@@ -47,11 +59,12 @@ class PieceMaker:
         self._topics = topics
         self._beside = beside
         self._until_s: float | None = None
+        self._step = 0
 
     def take(self, gathered: Gathered) -> None:
         """Add what was gathered to the next piece, in one batch for each topic."""
         self.steps += gathered.steps
-        self._until_s = gathered.until_s
+        self._until_s, self._step = gathered.until_s, gathered.step
         topics, rows = self._topics, defaultdict[Topic, list[tuple[Any, ...]]](list)
         for row in gathered.inputs:
             rows[topics.of_input(row[2])].append(row)
@@ -59,8 +72,7 @@ class PieceMaker:
             if isinstance(each, Caused):
                 for place, effect in enumerate(each.effects):
                     rows[topics.of_effect(effect)].append((each.step, each.at_s, place, effect))
-        for step, at_s, state in gathered.states:
-            rows[STATE].append((step, at_s, Remembered(state_to_text(state))))
+        self._take_notes(gathered, rows)
         for topic, some in rows.items():
             self._put(topic, some[0][1], topic.encode(some))
         for topic, at_s, data in batches_of_frames(topics, gathered.frames):
@@ -73,7 +85,15 @@ class PieceMaker:
     def cut(self) -> WrittenPiece:
         """Return everything since the last cut as bytes; empty if there is nothing."""
         self.steps = 0
-        return WrittenPiece(self._file.cut(), self._until_s)
+        return WrittenPiece(self._file.cut(), self._until_s, self._step)
+
+    def _take_notes(self, gathered: Gathered, rows: dict[Topic, list[tuple[Any, ...]]]) -> None:
+        """Add the rows that are neither inputs nor effects."""
+        for step, at_s, state in gathered.states:
+            rows[STATE].append((step, at_s, Remembered(state_to_text(state))))
+            self._file.mark()
+        for step, at_s, waited_s in gathered.unlogged:
+            rows[UNLOGGED].append((step, at_s, Unlogged(waited_s)))
 
     def _put(self, topic: Topic, at_s: float, data: bytes) -> None:
         self._file.add(topic.name, at_s, data, topic.schema_json, topic.schema_name)

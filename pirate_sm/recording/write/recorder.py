@@ -13,12 +13,14 @@ from collections.abc import Callable, Sequence
 from math import inf
 from time import perf_counter
 
+from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
+from pirate_sm.recording.format.engine_state_text import resumption_to_text
 from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.format.robot_state_text import body_to_text
@@ -27,6 +29,9 @@ from pirate_sm.recording.write.kept_samples import KeptSamples
 from pirate_sm.recording.write.piece_maker import PieceMaker, WrittenPiece
 from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.recording.write.side_channel import SideChannel
+
+AHEAD_S = 0.010
+"""The longest time that a command waits for the disk, s: a third of a round of the boards [D]."""
 
 COMMIT_S = 0.25
 """Interval at which notes are written to disk, s; the documentation promises half a second."""
@@ -98,6 +103,9 @@ class Recorder:
         self._checkpoint_s = -inf
         self._trail: Trail | None = None
         self._cut_s = perf_counter()
+        self._urgent = False
+        self._written = threading.Condition()
+        self._written_step = 0
         self._making = threading.Lock()
         self._unwritten: deque[WrittenPiece] = deque()
         self._wake = threading.Event()
@@ -119,12 +127,13 @@ class Recorder:
         *,
         body: RobotState | None = None,
         paused: bool = False,
+        resumed: Resumption | None = None,
     ) -> None:
         """Note the start of the engine, with its inputs."""
         self.begun = True
         for event in seen:
             self._note(event, now_s, ())
-        self._note(Started(paused, body_to_text(body)), now_s, effects)
+        self._note(Started(paused, body_to_text(body), resumption_to_text(resumed)), now_s, effects)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Note one step of the engine."""
@@ -132,6 +141,23 @@ class Recorder:
             step = self._gathered.add(event, now_s, effects)
         if now_s >= self._due_s or step >= self._full:
             self._attend(now_s)
+
+    def secure(self) -> None:
+        """Return when everything noted so far is on the disk, but after ``AHEAD_S`` at the latest.
+
+        If it is not there by then, the recording says so.
+        """
+        if self.failure:
+            return
+        step, began_s = self._gathered.step, perf_counter()
+        self._urgent = True
+        self._wake.set()
+        with self._written:
+            if self._written.wait_for(lambda: self._written_step >= step, AHEAD_S):
+                return
+        waited_s = perf_counter() - began_s
+        with self._gathering:
+            self._gathered.unlogged.append((step - 1, self._gathered.until_s or 0.0, waited_s))
 
     def take_trail(self, trail: Trail) -> None:
         """Take the samples of the steps that follow from where the robot was."""
@@ -226,7 +252,8 @@ class Recorder:
             while not self._ending and not self.failure:
                 self._wake.wait(max(0.0, self._cut_s + self._commit_s - perf_counter()))
                 self._wake.clear()
-                if perf_counter() >= self._cut_s + self._commit_s:
+                if self._urgent or perf_counter() >= self._cut_s + self._commit_s:
+                    self._urgent = False
                     self._commit()
                 else:  # the run itself has just written
                     self._write()
@@ -253,6 +280,9 @@ class Recorder:
             piece = self._unwritten.popleft()
             self._file.write(piece.data)
             self.kept_s = piece.until_s
+            with self._written:
+                self._written_step = piece.step
+                self._written.notify_all()
 
     # --- either side, one at a time -----------------------------------------------------------
 

@@ -22,7 +22,7 @@ import mcap
 from mcap.writer import CompressionType, Writer
 
 from pirate_sm import __version__
-from pirate_sm.recording.format.header import PROFILE, RUN, RunHeader
+from pirate_sm.recording.format.header import CHECKPOINT, PROFILE, RUN, RunHeader
 
 NS_PER_S = 1_000_000_000
 
@@ -188,12 +188,26 @@ class RecordingFile(Pieces):
     def __init__(self, sink: Sink, header: RunHeader) -> None:
         super().__init__(sink)
         self._topics: dict[str, int] = {}
+        self._marked = False
         self._start_s: float | None = None
         self._zero_ns = round(datetime.fromisoformat(header.began).timestamp() * NS_PER_S)
         self.attach(RUN, "application/json", _json(header.to_json()), self._zero_ns)
         for file in header.files:
             self.attach(file.attachment, "application/yaml", file.text.encode(), self._zero_ns)
         self.write(self._gathered.take())
+
+    def mark(self) -> None:
+        """Mark the next piece as one with a checkpoint, for readers that begin at the end."""
+        self._marked = True
+
+    def cut(self) -> bytes:
+        """Return everything since the last cut, after a mark if it has a checkpoint."""
+        if self._marked:
+            self._marked = False
+            names = {str(number): name for name, number in self._topics.items()}
+            at = str(self._gathered.tell())
+            self.note(CHECKPOINT, {"at": at, "topics": json.dumps(names)})
+        return super().cut()
 
     def time_ns(self, at_s: float) -> int:
         """Return the time of a mission time, ns since 1970; the first call sets the beginning."""

@@ -32,7 +32,13 @@ class FakeEngine:
         self.aborting: ev.Abort | None = None
 
     def start(
-        self, now_s: float = 0.0, seen: Any = (), *, body: Any = None, paused: bool = False
+        self,
+        now_s: float = 0.0,
+        seen: Any = (),
+        *,
+        body: Any = None,
+        paused: bool = False,
+        resumed: Any = None,
     ) -> tuple[Any, tuple[fx.Effect, ...]]:
         return "state", (fx.Setpoints(1, MOVING), fx.WakeAt(now_s + 1.0))
 

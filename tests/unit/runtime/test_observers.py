@@ -12,7 +12,13 @@ class Engine:
     """Counts what it has seen, ends after a second."""
 
     def start(
-        self, now_s: float = 0.0, seen: Any = (), *, body: Any = None, paused: bool = False
+        self,
+        now_s: float = 0.0,
+        seen: Any = (),
+        *,
+        body: Any = None,
+        paused: bool = False,
+        resumed: Any = None,
     ) -> tuple[int, tuple[fx.Effect, ...]]:
         return 0, (fx.WakeAt(1.0),)
 
