@@ -28,6 +28,7 @@ from pirate_sm.simulation.gliding.glider import Glider
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.sensors import BoardChannels
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
+from pirate_sm.simulation.start_pose import Standing
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
 from pirate_sm.simulation.xpbd.kinematic import kinematic
 
@@ -73,6 +74,7 @@ class SimulatorBackend:
             clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
+        put_back: How the robot stands, in place of where its pipe says; None: there.
         physics: Makes the physics that moves the robot.
         name: Name of the backend with this physics.
 
@@ -96,6 +98,7 @@ class SimulatorBackend:
         start_values: Sequence[float] | None = None,
         jitter: Jitter = NO_JITTER,
         defects: Sequence[str] = (),
+        put_back: Standing | None = None,
         physics: MakePhysics = kinematic,
         name: str = "sim",
     ) -> None:
@@ -112,6 +115,7 @@ class SimulatorBackend:
             start_values=start_values,
             jitter=jitter,
             defects=defects,
+            put_back=put_back,
         )
         # A robot that starts clamped is held there by its motors.
         self.robot.hold()

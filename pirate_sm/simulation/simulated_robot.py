@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -32,6 +33,7 @@ from pirate_sm.simulation.obstacles import Obstacles
 from pirate_sm.simulation.physics import MakePhysics, QuantityLayout
 from pirate_sm.simulation.pipe_changes import PipeChanges
 from pirate_sm.simulation.sensors import BoardChannels, sensors_of
+from pirate_sm.simulation.start_pose import Standing, standing_again
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, surroundings_of
 
 _TOUCHING_N = 0.05
@@ -91,6 +93,7 @@ class SimulatedRobot:
         jitter: How far start, friction and diameter may differ from the files.
         defects: Names of the profile's defects to switch on.
         more_defects: Further defects.
+        put_back: How the robot stands, in place of where its pipe says; None: there.
 
     Attributes:
         electronics: Its boards.
@@ -114,13 +117,18 @@ class SimulatedRobot:
         jitter: Jitter = NO_JITTER,
         defects: Sequence[str] = (),
         more_defects: Sequence[AtWork] = (),
+        put_back: Standing | None = None,
     ) -> None:
         chain = chain_of(profile)
         routes, sensors = routes_of(profile, chain), sensors_of(profile, chain)
+        if put_back is not None:
+            start_values = put_back.values
         self._start_duties = _joint_duties(chain, routes, start_values)
         rng = np.random.default_rng(seed)
         duties = self._start_duties
         around = surroundings_of(profile, chain, pipe, duties=duties, jitter=jitter, rng=rng)
+        if put_back is not None:
+            around = replace(around, pose=standing_again(chain, profile, put_back))
         self._route, self._chain = around.route, chain
         self._flat = around.route.section == "bars"
         self._axes = 2 if self._flat else 3
@@ -138,7 +146,7 @@ class SimulatedRobot:
             *(around.friction, around.friction_scale),
         )
         self.cycles = 0
-        self._time_s = 0.0
+        self._time_s = put_back.at_s if put_back is not None else 0.0
         self.gone = False
         self._start_m = self._middle()
 

@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from itertools import pairwise
+from typing import Protocol
 
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.clamping import span_m
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector, dot
+from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 
@@ -61,6 +63,40 @@ def stand(
     bends = (0.0, *inner, 0.0)
     motors = tuple(bend + _winding(chain, i, duties.get(i, 0.0)) for i, bend in enumerate(bends))
     return StartPose(tuple(places), bends, motors, roll_rad)
+
+
+class Standing(Protocol):
+    """How a robot stood when a recording was cut off; see :class:`.run_order.PutBack`."""
+
+    @property
+    def places_m(self) -> tuple[Vector, ...]:
+        """Centre of each wheel."""
+
+    @property
+    def bends_rad(self) -> tuple[float, ...]:
+        """Angle of each driven joint of the body."""
+
+    @property
+    def torques_nm(self) -> tuple[float, ...]:
+        """What the spring of each of them bears."""
+
+    @property
+    def values(self) -> tuple[float, ...]:
+        """The setpoints that hold it."""
+
+    @property
+    def at_s(self) -> float:
+        """Time since the run began."""
+
+
+def standing_again(chain: ChainBody, profile: Profile, it: Standing) -> StartPose:
+    """Return the pose of a robot that is put back where it stood in a plane."""
+    bends, motors = [0.0] * chain.nodes, [0.0] * chain.nodes
+    for joint, bend, torque in zip(profile.body.joints, it.bends_rad, it.torques_nm, strict=True):
+        wheel = chain.joint_index[joint.name]
+        bends[wheel] = bend
+        motors[wheel] = bend + torque / chain.joints[wheel].stiffness_nm_rad
+    return StartPose(it.places_m, tuple(bends), tuple(motors))
 
 
 def lying(pose: StartPose, chain: ChainBody, route: Route) -> tuple[Vector, ...]:

@@ -18,6 +18,7 @@ from pirate_sm.wiring.run_order import Order
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
     from pirate_sm.backends.serial.health import LinkHealth
+    from pirate_sm.recording.format.header import RunHeader
 
 Say = Callable[[str], None]
 """Takes messages about steps that take longer than a moment."""
@@ -81,6 +82,8 @@ class Prepared(Equipment):
         camera: Returns what a recording keeps of the detector's camera, if it has one.
         detector: Name of the detector; ``operator`` still needs a keyboard or a panel.
         panel: The control panel, unopened; None if there is none.
+        resumed: The header of the run that it goes on from, with what it goes on with; None if it
+            is a run of its own.
     """
 
     order: Order
@@ -90,6 +93,7 @@ class Prepared(Equipment):
     camera: Callable[[], CameraView | None] | None = None
     detector: str = "none"
     panel: ChosenPanel | None = None
+    resumed: RunHeader | None = None
 
     @property
     def others_words(self) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from pirate_sm.errors import Hint
 from pirate_sm.model.campaign import LineFaults
@@ -12,6 +13,23 @@ from pirate_sm.model.trace_script import Happening
 from pirate_sm.runtime.trigger_script import Firing
 
 USE_TRACE = Hint(": use --backend trace", ": use backend='trace'")
+
+
+class PutBack(NamedTuple):
+    """How a simulated robot stood when a recording was cut off.
+
+    Attributes:
+        places_m: Centre of each wheel.
+        bends_rad: Angle of each driven joint of the body; ``torques_nm`` what its spring bears.
+        values: The setpoints that hold it.
+        at_s: Time since the run began.
+    """
+
+    places_m: tuple[tuple[float, float, float], ...]
+    bends_rad: tuple[float, ...]
+    torques_nm: tuple[float, ...]
+    values: tuple[float, ...]
+    at_s: float
 
 
 @dataclass(frozen=True)
@@ -46,6 +64,7 @@ class Order:
         calibration: Whether the joint zeros of the real robot are subtracted, if it has any.
         check: Whether a mission with a certain error is refused.
         view: Whether the backend's own viewer shows the run.
+        put_back: How a simulated robot stands that is put back; None: as its mission begins.
         panel: Name or file of a control panel, with its device as ``NAME:DEVICE``; None: no panel.
     """
 
@@ -77,3 +96,4 @@ class Order:
     check: bool = False
     view: bool = False
     panel: str | None = None
+    put_back: PutBack | None = None

@@ -44,7 +44,13 @@ def run_header(
 
     from pirate_sm.recording.format.header import header_of
 
+    viewers = live or prepared.backend.real_time or not isinf(factor)
+    if prepared.resumed is not None:
+        from pirate_sm.wiring.resumed_run import header_again
+
+        return header_again(prepared, began, viewers, "max" if isinf(factor) else factor)
     options: dict[str, Any] = to_jsonable_python(prepared.order)
+    del options["put_back"]
     options["speed"] = "max" if isinf(factor) else factor
     return header_of(
         prepared.loaded,
@@ -53,7 +59,7 @@ def run_header(
         detector=prepared.detector,
         options=options,
         began=began,
-        viewers=live or prepared.backend.real_time or not isinf(factor),
+        viewers=viewers,
     )
 
 

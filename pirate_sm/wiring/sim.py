@@ -72,6 +72,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         start_values=start_values(loaded),
         jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
         defects=order.defects,
+        put_back=order.put_back,
         physics=physics,
         name=order.backend,
     )

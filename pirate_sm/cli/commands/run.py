@@ -26,6 +26,7 @@ from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observers import Observer, Watcher
 from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, CaughtSignals, StopRequests
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import Firing, TriggerScript
@@ -42,7 +43,7 @@ class Output(Observer, Protocol):
         """Print what is about to run."""
 
 
-class _Manner(NamedTuple):
+class Manner(NamedTuple):
     """How a run is shown.
 
     Attributes:
@@ -67,24 +68,65 @@ def run_mission(options: RunOptions) -> int:
         raise UsageError("--json and --quiet exclude each other")
     on_terminal = is_terminal(sys.stdout) and not (options.json or options.quiet)
     factor = read_speed(options.speed, ON_A_TERMINAL if is_terminal(sys.stdout) else inf)
+    if options.resume is not None:
+        from pirate_sm.cli.commands.resume import resume_run
+
+        return resume_run(options, Manner(on_terminal, False, factor))
+    if options.mission is None:
+        raise UsageError("name a mission, or a recording with --resume")
+    _refuse_without_resume(options)
     prepared = prepare(order_of(options), say=say)
     if prepared.confirmation and not options.yes:
         what = prepared.confirmation
         agree(f"{what}. Is it free to?", nobody=f"{what}: agree to it with --yes")
-    live = on_terminal and not options.plain and shows_signs(sys.stdout)
     requests = StopRequests()
     with CaughtSignals(requests, ends_process=True):
-        result = _shown(prepared, options, _Manner(on_terminal, live, factor), requests)
-        if result is None:
-            return OUTPUT_LOST
-        _say_unused(prepared)
-        if parting := prepared.parting():
-            say(parting)
-        return _conclude(result, options)
+        return run_prepared(prepared, options, Manner(on_terminal, False, factor), requests)
+
+
+def _refuse_without_resume(options: RunOptions) -> None:
+    """Refuse options that only --resume has.
+
+    Raises:
+        UsageError: One is given.
+    """
+    given = {"--look": options.look, "--at": options.at, "--accept": options.accept}
+    if wrong := [name for name, value in given.items() if value]:
+        raise UsageError(f"{', '.join(wrong)}: only together with --resume")
+
+
+def run_prepared(
+    prepared: Prepared,
+    options: RunOptions,
+    manner: Manner,
+    requests: StopRequests,
+    resuming: Resuming | None = None,
+) -> int:
+    """Run a prepared mission, show it and report how it ended; return the exit code.
+
+    Args:
+        prepared: The run.
+        options: Its options.
+        manner: How it is shown; whether it is redrawn in place is decided here.
+        requests: Requests to stop.
+        resuming: With what a mission goes on whose run was cut off.
+    """
+    live = manner.on_terminal and not options.plain and shows_signs(sys.stdout)
+    result = _shown(prepared, options, manner._replace(live=live), requests, resuming)
+    if result is None:
+        return OUTPUT_LOST
+    _say_unused(prepared)
+    if parting := prepared.parting():
+        say(parting)
+    return _conclude(result, options)
 
 
 def _shown(
-    prepared: Prepared, options: RunOptions, manner: _Manner, requests: StopRequests
+    prepared: Prepared,
+    options: RunOptions,
+    manner: Manner,
+    requests: StopRequests,
+    resuming: Resuming | None,
 ) -> Result | None:
     """Run the mission and show it; return its result, None if nothing could be written."""
     recording = RecordingOptions(options.record, options.no_record, options.live)
@@ -99,7 +141,7 @@ def _shown(
         people = people_of(prepared, options, panel, stack, on_terminal=on_terminal, live=live)
         output = _output(observed, options, manner, people)
         companions = _companions(prepared, kept, people, yes=options.yes)
-        run = _mission_run(prepared, kept, output, companions, manner, requests)
+        run = _mission_run(prepared, kept, output, companions, manner, requests, resuming)
         observed.run = run
         kept.follow(run)
         if not _begun(output):
@@ -114,8 +156,9 @@ def _mission_run(
     kept: Kept,
     output: Output,
     companions: list[Companion],
-    manner: _Manner,
+    manner: Manner,
     requests: StopRequests,
+    resuming: Resuming | None,
 ) -> MissionRun:
     link, pipe = prepared.link, watch_pipe(sys.stdout)
     why = SaysWhyItWaits(link, requests) if link is not None and not manner.live else None
@@ -128,6 +171,7 @@ def _mission_run(
         tap=kept.tap,
         requests=requests,
         factor=manner.factor,
+        resuming=resuming,
     )
 
 
@@ -169,7 +213,7 @@ def _say_never_fired(firings: Sequence[Firing], why: str) -> None:
         say(f"warning: never fired, because {why}: {names}")
 
 
-def _output(observed: ObservedRun, options: RunOptions, manner: _Manner, people: People) -> Output:
+def _output(observed: ObservedRun, options: RunOptions, manner: Manner, people: People) -> Output:
     out = sys.stdout
     if options.json:
         out.reconfigure(encoding="utf-8")  # type: ignore[union-attr]

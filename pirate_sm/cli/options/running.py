@@ -21,8 +21,23 @@ class RunOptions:
     """
 
     mission: Annotated[
-        str, typer.Argument(metavar="MISSION", help="A shipped mission's name, or a file.")
-    ]
+        str | None,
+        typer.Argument(metavar="[MISSION]", help="A shipped mission's name, or a file."),
+    ] = None
+    resume: Annotated[
+        str | None,
+        typer.Option(metavar="RUN.mcap", help="Go on with a run that was cut off."),
+    ] = None
+    look: Annotated[
+        bool, typer.Option("--look", help="With --resume: only see whether it can go on.")
+    ] = False
+    at: Annotated[
+        str | None,
+        typer.Option("--at", metavar="PHASE", help="With --resume: go on with this phase."),
+    ] = None
+    accept: Annotated[
+        bool, typer.Option("--accept", help="With --resume: go on without asking, if all is seen.")
+    ] = False
     backend: common.Backend = "sim"
     robot: common.RobotOfMission = None
     pipe: common.PipeOfMission = None

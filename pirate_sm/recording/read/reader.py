@@ -108,6 +108,17 @@ class Recording:
         """Return the time of the last step, s; 0 without steps."""
         return self._last_steps[-1].at_s - self.origin_s if self._last_steps else 0.0
 
+    @property
+    def last_step(self) -> Step:
+        """Return the last step.
+
+        Raises:
+            RecordingError: There is none.
+        """
+        if not self._last_steps:
+            raise RecordingError(f"{shown(self.path)} holds no step")
+        return self._last_steps[-1]
+
     @cached_property
     def _ended(self) -> bool:
         """Whether the recording contains the end of the run."""

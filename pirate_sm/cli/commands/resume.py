@@ -1,0 +1,188 @@
+"""`pirate run --resume`: looks at a robot whose run was cut off, and goes on if that is safe."""
+
+from __future__ import annotations
+
+import sys
+from dataclasses import fields, replace
+from datetime import UTC, datetime
+from pathlib import Path
+
+from pirate_sm.cli.commands.run import Manner, run_prepared
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.options.running import RunOptions
+from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
+from pirate_sm.cli.output.resume_report import Facts, report_lines
+from pirate_sm.cli.robot_connection import StoppedError, stopper
+from pirate_sm.engine.mission.program import HERE
+from pirate_sm.engine.resuming.entry import FAILURE
+from pirate_sm.errors import UsageError
+from pirate_sm.recording.replay.end_of_run import EndOfRun, end_of_run
+from pirate_sm.runtime.pump import Resuming
+from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.visible import visible
+from pirate_sm.wiring import Prepared
+from pirate_sm.wiring.resume_offer import Offer, Said, Seen, offer, see
+from pirate_sm.wiring.resumed_run import Again, driven_s, prepare_again, with_resumption
+
+CAN, CANNOT = 0, 1
+
+_MEANT_FOR = {
+    *("resume", "look", "at", "accept", "states", "start_at", "port", "baud", "guard_for"),
+    *("detector", "panel", "record", "no_record", "live", "yes", "plain", "json", "quiet"),
+    *("debug", "version", "speed"),
+}
+
+_FLAGS = {"states": "--state", "settings": "--set", "start_phase": "--from", "defects": "--defect"}
+
+_QUESTION = "[g]o on, [r]egrip (on_failure), [l]ook again, or leave [enter]? "
+
+
+def resume_run(options: RunOptions, manner: Manner) -> int:
+    """Go on with a run that was cut off; return the exit code.
+
+    Raises:
+        BackendError: The robot cannot be reached.
+        RecordingError: There is nothing to go on from.
+        UsageError: An option does not fit, or nobody has agreed; nothing has moved.
+    """
+    _check_options(options)
+    end = end_of_run(Path(options.resume or ""))
+    again = Again(
+        options.port,
+        options.baud,
+        read_duration("--guard-for", options.guard_for),
+        options.detector,
+        options.panel,
+        read_length("--start-at", options.start_at),
+    )
+    prepared = prepare_again(end, again, say)
+    requests = StopRequests()
+    with CaughtSignals(requests, ends_process=True):
+        session = _Session(prepared, end, options, requests)
+        try:
+            chosen = session.decide()
+        except StoppedError as stopped:
+            session.close()
+            say(f"{stopped}; nothing has moved")
+            return stopped.exit_code
+        except BaseException:
+            session.close()
+            raise
+        if chosen is None:
+            session.close()
+            return session.code
+        resumed, resuming = chosen
+        return run_prepared(resumed, options, manner, requests, resuming)
+
+
+def _check_options(options: RunOptions) -> None:
+    """Refuse options that the recording has.
+
+    Raises:
+        UsageError: One or more are given.
+    """
+    wrong = [
+        "a mission" if each.name == "mission" else _FLAGS.get(each.name, _flag(each.name))
+        for each in fields(options)
+        if each.name not in _MEANT_FOR and getattr(options, each.name) != each.default
+    ]
+    if wrong:
+        raise UsageError(f"--resume takes them from the recording; leave out: {', '.join(wrong)}")
+    if options.look and (options.accept or options.at):
+        raise UsageError("--look only looks: leave out --accept and --at")
+
+
+def _flag(name: str) -> str:
+    return f"--{name.replace('_', '-')}"
+
+
+class _Session:
+    """Looks at the robot until it is decided how to go on.
+
+    Attributes:
+        code: Exit code if it does not go on.
+    """
+
+    def __init__(
+        self, prepared: Prepared, end: EndOfRun, options: RunOptions, requests: StopRequests
+    ) -> None:
+        self.code = CANNOT
+        self._prepared, self._end, self._options = prepared, end, options
+        self._stopper = stopper(requests)
+        states = read_pairs("--state", options.states or (), "REGION=STATE")
+        start_at_m = read_length("--start-at", options.start_at)
+        self._said = Said(options.at or HERE, states, start_at_m)
+        # A simulated robot that is put back has not been in the dark at all.
+        self._dark_s = _dark_s(end) if prepared.backend.real_time else 0.0
+
+    def decide(self) -> tuple[Prepared, Resuming] | None:
+        """Look at the robot and ask; return with what it goes on, None if it does not.
+
+        Raises:
+            BackendError: The robot cannot be reached.
+            UsageError: It cannot go on, or nobody has agreed.
+        """
+        prepared, end, seen = self._prepared, self._end, None
+        for notice in prepared.notices:
+            say(notice)
+        while True:
+            seen = see(prepared, end, driven_s(end, self._dark_s), seen, self._check)
+            found = offer(prepared, end, seen, self._said)
+            self._print(seen, found, self._said)
+            if self._options.look:
+                self.code = CANNOT if found.it is None else CAN
+                return None
+            answer = self._answer(found)
+            said = self._said
+            if answer == "r":
+                said = replace(said, at=FAILURE)
+                found = offer(prepared, end, seen, said)
+                self._print(seen, found, said)
+            if answer in ("g", "r") and found.it is not None:
+                resumed = with_resumption(prepared, end, found.it, said.words)
+                return resumed, Resuming(found.it, seen.look.now_s, seen.look.newest)
+            if answer not in ("l", "r"):
+                say("left as it is: nothing has moved")
+                return None
+
+    def close(self) -> None:
+        """Close the backend."""
+        self._prepared.backend.close()
+        if parting := self._prepared.parting():
+            say(parting)
+
+    def _check(self, text: str) -> None:
+        self._stopper()
+        if text:
+            say(text)
+
+    def _print(self, seen: Seen, found: Offer, said: Said) -> None:
+        out = sys.stderr if self._options.json else sys.stdout
+        facts = Facts(self._end, self._prepared.loaded, self._dark_s, seen.shows, found, said)
+        for line in report_lines(facts):
+            print(visible(line), file=out)
+        out.flush()
+
+    def _answer(self, found: Offer) -> str:
+        """Return the choice: ``g``, ``r``, ``l``, or anything else to leave.
+
+        Raises:
+            UsageError: It cannot go on, or there is nobody to agree.
+        """
+        if self._options.accept and not found.doubts:
+            return "g"
+        if found.refusals:
+            raise UsageError(f"it cannot go on: {'; '.join(found.refusals)}")
+        if not (sys.stdin.isatty() and sys.stderr.isatty()):
+            if self._options.accept:
+                raise UsageError(f"--accept is not enough: {'; '.join(found.doubts)}")
+            raise UsageError("it can go on: agree to it on a terminal, or with --accept")
+        print(_QUESTION, end="", file=sys.stderr, flush=True)
+        return sys.stdin.readline().strip().lower()[:1]
+
+
+def _dark_s(end: EndOfRun) -> float:
+    """Return how long nobody has recorded, by the clocks of this machine, s; at least 0."""
+    began = datetime.fromisoformat(end.recording.header.began)
+    since_s = (datetime.now(UTC) - began).total_seconds()
+    return max(0.0, since_s - (end.last_s - end.began_s))

@@ -1,0 +1,238 @@
+"""Prepare a run that goes on from a recording: its order, its equipment, its header."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields, replace
+from datetime import datetime
+from math import isnan, nan
+from pathlib import Path, PurePosixPath
+from typing import TYPE_CHECKING, Any
+
+from pydantic import TypeAdapter, ValidationError
+
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.resuming.hypotheses import hypotheses
+from pirate_sm.engine.resuming.resumption import Resumption
+from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.loading import library
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.robot.calibration_files import newest_calibration
+from pirate_sm.wiring import Order, Prepared, prepare
+from pirate_sm.wiring.prepared import Say
+from pirate_sm.wiring.run_order import PutBack
+
+if TYPE_CHECKING:
+    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.replay.end_of_run import EndOfRun
+
+COMMITTED_S = 0.5
+"""What may be missing at the end of a recording, s: two intervals between writings."""
+
+
+@dataclass(frozen=True)
+class Again:
+    """What may differ from the recorded run.
+
+    Attributes:
+        port: Port of the robot, in place of the recorded one; likewise the others.
+        start_at_m: Position of the first wheel along the pipe, as a person says; None: unsaid.
+    """
+
+    port: str | None = None
+    baud: int | None = None
+    guard_for_s: float | None = None
+    detector: str | None = None
+    panel: str | None = None
+    start_at_m: float | None = None
+
+
+def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> Prepared:
+    """Return the run that goes on, ready to connect; nothing has moved.
+
+    Mission, robot, pipe, parameters and joint zeros are those of the recording.
+
+    Raises:
+        RecordingError: The recording is of a backend that cannot go on, or its robot is gone.
+        UsageError: An option does not fit, or the robot's calibration has changed.
+    """
+    header = end.recording.header
+    order = _order(header, again)
+    loaded = _with_folder(end.loaded, header)
+    if order.backend == "serial":
+        _check_calibration(loaded, header)
+    if order.backend in ("sim", "physics"):
+        order = replace(order, put_back=_put_back(end, header))
+    elif header.nominal:
+        raise RecordingError("nothing to go on from: in a trace nothing moves, so run it again")
+    if order.start_at_m is None and order.backend != "trace":
+        order = replace(order, start_at_m=first_wheel_m(end))
+    prepared = prepare(order, loaded, say)
+    return replace(prepared, notices=(*_edited(header), *prepared.notices))
+
+
+def first_wheel_m(end: EndOfRun) -> float | None:
+    """Return where the first wheel was along the pipe when the recording ends; None if unknown."""
+    pipe, placed = end.loaded.pipe, end.placed
+    if pipe is None or placed is None or not placed.wheels:
+        return None
+    (x, y), z = placed.wheels[0], placed.space.z_m[0] if placed.space and placed.space.z_m else 0.0
+    return None if isnan(x) else pipe.route().arc_of((x, y, z))
+
+
+def driven_s(end: EndOfRun, dark_s: float) -> float:
+    """Return how long wheels may have been driven in the dark time, infinite if nobody knows.
+
+    A simulated robot stops with its program. The firmware of a real one stops by itself if it has
+    a dead man's switch.
+    """
+    if end.recording.header.backend != "serial":
+        return 0.0
+    serial = end.loaded.loaded_robot.profile.serial
+    stop_after = serial.stop_after if serial is not None else None
+    return dark_s if stop_after is None else min(dark_s, COMMITTED_S + stop_after)
+
+
+def said_odometry_m(end: EndOfRun, start_at_m: float | None) -> float:
+    """Return the odometry by where the first wheel is said to be; NaN if that is not said."""
+    robot, was_m = end.loaded.robot, first_wheel_m(end)
+    if start_at_m is None or was_m is None or robot.odometry < 0:
+        return nan
+    return end.last.sensing.numbers[robot.odometry] + start_at_m - was_m
+
+
+def with_resumption(
+    prepared: Prepared, end: EndOfRun, it: Resumption, said: tuple[str, ...] = ()
+) -> Prepared:
+    """Return the run with the program that goes on, and with the header of its recording.
+
+    Args:
+        prepared: The run, as connected.
+        end: Where the recording was cut off.
+        it: With what the mission goes on.
+        said: What the operator has said about the robot.
+    """
+    from pirate_sm.recording.format.engine_state_text import resumption_to_text
+    from pirate_sm.recording.format.header import ResumedRun
+
+    recording = end.recording
+    before = ResumedRun(
+        *(recording.path.name, recording.sha256, end.last_step, end.last_s),
+        resumption_to_text(it),
+        said,
+    )
+    loaded = replace(prepared.loaded, program=it.program(prepared.loaded.program))
+    engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)
+    resumed = replace(recording.header, resumed=(*recording.header.resumed, before))
+    return replace(prepared, loaded=loaded, engine=engine, resumed=resumed)
+
+
+def header_again(prepared: Prepared, began: datetime, viewers: bool, speed: Any) -> RunHeader:
+    """Return the header of the recording of a run that goes on: that of the run before, changed."""
+    from pirate_sm import __version__
+
+    before = prepared.resumed
+    assert before is not None
+    options = {**before.options, "speed": speed, "port": prepared.order.port}
+    return replace(
+        before,
+        began=began.isoformat(),
+        detector=prepared.detector,
+        options=options,
+        viewers=viewers,
+        version=__version__,
+    )
+
+
+# --- inside -----------------------------------------------------------------------------------
+
+
+def _order(header: RunHeader, again: Again) -> Order:
+    known = {each.name for each in fields(Order)}
+    given: Mapping[str, Any] = {k: v for k, v in header.options.items() if k in known}
+    try:
+        order = TypeAdapter(Order).validate_python({"mission": header.mission, **given})
+    except ValidationError:
+        raise RecordingError("the options in the recording are not those of a run") from None
+    changed = {
+        each.name: getattr(again, each.name)
+        for each in fields(Again)
+        if getattr(again, each.name) is not None
+    }
+    order = replace(
+        order, backend=header.backend, calibration=False, check=False, also=None, ruler=False
+    )
+    if not again.panel:
+        order = replace(order, panel=None)
+    return replace(replace(order, start_at_m=None), **changed)
+
+
+def _with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
+    """Return the mission with the robot's own folder, which has the definitions of its messages."""
+    profile = next(file for file in header.files if file.role == "profile")
+    shipped = profile.path.startswith("shipped:")
+    plain = PurePosixPath(profile.path.removeprefix("shipped:"))
+    path = library.shipped() / plain if shipped else Path(plain)
+    return replace(loaded, loaded_robot=replace(loaded.loaded_robot, folder=path.parent))
+
+
+def _edited(header: RunHeader) -> tuple[str, ...]:
+    """Return a notice about each file that has changed since the recording."""
+    found = []
+    for file in header.files:
+        shipped = file.path.startswith("shipped:")
+        path = library.shipped() / file.path.removeprefix("shipped:") if shipped else file.path
+        try:
+            text = Path(path).read_text(encoding="utf-8")
+        except (OSError, ValueError):
+            continue
+        if text != file.text:
+            found.append(
+                f"{shown(Path(path))} has changed since; the {file.role} of the recording counts"
+            )
+    return tuple(found)
+
+
+def _check_calibration(loaded: LoadedMission, header: RunHeader) -> None:
+    """Refuse a robot whose joint zeros are others now: its angles would mean something else.
+
+    Raises:
+        UsageError: They are others.
+    """
+    used = bool(header.options.get("calibration", True))
+    newest = newest_calibration(loaded.loaded_robot) if used else None
+    zeros = dict(newest.zeros) if newest is not None else {}
+    if zeros != dict(header.zeros):
+        raise UsageError(
+            "the robot was calibrated anew since the recording: its joint zeros are others now"
+        )
+
+
+def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
+    """Return how a simulated robot stood when the recording ends.
+
+    Raises:
+        RecordingError: That was not recorded.
+    """
+    loaded, last, placed = end.loaded, end.last, end.placed
+    profile, numbers = loaded.loaded_robot.profile, loaded.robot.vocabulary.numbers
+    known = dict(zip(numbers, last.sensing.numbers, strict=True))
+    joints = profile.body.joints
+    bends = {joint.name: known.get(joint.name, nan) for joint in joints}
+    torques = {joint.name: known.get(joint.torque or "", nan) for joint in joints}
+    if loaded.pipe is not None and loaded.pipe.section != "bars":
+        raise RecordingError(
+            "a simulated robot in a round pipe cannot be put back: its recording does not hold "
+            "how its parts are turned; run the mission again"
+        )
+    if placed is None or not placed.known or any(map(isnan, (*bends.values(), *torques.values()))):
+        raise RecordingError("where the simulated robot was is not in the recording")
+    body = hypotheses(loaded.robot, loaded.program, last)[0].body
+    return PutBack(
+        tuple((x, y, 0.0) for x, y in placed.wheels),
+        tuple(bends.values()),
+        tuple(torques.values()),
+        tuple(0.0 if isnan(value) else value for value in body.values),
+        end.last_s - end.began_s,
+    )
