@@ -31,13 +31,14 @@ _LAST_BYTES = 4096
 
 
 class Sample(NamedTuple):
-    """The bay at one moment: duties of motors, angles at the wheels' joints, wheels in the pipe."""
+    """The bay at one moment: duties of motors, angles at the wheels' joints, places, torques."""
 
     at_s: float
     joints: tuple[float, ...]
     wheels: tuple[float, ...]
     bends_rad: tuple[float, ...]
     arcs_m: tuple[float, ...]
+    torques_nm: tuple[float, ...]
 
 
 def samples_of(link: Path) -> Iterator[Sample]:
@@ -87,7 +88,8 @@ def main() -> int:
             sampled_s = now
             duties, truth = bay.duties, bay.truth
             joints = len(truth.bends_rad)
-            line = Sample(now, duties[:joints], duties[joints:], truth.bends_rad, truth.arcs_m)
+            driven = duties[:joints], duties[joints:]
+            line = Sample(now, *driven, truth.bends_rad, truth.arcs_m, truth.torques_nm)
             out.write(json.dumps(line) + "\n")
 
     def stopped() -> bool:

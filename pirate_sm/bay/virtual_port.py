@@ -62,6 +62,7 @@ class VirtualPort:
         self, device: Device, silence_s: float = inf, wanted: Sequence[Wanted] = ()
     ) -> None:
         self.device = device
+        self._silence_s, self._wanted = silence_s, tuple(wanted)
         self._guard = Guard(Instructions(silence_s, tuple(wanted)), _EPOCH_S)
         self._now_s = 0.0
         self._data: deque[bytes] = deque()
@@ -128,6 +129,17 @@ class VirtualPort:
         """Kill the runner, and give the guardian until then to act."""
         self._do(self._guard.runner_gone(self._now_s))
         self.wait(until_s)
+
+    def abandon(self) -> None:
+        """Kill the runner and the guardian: nobody writes any more."""
+        self._guard = Guard(Instructions(inf, ()), _EPOCH_S)
+        self.device.close(self._now_s)
+
+    def next_port(self) -> VirtualPort:
+        """Return the port of another program on the same device, at the same time."""
+        port = VirtualPort(self.device, self._silence_s, self._wanted)
+        port._now_s = self._now_s
+        return port
 
     def _notice_cable(self) -> None:
         """Report to the guardian that the cable was unplugged."""

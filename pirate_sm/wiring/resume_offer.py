@@ -20,13 +20,10 @@ from pirate_sm.recording.replay.end_of_run import EndOfRun
 from pirate_sm.runtime.first_look import FirstLook, look
 from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Prepared, Say
-from pirate_sm.wiring.resumed_run import said_odometry_m
+from pirate_sm.wiring.resumed_run import COUNTING, said_odometry_m
 
 _MOST_STOPS = 3
 """How often a stop is written and the robot looked at again before a person must help."""
-
-_COUNTING = ("odometry", "vision")
-"""Detectors that count from where the robot is said to be."""
 
 
 @dataclass(frozen=True)
@@ -147,7 +144,7 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     if isinstance(it, Refused):
         return Offer(table, (it.reason,))
     unknown = unknowns(loaded.robot, it.program(loaded.program), it, table)
-    if prepared.detector in _COUNTING and not shows.way.exact and said.start_at_m is None:
+    if prepared.detector in COUNTING and not shows.way.exact and said.start_at_m is None:
         unknown += (f"where the detector {prepared.detector} counts from: {shows.way.why}",)
     expected = forecast(
         loaded, it, frozenset(each.mark for each in table.verdicts if each.word == "confirmed")

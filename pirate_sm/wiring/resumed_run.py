@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from pirate_sm.recording.format.header import RunHeader
     from pirate_sm.recording.replay.end_of_run import EndOfRun
 
+COUNTING = ("odometry", "vision")
+"""Detectors that count from where the robot is said to be."""
+
 COMMITTED_S = 0.5
 """What may be missing at the end of a recording, s: two intervals between writings."""
 
@@ -66,8 +69,9 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
         order = replace(order, put_back=_put_back(end, header))
     elif header.nominal:
         raise RecordingError("nothing to go on from: in a trace nothing moves, so run it again")
-    if order.start_at_m is None and order.backend != "trace":
-        order = replace(order, start_at_m=first_wheel_m(end))
+    if (again.detector or header.detector).partition(":")[0] in COUNTING:
+        said_m = again.start_at_m
+        order = replace(order, start_at_m=first_wheel_m(end) if said_m is None else said_m)
     prepared = prepare(order, loaded, say)
     return replace(prepared, notices=(*_edited(header), *prepared.notices))
 
@@ -158,7 +162,7 @@ def _order(header: RunHeader, again: Again) -> Order:
     changed = {
         each.name: getattr(again, each.name)
         for each in fields(Again)
-        if getattr(again, each.name) is not None
+        if each.name != "start_at_m" and getattr(again, each.name) is not None
     }
     order = replace(
         order, backend=header.backend, calibration=False, check=False, also=None, ruler=False
