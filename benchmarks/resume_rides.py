@@ -28,6 +28,7 @@ from pirate_sm.errors import PirateError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.recording.replay.end_of_run import EndOfRun, end_of_run
+from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.runtime.backend_links import Holder
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.pump import Pump, Resuming
@@ -213,11 +214,11 @@ def ride_on(
 ) -> tuple[Trace, Pump]:
     """Run the mission until this time, and write what is recorded by then to the file."""
     header = replace(run_header(prepared, inf, datetime.now(UTC)), viewers=False)
-    from pirate_sm.recording.write.recording_file import RecordingFile
-
     memory = _Memory()
     kept = RunRecorder(prepared, header, RecordingFile(memory, header)) if path else None
     tap = kept.recorder if kept is not None else None
+    if tap is not None:
+        tap.ahead_s = MOST_S  # in virtual time nothing is late
     course: list[tuple[str, ...]] = []
 
     def note(effects: Sequence[object], now_s: float) -> None:

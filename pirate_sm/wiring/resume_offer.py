@@ -20,7 +20,7 @@ from pirate_sm.recording.replay.end_of_run import EndOfRun
 from pirate_sm.runtime.first_look import FirstLook, look
 from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Prepared, Say
-from pirate_sm.wiring.resumed_run import COUNTING, said_odometry_m
+from pirate_sm.wiring.resumed_run import COUNTING, said_way
 
 _MOST_STOPS = 3
 """How often a stop is written and the robot looked at again before a person must help."""
@@ -137,14 +137,14 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     refusals = _refusals(shows, table, said)
     if table is None or refusals:
         return Offer(table, refusals or ("no configuration agrees with what is seen",))
+    way = said_way(end, shows.way, said.start_at_m)
     it = resumption(
-        *(loaded.robot, loaded.program, end.last, end.last_s, table.hypothesis, shows.way, said.at),
-        said_odometry_m=said_odometry_m(end, said.start_at_m),
+        *(loaded.robot, loaded.program, end.last, end.last_s, table.hypothesis, way, said.at)
     )
     if isinstance(it, Refused):
         return Offer(table, (it.reason,))
     unknown = unknowns(loaded.robot, it.program(loaded.program), it, table)
-    if prepared.detector in COUNTING and not shows.way.exact and said.start_at_m is None:
+    if prepared.detector in COUNTING and not way.exact:
         unknown += (f"where the detector {prepared.detector} counts from: {shows.way.why}",)
     expected = forecast(
         loaded, it, frozenset(each.mark for each in table.verdicts if each.word == "confirmed")

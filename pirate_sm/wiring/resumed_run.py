@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import TypeAdapter, ValidationError
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.resuming.dark_way import DarkWay
 from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.errors import RecordingError, UsageError
@@ -98,12 +99,17 @@ def driven_s(end: EndOfRun, dark_s: float) -> float:
     return dark_s if stop_after is None else min(dark_s, COMMITTED_S + stop_after)
 
 
-def said_odometry_m(end: EndOfRun, start_at_m: float | None) -> float:
-    """Return the odometry by where the first wheel is said to be; NaN if that is not said."""
-    robot, was_m = end.loaded.robot, first_wheel_m(end)
-    if start_at_m is None or was_m is None or robot.odometry < 0:
-        return nan
-    return end.last.sensing.numbers[robot.odometry] + start_at_m - was_m
+def said_way(end: EndOfRun, way: DarkWay, start_at_m: float | None) -> DarkWay:
+    """Return how far the robot has driven by where the first wheel is said to be.
+
+    What the odometry counted from before stays known then. Without a word about it, or if the
+    recording does not hold where the wheel was, it is what the wheels show.
+    """
+    was_m = first_wheel_m(end)
+    if start_at_m is None or was_m is None:
+        return way
+    way_m = start_at_m - was_m
+    return DarkWay(way_m, way_m, True, "the operator says where it is", seen=way.seen)
 
 
 def with_resumption(

@@ -24,6 +24,9 @@ from pirate_sm.recording.read.reader import Recording, read_end_of_recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import Rerun, rerun, same
 
+_SLOW_WITHIN_S = 1.0
+"""A disk that was too slow so long before the end may have been so at the end, s [D]."""
+
 _PLACES_WITHIN_S = 1.0
 """How far before the end the wheels must have been seen last, s; they are noted at 10 Hz."""
 
@@ -81,7 +84,7 @@ def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
             f"nothing to go on from: the mission of {name} has come to its end; "
             "run it again, with --from to begin with a phase"
         )
-    since_s = 0.0 if after is None else after.at_s
+    since_s = recording.until_s - _SLOW_WITHIN_S
     slow = next(recording.messages(UNLOGGED.name, since_s=since_s), None) is not None
     in_flight = last.robot.flight is not None and last.robot.flight.purpose == "gate"
     maybe = None if in_flight or not slow else _next_command(name, loaded, last)

@@ -74,6 +74,7 @@ class Recorder:
         kept_s: Mission time up to which everything is in the file; None before the first commit.
         begun: Whether anything has been noted.
         stepwise: Whether it looks at the run after each step: for messages for viewers.
+        ahead_s: The longest time that :meth:`secure` waits for the disk.
     """
 
     def __init__(
@@ -88,6 +89,7 @@ class Recorder:
         self.failure = ""
         self.kept_s: float | None = None
         self.begun = False
+        self.ahead_s = AHEAD_S
         self.stepwise = isinstance(side, SideChannel)
         self._file = file
         topics = Topics(header.layout)
@@ -143,7 +145,7 @@ class Recorder:
             self._attend(now_s)
 
     def secure(self) -> None:
-        """Return when everything noted so far is on the disk, but after ``AHEAD_S`` at the latest.
+        """Return when everything noted so far is on the disk, but after ``ahead_s`` at the latest.
 
         If it is not there by then, the recording says so.
         """
@@ -153,7 +155,7 @@ class Recorder:
         self._urgent = True
         self._wake.set()
         with self._written:
-            if self._written.wait_for(lambda: self._written_step >= step, AHEAD_S):
+            if self._written.wait_for(lambda: self._written_step >= step, self.ahead_s):
                 return
         waited_s = perf_counter() - began_s
         with self._gathering:

@@ -5,7 +5,11 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import UTC, datetime
+from math import inf
 from pathlib import Path
+
+from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC
 
 from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.backends.serial.backend import SerialBackend
@@ -24,7 +28,9 @@ from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.pump import Pump
 from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring.run_recorder import RunRecorder, run_header
 from pirate_sm.wiring.sim import start_values
 
 ROOT = Path(__file__).resolve().parents[3]
@@ -113,3 +119,41 @@ def record_serial(path: Path, mission: str, switches: Switches, seed: int = 0) -
     run.execute()
     recorder.close()
     return read_recording(path)
+
+
+class _Memory:
+    """A file in memory."""
+
+    def __init__(self) -> None:
+        self.data = bytearray()
+
+    def write(self, data: bytes, /) -> None:
+        self.data += data
+
+    def close(self) -> None:
+        pass
+
+
+def record_cut_off(path: Path, order: Order, until_s: float) -> None:
+    """Run the mission until then, and keep what a file would hold if everything stopped there."""
+    prepared = prepare(order)
+    header = run_header(prepared, inf, datetime.now(UTC))
+    memory = _Memory()
+    kept = RunRecorder(prepared, header, RecordingFile(memory, header))
+    companions = (*prepared.companions, FirstChoice("a test"))
+    pump = Pump(prepared.engine, prepared.backend, companions=companions, tap=kept.recorder)
+    kept.follow(prepared, lambda: pump.state)
+    pump.start()
+    while pump.now_s < until_s and pump.ended is None:
+        pump.take(*pump.wait(until_s))
+    kept.recorder.close()
+    whole = bytes(memory.data)
+    path.write_bytes(whole[: read_end(whole)])
+
+
+def read_end(data: bytes) -> int:
+    """Return where the pieces of a finished recording end: before its end and its index."""
+    at = len(MCAP0_MAGIC)
+    while data[at] != Opcode.DATA_END:
+        at += 9 + int.from_bytes(data[at + 1 : at + 9], "little")
+    return at

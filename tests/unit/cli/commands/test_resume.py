@@ -1,0 +1,115 @@
+"""`pirate run --resume`, as a person without a terminal meets it, with a simulated robot."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from click.testing import Result
+from typer.testing import CliRunner
+
+from pirate_sm.cli.entry import only_run
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.wiring import Order
+from tests.unit.recording.recording_runs import record_cut_off
+
+CUT_S = 6.0
+
+
+@pytest.fixture(scope="module")
+def cut_off(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+    """A drive through a pipe, cut off while the wheels drive."""
+    path = tmp_path_factory.mktemp("runs") / "cut.mcap"
+    record_cut_off(path, Order("mitre_bend"), CUT_S)
+    return path.read_bytes()
+
+
+@pytest.fixture
+def cut(cut_off: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    path = Path("cut.mcap")
+    path.write_bytes(cut_off)
+    return path
+
+
+def resume(*options: object) -> Result:
+    return CliRunner().invoke(only_run, ["--resume", *map(str, options)])
+
+
+def test_a_look_says_where_it_was_and_what_is_seen(cut: Path) -> None:
+    result = resume(cut, "--look")
+
+    assert result.exit_code == 0
+    assert "mitre_bend on sim" in result.stdout
+    assert f"cut off at {CUT_S:.1f}"[:-2] in result.stdout
+    assert "confirmed    front holds" in result.stdout
+    assert "next: " in result.stdout
+    assert result.stdout.endswith("can go on\n")
+
+
+def test_it_goes_on_to_the_same_end_and_its_recording_names_the_one_before(
+    cut: Path, pirate: Callable[..., Any]
+) -> None:
+    result = resume(cut, "--accept", "--plain", "--speed", "max", "--record", "on.mcap")
+
+    assert result.exit_code == 0
+    assert "succeeded" in result.stdout
+    (before,) = read_recording(Path("on.mcap")).header.resumed
+    assert before.name == cut.name
+    assert before.sha256 == read_recording(cut).sha256
+    assert pirate("replay", "on.mcap").exit_code == 0
+
+
+def test_nobody_agrees_without_a_terminal(cut: Path) -> None:
+    result = resume(cut)
+
+    assert result.exit_code == 2
+    assert "it can go on: agree to it on a terminal, or with --accept" in result.stderr
+
+
+def test_options_that_the_recording_has_are_refused_all_at_once(cut: Path) -> None:
+    result = resume(cut, "mitre_bend", "--set", "a=1", "--pipe", "mitre_90")
+
+    assert result.exit_code == 2
+    assert "leave out: a mission, --pipe, --set" in result.stderr
+
+
+@pytest.mark.parametrize("option", ["--look", "--accept", "--at=pass"])
+def test_its_options_need_a_recording(option: str) -> None:
+    result = CliRunner().invoke(only_run, ["mitre_bend", option])
+
+    assert result.exit_code == 2
+    assert f"{option.partition('=')[0]}: only together with --resume" in result.stderr
+
+
+def test_a_phase_and_a_state_must_exist(cut: Path) -> None:
+    assert "the mission has no phase nowhere" in resume(cut, "--at", "nowhere", "--accept").stderr
+    unknown = resume(cut, "--state", "FrontWheelState=Fixed", "--look")
+    assert unknown.exit_code == 2
+    assert "no region 'FrontWheelState'" in unknown.stderr
+
+
+def test_what_is_said_against_the_sensors_does_not_help(cut: Path) -> None:
+    result = resume(cut, "--state", "BendingState=DoubleClamped", "--look")
+
+    assert "said: BendingState is DoubleClamped" in result.stdout
+    assert "confirmed    rear holds" not in result.stdout
+
+
+def test_a_file_that_is_no_recording(tmp_path: Path) -> None:
+    path = tmp_path / "none.mcap"
+    path.write_text("nothing")
+
+    result = resume(path, "--look")
+
+    assert result.exit_code == 2
+    assert "is not a recording" in result.stderr
+
+
+def test_neither_a_mission_nor_a_recording() -> None:
+    result = CliRunner().invoke(only_run, [])
+
+    assert result.exit_code == 2
+    assert "name a mission, or a recording with --resume" in result.stderr
