@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -31,6 +31,7 @@ help:
 	@echo "make defects every known defect of the robot, in several missions"
 	@echo "make soak    100,000 commands over a bad link to the emulated bay, in virtual time"
 	@echo "make kills   the bend in real time, and something dies at a random moment of it"
+	@echo "make resume  missions cut off at random moments on the emulated bay, and resumed"
 	@echo "make loops   velocity and torque loops over a bad link to the emulated bay"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
@@ -124,6 +125,9 @@ soak: $(VENV)/.ready-soak
 
 kills: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.kills
+
+resume: $(VENV)/.ready-soak
+	$(BIN)/python -m benchmarks.resume
 
 bends: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.bends

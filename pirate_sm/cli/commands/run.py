@@ -73,7 +73,7 @@ def run_mission(options: RunOptions) -> int:
 
         return resume_run(options, Manner(on_terminal, False, factor))
     if options.mission is None:
-        raise UsageError("name a mission, or a recording with --resume")
+        raise UsageError("name a MISSION, or a recording with --resume")
     _refuse_without_resume(options)
     prepared = prepare(order_of(options), say=say)
     if prepared.confirmation and not options.yes:

@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import only_run
 from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.write import recorder
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import record_cut_off
 
@@ -112,4 +113,23 @@ def test_neither_a_mission_nor_a_recording() -> None:
     result = CliRunner().invoke(only_run, [])
 
     assert result.exit_code == 2
-    assert "name a mission, or a recording with --resume" in result.stderr
+    assert "name a MISSION, or a recording with --resume" in result.stderr
+
+
+def test_a_run_that_was_resumed_can_be_resumed_again(
+    cut: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "_HELP_AT", 10)
+    monkeypatch.setattr(recorder, "_MOST_STEPS", 20)
+    resume(cut, "--accept", "--quiet", "--speed", "max", "--record", "on.mcap")
+    whole = Path("on.mcap").read_bytes()
+    pieces = read_recording(Path("on.mcap")).content.pieces
+    again = Path("again.mcap")
+    again.write_bytes(whole[: pieces[len(pieces) // 3].at - 9])
+
+    result = resume(again, "--accept", "--quiet", "--speed", "max", "--record", "end.mcap")
+
+    assert len(pieces) > 1
+    assert result.exit_code == 0, result.stderr
+    chain = read_recording(Path("end.mcap")).header.resumed
+    assert [each.name for each in chain] == ["cut.mcap", "again.mcap"]
