@@ -22,12 +22,14 @@ import time
 from collections import Counter
 from collections.abc import Iterable, Iterator
 from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from datetime import UTC, datetime
 from functools import partial
 from itertools import cycle, islice
 from math import inf
 from multiprocessing import get_context
 from pathlib import Path
 from random import Random
+from statistics import median
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
@@ -47,6 +49,10 @@ from benchmarks.resume_rides import (
 )
 from benchmarks.rounds import MISSION, Port, guardians, start_bay, start_runner, wait_until
 from benchmarks.witness import samples_of
+from pirate_sm.model.events import Tick
+from pirate_sm.recording.format.header import header_of
+from pirate_sm.recording.write.recorder import AHEAD_S, Recorder
+from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 
 PATIENCE_S = 120.0
 BEGINS_S, ENDS_S = 3.0, 30.0
@@ -54,6 +60,7 @@ BEGINS_S, ENDS_S = 3.0, 30.0
 
 DARK_S = (0.3, 5.0)
 LIE_DARK_S = 2.0
+COMMANDS, STEPS_APART_S = 200, 0.01
 _PIRATE = "from pirate_sm.cli.entry import run_main; run_main()"
 _REAL = ("runner", "guardian", "runner and guardian", "bay", "power")
 
@@ -91,6 +98,7 @@ def main() -> int:
         moments = [(kind, random.uniform(BEGINS_S, ENDS_S)) for kind in kinds]
         ports = [Port(Path(folder, f"bay{number}")) for number in range(len(kinds))]
         good &= _tell_real(list(threads.map(_real, moments, ports)))
+    _tell_ahead()
     if wishes.hours:
         _tell_decision(wishes.hours)
     return 0 if good else 1
@@ -157,6 +165,8 @@ def _succeeds(case: Case) -> bool:
 
 
 def _tell_lies(rides: list[Ride]) -> bool:
+    if not rides:
+        return True
     for lie in LIES:
         mine = [it for it in rides if it.case.lie == lie]
         print(f"{lie:20} {len(mine):4}: {_counts(Counter(it.how for it in mine))}")
@@ -233,12 +243,41 @@ def _judge(port: Port, kind: str) -> str:
 
 
 def _tell_real(done: list[Real]) -> bool:
+    if not done:
+        return True
     for it in done:
         wrong = f"  WRONG {it.wrong}" if it.wrong else ""
         print(f"{it.how:8} {it.kind:20} at {it.at_s:4.1f} s: {it.said}{wrong}", flush=True)
     bad = sum(bool(it.wrong) for it in done)
-    print(f"{len(done)} cut off in real time, {_counts(Counter(it.how for it in done))}; {bad} bad")
+    counts = _counts(Counter(it.how for it in done))
+    print(f"{len(done)} cut off in real time: {counts}; {bad} broke a rule")
     return not bad
+
+
+# --- the disk ---------------------------------------------------------------------------------
+
+
+def _tell_ahead() -> None:
+    """Measure how long a command waits until its step is on the disk of the temporary folder."""
+    loaded = loaded_mission(MISSION)
+    header = header_of(
+        loaded, backend="sim", nominal=False, detector="sim", options={}, began=datetime.now(UTC)
+    )
+    with TemporaryDirectory() as folder:
+        file = RecordingFile(DiskFile(Path(folder, "ahead.mcap")), header)
+        keeper = Recorder(file, header, real_time=True)
+        waited_s = []
+        for number in range(COMMANDS):
+            keeper.take(Tick(), number * STEPS_APART_S, ())
+            began_s = time.perf_counter()
+            keeper.secure()
+            waited_s.append(time.perf_counter() - began_s)
+        keeper.close()
+    late = sum(each > AHEAD_S for each in waited_s)
+    print(
+        f"a command waits {median(waited_s) * 1000:.1f} ms for the disk (median of {COMMANDS}), "
+        f"at most {max(waited_s) * 1000:.1f} ms; {late} were sent before it had answered"
+    )
 
 
 # --- the decision -----------------------------------------------------------------------------

@@ -68,8 +68,11 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
         _check_calibration(loaded, header)
     if order.backend in ("sim", "physics"):
         order = replace(order, put_back=_put_back(end, header))
-    elif header.nominal:
-        raise RecordingError("nothing to go on from: in a trace nothing moves, so run it again")
+    elif order.backend != "serial":
+        raise RecordingError(
+            f"nothing to go on from: a robot of the backend {order.backend} is gone with its "
+            "program; run the mission again"
+        )
     if (again.detector or header.detector).partition(":")[0] in COUNTING:
         said_m = again.start_at_m
         order = replace(order, start_at_m=first_wheel_m(end) if said_m is None else said_m)
