@@ -14,6 +14,7 @@ Last the time is measured that the decision takes for a recording of that many h
 from __future__ import annotations
 
 import argparse
+import json
 import os
 import signal
 import subprocess
@@ -207,11 +208,19 @@ def _real(moment: tuple[str, float], port: Port) -> Real:
     finally:
         bay.kill()
         bay.communicate()
-    said = done.stderr.strip().splitlines()
+    said = [*done.stderr.strip().splitlines(), *_end_in(done.stdout)]
     how = {0: "success", 1: "failure", 2: "refused", 3: "failure"}.get(done.returncode, "error")
     if how == "error" or "Traceback" in done.stderr:
         wrong = f"exit code {done.returncode}"
     return Real(kind, at_s, how, said[-1] if said and how != "success" else "", wrong)
+
+
+def _end_in(lines: str) -> Iterator[str]:
+    """Yield the message of the mission's end in the runner's output, if it is there."""
+    for line in lines.splitlines()[-1:]:
+        end = json.loads(line)
+        if end["type"] == "end":
+            yield str(end["message"])
 
 
 def _kill(
