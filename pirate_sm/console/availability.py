@@ -101,10 +101,11 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
 
 
 def untouched(snapshot: Snapshot) -> bool:
-    """Return whether the mission has not begun."""
-    state = snapshot.state
-    start = snapshot.scene.loaded.program.start
-    return state is not None and state.mission.pc == start and not state.mission.begun
+    """Return whether the mission has not begun, in this run or in one that it goes on from."""
+    state, program = snapshot.state, snapshot.scene.loaded.program
+    if state is None or program.goes_on:
+        return False
+    return state.mission.pc == program.start and not state.mission.begun
 
 
 def hand_back(snapshot: Snapshot, phase: str) -> GoTo:

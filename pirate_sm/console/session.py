@@ -18,7 +18,7 @@ from pirate_sm.runtime.clock import Clock
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, Result
-from pirate_sm.runtime.pump import UNCONFIRMED
+from pirate_sm.runtime.pump import UNCONFIRMED, Resuming
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.showing.live_snapshots import scene_of
@@ -45,6 +45,8 @@ class OperatorSession:
         factor: Mission seconds per second of the wall clock.
         clock: The wall clock.
         keep: Records each run.
+        resuming: With what the first mission goes on whose run was cut off; its backend is open.
+        then: The mission of the second run; by default the first one again.
 
     Attributes:
         quitting: Requests to end the session.
@@ -59,6 +61,8 @@ class OperatorSession:
         factor: float = 1.0,
         clock: Clock | None = None,
         keep: Keep = unkept,
+        resuming: Resuming | None = None,
+        then: LoadedMission | None = None,
     ) -> None:
         self.quitting = Quitting()
         self.giver = Giver()
@@ -67,7 +71,8 @@ class OperatorSession:
         self._factor = factor
         self._clock = clock
         self._keep = keep
-        self._next: LoadedMission | None = None
+        self._resuming = resuming
+        self._next = then
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
         self._bridge = RunBridge(scene_of(prepared), prepared)
@@ -165,9 +170,11 @@ class OperatorSession:
             clock=self._clock,
             factor=self._factor,
             after=before,
+            resuming=self._resuming,
             paused=True,
             keep_open=True,
         )
+        self._resuming = None
         self._began_s = run.now_s
         self._bridge.begin(scene_of(prepared), prepared, run)
         kept.follow(run)

@@ -164,7 +164,7 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
     program = replace(loaded.program, diameter_m=before.program.diameter_m)
     loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)
     engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)
-    return replace(prepared, order=order, loaded=loaded, engine=engine, notices=())
+    return replace(prepared, order=order, loaded=loaded, engine=engine, notices=(), resumed=None)
 
 
 def answers(loaded: LoadedMission) -> dict[str, tuple[str, ...]]:

@@ -20,6 +20,8 @@ from pirate_sm.console.mission_list import without_mission
 from pirate_sm.console.recording_hooks import unkept
 from pirate_sm.console.session import Keep, OperatorSession
 from pirate_sm.engine.robot.robot_state import states_of
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.runtime.pump import Resuming
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, Prepared, load, prepare
 
@@ -149,10 +151,14 @@ async def operator(
     order: Order | None = None,
     console: Callable[..., Console] = Console,
     keep: Keep = unkept,
+    resuming: Resuming | None = None,
+    then: LoadedMission | None = None,
 ) -> AsyncIterator[Operator]:
     """The console is open, the robot stands; afterwards it is in its safe state."""
     clock = HandClock()
-    session = OperatorSession(prepared or by_hand(order), clock=clock, keep=keep)
+    session = OperatorSession(
+        prepared or by_hand(order), clock=clock, keep=keep, resuming=resuming, then=then
+    )
     # It shows what there is when the operator looks. Frames in the time of the wall would keep
     # the process busy, and the pilot waits after every key until the process is idle.
     app = console(session, frames_per_s=0)

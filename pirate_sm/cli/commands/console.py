@@ -19,7 +19,7 @@ from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.runtime.outcome import BUG, SUCCEEDED
-from pirate_sm.runtime.stop_requests import CaughtSignals
+from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Order, Prepared, load, prepare
 
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from pirate_sm.console.recording_hooks import RunKeeper
     from pirate_sm.console.session import OperatorSession
     from pirate_sm.control_panel.panel_reader import PanelReader
+    from pirate_sm.loading.mission import LoadedMission
+    from pirate_sm.runtime.pump import Resuming
     from pirate_sm.showing.snapshot import Snapshot
 
 _LOOK_EVERY_S = 0.1
@@ -53,7 +55,21 @@ def open_console(options: ConsoleOptions) -> int:
     _check_terminal()
     if order.mission.endswith(RECORDING):
         return _view(order.mission)
-    session = _session(order, factor, RecordingOptions(None, options.no_record, options.live))
+    recording = RecordingOptions(None, options.no_record, options.live)
+    if options.resume is not None:
+        from pirate_sm.cli.commands.resume import resume_dialog
+
+        requests = StopRequests()
+        dialog = resume_dialog(options, requests)
+        with CaughtSignals(requests):
+            chosen = dialog.decide()
+        if chosen is None:
+            return dialog.code
+        session = _session(chosen[0], factor, recording, chosen[1], dialog.prepared.loaded)
+    elif options.at:
+        raise UsageError("--at: only together with --resume")
+    else:
+        session = _session(_prepared(order), factor, recording)
     from pirate_sm.console.app import Console
     from pirate_sm.console.check_process import CheckProcess
     from pirate_sm.console.terminal_driver import StopDriver
@@ -103,7 +119,13 @@ def _check_terminal() -> None:
         )
 
 
-def _session(order: Order, factor: float, recording: RecordingOptions) -> OperatorSession:
+def _session(
+    prepared: Prepared,
+    factor: float,
+    recording: RecordingOptions,
+    resuming: Resuming | None = None,
+    then: LoadedMission | None = None,
+) -> OperatorSession:
     """Return a session of the console with a recording of each mission."""
     from pirate_sm.console.recording_hooks import unkept
     from pirate_sm.console.session import OperatorSession
@@ -113,7 +135,7 @@ def _session(order: Order, factor: float, recording: RecordingOptions) -> Operat
             return unkept(prepared)
         return recorded(prepared, recording, factor)
 
-    return OperatorSession(_prepared(order), factor=factor, keep=keep)
+    return OperatorSession(prepared, factor=factor, keep=keep, resuming=resuming, then=then)
 
 
 def _view(path: str) -> int:

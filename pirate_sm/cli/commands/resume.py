@@ -1,4 +1,4 @@
-"""`pirate run --resume`: looks at a robot whose run was cut off, and goes on if that is safe."""
+"""`--resume`: looks at a robot whose run was cut off, and goes on if that is safe and agreed."""
 
 from __future__ import annotations
 
@@ -6,10 +6,11 @@ import sys
 from dataclasses import fields, replace
 from datetime import UTC, datetime
 from pathlib import Path
+from typing import NamedTuple
 
 from pirate_sm.cli.commands.run import Manner, run_prepared
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.running import RunOptions
+from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
 from pirate_sm.cli.output.resume_report import Facts, report_lines
 from pirate_sm.cli.robot_connection import StoppedError, stopper
@@ -45,6 +46,23 @@ def resume_run(options: RunOptions, manner: Manner) -> int:
         RecordingError: There is nothing to go on from.
         UsageError: An option does not fit, or nobody has agreed; nothing has moved.
     """
+    requests = StopRequests()
+    dialog = resume_dialog(options, requests)
+    with CaughtSignals(requests, ends_process=True):
+        chosen = dialog.decide()
+        if chosen is None:
+            return dialog.code
+        resumed, resuming = chosen
+        return run_prepared(resumed, options, manner, requests, resuming)
+
+
+def resume_dialog(options: RunOptions | ConsoleOptions, requests: StopRequests) -> ResumeDialog:
+    """Read the recording of the options and prepare its run; nothing is connected yet.
+
+    Raises:
+        RecordingError: There is nothing to go on from.
+        UsageError: An option does not fit.
+    """
     _check_options(options)
     end = end_of_run(Path(options.resume or ""))
     again = Again(
@@ -55,27 +73,16 @@ def resume_run(options: RunOptions, manner: Manner) -> int:
         options.panel,
         read_length("--start-at", options.start_at),
     )
-    prepared = prepare_again(end, again, say)
-    requests = StopRequests()
-    with CaughtSignals(requests, ends_process=True):
-        session = _Session(prepared, end, options, requests)
-        try:
-            chosen = session.decide()
-        except StoppedError as stopped:
-            session.close()
-            say(f"{stopped}; nothing has moved")
-            return stopped.exit_code
-        except BaseException:
-            session.close()
-            raise
-        if chosen is None:
-            session.close()
-            return session.code
-        resumed, resuming = chosen
-        return run_prepared(resumed, options, manner, requests, resuming)
+    states = read_pairs("--state", options.states or (), "REGION=STATE")
+    said = Said(options.at or HERE, states, again.start_at_m)
+    if isinstance(options, RunOptions):
+        wishes = _Wishes(options.look, options.accept, options.json)
+    else:
+        wishes = _Wishes()
+    return ResumeDialog(prepare_again(end, again, say), end, said, wishes, requests)
 
 
-def _check_options(options: RunOptions) -> None:
+def _check_options(options: RunOptions | ConsoleOptions) -> None:
     """Refuse options that the recording has.
 
     Raises:
@@ -88,7 +95,7 @@ def _check_options(options: RunOptions) -> None:
     ]
     if wrong:
         raise UsageError(f"--resume takes them from the recording; leave out: {', '.join(wrong)}")
-    if options.look and (options.accept or options.at):
+    if isinstance(options, RunOptions) and options.look and (options.accept or options.at):
         raise UsageError("--look only looks: leave out --accept and --at")
 
 
@@ -96,40 +103,66 @@ def _flag(name: str) -> str:
     return f"--{name.replace('_', '-')}"
 
 
-class _Session:
+class _Wishes(NamedTuple):
+    """How to decide: only to look; without asking; with standard output left to JSON."""
+
+    look: bool = False
+    accept: bool = False
+    json: bool = False
+
+
+class ResumeDialog:
     """Looks at the robot until it is decided how to go on.
 
     Attributes:
+        prepared: The run as it was recorded.
         code: Exit code if it does not go on.
     """
 
     def __init__(
-        self, prepared: Prepared, end: EndOfRun, options: RunOptions, requests: StopRequests
+        self,
+        prepared: Prepared,
+        end: EndOfRun,
+        said: Said,
+        wishes: _Wishes,
+        requests: StopRequests,
     ) -> None:
         self.code = CANNOT
-        self._prepared, self._end, self._options = prepared, end, options
+        self.prepared = prepared
+        self._end, self._said, self._wishes = end, said, wishes
         self._stopper = stopper(requests)
-        states = read_pairs("--state", options.states or (), "REGION=STATE")
-        start_at_m = read_length("--start-at", options.start_at)
-        self._said = Said(options.at or HERE, states, start_at_m)
         # A simulated robot that is put back has not been in the dark at all.
         self._dark_s = _dark_s(end) if prepared.backend.real_time else 0.0
 
     def decide(self) -> tuple[Prepared, Resuming] | None:
         """Look at the robot and ask; return with what it goes on, None if it does not.
 
+        The backend is closed unless it goes on.
+
         Raises:
             BackendError: The robot cannot be reached.
             UsageError: It cannot go on, or nobody has agreed.
         """
-        prepared, end, seen = self._prepared, self._end, None
+        chosen = None
+        try:
+            chosen = self._decide()
+        except StoppedError as stopped:
+            say(f"{stopped}; nothing has moved")
+            self.code = stopped.exit_code
+        finally:
+            if chosen is None:
+                self._close()
+        return chosen
+
+    def _decide(self) -> tuple[Prepared, Resuming] | None:
+        prepared, end, seen = self.prepared, self._end, None
         for notice in prepared.notices:
             say(notice)
         while True:
             seen = see(prepared, end, driven_s(end, self._dark_s), seen, self._check)
             found = offer(prepared, end, seen, self._said)
             self._print(seen, found, self._said)
-            if self._options.look:
+            if self._wishes.look:
                 self.code = CANNOT if found.it is None else CAN
                 return None
             answer = self._answer(found)
@@ -145,10 +178,9 @@ class _Session:
                 say("left as it is: nothing has moved")
                 return None
 
-    def close(self) -> None:
-        """Close the backend."""
-        self._prepared.backend.close()
-        if parting := self._prepared.parting():
+    def _close(self) -> None:
+        self.prepared.backend.close()
+        if parting := self.prepared.parting():
             say(parting)
 
     def _check(self, text: str) -> None:
@@ -157,8 +189,8 @@ class _Session:
             say(text)
 
     def _print(self, seen: Seen, found: Offer, said: Said) -> None:
-        out = sys.stderr if self._options.json else sys.stdout
-        facts = Facts(self._end, self._prepared.loaded, self._dark_s, seen.shows, found, said)
+        out = sys.stderr if self._wishes.json else sys.stdout
+        facts = Facts(self._end, self.prepared.loaded, self._dark_s, seen.shows, found, said)
         for line in report_lines(facts):
             print(visible(line), file=out)
         out.flush()
@@ -169,12 +201,12 @@ class _Session:
         Raises:
             UsageError: It cannot go on, or there is nobody to agree.
         """
-        if self._options.accept and not found.doubts:
+        if self._wishes.accept and not found.doubts:
             return "g"
         if found.refusals:
             raise UsageError(f"it cannot go on: {'; '.join(found.refusals)}")
         if not (sys.stdin.isatty() and sys.stderr.isatty()):
-            if self._options.accept:
+            if self._wishes.accept:
                 raise UsageError(f"--accept is not enough: {'; '.join(found.doubts)}")
             raise UsageError("it can go on: agree to it on a terminal, or with --accept")
         print(_QUESTION, end="", file=sys.stderr, flush=True)

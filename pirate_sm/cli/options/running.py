@@ -114,6 +114,14 @@ class ConsoleOptions:
             help="A shipped mission's name, or a file; a recording to look through.",
         ),
     ] = None
+    resume: Annotated[
+        str | None,
+        typer.Option(metavar="RUN.mcap", help="Take over a run that was cut off."),
+    ] = None
+    at: Annotated[
+        str | None,
+        typer.Option("--at", metavar="PHASE", help="With --resume: go on with this phase."),
+    ] = None
     backend: common.Backend = "sim"
     robot: common.RobotOfMission = None
     pipe: common.PipeOfMission = None

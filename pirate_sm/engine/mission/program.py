@@ -279,6 +279,11 @@ class Program:
         wanted = control if control and control in entries else next(iter(entries), 0)
         return entries[wanted] if entries and (control or wanted) else self.enter(phase)
 
+    @property
+    def goes_on(self) -> bool:
+        """Whether it starts within a phase, as the program of a run that was cut off does."""
+        return self.start != self.enter(self.phase_of[self.start])
+
     def handler(self, at: int, code: str) -> HandlerSpec | None:
         """Return the innermost handler for a fault at this instruction."""
         if not 0 <= at < len(self.handlers):
