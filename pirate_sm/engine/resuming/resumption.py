@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import nan
 from typing import NamedTuple
 
 from pirate_sm.engine.mission.program import HERE, Program
@@ -54,8 +54,6 @@ def resumption(
     hypothesis: Hypothesis,
     way: DarkWay,
     at: str = HERE,
-    *,
-    said_odometry_m: float = nan,
 ) -> Resumption | Refused:
     """Return with what the mission goes on, or why it cannot.
 
@@ -65,14 +63,11 @@ def resumption(
         last: The engine's last recorded state.
         last_s: When that was, s.
         hypothesis: Where the robot is taken to be.
-        way: How far it has driven since.
+        way: How far it has driven since, as its wheels show or a person says.
         at: Where to go on: ``here``, ``failure`` or a phase, see :func:`.entry.entry`.
-        said_odometry_m: The odometry by what a person says; NaN if nobody does.
     """
-    said = not isnan(said_odometry_m)
-    exact = way.exact and not said
     lost = {wheel.angle for wheel in robot.wheels} - way.seen
-    if not exact:
+    if not way.exact:
         lost.add(robot.odometry)
     found = entry(robot, program, last, last_s, hypothesis.body, at, lost=lost)
     if isinstance(found, Refused):
@@ -86,6 +81,6 @@ def resumption(
         mission.diverting.go_name if mission.diverting is not None else mission.handling,
         mission.paused or mission.pause_wanted,
         last.rules,
-        said_odometry_m if said else odometry_m(robot, last.sensing, way),
-        not (exact or said) and robot.odometry >= 0,
+        odometry_m(robot, last.sensing, way),
+        not way.exact and robot.odometry >= 0,
     )
