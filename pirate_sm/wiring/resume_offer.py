@@ -20,7 +20,7 @@ from pirate_sm.recording.replay.end_of_run import EndOfRun
 from pirate_sm.runtime.first_look import FirstLook, look
 from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Prepared, Say
-from pirate_sm.wiring.resumed_run import COUNTING, said_way
+from pirate_sm.wiring.resumed_run import COUNTING, edited, said_way
 
 _MOST_STOPS = 3
 """How often a stop is written and the robot looked at again before a person must help."""
@@ -70,6 +70,7 @@ class Offer(NamedTuple):
         unknown: What the mission depends on and nobody has seen; a person must agree to it.
         it: With what it goes on; None if it cannot.
         forecast: What can become of it, if that was explored.
+        edited: Which files have changed since the recording; a person must agree to that too.
     """
 
     table: VerdictTable | None
@@ -77,6 +78,7 @@ class Offer(NamedTuple):
     unknown: tuple[str, ...] = ()
     it: Resumption | None = None
     forecast: Forecast | None = None
+    edited: tuple[str, ...] = ()
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -84,9 +86,8 @@ class Offer(NamedTuple):
         expected = self.forecast
         if self.refusals or expected is None:
             return self.refusals or ("nobody knows what would become of it",)
-        if expected.word == "possible":
-            return self.unknown
-        return (*self.unknown, f"it {expected.word}: {expected.why}")
+        expects = () if expected.word == "possible" else (f"it {expected.word}: {expected.why}",)
+        return (*self.edited, *self.unknown, *expects)
 
 
 def see(
@@ -152,7 +153,7 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     if expected.word == "impossible":
         return Offer(table, (f"it cannot succeed: {expected.why}",), unknown, None, expected)
     it = it._replace(body=it.body._replace(next_id=seen.next_id))
-    return Offer(table, (), unknown, it, expected)
+    return Offer(table, (), unknown, it, expected, edited(end.recording.header))
 
 
 def _refusals(shows: Reconciled, table: VerdictTable | None, said: Said) -> tuple[str, ...]:

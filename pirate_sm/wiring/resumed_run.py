@@ -77,7 +77,7 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
         said_m = again.start_at_m
         order = replace(order, start_at_m=first_wheel_m(end) if said_m is None else said_m)
     prepared = prepare(order, loaded, say)
-    return replace(prepared, notices=(*_edited(header), *prepared.notices))
+    return replace(prepared, notices=(*edited(header), *prepared.notices))
 
 
 def first_wheel_m(end: EndOfRun) -> float | None:
@@ -190,7 +190,7 @@ def _with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
     return replace(loaded, loaded_robot=replace(loaded.loaded_robot, folder=path.parent))
 
 
-def _edited(header: RunHeader) -> tuple[str, ...]:
+def edited(header: RunHeader) -> tuple[str, ...]:
     """Return a notice about each file that has changed since the recording."""
     found = []
     for file in header.files:

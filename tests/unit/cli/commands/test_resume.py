@@ -16,6 +16,7 @@ from pirate_sm.recording.write import recorder
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import record_cut_off
 
+ROOT = Path(__file__).parents[4]
 CUT_S = 6.0
 
 
@@ -83,6 +84,24 @@ def test_its_options_need_a_recording(option: str) -> None:
 
     assert result.exit_code == 2
     assert f"{option.partition('=')[0]}: only together with --resume" in result.stderr
+
+
+def test_a_mission_that_was_edited_since_is_asked_about(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    mission = tmp_path / "mine.yaml"
+    shipped = (ROOT / "sequences/enter_3d.yaml").read_text("utf-8")
+    mission.write_text(shipped, "utf-8")
+    record_cut_off(Path("cut.mcap"), Order(str(mission)), 2.0)
+    assert resume("cut.mcap", "--look").exit_code == 0
+    mission.write_text(shipped + "# a word more\n", "utf-8")
+
+    result = resume("cut.mcap", "--accept")
+
+    assert result.exit_code == 2
+    assert "--accept is not enough: " in result.stderr
+    assert "mine.yaml has changed since; the mission of the recording counts" in result.stderr
 
 
 def test_a_phase_and_a_state_must_exist(cut: Path) -> None:
