@@ -129,9 +129,9 @@ _LEAST_ROLLING = 0.05
 # Slip angle at which a rolling wheel slides sideways; below, it creeps in proportion to the force
 # (brush model of a tyre: Pacejka, Tire and Vehicle Dynamics, chapter 3) [assumed].
 _SLIDING_SLIP_RAD = 0.1
-# Beyond this depth a tyre is this many times as stiff [assumed]. Wheels of a clamped part get there
-# on the edge of a step.
-_FLAT_TYRE_M, _FLAT_TYRE_STIFFER = 0.0018, 4.0
+# Deeper than the first, as on the edge of a step, a tyre is so many times as stiff [assumed]. The
+# last is pushed out in a substep at most, lest a wheel that comes over a rim is thrown [by trial].
+_FLAT_TYRE_M, _FLAT_TYRE_STIFFER, _DEEPEST_M = 0.0018, 4.0, 0.006
 
 
 @compiled
@@ -591,6 +591,7 @@ def _prepare_contacts(
         con[c, PUSH_INV] = 1.0 / (body[i, MASS_INV] + compliance)
         # The gap as one of constant stiffness would be with the same force.
         con[c, GAP] += (_FLAT_TYRE_STIFFER - 1.0) * min(0.0, con[c, GAP] + _FLAT_TYRE_M)
+        con[c, GAP] = max(con[c, GAP], -_DEEPEST_M)
         if who[c, SURFACE] < 0:
             con[c, K_MU] = 0.0
             continue

@@ -191,6 +191,20 @@ def test_a_robot_that_leaves_the_pipe_falls_and_all_its_quantities_are_numbers(
     assert np.isfinite(robot.physics.state.array).all()
 
 
+@pytest.mark.parametrize(("length_m", "pitch"), [(1.0, 40), (1.2, 60), (1.2, 80), (1.0, 85)])
+def test_a_robot_that_topples_over_the_rim_of_an_upper_end_stays_a_robot(
+    place: Place, length_m: float, pitch: float
+) -> None:
+    upwards = straight(length_m, section="round", tilt_rad=math.radians(pitch))
+    robot = place(upwards, at=length_m - 0.3, physics=SpaceWorld)
+    robot.clamp(*ALL_JOINTS)
+    robot.drive(1.0)
+    robot.run(12.0)
+    assert np.isfinite(robot.physics.state.array).all()
+    places = robot.physics.places()
+    assert max(map(math.dist, places, places[1:])) < 0.13
+
+
 def test_equal_calls_give_equal_quantities_in_a_bend(place: Place) -> None:
     runs = []
     for _ in range(2):
