@@ -57,6 +57,7 @@ class _Tables:
 
     def __init__(self, loaded: LoadedMission, folder: Path, stack: ExitStack) -> None:
         self._wheels = loaded.loaded_robot.profile.body.wheels
+        self._parts = loaded.robot.parts
         self._folder = folder
         self._stack = stack
         self._writers: dict[str, Any] = {}
@@ -74,10 +75,18 @@ class _Tables:
             self._folder.rmdir()
 
     def places(self, it: Placed) -> None:
-        """Add the position of each wheel; ``known`` is 1 if a simulator knew the true one."""
+        """Add the position of each wheel; ``known`` is 1 if a simulator knew the true one.
+
+        A robot in space has the third coordinate of each wheel besides, the angle of its roll
+        joint and the roll of each part.
+        """
         columns = [f"{wheel.name}_{axis}_m" for wheel in self._wheels for axis in "xy"]
-        places = map(_shortest, chain.from_iterable(it.wheels))
-        row = (it.at_s, int(it.known), *places)
+        places = [*chain.from_iterable(it.wheels)]
+        if it.space is not None:
+            columns += [f"{wheel.name}_z_m" for wheel in self._wheels]
+            columns += [f"roll_{name}_rad" for name in ("joint", *self._parts)]
+            places += [*it.space.z_m, *it.space.rolls_rad]
+        row = (it.at_s, int(it.known), *map(_shortest, places))
         self.add(TableRow("places", (TIME, "known", *columns), row))
 
     def add(self, row: TableRow) -> None:

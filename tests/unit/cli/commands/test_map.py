@@ -17,6 +17,14 @@ def test_a_recording_becomes_a_pipe_file(pirate, tmp_path: Path) -> None:
     assert pirate("map", recording).output.endswith("\n")
 
 
+def test_a_trace_has_nothing_to_map(pirate, tmp_path: Path) -> None:
+    recording = tmp_path / "trace.mcap"
+    run("enter_2d", backend="trace", record=recording)
+    done = pirate("map", recording)
+    assert (done.exit_code, done.stdout) == (2, "")
+    assert "nothing to map: the recording shows no angle of any wheel" in done.stderr
+
+
 def test_a_wrong_length_and_no_recording_are_refused(pirate, tmp_path: Path) -> None:
     assert pirate("map", tmp_path / "none.mcap").exit_code == 2
     assert pirate("map", tmp_path / "none.mcap", "--start-at", "5 s").exit_code == 2

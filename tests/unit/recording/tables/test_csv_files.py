@@ -8,6 +8,7 @@ import pandas
 import pytest
 from recording_runs import record
 
+import pirate_sm
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import RecordingError
 from pirate_sm.recording.read.reader import read_recording
@@ -125,3 +126,17 @@ def test_what_nothing_read_in_the_run_is_in_the_table_all_the_same(tables):
     forces = [float(row[heading.index("normal_force_1_N")] or "nan") for row in rows]
 
     assert sum(force > 5 for force in forces) > len(rows) / 4
+
+
+def test_places_of_a_robot_in_space_have_three_coordinates_and_rolls(tmp_path):
+    pirate_sm.run("turn_left", record=tmp_path / "run.mcap")
+    recording = read_recording(tmp_path / "run.mcap")
+    with recorded_mission(recording.header) as loaded:
+        write_tables(recording, loaded, tmp_path / "csv")
+
+    frame = pandas.read_csv(tmp_path / "csv" / "places.csv")
+
+    rolls = ["roll_joint_rad", "roll_front_rad", "roll_rear_rad"]
+    assert list(frame.columns[-4:]) == ["wheel_6_z_m", *rolls]
+    # The rotation joint turns one part by a quarter against the other.
+    assert frame["roll_joint_rad"].abs().max() == pytest.approx(1.57, abs=0.2)
