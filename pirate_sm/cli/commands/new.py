@@ -91,13 +91,15 @@ def _along_route(options: NewMissionOptions, loaded: LoadedRobot, robot: str) ->
     problems = Problems(document)
     check_fit(pipe, loaded.profile, document, problems)
     problems.raise_errors()
-    route = options.route or ""
-    if route and route not in pipe.ways:
+    route = options.route
+    if route is not None and route not in pipe.ways:
         hint = meant(route, sorted(pipe.ways))
         raise UsageError(f"'{options.pipe}' has no route '{route}': {hint}")
     course = course_along(pipe.along(route) if route else pipe, loaded.profile)
     assert loaded.profile.travel is not None  # as course_along has seen
-    return mission_along(options.name, route, options.pipe, robot, course, loaded.profile.travel)
+    return mission_along(
+        options.name, route or "", options.pipe, robot, course, loaded.profile.travel
+    )
 
 
 def write_pipe(options: NewPipeOptions) -> int:

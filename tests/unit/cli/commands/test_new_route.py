@@ -30,9 +30,12 @@ def test_the_check_accepts_a_mission_along_a_route(pirate) -> None:
     assert (checked.exit_code, checked.stderr) == (0, "")
 
 
-@pytest.mark.slow
-def test_the_robot_arrives_at_the_end_of_the_route(pirate, pirate_run) -> None:
-    pirate("new", "mission", "trip", "--pipe", "u_turn")
+@pytest.mark.parametrize("kind", ["own", "new", "new --round"])
+def test_the_robot_arrives_at_the_end_of_the_route(pirate, pirate_run, kind: str) -> None:
+    name = "u_turn" if kind == "own" else "fresh"
+    if kind != "own":
+        pirate("new", "pipe", *kind.split()[1:], name)
+    pirate("new", "mission", "trip", "--pipe", name)
     driven = pirate_run("trip.yaml", "--speed", "max", "--no-record", "--quiet")
     assert driven.exit_code == 0
     assert "At the end of the route" in driven.output
@@ -43,6 +46,7 @@ def test_the_robot_arrives_at_the_end_of_the_route(pirate, pirate_run) -> None:
     [
         (["--route", "main"], "--route needs the pipe"),
         (["--pipe", "u_turn", "--route", "other"], "has no route 'other'"),
+        (["--pipe", "u_turn", "--route", ""], "has no route ''"),
         (["--pipe", "nowhere"], "there is no pipe 'nowhere'"),
     ],
 )
