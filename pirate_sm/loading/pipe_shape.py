@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
+from math import floor
 
 from pirate_sm.geometry.clearance import crossings
 from pirate_sm.geometry.network import Network, Run
@@ -168,7 +169,8 @@ def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
     for path, found, most in places:
         if found > most:
             message = f"{mm(found)} is beyond the end of the pipe"
-            problems.add("pipe.place", path, message, expected=f"at most {mm(most)}")
+            limit = f"at most {mm(floor(most * 1000) / 1000)}"
+            problems.add("pipe.place", path, message, expected=limit)
 
 
 def _length_m(pipe: Pipe, run: str) -> float:
