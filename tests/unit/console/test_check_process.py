@@ -33,7 +33,7 @@ def _kill() -> None:
 def test_it_answers_as_this_process_would_for_one_mission_after_the_other(
     process: CheckProcess,
 ) -> None:
-    for name in ("mitre_bend", "exp_3_drive", "mitre_bend"):
+    for name in ("enter_2d", "exp_3_drive", "enter_2d"):
         loaded = load(Order(name))
         body = at_rest_in(loaded.robot, loaded.program.start_configuration)
         entries = ask_here(look_at_entries, loaded, body)
