@@ -10,6 +10,7 @@ from pirate_sm.campaign.results import CampaignResult, CauseResult, CellResult
 from pirate_sm.report.figure_page import FigureSection, figure_page
 
 _STYLE = """<style>
+.wide { overflow-x: auto; }
 .heat td { text-align: center; border: 1px solid var(--line); min-width: 90px; }
 .heat .bad { outline: 2px solid var(--bad); outline-offset: -2px; }
 .heat small { display: block; color: var(--soft); }
@@ -46,11 +47,12 @@ def _map(result: CampaignResult) -> Iterator[str]:
     rows = list(dict.fromkeys(cell.row for cell in result.cells))
     columns = list(dict.fromkeys(cell.column for cell in result.cells))
     heads = "".join(f'<th scope="col">{escape(column)}</th>' for column in columns)
+    yield '<div class="wide" tabindex="0">'
     yield f'<table class="heat"><thead><tr><th></th>{heads}</tr></thead><tbody>'
     for row in rows:
         fields = "".join(_field(cells.get((row, column))) for column in columns)
         yield f'<tr><th scope="row">{escape(row)}</th>{fields}</tr>'
-    yield "</tbody></table>"
+    yield "</tbody></table></div>"
 
 
 def _field(cell: CellResult | None) -> str:

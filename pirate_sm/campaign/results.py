@@ -198,7 +198,8 @@ def _lines(result: CampaignResult) -> Iterator[str]:
         yield f"{name}: not run, a cell before it is not as expected"
     runs = sum(cell.runs for cell in result.cells)
     below = sum(not cell.good for cell in result.cells)
-    yield f"{runs:,} runs of {len(result.cells)} cells: {below or 'none'} not as expected"
+    cells = "1 cell" if len(result.cells) == 1 else f"{len(result.cells)} cells"
+    yield f"{runs:,} runs of {cells}: {f'{below} not as expected' if below else 'as expected'}"
 
 
 def _cause_lines(cause: CauseResult) -> Iterator[str]:
