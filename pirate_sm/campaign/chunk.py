@@ -24,7 +24,7 @@ CHUNK = 20
 """Runs of a chunk: Dask takes some 10 ms of the client's processor for a task of any length."""
 
 _MOST_LOADED = 16
-"""A worker keeps so many loaded missions."""
+"""The most loaded missions that a worker keeps."""
 
 
 class OtherVersionError(Exception):

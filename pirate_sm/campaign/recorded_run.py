@@ -22,7 +22,7 @@ from pirate_sm.wiring import prepare
 Which: TypeAlias = Literal["first", "all", "none"]
 
 _MOST_CAUSES = 10
-"""So many causes of a cell are recorded."""
+"""The most causes of a cell that are recorded."""
 
 _LONGEST = 80
 

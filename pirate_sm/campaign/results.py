@@ -14,7 +14,7 @@ from pirate_sm.campaign.tally import Cause, Tally
 from pirate_sm.model.campaign import Expectation
 
 _MOST_SEEDS = 10
-"""So many seeds of a cause are printed."""
+"""The most seeds of a cause that are printed."""
 
 
 @dataclass(frozen=True)

@@ -18,7 +18,7 @@ from pirate_sm.campaign.plan import Cell
 from pirate_sm.model.campaign import StoppingRule
 
 _MOST_SEEDS = 100
-"""So many seeds are kept for each cause."""
+"""The most seeds that are kept for each cause."""
 
 _MEASURED = re.compile(r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|mm|m|deg|Nm|mNm|%|Hz|V|A)\b)")
 """Numbers in a message that differ from run to run."""

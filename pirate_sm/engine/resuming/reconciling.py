@@ -170,7 +170,7 @@ def verdicts(
         for number, rule in enumerate(fatal):
             true = rule.when.evaluate(sensing.numbers, words) is True
             raised[number] = _since(raised[number], true, at_s)
-    told = []
+    judged = []
     for mark in marks:
         found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
         confirmed = has_come(now_s, agrees[mark] + found.for_s)
@@ -183,14 +183,14 @@ def verdicts(
             about, state = robot.parts[mark.which], "holds"
         spec = spec_of(robot, names, mark)
         shown = shown_by(robot, spec, last.sensing.numbers, sensing.numbers, diameter_m)
-        told.append(StateVerdict(mark, about, state, word, why, shown))
+        judged.append(StateVerdict(mark, about, state, word, why, shown))
     refusals = [
         f"{rule.code}: {rule.message}"
         for rule, since in zip(fatal, raised, strict=True)
         if has_come(now_s, since + rule.held_s)
     ]
-    hypothesis = hypothesis._replace(body=_redeclared(last, body, told))
-    return VerdictTable(hypothesis, tuple(told), tuple(dict.fromkeys(refusals)))
+    hypothesis = hypothesis._replace(body=_redeclared(last, body, judged))
+    return VerdictTable(hypothesis, tuple(judged), tuple(dict.fromkeys(refusals)))
 
 
 def turning(robot: RobotSpec, numbers: Numbers) -> bool:
@@ -221,11 +221,11 @@ def _course(
     yield now_s, forget_stale(robot, sensing, now_s)
 
 
-def _redeclared(last: EngineState, body: RobotState, told: Sequence[StateVerdict]) -> RobotState:
+def _redeclared(last: EngineState, body: RobotState, judged: Sequence[StateVerdict]) -> RobotState:
     """Return the robot with what the sensors show now declared, although they had not before."""
     shown = {
         each.mark
-        for each in told
+        for each in judged
         if each.word == "confirmed"
         and each.mark.command == DENIED
         and each.mark not in last.robot.marks

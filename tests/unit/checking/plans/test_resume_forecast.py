@@ -58,12 +58,12 @@ def test_with_all_known_it_is_possible(climb):
 def test_a_wait_for_a_position_that_nobody_knows_may_hang(climb):
     found, _ = cut_off_in_a_wait(climb, "down", DRIVING, UNKNOWN)
 
-    told = forecast(climb, found)
+    expected = forecast(climb, found)
 
-    assert told.word == "may hang"
-    assert "waits for a position" in told.why
-    assert "climb.yaml:37" in told.why
-    assert "DriveBackward" in told.course[-1]
+    assert expected.word == "may hang"
+    assert "waits for a position" in expected.why
+    assert "climb.yaml:37" in expected.why
+    assert "DriveBackward" in expected.course[-1]
 
 
 def test_a_position_that_is_read_is_among_the_unknowns(climb):
@@ -95,8 +95,8 @@ def test_what_cannot_succeed_is_impossible_and_shown(bend):
     found = resumption(bend.robot, bend.program, last, nan, chosen, KNOWN, "regrip")
     assert isinstance(found, Resumption)
 
-    told = forecast(bend, found)
+    expected = forecast(bend, found)
 
-    assert told.word == "impossible"
-    assert "no path leads to an end that succeeds" in told.why
-    assert told.course
+    assert expected.word == "impossible"
+    assert "no path leads to an end that succeeds" in expected.why
+    assert expected.course

@@ -53,12 +53,12 @@ def test_a_campaign_that_is_complete_prints_its_table_again(
     pirate: Any, file: Path, filled: Any
 ) -> None:
     results = filled("results", 5)
-    told = pirate("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
+    result = pirate("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
 
-    assert told.exit_code == 0
-    assert "enter: stale_repeats       55 of 60  91.7%" in told.stdout
-    assert "5 × failed: Lost (seeds 0, 1, 2, 3, 4)" in told.stdout
-    assert "pirate run enter_2d --seed 0 --speed max --defect stale_repeats" in told.stdout
+    assert result.exit_code == 0
+    assert "enter: stale_repeats       55 of 60  91.7%" in result.stdout
+    assert "5 × failed: Lost (seeds 0, 1, 2, 3, 4)" in result.stdout
+    assert "pirate run enter_2d --seed 0 --speed max --defect stale_repeats" in result.stdout
 
 
 def test_less_than_expected_is_exit_code_1_in_every_format(
@@ -79,19 +79,19 @@ def test_less_than_expected_is_exit_code_1_in_every_format(
 def test_results_that_are_there_are_not_touched_without_resume(
     pirate: Any, file: Path, filled: Any
 ) -> None:
-    told = pirate("campaign", file, "-o", filled("results", 5), "--no-check")
+    result = pirate("campaign", file, "-o", filled("results", 5), "--no-check")
 
-    assert told.exit_code == 2
-    assert "go on with them with --resume" in told.stderr
+    assert result.exit_code == 2
+    assert "go on with them with --resume" in result.stderr
 
 
 def test_a_folder_of_something_else_is_not_written_to(
     pirate: Any, file: Path, tmp_path: Path
 ) -> None:
-    told = pirate("campaign", file, "-o", tmp_path, "--no-check")
+    result = pirate("campaign", file, "-o", tmp_path, "--no-check")
 
-    assert told.exit_code == 2
-    assert "has no results of a campaign" in told.stderr
+    assert result.exit_code == 2
+    assert "has no results of a campaign" in result.stderr
 
 
 @pytest.mark.parametrize(
@@ -105,26 +105,26 @@ def test_a_folder_of_something_else_is_not_written_to(
 def test_options_that_do_not_fit_are_refused(
     pirate: Any, file: Path, words: list[str], message: str
 ) -> None:
-    told = pirate("campaign", file, "--no-check", *words)
+    result = pirate("campaign", file, "--no-check", *words)
 
-    assert told.exit_code == 2
-    assert message in told.stderr
+    assert result.exit_code == 2
+    assert message in result.stderr
 
 
 def test_a_mission_needs_a_number_of_seeds(pirate: Any) -> None:
-    told = pirate("campaign", "enter_2d")
+    result = pirate("campaign", "enter_2d")
 
-    assert told.exit_code == 2
-    assert "say how often it runs with --seeds" in told.stderr
+    assert result.exit_code == 2
+    assert "say how often it runs with --seeds" in result.stderr
 
 
 def test_a_new_campaign_can_be_run(
     pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    told = pirate("new", "campaign", "first")
+    result = pirate("new", "campaign", "first")
 
-    assert told.exit_code == 0
+    assert result.exit_code == 0
     assert [cell.name for cell in read_campaign(Path("first.yaml"), check=False).cells] == [
         "mitre_bend: no defect",
         "mitre_bend: wheels_3_4_dead",
@@ -134,9 +134,9 @@ def test_a_new_campaign_can_be_run(
 
 def test_the_report_of_results_is_a_page_in_their_folder(pirate: Any, filled: Any) -> None:
     results = filled("results", 5)
-    told = pirate("report", results)
+    result = pirate("report", results)
 
-    assert told.exit_code == 0
+    assert result.exit_code == 0
     assert "55 of 60" in (results / "index.html").read_text("utf-8")
 
 
