@@ -14,6 +14,20 @@ from pirate_sm.wiring.run_order import Order
 from pirate_sm.wiring.sim import check_order, start_values
 
 
+def without_messages(error: ModuleNotFoundError) -> UsageError:
+    """Return what to say where the library of message definitions is not installed.
+
+    Raises:
+        ModuleNotFoundError: Another module is missing.
+    """
+    if error.name is None or error.name.partition(".")[0] != "rosbags":
+        raise error
+    return UsageError(
+        f"the emulated bay needs {error.name}, which is not installed: "
+        "pip install 'pirate-sm[serial]'"
+    )
+
+
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the driver of the link, its guardian and an emulated bay, where the mission begins.
 
@@ -31,12 +45,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         from pirate_sm.bay.virtual_port import VirtualPort
         from pirate_sm.simulation.surroundings import Jitter
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] != "rosbags":
-            raise
-        raise UsageError(
-            f"the emulated bay needs {error.name}, which is not installed: "
-            "pip install 'pirate-sm[serial]'"
-        ) from None
+        raise without_messages(error) from None
     assert loaded.pipe is not None  # as checked above
     robot = loaded.loaded_robot
     plan = read_plan(robot.folder, robot.profile, loaded.robot)

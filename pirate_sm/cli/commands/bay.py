@@ -19,6 +19,7 @@ from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.spelling import meant
 from pirate_sm.units import DIMENSIONLESS, read_quantity
+from pirate_sm.wiring.bay import without_messages
 from pirate_sm.wiring.sim import COMPILING, start_values
 
 if TYPE_CHECKING:
@@ -48,12 +49,7 @@ def run_bay(options: BayOptions) -> int:
         from pirate_sm.bay.virtual import VirtualBay
         from pirate_sm.simulation.xpbd.kinematic import is_compiled
     except ModuleNotFoundError as error:
-        if error.name is None or error.name.partition(".")[0] != "rosbags":
-            raise
-        raise UsageError(
-            f"the emulated bay needs {error.name}, which is not installed: "
-            "pip install 'pirate-sm[serial]'"
-        ) from None
+        raise without_messages(error) from None
     switches = _switches(options)
     at = _setting(options)
     texts = message_texts(at.folder, at.profile)
