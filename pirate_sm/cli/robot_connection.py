@@ -2,24 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 
 from pirate_sm.backends.serial.assembly import STAY_S, guarded_port, read_plan
+from pirate_sm.cli.stop_checks import stopper
 from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
-
-
-class StoppedError(Exception):
-    """Is raised while listening when a stop is requested."""
-
-    def __init__(self, stop: Stop) -> None:
-        super().__init__(stop.reason)
-        self.exit_code = stop.exit_code
+from pirate_sm.runtime.stop_requests import StopRequests
 
 
 def find_loaded(name: str | None) -> LoadedRobot:
@@ -53,16 +45,3 @@ def connection(
     rate = baud or subject.plan.serial.baud
     port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
     return Listening(subject, port, rate, stopper(requests))
-
-
-def stopper(requests: StopRequests) -> Callable[[], None]:
-    """Return a check that raises once when a stop is requested; cleaning up is then undisturbed."""
-    raised = False
-
-    def check() -> None:
-        nonlocal raised
-        if requests.stop is not None and not raised:
-            raised = True
-            raise StoppedError(requests.stop)
-
-    return check

@@ -11,7 +11,8 @@ from math import degrees
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.links import CalibrateOptions
-from pirate_sm.cli.robot_connection import StoppedError, connection, find_loaded, subject_of
+from pirate_sm.cli.robot_connection import connection, find_loaded, subject_of
+from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.straightness import JointReading, objections, read_joints
 from pirate_sm.errors import UsageError

@@ -12,7 +12,8 @@ from pirate_sm.cli.options.links import DoctorOptions
 from pirate_sm.cli.options.values import read_duration
 from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
-from pirate_sm.cli.robot_connection import StoppedError, connection, find_loaded, subject_of
+from pirate_sm.cli.robot_connection import connection, find_loaded, subject_of
+from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.diagnosis.facts import DoctorFinding, Facts, Subject
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
