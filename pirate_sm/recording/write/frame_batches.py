@@ -44,7 +44,7 @@ def batches_of_blocks(topics: Topics, blocks: Sequence[tuple[int, FrameBlock]]) 
     times_s = np.fromiter(chain.from_iterable(it.times_s for _, it in blocks), np.float64)
     boards = np.fromiter(chain.from_iterable(it.boards for _, it in blocks), np.int64)
     values = np.concatenate([it.values for _, it in blocks])
-    for board in np.unique(boards).tolist():
+    for board in sorted(set(boards.tolist())):  # np.unique imports numpy.ma
         mine, topic = boards == board, topics.of_frames(board)
         at_s = times_s[mine].tolist()
         channels = values[mine, : len(topic.names)].T.tolist()
