@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 ORDER = re.compile(
-    r"(In|New file|Save this as|At the end of) `([^`]+)`"
+    r"([Ii]n|New file|[Ss]ave this as|At the end of)\s`([^`]+)`"
     r"(?:, (before|after|in place of) (`+) ?(.+?)\4)?:\n"
 )
 """The end of the paragraph before a block of code: where the block goes."""
@@ -76,7 +76,7 @@ def _prints(found: list[Edit | Command]) -> list[str]:
 def apply(edit: Edit, folder: Path) -> None:
     """Write the block where its sentence says."""
     file = folder / edit.file
-    if edit.how == "Save this as":
+    if edit.how.lower() == "save this as":
         file.parent.mkdir(parents=True, exist_ok=True)
         file.write_text(edit.text, encoding="utf-8")
         return

@@ -89,6 +89,7 @@ class Reader:
                 "PATH": os.pathsep.join([path, os.environ["PATH"]]),
                 "PYTHONPATH": os.pathsep.join([str(ROOT), str(self.site)]),
                 "COLUMNS": "100",
+                "PRE_COMMIT_HOME": str(self.folder.parent / "hooks"),
             },
         }
 
