@@ -171,7 +171,7 @@ class _Reader:
         first = self._begins_with(around, states)
         found = {}
         for state in states:
-            name = self._named(self._id(state))
+            name = self._names.get(self._id(state), "")
             if self._elements.get(self._id(state)) is state and name not in found:
                 found[name] = self._state(state, state is first)
         return _mapping(around, found)
@@ -226,16 +226,24 @@ class _Reader:
         targets = target.value.split()
         if len(targets) > 1:
             self._fault("scxml.transition", target, "a transition has one target")
-        if condition is not None:
-            try:
-                content["cond"] = _leaf(guard_of(condition.value, self._named), condition)
-            except ConditionError as error:
-                expected = "In('…') with &&, ||, ! and parentheses"
-                self._fault("scxml.guard", condition, str(error), expected)
-        if len(targets) > 1 or targets[0] in self._refused:
+        if condition is not None and (guard := self._guard(condition)):
+            content["cond"] = _leaf(guard, condition)
+        names = [self._named(each, target) for each in targets]
+        if len(targets) > 1 or targets[0] not in self._names:
             return None
-        content["target"] = _leaf(self._named(targets[0]), target)
+        content["target"] = _leaf(names[0], target)
         return _mapping(move, content)
+
+    def _guard(self, condition: Attribute) -> str:
+        """Return the guard of a condition; nothing after reporting its faults."""
+        before = len(self.problems)
+        try:
+            guard = guard_of(condition.value, lambda id_: self._named(id_, condition))
+        except ConditionError as error:
+            expected = "In('…') with &&, ||, ! and parentheses"
+            self._fault("scxml.guard", condition, str(error), expected)
+            return ""
+        return guard if len(self.problems) == before else ""
 
     def _sift(self, element: Element) -> None:
         """Report what is not supported in an element, and leave it out."""
@@ -267,8 +275,11 @@ class _Reader:
         found = element.attributes.get("id")
         return found.value if found is not None else ""
 
-    def _named(self, id_: str) -> str:
-        """Return the name in the chart of the state with an id; the id if there is none."""
+    def _named(self, id_: str, at: Element | Attribute) -> str:
+        """Return the name in the chart of the state with an id, or report that there is none."""
+        if id_ not in self._names and id_ not in self._refused:
+            hint = nearest(id_, self._names) or ""
+            self._fault("scxml.id", at, f"there is no state '{id_}'", suggestion=hint)
         return self._names.get(id_, id_)
 
     def _fault(

@@ -87,7 +87,7 @@ def test_every_command_in_every_configuration_of_a_robot_has_the_same_effect(
     assert len(order) == len(table.configurations)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(charts(), st.lists(st.sampled_from(COMMANDS), max_size=12))
 def test_a_command_sequence_of_any_chart_has_the_same_effect(
     data: dict[str, Any], commands: list[str]
@@ -108,7 +108,7 @@ def test_the_chart_of_a_robot_comes_back(robot: LoadedRobot, scxml: str) -> None
     assert meaning(outlined(written)) == meaning(before)
 
 
-@settings(max_examples=60)
+@settings(max_examples=40)
 @given(charts())
 def test_any_chart_comes_back(data: dict[str, Any]) -> None:
     before = outline_of(data)
