@@ -45,6 +45,9 @@ _REFUSED: Final = frozenset(
 )  # fmt: skip
 """Elements of SCXML that are not supported here."""
 
+_MOST_HINTS: Final = 50
+"""Faults before which similar ids are looked for: so many are shown, and the search takes time."""
+
 
 def read_chart(text: str, name: str, called: str) -> tuple[Document, ChartOutline]:
     """Return the chart in a text of SCXML as the document of a chart file, and its declarations.
@@ -278,7 +281,8 @@ class _Reader:
     def _named(self, id_: str, at: Element | Attribute) -> str:
         """Return the name in the chart of the state with an id, or report that there is none."""
         if id_ not in self._names and id_ not in self._refused:
-            hint = nearest(id_, self._names) or ""
+            hints = self._names if len(self.problems) < _MOST_HINTS else ()
+            hint = nearest(id_, hints) or ""
             self._fault("scxml.id", at, f"there is no state '{id_}'", suggestion=hint)
         return self._names.get(id_, id_)
 
