@@ -86,6 +86,7 @@ ALPHABETS = {
             "checking/mission/mission_parameters.py",
             "drawing/graph/mission_graph.py",
             "drawing/graph/step_text.py",
+            "interchange/scxml_writer.py",
             "loading/mission/wait_writer.py",
         ),
     ),

@@ -66,13 +66,15 @@ def read(text: str) -> Recipe:
     )
 
 
-def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:
+def run(line: str, folder: Path, project: Path | None = None) -> subprocess.CompletedProcess[str]:
+    """Run the command in a folder, with the package of the project, by default that in it."""
+    source = str(project or folder)
     program, *arguments = shlex.split(line)
     start = PROGRAMS.get(program)
     return subprocess.run(
         [program, *arguments] if start is None else [sys.executable, *start, *arguments],
         cwd=folder,
-        env={**os.environ, "PYTHONPATH": str(folder), "PIRATE_SM_RUNS": "", "COLUMNS": "100"},
+        env={**os.environ, "PYTHONPATH": source, "PIRATE_SM_RUNS": "", "COLUMNS": "100"},
         stdout=subprocess.PIPE,
         stderr=subprocess.STDOUT,
         text=True,

@@ -26,6 +26,7 @@ COMMANDS = {
     "explain": ("checks:ExplainOptions", "explain:explain_code"),
     "diff": ("checks:DiffOptions", "diff:run_diff"),
     "graph": ("files:GraphOptions", "graph:draw_graph"),
+    "import": ("files:ImportOptions", "import_chart:import_chart"),
     "plan": ("files:PlanOptions", "plan:print_plan"),
     "robot": ("files:RobotOptions", "robot_page:write_page"),
     "campaign": ("campaigns:CampaignOptions", "campaign:run_campaign"),

@@ -13,20 +13,31 @@ from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
 @cache
 def with_unit(name: str, dimension: Dimension) -> str:
     """Return the name with the SI unit of its dimension; alone if it has none."""
-    unit = format_quantity(1.0, dimension).partition(" ")[2]
-    unit = unit.replace("/", "_per_").replace("^", "").replace("*", "_")
+    unit = unit_of(dimension).replace("/", "_per_").replace("^", "").replace("*", "_")
     return f"{name}_{unit}" if unit else name
+
+
+@cache
+def unit_of(dimension: Dimension) -> str:
+    """Return the SI unit of a dimension; empty if it has none."""
+    return format_quantity(1.0, dimension).partition(" ")[2]
+
+
+def signal_units(robot: RobotSpec) -> dict[str, str]:
+    """Return the unit of each signal by its column name; empty for one that has none."""
+    units = (unit_of(_dimension(robot, name)) for name in robot.vocabulary.numbers)
+    return dict(zip(signal_names(robot), units, strict=True))
 
 
 def signal_names(robot: RobotSpec, names: Iterable[str] | None = None) -> tuple[str, ...]:
     """Return the column names of these signals; by default of all, in the engine's order."""
-    types = robot.vocabulary.types
-    named = []
-    for name in robot.vocabulary.numbers if names is None else names:
-        kind = types[name]
-        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
-        named.append(with_unit(name, dimension))
-    return tuple(named)
+    wanted = robot.vocabulary.numbers if names is None else names
+    return tuple(with_unit(name, _dimension(robot, name)) for name in wanted)
+
+
+def _dimension(robot: RobotSpec, name: str) -> Dimension:
+    kind = robot.vocabulary.types[name]
+    return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
 
 
 def slot_names(robot: RobotSpec) -> tuple[str, ...]:

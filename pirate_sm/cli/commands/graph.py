@@ -1,10 +1,11 @@
-"""`pirate graph`: draws a robot's chart, a mission or a pipe."""
+"""`pirate graph`: draws a robot's chart, a mission or a pipe, or writes one as SCXML."""
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.options.values import read_settings
@@ -18,20 +19,33 @@ from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.drawing.text_formats.dot import dot
 from pirate_sm.drawing.text_formats.mermaid import mermaid
 from pirate_sm.errors import UsageError
+from pirate_sm.interchange.scxml_writer import chart_scxml, mission_scxml
 from pirate_sm.loading import library
+from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.spelling import meant
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
 _PIPES_HAVE = ("segments", "runs")
-_BY_SUFFIX = {".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"}
+_SCXML = "scxml"
+_BY_SUFFIX = {
+    **{".svg": "svg", ".dot": "dot", ".gv": "dot", ".mmd": "mermaid", ".mermaid": "mermaid"},
+    ".scxml": _SCXML,
+}
+
+
+class _Chart(NamedTuple):
+    outline: ChartOutline
+    name: str
+    description: str
 
 
 def draw_graph(options: GraphOptions) -> int:
@@ -41,21 +55,42 @@ def draw_graph(options: GraphOptions) -> int:
         LoadError: The files have errors.
         UsageError: There is no such mission, robot or chart, or no such node to mark.
     """
-    graph = _graph(options)
-    if options.counterexample is not None:
-        if options.path is not None:
-            raise UsageError("--highlight and --counterexample exclude each other")
-        graph = highlight(graph, _counterexample(options, options.counterexample))
-    elif options.path is not None:
-        stops = [stop.strip() for stop in options.path.split(",")]
-        graph = highlight(graph, [stop for stop in stops if stop])
     kind = options.format or _BY_SUFFIX.get(options.output.suffix if options.output else "", "")
-    text = WRITERS[kind or "mermaid"](graph)
+    text = _scxml(options) if kind == _SCXML else WRITERS[kind or "mermaid"](_marked(options))
     if options.output is None:
         sys.stdout.write(text)
         return 0
     write_file(options.output, text)
     return 0
+
+
+def _marked(options: GraphOptions) -> Graph:
+    graph = _graph(options)
+    if options.counterexample is not None:
+        if options.path is not None:
+            raise UsageError("--highlight and --counterexample exclude each other")
+        return highlight(graph, _counterexample(options, options.counterexample))
+    if options.path is not None:
+        stops = [stop.strip() for stop in options.path.split(",")]
+        return highlight(graph, [stop for stop in stops if stop])
+    return graph
+
+
+def _scxml(options: GraphOptions) -> str:
+    given = {
+        "--calls": options.calls,
+        "--highlight": options.path is not None,
+        "--counterexample": options.counterexample is not None,
+    }
+    for option, is_given in given.items():
+        if is_given:
+            raise UsageError(f"SCXML has no place for {option}: it is for drawings")
+    content = _content(_found(options.file), options)
+    if isinstance(content, _Chart):
+        return chart_scxml(content.outline, content.name, content.description)
+    if isinstance(content, LoadedMission):
+        return mission_scxml(content.mission)
+    raise UsageError(f"'{options.file}' is a pipe; SCXML is for charts and missions")
 
 
 def _counterexample(options: GraphOptions, script: Path) -> list[Stop]:
@@ -71,6 +106,21 @@ def _graph(options: GraphOptions) -> Graph:
     path = _found(options.file)
     if options.counterexample is not None and not _is_mission(path):
         raise UsageError(f"'{options.file}' is no mission: no course of events leads through it")
+    content = _content(path, options)
+    if isinstance(content, _Chart):
+        return chart_graph(content.outline, content.name)
+    if isinstance(content, Pipe):
+        return pipe_graph(content, content.pipe or path.stem)
+    called = called_missions(content.mission, path) if options.calls else ()
+    return mission_graph(content.mission, called)
+
+
+def _content(path: Path, options: GraphOptions) -> _Chart | Pipe | LoadedMission:
+    """Return what is to be drawn.
+
+    Raises:
+        LoadError: The files have errors.
+    """
     if path.name == PROFILE_FILE or path.is_dir():
         robot = load_robot(library.find_robot(str(path), Path.cwd()))
         return _chart(robot.documents[1], robot.profile.robot)
@@ -79,17 +129,15 @@ def _graph(options: GraphOptions) -> Graph:
         return _chart(document, str(document.data.get("name") or path.stem))
     if isinstance(document.data, dict) and not document.data.keys().isdisjoint(_PIPES_HAVE):
         return _pipe(path)
-    loaded = load_mission(path, settings=read_settings(options.settings))
-    called = called_missions(loaded.mission, path) if options.calls else ()
-    return mission_graph(loaded.mission, called)
+    return load_mission(path, settings=read_settings(options.settings))
 
 
-def _pipe(path: Path) -> Graph:
+def _pipe(path: Path) -> Pipe:
     pipe, document = load_pipe(path)
     problems = Problems(document)
     check_pipe(pipe, document, problems)
     problems.raise_errors()
-    return pipe_graph(pipe, pipe.pipe or path.stem)
+    return pipe
 
 
 def _is_mission(path: Path) -> bool:
@@ -115,10 +163,10 @@ def _found(what: str) -> Path:
     raise UsageError(f"there is no mission, robot, pipe or file '{what}'; {hint}")
 
 
-def _chart(document: Document, title: str) -> Graph:
+def _chart(document: Document, name: str) -> _Chart:
     problems = Problems(document)
     outline = outline_chart(document, problems)
     problems.raise_errors()
     if outline is None:
         raise AssertionError("an outline is missing only beside a problem")
-    return chart_graph(outline, title)
+    return _Chart(outline, name, document.data.get("description", ""))

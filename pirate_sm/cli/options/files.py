@@ -1,4 +1,4 @@
-"""Options of the commands about files: `list`, `schema`, `graph`, `plan`, `robot` and `new`."""
+"""Options of the commands about files, such as `list`, `schema`, `graph`, `import` and `new`."""
 
 from __future__ import annotations
 
@@ -69,6 +69,8 @@ class SchemaOptions:
 class GraphOptions:
     """Draw a mission, a robot's chart or a pipe.
 
+    A mission or a chart can also be written as SCXML, for other programs.
+
     Exit codes: 0 drawn, 2 invalid files or arguments.
     """
 
@@ -77,7 +79,7 @@ class GraphOptions:
         typer.Argument(metavar="FILE", help="A mission, a robot, a chart or a pipe: name or path."),
     ]
     format: Annotated[
-        Literal["mermaid", "dot", "svg"] | None,
+        Literal["mermaid", "dot", "svg", "scxml"] | None,
         typer.Option("--format", help="As the name of the output ends, else mermaid."),
     ] = None
     output: common.Output = None
@@ -93,6 +95,21 @@ class GraphOptions:
         bool, typer.Option("--calls", help="Draw the missions that it calls, too.")
     ] = False
     settings: common.Settings = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class ImportOptions:
+    """Make a robot's chart from SCXML.
+
+    It has one <parallel> with a <state> for each region; whatever else a chart cannot have is
+    listed with its line and column.
+
+    Exit codes: 0 written, 2 invalid files or arguments.
+    """
+
+    file: Annotated[Path, typer.Argument(metavar="FILE.scxml", help="A statechart in SCXML 1.0.")]
+    output: common.Output = None
     debug: common.Debug = False
 
 

@@ -67,9 +67,16 @@ class ExportOptions:
     csv: Annotated[
         str | None, typer.Option(metavar="DIR", help="One table for each topic, SI units.")
     ] = None
+    parquet: Annotated[
+        str | None, typer.Option(metavar="DIR", help="The same tables as Parquet files.")
+    ] = None
     viewers: Annotated[
         str | None,
         typer.Option(metavar="OUT.mcap", help="The recording with all that viewers can show."),
+    ] = None
+    ros2: Annotated[
+        str | None,
+        typer.Option(metavar="DIR", help="A bag of ROS 2: joints, frames, log, URDF."),
     ] = None
     urdf: Annotated[
         str | None, typer.Option(metavar="FILE", help="The robot, from its profile.")

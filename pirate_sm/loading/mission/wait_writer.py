@@ -38,7 +38,11 @@ def wait_fields(
         within = scope.waited(it.within.time, (*at, "time"))
         fails, name = it.within.go is None, it.within.go or model.FAIL
         target = failed if it.within.go is None else scope.target(name, (*at, "go"))
-    names = _trigger_names(scope, it.wait, path)
+    names = trigger_names(it.wait)
+    for number, trigger in enumerate(it.wait):
+        if trigger.name is not None and trigger.name in {*names[:number], TIME_LIMIT}:
+            at = (*path, "wait", number, "name")
+            scope.problems.add("mission.name", at, f"'{trigger.name}' names another trigger here")
     triggers = tuple(
         _trigger(scope, trigger, name, (*path, "wait", number), after)
         for number, (trigger, name) in enumerate(zip(it.wait, names, strict=True))
@@ -75,15 +79,12 @@ def _trigger(
             return spec._replace(text=f"operator: {word}", answer=word)
 
 
-def _trigger_names(scope: Scope, triggers: Sequence[Trigger], path: Path) -> list[str]:
+def trigger_names(triggers: Sequence[Trigger]) -> list[str]:
     """Return a name for each trigger: its own, or its target with a number if that is taken."""
     names: list[str] = []
-    for number, trigger in enumerate(triggers):
+    for trigger in triggers:
         usual = trigger.go or model.CONTINUE
         name, again = trigger.name or usual, 2
-        if trigger.name is not None and trigger.name in {*names, TIME_LIMIT}:
-            at = (*path, "wait", number, "name")
-            scope.problems.add("mission.name", at, f"'{name}' names another trigger here")
         while name in names:
             name, again = f"{usual}_{again}", again + 1
         names.append(name)

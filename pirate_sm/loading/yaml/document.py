@@ -157,21 +157,38 @@ def read_document(path: Path | str, name: str | None = None) -> Document:
         LoadError: The file cannot be read or its content cannot be used.
     """
     shown = name or str(path).replace("\0", "\\0")
+    return parse_document(_content(path, shown, "a YAML file"), shown)
+
+
+def read_text(path: Path | str, name: str, expected: str) -> str:
+    """Return the text of a file in another language than YAML, within the same limits.
+
+    Args:
+        path: The file, at most 1 MiB of UTF-8.
+        name: What to call it in messages.
+        expected: What it should be, with its article.
+
+    Raises:
+        LoadError: The file cannot be read, or is no text.
+    """
+    return _decoded(_content(path, name, expected), name, expected).removeprefix("\ufeff")
+
+
+def _content(path: Path | str, shown: str, expected: str) -> bytes:
     try:
         file = Path(path)
         mode = file.stat().st_mode
         if stat.S_ISDIR(mode):
-            raise _refusal(shown, "file", "is a directory; a YAML file is expected")
+            raise _refusal(shown, "file", f"is a directory; {expected} is expected")
         if not stat.S_ISREG(mode):
             raise _refusal(shown, "file", "is not a regular file")
         with file.open("rb") as stream:
-            content = stream.read(LARGEST_FILE + 1)
+            return stream.read(LARGEST_FILE + 1)
     except FileNotFoundError:
         raise _refusal(shown, "file", "there is no such file") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise _refusal(shown, "file", f"cannot be read: {reason}") from None
-    return parse_document(content, shown)
 
 
 def parse_document(text: str | bytes, name: str) -> Document:
@@ -184,7 +201,7 @@ def parse_document(text: str | bytes, name: str) -> Document:
     Raises:
         LoadError: The content has faults; holds all of them.
     """
-    decoded = _decoded(text, name) if isinstance(text, bytes) else text
+    decoded = _decoded(text, name, "YAML text") if isinstance(text, bytes) else text
     decoded = decoded.removeprefix("\ufeff")
     if len(decoded) > LARGEST_FILE:
         raise _too_large(name)
@@ -209,7 +226,7 @@ def parse_document(text: str | bytes, name: str) -> Document:
     return Document(name=name, text=decoded, _root=root, lines=lines)
 
 
-def _decoded(content: bytes, name: str) -> str:
+def _decoded(content: bytes, name: str, expected: str) -> str:
     if len(content) > LARGEST_FILE:
         raise _too_large(name)
     if content.startswith((b"\xff\xfe", b"\xfe\xff")):
@@ -219,7 +236,7 @@ def _decoded(content: bytes, name: str) -> str:
     except UnicodeDecodeError as error:
         before = content[: error.start]
         if b"\0" in content:
-            raise _refusal(name, "binary", "is a binary file; YAML text is expected") from None
+            raise _refusal(name, "binary", f"is a binary file; {expected} is expected") from None
         lines = (before + b" ").splitlines()  # the blank stands for the byte itself
         line, column = len(lines), len(lines[-1].decode("utf-8"))
         message = f"byte 0x{content[error.start]:02x} is not UTF-8; save the file as UTF-8"

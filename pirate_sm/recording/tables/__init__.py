@@ -1,1 +1,1 @@
-"""Recordings as CSV files."""
+"""Recordings as tables: CSV files, and Parquet files with types and units."""

@@ -20,6 +20,9 @@ STATES, CONTROL = "states", "control"
 """The table of the robot's states, one row for each change, and its column of the control in force,
 as missions write it."""
 
+PLACES, KNOWN = "places", "known"
+"""The table of the wheels' positions, and its column that says whether they are true ones."""
+
 TABLES = (
     *(SIGNALS, "setpoints", STATES, "commands", "phases", "waits", "triggers", "detector"),
     *("environment", "faults", "log", "questions", "end"),

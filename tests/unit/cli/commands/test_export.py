@@ -50,11 +50,27 @@ def test_the_recording_for_viewers_is_a_new_file(pirate: Any, run: Path, tmp_pat
     assert other.read_text() == "mine"
 
 
+def test_parquet_and_a_bag_of_ros_are_folders(pirate: Any, run: Path, tmp_path: Path) -> None:
+    tables, bag = tmp_path / "tables", tmp_path / "bag"
+
+    done = pirate("export", run, "--parquet", tables, "--ros2", bag)
+    refused = pirate("export", run, "--ros2", bag)
+
+    assert (done.exit_code, done.stdout.splitlines()[-1]) == (0, str(bag))
+    assert str(tables / "signals.parquet") in done.stdout.splitlines()
+    assert {each.name for each in bag.iterdir()} == {"bag.mcap", "metadata.yaml"}
+    assert refused.exit_code == 2
+    assert "exists already; nothing is written there" in refused.stderr
+
+
 def test_to_ask_for_nothing_is_refused_with_what_there_is(pirate: Any, run: Path) -> None:
     result = pirate("export", run)
 
     assert result.exit_code == 2
-    asked = "--csv DIR, --viewers OUT.mcap, --urdf, --lichtblick, --plotjuggler FILE"
+    asked = (
+        "--csv, --parquet DIR, --viewers OUT.mcap, --ros2 DIR, --urdf, --lichtblick, "
+        "--plotjuggler FILE"
+    )
     assert asked in result.stderr
 
 
@@ -69,7 +85,8 @@ def test_a_file_that_cannot_be_written_is_told(
 
 
 @pytest.mark.parametrize(
-    "option", ["--csv", "--viewers", "--urdf", "--lichtblick", "--plotjuggler"]
+    "option",
+    ["--csv", "--parquet", "--viewers", "--ros2", "--urdf", "--lichtblick", "--plotjuggler"],
 )
 @pytest.mark.parametrize("linked", [False, True])
 def test_no_recording_is_overwritten(

@@ -15,7 +15,8 @@ CHART = ROOT / "hardware_profiles" / "pirate_ii" / "chart.yaml"
     "what", ["mitre_bend", "pirate_ii", NEWT, NEWT / "profile.yaml", NEWT / "patrol.yaml", CHART]
 )
 @pytest.mark.parametrize(
-    ("kind", "begins"), [("mermaid", "---"), ("dot", "digraph"), ("svg", "<svg")]
+    ("kind", "begins"),
+    [("mermaid", "---"), ("dot", "digraph"), ("svg", "<svg"), ("scxml", "<?xml")],
 )
 def test_missions_robots_and_charts_are_drawn(
     pirate: Any, what: Any, kind: str, begins: str
@@ -27,7 +28,11 @@ def test_missions_robots_and_charts_are_drawn(
 
 
 @pytest.mark.parametrize(
-    ("name", "begins"), [("a.svg", "<svg"), ("a.gv", "digraph"), ("a.mmd", "---"), ("a", "---")]
+    ("name", "begins"),
+    [
+        *(("a.svg", "<svg"), ("a.gv", "digraph"), ("a.mmd", "---"), ("a", "---")),
+        ("a.scxml", "<?xml"),
+    ],
 )
 def test_the_output_names_the_format(pirate: Any, name: str, begins: str, tmp_path: Path) -> None:
     assert pirate("graph", "climb", "-o", tmp_path / name).exit_code == 0
@@ -86,6 +91,9 @@ def test_what_is_wrong_with_a_chart_is_told_with_its_place(pirate: Any, tmp_path
         (["mitre_bnd"], "did you mean 'mitre_bend'?"),
         (["nothing/of/this/name.yaml"], "nothing/of/this/name.yaml"),
         (["climb", "--highlight", "upp"], "did you mean 'up'?"),
+        (["climb", "--format", "scxml", "--calls"], "SCXML has no place for --calls"),
+        (["climb", "--format", "scxml", "--highlight", "up"], "no place for --highlight"),
+        (["mitre_90", "--format", "scxml"], "'mitre_90' is a pipe"),
         (["climb", "--set", "height"], "expected NAME=VALUE"),
         (["climb", "-o", "no/such/folder/a.svg"], "cannot be written"),
         ([ROOT / "sequences"], "there is no robot"),

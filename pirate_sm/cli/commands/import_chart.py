@@ -1,0 +1,40 @@
+"""`pirate import`: makes a robot's chart from SCXML."""
+
+from __future__ import annotations
+
+import sys
+
+from pirate_sm.cli.options.files import ImportOptions
+from pirate_sm.cli.output.files import write_file
+from pirate_sm.errors import UsageError
+from pirate_sm.interchange.chart_text import chart_text
+from pirate_sm.interchange.scxml_chart_reader import read_chart
+from pirate_sm.loading.chart.exploration import compile_chart
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import read_text
+
+
+def import_chart(options: ImportOptions) -> int:
+    """Write the chart to the file, or to standard output; return the exit code.
+
+    Raises:
+        LoadError: The SCXML cannot be read, or is no chart of the supported kind.
+        UsageError: The chart cannot be written.
+    """
+    name = shown(options.file)
+    text = read_text(options.file, name, "SCXML")
+    document, outline = read_chart(text, name, options.file.stem)
+    if options.output is not None and options.output.resolve() == options.file.resolve():
+        raise UsageError(f"'{options.output}' is the SCXML itself: the chart needs its own file")
+    table = compile_chart(document, outline, Problems(document))
+    chart = chart_text(document.data, options.file.name)
+    if options.output is None:
+        sys.stdout.write(chart)
+        return 0
+    write_file(options.output, chart)
+    print(
+        f"{options.output} is a chart with {len(table.regions)} regions, {len(table.commands)} "
+        f"commands and {len(table.configurations)} configurations"
+    )
+    return 0
