@@ -1,12 +1,13 @@
 """How often a robot passes what round pipes are made of, in space, when seeds vary.
 
-    python -m benchmarks.space [--row NAME] [--seeds 100] [--workers 2]
+    python -m benchmarks.space [--row NAME] [--seeds 100] [--detector odometry] [--start 0]
 
-Each seed shifts the start by up to 20 mm, friction by up to 20 % and all diameters by up to 2 mm,
-and draws its own noise. A run counts when the mission succeeds, every wheel is beyond the joint in
-truth, and none is folded back. Rows that are also possible between bars on a plate print how long
-the same missions take there. In no row may a wheel or link be 2 mm in a wall; the first number is
-what a clamp's force makes of the contact's stiffness.
+Each seed shifts the start by up to 20 mm (--start), friction by up to 20 % and all diameters by up
+to 2 mm, and draws its own noise. A run counts when the mission succeeds, every wheel is beyond the
+joint in truth, and none is folded back. Rows that are also possible between bars on a plate print
+how long the same missions take there. In no row may a wheel or link be 2 mm in a wall; the first
+number is what a clamp's force makes of the contact's stiffness. Odometry does not know by how much
+the start is shifted.
 """
 
 from __future__ import annotations
@@ -74,6 +75,23 @@ def reducer(length: str, to: str) -> str:
     return f"{{straight: 1 m}}, {{reducer: {length}, to: {to}}}, {{straight: 1.2 m}}"
 
 
+@dataclass(frozen=True)
+class Ways:
+    """How rows are run.
+
+    Attributes:
+        detector: The detector; None for the simulator's own.
+        start_m: By how much a start may differ from the pipe's.
+        seeds: How many runs a row has.
+        workers: How many processes share them; None: one for each processor.
+    """
+
+    detector: str | None
+    start_m: float
+    seeds: int
+    workers: int | None
+
+
 ROWS = (
     Row("mitre", MITRE, bars="mitre_90"),
     Row("mitre, tilted up", MITRE, TILTED, bars="mitre_90_tilted"),
@@ -116,12 +134,16 @@ ROWS = (
 def main() -> int:
     """Print each row; return 1 when one misses its bar."""
     names = [row.name for row in ROWS]
-    wishes = options_of_rows(__doc__, names, 100, "runs of every row").parse_args()
+    options = options_of_rows(__doc__, names, 100, "runs of every row")
+    options.add_argument("--detector", help="of the missions; the simulator's own by default")
+    options.add_argument("--start", type=float, default=20, help="how far starts vary, mm; 20")
+    wishes = options.parse_args()
+    ways = Ways(wishes.detector, wishes.start / 1000, wishes.seeds, wishes.workers)
     good = True
     with TemporaryDirectory() as folder:
         for row in ROWS:
             if row.name in (wishes.row or names):
-                good &= _show(row, Path(folder), wishes.seeds, wishes.workers)
+                good &= _show(row, Path(folder), ways)
     return 0 if good else 1
 
 
@@ -136,29 +158,29 @@ def pipe_of(row: Row, folder: Path) -> Path:
     return path
 
 
-def _show(row: Row, folder: Path, seeds: int, workers: int | None) -> bool:
+def _show(row: Row, folder: Path, ways: Ways) -> bool:
     """Run a row and print what came of it; return whether it is good enough."""
     pipe = row.pipe or str(pipe_of(row, folder))
-    outcomes = _run(row.mission, pipe, seeds, workers)
+    outcomes = _run(row.mission, pipe, ways)
     whys = [failure(outcome, row) for outcome in outcomes]
     passed = whys.count("")
     deepest_m = max(outcome.deepest_m for outcome in outcomes)
     times = [outcome.time_s for outcome, why in zip(outcomes, whys, strict=True) if not why]
     beside = ""
     if row.bars and times:
-        flat = _run(row.mission, row.bars, seeds, workers)
+        flat = _run(row.mission, row.bars, ways)
         usual = median(each.time_s for each in flat if each.outcome == "succeeded")
         beside = f", {median(times) / usual - 1:+.1%} against bars"
     bar = f"bar {row.bar:.0%}" if row.bar else "no bar"
     print(
-        f"{row.name:20} {passed:4} of {seeds} passed ({bar}), median {median(times or [0.0]):.1f} s"
-        f"{beside}, {deepest_m * 1000:.2f} mm in a wall",
+        f"{row.name:20} {passed:4} of {ways.seeds} passed ({bar}), "
+        f"median {median(times or [0.0]):.1f} s{beside}, {deepest_m * 1000:.2f} mm in a wall",
         flush=True,
     )
     for why, count in Counter(why for why in whys if why).most_common():
         failed = ", ".join(str(seed) for seed, each in enumerate(whys) if each == why)
         print(f"    {count:4} × {why} (seeds {failed})", flush=True)
-    return passed >= row.bar * seeds and deepest_m < DEEPEST_M
+    return passed >= row.bar * ways.seeds and deepest_m < DEEPEST_M
 
 
 def order_of(mission: str, pipe: str, seed: int) -> Order:
@@ -167,10 +189,18 @@ def order_of(mission: str, pipe: str, seed: int) -> Order:
     return Order(mission, "sim", pipe=pipe, settings=settings, seed=seed)
 
 
-def _run(mission: str, pipe: str, seeds: int, workers: int | None) -> Sequence[Outcome]:
-    varied = {"start_jitter_m": 0.02, "friction_jitter": 0.20, "diameter_jitter_m": 0.002}
-    orders = [replace(order_of(mission, pipe, seed), **varied) for seed in range(seeds)]
-    return run_all(orders, workers=workers)
+def _run(mission: str, pipe: str, ways: Ways) -> Sequence[Outcome]:
+    varied = {"friction_jitter": 0.20, "diameter_jitter_m": 0.002}
+    orders = [
+        replace(
+            order_of(mission, pipe, seed),
+            detector=ways.detector,
+            start_jitter_m=ways.start_m,
+            **varied,
+        )
+        for seed in range(ways.seeds)
+    ]
+    return run_all(orders, workers=ways.workers)
 
 
 def failure(outcome: Outcome, row: Row) -> str:

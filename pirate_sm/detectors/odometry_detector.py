@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from math import isnan
 
-from pirate_sm.detectors.dead_reckoning import Reckoned, Reckoner
-from pirate_sm.detectors.known_bends import KnownBends
+from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Reckoner
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.route_report import RouteReport
 from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
@@ -59,6 +59,8 @@ class Odometry:
                 f"the start at {self.first_wheel_m * 1000:.4g} mm is outside the pipe, "
                 f"which is {route.length_m * 1000:.4g} mm long"
             )
+        self._roll_rad = pipe.start.roll if pipe.start is not None else 0.0
+        self._pipe_roll_rad = pipe.roll
         self.due_s = 0.0
         self.reckoned: Reckoned | None = None
         self._warned = False
@@ -66,9 +68,9 @@ class Odometry:
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
-        valid_for_s, planar = profile.detector.valid_for, pipe.section == "bars"
+        valid_for_s = profile.detector.valid_for
         self._detector = Detector(words, errors, route.bends, valid_for_s)
-        self._ahead = RouteReport(route, pipe.roll, planar, valid_for_s)
+        self._ahead = RouteReport(route, valid_for_s)
         self._word: DetectorWord | None = None
         self._report: EnvironmentReport | None = None
 
@@ -76,7 +78,6 @@ class Odometry:
         """Follow this robot from now on."""
         self._robot = robot
         self._reckoner = Reckoner(robot.body, self._route, robot.odometry)
-        self._bends = KnownBends(robot.body, self._route)
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
@@ -90,31 +91,40 @@ class Odometry:
         numbers[robot.odometry] = self._odometer.look(state, now_s, wheels)
         held = confirmed_parts(robot, state.robot)
         if self.reckoned is not None:
-            before = self.reckoned
-            self.reckoned = self._follow(before, numbers, held, now_s)
-            corrected = self._bends.corrected(before, self.reckoned, numbers)
-            if corrected is not None:
-                self.reckoned = self._reckoner.look(corrected, numbers, held)
-        elif any(isnan(angle) for angle in robot.body.angles(numbers)):
+            felt = Felt(state.surveyed.part, state.surveyed.reported.roll_rad)
+            self.reckoned = self._follow(self.reckoned, numbers, held, felt, now_s)
+        elif self._reckoner.unknown(numbers):
             return self._warn(numbers) if now_s >= _PATIENCE_S else ()
         else:
-            self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held)
+            self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held, self._roll_rad)
             self._warned = False
         travel = robot.travel(state.robot.values)
         places_m = self.reckoned.places_m
         self._word = self._detector.look(now_s, places_m, travel)
-        self._report = self._ahead.look(now_s, places_m, robot, state)
+        self._report = self._ahead.look(now_s, places_m, self._front_roll_rad())
         return self._warn(numbers) if self.reckoned.lost else ()
 
+    def _front_roll_rad(self) -> float:
+        """Return the roll of the front part against the frame of the pipe; NaN is unknown."""
+        assert self.reckoned is not None, "the caller has just reckoned"
+        if self._route.section == "bars":
+            return -self._pipe_roll_rad
+        return self._reckoner.roll_of(self.reckoned, 0)
+
     def _follow(
-        self, before: Reckoned, numbers: Sequence[float], held: frozenset[int], now_s: float
+        self,
+        before: Reckoned,
+        numbers: Sequence[float],
+        held: frozenset[int],
+        felt: Felt,
+        now_s: float,
     ) -> Reckoned:
         """Return the reckoning after this look.
 
         If a joint is silent when the clamps change, the old clamps are assumed until it reports.
         Any motion in that time is an error.
         """
-        after = self._reckoner.look(before, numbers, held)
+        after = self._reckoner.look(before, numbers, held, felt)
         if after.lost and not before.lost:
             stood = self._reckoner.look(before, numbers, frozenset(before.spots) - {WHOLE})
             after = self._reckoner.look(stood, numbers, held)
@@ -129,8 +139,8 @@ class Odometry:
         if self._warned:
             return ()
         self._warned = True
-        names, joints = self._robot.vocabulary.numbers, self._robot.body.joints
-        silent = [names[joint] for joint in joints if joint >= 0 and isnan(numbers[joint])]
+        names = self._robot.vocabulary.numbers
+        silent = [names[joint] for joint in self._reckoner.unknown(numbers)]
         because = f": {', '.join(silent)} unknown" if silent else ""
         if self.reckoned is None:
             message = f"odometry does not know yet where the robot is{because}"
@@ -144,7 +154,13 @@ class Odometry:
         if at is None or any(isnan(place) for place in at.places_m):
             return None
         moved_m = at.places_m[0] - self.first_wheel_m
-        return Truth(at.points, self._radius_m, self._walls, moved_m)
+        found = Truth(at.points, self._radius_m, self._walls, moved_m)
+        if self._route.section == "bars":
+            return found
+        parts = 0, len(self._robot.parts) - 1
+        front, rear = (self._reckoner.roll_of(at, part) for part in parts)
+        z_m = tuple(z for _, _, z in at.chain.points)
+        return replace(found, z_m=z_m, rolls_rad=(front - rear, front, rear))
 
     def restart(self, robot: RobotSpec) -> None:
         """Count from zero again, with the robot where it is."""

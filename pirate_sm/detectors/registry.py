@@ -177,13 +177,8 @@ def _odometry(asked: Asked) -> Detecting:
         return _without_points("odometry", asked)
     odometry = Odometry(asked.profile, asked.robot, asked.pipe, asked.first_wheel_m)
     place = f"{odometry.first_wheel_m * 1000:.4g} mm"
-    notices = [f"detector: odometry, counted from the first wheel at {place} of the pipe"]
-    if asked.pipe.section == "round" and len(asked.pipe.route().bends) > 1:
-        notices.append(
-            "detector: odometry reckons in the robot's plane: behind a tee or a turn of the robot "
-            "in this pipe its words may be wrong"
-        )
-    return Detecting("odometry", (odometry,), tuple(notices), odometry.truth)
+    notice = f"detector: odometry, counted from the first wheel at {place} of the pipe"
+    return Detecting("odometry", (odometry,), (notice,), odometry.truth)
 
 
 def _without_points(name: str, asked: Asked) -> Detecting:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import acos, radians
 
-from pirate_sm.detectors.leg_meetings import angle_between, outermost
 from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.engine.sensing.part_axes import axis_at, wheel_at
 from pirate_sm.geometry.space import Frame, between, combined, dot
+from pirate_sm.mapping.leg_meetings import angle_between, outermost
 from pirate_sm.mapping.legs import Bend
 
 _BESIDE_RAD = radians(4)

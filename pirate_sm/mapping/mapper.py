@@ -22,13 +22,6 @@ from collections import deque
 from collections.abc import Collection, Sequence
 from math import copysign, isnan, pi, radians, remainder
 
-from pirate_sm.detectors.leg_meetings import (
-    Reached,
-    angle_between,
-    away_by_last_wheel,
-    outermost,
-    reached,
-)
 from pirate_sm.detectors.place_filter import WINDOW_S
 from pirate_sm.detectors.word_timing import Word
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -37,6 +30,13 @@ from pirate_sm.engine.sensing.part_axes import axis_at
 from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.bend_angles import angle_of_corner, angle_of_elbow
 from pirate_sm.mapping.bores import STEP
+from pirate_sm.mapping.leg_meetings import (
+    Reached,
+    angle_between,
+    away_by_last_wheel,
+    outermost,
+    reached,
+)
 from pirate_sm.mapping.legs import Bend, Bore, Leg, Map
 from pirate_sm.mapping.looks import Look
 from pirate_sm.mapping.places import ALONG_RAD, Places

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from math import radians
 
-from pirate_sm.detectors.leg_meetings import angle_between, outermost
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.sensing.part_axes import axis_at, axis_of
 from pirate_sm.geometry.space import between, dot
+from pirate_sm.mapping.leg_meetings import angle_between, outermost
 from pirate_sm.mapping.looks import Look
 from pirate_sm.mapping.shape import Shape
 from pirate_sm.mapping.spots import Anchor, Spot

@@ -85,6 +85,7 @@ def _wheels(prepared: Prepared, stood: Stood | None) -> tuple[tuple[Place, ...] 
 
 def _space(prepared: Prepared, stood: Stood | None) -> InSpace | None:
     """Return what the wheels' places leave out of a robot in space; None if nobody knows."""
-    if prepared.in_space is None:
-        return None
-    return prepared.in_space() if stood is None else stood.space
+    if prepared.in_space is not None:
+        return prepared.in_space() if stood is None else stood.space
+    taken = prepared.reckoned() if prepared.reckoned else None
+    return InSpace(taken.z_m, taken.rolls_rad) if taken is not None and taken.z_m else None

@@ -90,7 +90,7 @@ class ViewerMessages:
         route = pipe.route() if pipe is not None else None
         in_space = route is not None and route.section == "round"
         self._in_space = SpaceTransforms(self._body, route) if route and in_space else None
-        # Dead reckoning stays in the plane of the drawing.
+        # Reckoned places are drawn in the plane of the drawing.
         self._reckons = route is None or bool(drawn_walls(route))
         beyond = columns_in_space(wheels) if in_space else ()
         self._beyond = _gaps(beyond)

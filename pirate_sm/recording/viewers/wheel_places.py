@@ -35,10 +35,12 @@ class Placing:
     ) -> None:
         pipe = pipe or _somewhere(profile.body)
         self._robot = robot
-        self._joints = [joint for joint in robot.body.joints if joint >= 0]
+        joints = (*robot.body.joints, robot.body.roll)
+        self._joints = [joint for joint in joints if joint >= 0]
         self._reckoner = Reckoner(robot.body, pipe.route(), robot.odometry)
         length_m = sum(robot.body.lengths_m)
         self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
+        self._roll_rad = pipe.start.roll if pipe.start is not None else 0.0
         self._reckoned: Reckoned | None = None
         self._angles = dict.fromkeys(self._joints, 0.0)
 
@@ -55,7 +57,7 @@ class Placing:
             numbers[joint] = self._angles[joint]
         self._angles = {joint: numbers[joint] for joint in self._joints}
         if self._reckoned is None:
-            self._reckoned = self._reckoner.begin(self._first_m, numbers, held)
+            self._reckoned = self._reckoner.begin(self._first_m, numbers, held, self._roll_rad)
         else:
             self._reckoned = self._reckoner.look(self._reckoned, numbers, held)
         return self._reckoned.points

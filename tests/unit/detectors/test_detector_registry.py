@@ -17,10 +17,9 @@ def choose(
     usual: str = "sim",
     *,
     piped: bool = True,
-    mission: str = "mitre_bend",
     **rest: Any,
 ):
-    loaded = load(Order(mission))
+    loaded = load(Order("mitre_bend"))
     robot, pipe = rest.pop("robot", loaded.robot), loaded.pipe if piped else None
     asked = Asked(loaded.loaded_robot.profile, robot, pipe, **rest)
     return detecting(text, usual, asked)
@@ -57,15 +56,6 @@ def test_a_person_is_told_the_keys() -> None:
 def test_the_place_is_told() -> None:
     chosen = choose("odometry", first_wheel_m=0.7125)
     assert "712.5 mm" in chosen.notices[0]
-
-
-@pytest.mark.parametrize(
-    ("mission", "warned"),
-    [("mitre_bend", False), ("take_elbow", False), ("house_connection", True)],
-)
-def test_odometry_says_where_it_cannot_be_relied_on(mission: str, warned: bool) -> None:
-    notices = choose("odometry", mission=mission).notices
-    assert any("its words may be wrong" in each for each in notices) is warned
 
 
 @pytest.mark.parametrize(

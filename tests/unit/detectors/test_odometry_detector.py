@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import nan
+from math import nan, radians
 from pathlib import Path
 
 import pytest
@@ -11,6 +11,8 @@ from pirate_sm.detectors.dead_reckoning import Reckoned
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.errors import UsageError
+from pirate_sm.geometry.chain_in_space import ChainInSpace
+from pirate_sm.geometry.space import DRAWING
 from pirate_sm.model.events import DetectorWord
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -35,6 +37,29 @@ def test_the_bend_is_passed_on_reckoning_alone(mission: str) -> None:
     result, places, truth = run(mission, detector="odometry")
     assert result.ended.outcome == "succeeded"
     assert places == pytest.approx(truth, abs=0.006)
+
+
+@pytest.mark.parametrize("mission", [
+    "two_bends_up",
+    "house_connection_back",
+    pytest.param("two_bends_down", marks=pytest.mark.slow),
+    pytest.param("house_and_back", marks=pytest.mark.slow),
+])  # fmt: skip
+def test_networks_are_passed_on_reckoning_alone(mission: str) -> None:
+    result, places, truth = run(mission, detector="odometry", seed=1)
+    assert result.ended.outcome == "succeeded"
+    assert places == pytest.approx(truth, abs=0.015)
+
+
+def test_a_robot_in_a_round_pipe_is_shown_in_space() -> None:
+    prepared = prepare(Order("turn_left", detector="odometry"))
+    (odometry,) = prepared.companions
+    companions = [odometry, FirstChoice()]
+    MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+    shown, truth = odometry.truth(), prepared.backend.truth
+    for one, other in zip(shown.points, truth.points, strict=True):
+        assert one == pytest.approx(other, abs=0.02)
+    assert shown.rolls_rad == pytest.approx(truth.rolls_rad, abs=radians(10))
 
 
 @pytest.mark.parametrize("off_m", [0.015, -0.015])
@@ -111,8 +136,8 @@ def test_a_place_that_is_lost_is_told_once_and_no_word_is_said_any_more() -> Non
     prepared = prepare(Order("mitre_bend", backend="trace"))
     companion = odometry()
     state, _ = prepared.engine.start()
-    nowhere = (nan,) * 6
-    companion.reckoned = Reckoned(nowhere, ((nan, nan),) * 6, 0.0, 0, {})
+    nowhere = ChainInSpace(((nan, nan, nan),) * 6, DRAWING, DRAWING)
+    companion.reckoned = Reckoned((nan,) * 6, nowhere, 0.0, 0, {}, 0.0)
     (warning,) = companion.look(state, 20.0)
     assert warning.message.startswith("odometry has lost the robot's place while the hold changed")
     assert "gamma_2" in warning.message

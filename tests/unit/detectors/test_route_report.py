@@ -8,7 +8,6 @@ import pytest
 
 from pirate_sm.detectors.route_report import RouteReport
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.wiring import Order, prepare
 
 PLACES = (0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
 
@@ -35,32 +34,19 @@ HOUSE = {
 }
 
 
-@pytest.fixture(scope="module")
-def engine():
-    prepared = prepare(Order("mitre_bend", backend="trace"))
-    return prepared.engine
-
-
 def report_in(pipe: Pipe) -> RouteReport:
-    return RouteReport(pipe.route(), pipe.roll, pipe.section == "bars", 1.0)
-
-
-def rolled(engine, roll_rad: float):
-    state, _ = engine.start(0.0, ())
-    surveyed = state.surveyed
-    seen = surveyed._replace(part=0, reported=surveyed.reported._replace(roll_rad=roll_rad))
-    return state._replace(surveyed=seen)
+    return RouteReport(pipe.route(), 1.0)
 
 
 def at(first_m: float) -> tuple[float, ...]:
     return tuple(first_m - 0.6 + place for place in PLACES)
 
 
-def test_the_next_joint_is_that_which_the_last_wheel_has_not_passed(engine) -> None:
-    looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
+def test_the_next_joint_is_that_which_the_last_wheel_has_not_passed() -> None:
+    looking = report_in(Pipe.model_validate(HOUSE))
     found = []
     for first_m in (0.6, 1.2, 1.7, 2.0, 2.7):
-        report = looking.look(first_m, at(first_m), engine.robot, state)
+        report = looking.look(first_m, at(first_m), 0.0)
         assert report is not None
         found.append((report.joint, report.junction, round(report.distance_m, 6), report.run))
     assert found == [
@@ -72,11 +58,11 @@ def test_the_next_joint_is_that_which_the_last_wheel_has_not_passed(engine) -> N
     ]
 
 
-def test_the_opening_is_told_against_the_robots_own_plane(engine) -> None:
+def test_the_opening_is_told_against_the_robots_own_plane() -> None:
     looking = report_in(Pipe.model_validate(HOUSE))
-    upright = looking.look(0.0, PLACES, engine.robot, rolled(engine, 0.0))
-    turned = looking.look(1.0, PLACES, engine.robot, rolled(engine, pi / 2))
-    unknown = looking.look(2.0, PLACES, engine.robot, rolled(engine, nan))
+    upright = looking.look(0.0, PLACES, 0.0)
+    turned = looking.look(1.0, PLACES, pi / 2)
+    unknown = looking.look(2.0, PLACES, nan)
     assert upright is not None
     assert turned is not None
     assert unknown is not None
@@ -86,24 +72,24 @@ def test_the_opening_is_told_against_the_robots_own_plane(engine) -> None:
     assert upright.diameter_ahead_m == pytest.approx(0.11)
 
 
-def test_a_tee_straight_on_is_told_with_its_opening(engine) -> None:
+def test_a_tee_straight_on_is_told_with_its_opening() -> None:
     pipe = Pipe.model_validate(HOUSE).along("past")
-    report = report_in(pipe).look(0.0, PLACES, engine.robot, rolled(engine, 0.0))
+    report = report_in(pipe).look(0.0, PLACES, 0.0)
     assert report is not None
     assert (report.joint, report.junction) == ("tee", "t1")
     assert report.opening_roll_rad == pytest.approx(pi / 2)
     assert report.diameter_ahead_m == pytest.approx(0.12)
 
 
-def test_it_is_told_again_after_a_piece_of_way_and_before_it_expires(engine) -> None:
-    looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
-    assert looking.look(0.0, at(0.6), engine.robot, state) is not None
-    assert looking.look(0.1, at(0.64), engine.robot, state) is None
-    assert looking.look(0.2, at(0.72), engine.robot, state) is not None
-    assert looking.look(0.6, at(0.72), engine.robot, state) is None
-    assert looking.look(0.75, at(0.72), engine.robot, state) is not None
+def test_it_is_told_again_after_a_piece_of_way_and_before_it_expires() -> None:
+    looking = report_in(Pipe.model_validate(HOUSE))
+    assert looking.look(0.0, at(0.6), 0.0) is not None
+    assert looking.look(0.1, at(0.64), 0.0) is None
+    assert looking.look(0.2, at(0.72), 0.0) is not None
+    assert looking.look(0.6, at(0.72), 0.0) is None
+    assert looking.look(0.75, at(0.72), 0.0) is not None
 
 
-def test_a_lost_robot_is_told_nothing(engine) -> None:
-    looking, state = report_in(Pipe.model_validate(HOUSE)), rolled(engine, 0.0)
-    assert looking.look(0.0, (nan, *PLACES[1:]), engine.robot, state) is None
+def test_a_lost_robot_is_told_nothing() -> None:
+    looking = report_in(Pipe.model_validate(HOUSE))
+    assert looking.look(0.0, (nan, *PLACES[1:]), 0.0) is None

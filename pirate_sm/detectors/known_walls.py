@@ -1,0 +1,70 @@
+"""Finds where a robot is by the walls of its pipe: no wheel can be in one."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from math import dist, inf, isnan, nan
+
+from pirate_sm.geometry.room import Room
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import Vector
+
+_IN_WALL_M = 0.005
+"""A wheel that is deeper in a wall shows that the robot is elsewhere. At its true place it is less
+than 4 mm in 9 of 10 looks [measured in 3-D]: diameters are uncertain, and a part leans."""
+
+_CLEAR_M = 0.003
+"""Where no wheel is deeper in a wall than this, the robot may be [decided]."""
+
+_STEP_M = 0.003
+
+_MOST_M = 0.25
+"""Places farther away are never looked at: what happened on so long a way is unknown [decided]."""
+
+_MOVED_M = 0.1
+
+
+class KnownWalls:
+    """The walls of the pipes of a route.
+
+    Args:
+        route: The route.
+        wheel_radius_m: Radius of the robot's wheels.
+        reach_m: How far a wheel may be from any other one.
+    """
+
+    def __init__(self, route: Route, wheel_radius_m: float, reach_m: float) -> None:
+        self._everywhere = Room.of(route, wheel_radius_m)
+        self._reach_m = reach_m + _MOST_M + _MOVED_M
+        self._near, self._at = self._everywhere, (inf, inf, inf)
+
+    def away_m(self, laid: Callable[[float], Sequence[Vector]], most_m: float) -> float:
+        """Return how far away the nearest place is at which no wheel is in a wall.
+
+        Args:
+            laid: Returns the wheels of the robot, moved ahead by a distance; NaN is unknown.
+            most_m: Places farther away are not looked at.
+
+        Returns:
+            The distance, positive ahead; 0 if the robot may be where it is; NaN if there is no
+            such place.
+        """
+        known = [point for point in laid(0.0) if not isnan(point[0])]
+        if not known:
+            return nan
+        self._look_around(known[0])
+        if self._deepest_m(known) <= _IN_WALL_M:
+            return 0.0
+        for step in range(1, round(min(most_m, _MOST_M) / _STEP_M) + 1):
+            for away_m in (step * _STEP_M, -step * _STEP_M):
+                if self._deepest_m(laid(away_m)) <= _CLEAR_M:
+                    return away_m
+        return nan
+
+    def _look_around(self, point: Vector) -> None:
+        """Keep the pipes near a point at hand."""
+        if not dist(point, self._at) <= _MOVED_M:
+            self._near, self._at = self._everywhere.near(point, self._reach_m), point
+
+    def _deepest_m(self, points: Sequence[Vector]) -> float:
+        return max(self._near.outside_m(point) for point in points if not isnan(point[0]))
