@@ -72,7 +72,7 @@ format: $(VENV)/.ready-dev
 
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
-	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli
+	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/showing
 
 schemas: $(VENV)/.ready-dev
 	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign; do \
