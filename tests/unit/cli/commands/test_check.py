@@ -151,7 +151,6 @@ def test_a_terminal_is_coloured_and_nothing_else_is(
     assert "checking 1/1 b.yaml" in said.err
 
 
-
 def test_text_of_a_file_cannot_control_the_terminal(pirate: Any, here: Path) -> None:
     name = "x\x1b]0;owned\x07.yaml"
     (here / name).write_text(WARNED.replace("ClampFront", '"\\e[2J"'), encoding="utf-8")
