@@ -38,12 +38,12 @@ def load_scene(path: Path) -> Scene:
 
 def _check(step: SceneStep, problems: Problems, at: tuple[str | int, ...]) -> None:
     """Report what is wrong with a step's command line."""
-    path = (*at, "pirate")
-    for name in _FOLDER.findall(step.pirate):
+    path = (*at, "command")
+    for name in _FOLDER.findall(step.command):
         if name not in (OUT, HERE):
             problems.add_unknown("scene.folder", path, "folder", name, (OUT, HERE))
     try:
-        words = shlex.split(step.pirate)
+        words = shlex.split(step.command)
     except ValueError as error:
         problems.add("scene.command", path, f"the command line cannot be read: {error}")
         return
@@ -57,13 +57,13 @@ def _check(step: SceneStep, problems: Problems, at: tuple[str | int, ...]) -> No
 
 
 def words_of(step: SceneStep, folders: Mapping[str, Path]) -> list[str]:
-    """Return the command line of a step after ``pirate``, with the folders filled in.
+    """Return the words of a step's command line, with the folders filled in.
 
     Args:
         step: The step.
         folders: The folders by their names, ``out`` and ``here``.
     """
-    return [_FOLDER.sub(lambda it: str(folders[it[1]]), each) for each in shlex.split(step.pirate)]
+    return [_FOLDER.sub(lambda it: str(folders[it[1]]), each) for each in shlex.split(step.command)]
 
 
 def recording_of(words: list[str]) -> Path | None:

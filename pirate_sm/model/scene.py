@@ -36,7 +36,7 @@ class SceneStep(Frozen):
 
     Attributes:
         about: What happens now, in a sentence.
-        pirate: The command line after ``pirate``. ``{out}`` is the scene's folder for output,
+        command: A command line of this program. ``{out}`` is the scene's folder for output,
             ``{here}`` the folder of the scene's file. A run gets the scene's speed; one that is to
             be judged has ``--record``.
         power_cut_in: A phase of the recorded mission in which the run is killed, as by a power cut.
@@ -45,7 +45,7 @@ class SceneStep(Frozen):
     """
 
     about: Line | None = None
-    pirate: Line
+    command: Line
     power_cut_in: Name | None = None
     expect: Expected = Expected()
 

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 AS_EXPECTED, NOT_SO, STOPPED = 0, 1, 130
 PAGE = "index.html"
 
-_PIRATE = "from pirate_sm.cli.start import main; main()"
+_THIS_PROGRAM = "from pirate_sm.cli.start import main; main()"
 _CUT_OFF_SPEED = "8"
 """Speed of a run that a power cut ends, where all others run at full speed: it needs the time."""
 
@@ -235,7 +235,9 @@ def _started(words: list[str], **pipes: Any) -> Iterator[subprocess.Popen[str]]:
     numbers = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
     before = {number: signal.signal(number, hand_on) for number in numbers}
     try:
-        process = subprocess.Popen([sys.executable, "-c", _PIRATE, *words], text=True, **pipes)
+        process = subprocess.Popen(
+            [sys.executable, "-c", _THIS_PROGRAM, *words], text=True, **pipes
+        )
         yield process
     finally:
         if process is not None:

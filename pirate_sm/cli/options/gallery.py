@@ -20,7 +20,9 @@ def _scenes() -> list[str]:
 
 @dataclass(frozen=True, kw_only=True)
 class DemoOptions:
-    """Play a scene of the gallery in the simulator, and write its report; without a name list them.
+    """Play scenes of the gallery, with their reports.
+
+    Without a name they are listed.
 
     Exit codes: 0 as the scene expects, 1 not so, 2 it cannot be played, 130 stopped by Ctrl-C.
     """

@@ -25,7 +25,7 @@ scene: {name}
 title: A mission that is not there
 look_at: The refusal
 steps:
-  - pirate: {step}
+  - command: {step}
     expect: {expect}
 """
 
@@ -63,7 +63,7 @@ def test_a_scene_ends_as_its_file_says(
     page = (tmp_path / name / "index.html").read_text("utf-8")
     assert "✓ as expected" in page
     for each in load_scene(library.find_scene(name)).steps:
-        if "--record" in each.pirate:
+        if "--record" in each.command:
             assert "The report of this run" in page
     assert len([*(tmp_path / name).glob("*.mcap")]) == len([*(tmp_path / name).glob("*.html")]) - 1
 
