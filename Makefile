@@ -8,10 +8,11 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
+	@echo "make gallery ten scenes at full speed, and runs/demo/index.html with their reports"
 	@echo "make test    style, types, layers and tests"
 	@echo "make test-browser  a report's page in the Chromium that is installed"
 	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
@@ -43,6 +44,9 @@ help:
 demo: $(VENV)/.ready-sim
 	$(BIN)/pirate-run sequences/mitre_bend.yaml --backend sim --speed 4
 
+gallery: $(VENV)/.ready-dev
+	$(BIN)/pirate demo --all
+
 # Where an environment forbids to store compiled modules, each of the tests' 200 processes would
 # compile the package again.
 test: check
@@ -72,10 +76,10 @@ format: $(VENV)/.ready-dev
 
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
-	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli
+	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/showing
 
 schemas: $(VENV)/.ready-dev
-	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign; do \
+	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign scene; do \
 	    $(BIN)/pirate schema $$kind > schemas/$$kind.schema.json || exit; done
 	for robot in hardware_profiles/*/; do \
 	    $(BIN)/pirate schema mission --robot $$robot > $${robot}mission.schema.json || exit; done

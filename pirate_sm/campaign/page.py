@@ -11,7 +11,7 @@ from pirate_sm.report.figure_page import FigureSection, figure_page
 
 _STYLE = """<style>
 .wide { overflow-x: auto; }
-.heat td { text-align: center; border: 1px solid var(--line); min-width: 90px; }
+.heat td { text-align: center; border: 1px solid var(--border); min-width: 90px; }
 .heat .bad { outline: 2px solid var(--bad); outline-offset: -2px; }
 .heat small { display: block; color: var(--soft); }
 .causes code { font-size: 12px; user-select: all; }

@@ -20,6 +20,7 @@ from pirate_sm.cli.output.encoding import degrade
 
 COMMANDS = {
     "run": ("running:RunOptions", "run:run_mission"),
+    "demo": ("gallery:DemoOptions", "demo:play_demo"),
     "list": ("files:ListOptions", "list:list_things"),
     "schema": ("files:SchemaOptions", "schema:print_schema"),
     "check": ("checks:CheckOptions", "check:run_check"),

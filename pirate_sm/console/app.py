@@ -31,8 +31,10 @@ from pirate_sm.console.panel_actions import PanelActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
+from pirate_sm.console.themes import next_theme, no_colour, wear
 from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, is_whole, panel, show_robot
 from pirate_sm.control_panel.panel_reader import PanelReader
+from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.showing import panels
 from pirate_sm.showing.body_panel import travelled
@@ -72,6 +74,7 @@ class Console(PanelActions, App[None]):
         ask_check: Asks the check about missions, in a process of its own where a stop must not
             wait for the answer.
         frames_per_s: How often it shows the newest snapshot by itself; 0 is never.
+        theme: Name of its theme.
 
     Attributes:
         failure: The exception that ended the console; None without one.
@@ -95,7 +98,7 @@ class Console(PanelActions, App[None]):
         Binding("pageup", "look_back(1)", "Earlier lines", show=False),
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
-        Binding("ctrl+t", "other_theme", "Light or dark", show=False),
+        Binding("ctrl+t", "other_theme", "Next theme", show=False),
         *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
     ]
 
@@ -106,9 +109,11 @@ class Console(PanelActions, App[None]):
         *,
         ask_check: Ask = ask_here,
         frames_per_s: float = FRAMES_PER_S,
+        theme: Theme = USUAL,
         **options: object,
     ) -> None:
-        super().__init__(**options)  # type: ignore[arg-type]
+        super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
+        wear(self, theme)
         self.session = session
         self.panel = panel
         self.ask_check = ask_check
@@ -266,8 +271,8 @@ class Console(PanelActions, App[None]):
         self.on_base(EventLog, "log").look_back(pages)
 
     def action_other_theme(self) -> None:
-        """Switch between the light and the dark theme."""
-        self.theme = "textual-light" if self.current_theme.dark else "textual-dark"
+        """Choose the next theme."""
+        next_theme(self)
 
     def action_help(self) -> None:
         """Show the help page."""
@@ -277,7 +282,7 @@ class Console(PanelActions, App[None]):
         """Return the commands of the palette: everything that the keys do."""
         yield from self.palette()
         yield SystemCommand("Help", "Every key and sign", self.action_help)
-        yield SystemCommand("Light or dark", "The other theme", self.action_other_theme)
+        yield SystemCommand("Next theme", "Light, dark, high contrast", self.action_other_theme)
         yield SystemCommand("Quit", "Safe state, then leave", self.action_leave)
 
     # --- when something breaks ----------------------------------------------------------------

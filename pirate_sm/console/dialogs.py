@@ -94,11 +94,13 @@ class Pick(ModalScreen[str | None]):
         self._title = title
         self._wide = wide
         self._choices = list(choices)
+        self._marked = 0
 
     def compose(self) -> ComposeResult:
         """Lay out the list and its keys."""
         with Vertical(classes="dialog pick"):
-            listed = OptionList(*(Option(self._text(each), each.name) for each in self._choices))
+            options = enumerate(self._choices)
+            listed = OptionList(*(Option(self._text(at, it), it.name) for at, it in options))
             listed.border_title = self._title
             listed.border_subtitle = "↑ ↓ Enter chooses   Esc leaves"
             yield listed
@@ -108,21 +110,27 @@ class Pick(ModalScreen[str | None]):
         """Fit the lines to the new width."""
         self._draw(range(len(self._choices)))
 
-    def _text(self, choice: Choice) -> Content:
+    def on_option_list_option_highlighted(self, event: OptionList.OptionHighlighted) -> None:
+        """Mark the line; colour alone would not show it on every terminal."""
+        before, self._marked = self._marked, event.option_index
+        self._draw({before, self._marked})
+
+    def _text(self, at: int, choice: Choice) -> Content:
+        mark = "▸" if at == self._marked else " "
         label = f"{choice.label:<{self._wide}} "
-        indent = len(label) + 2
+        indent = len(label) + 3
         room = max(min(_WIDEST, self.app.size.width * 95 // 100) - _FRAME - indent, 12)
         first, *more = wrap(choice.reason or choice.detail, room) or [""]
         if choice.reason:
-            head = line((f"✕ {label}{first}", MUTED))
+            head = line(("✕", MUTED), mark, (f" {label}{first}", MUTED))
         else:
-            head = line("  ", (label, "bold"), (first, MUTED))
+            head = line(f" {mark} ", (label, "bold"), (first, MUTED))
         return Content("\n").join([head, *(line((" " * indent + each, MUTED)) for each in more)])
 
     def _draw(self, indexes: Iterable[int]) -> None:
         listed = self.query_one(OptionList)
         for index in indexes:
-            listed.replace_option_prompt_at_index(index, self._text(self._choices[index]))
+            listed.replace_option_prompt_at_index(index, self._text(index, self._choices[index]))
 
     def replace(self, choices: Sequence[Choice]) -> None:
         """Show new reasons."""

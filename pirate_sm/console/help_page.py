@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from textwrap import wrap
 
 from textual.content import Content
 
 from pirate_sm.console.availability import controls
 from pirate_sm.console.themed_lines import line
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.text_styles import MUTED, STRONG
+from pirate_sm.showing.text_styles import STRONG
+
+_KEYS, _WIDE = 16, 50
+"""Columns of the keys and of their meaning; both fit into a terminal of 80 columns."""
 
 _ALWAYS = (
     ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
@@ -19,8 +23,9 @@ _ALWAYS = (
     ("Tab", "Next page, where the terminal is too small for all at once."),
     ("PgUp PgDn", "Earlier and later lines of the log."),
     ("Esc", "The warning has been seen; no more of a series of commands; leave a dialog."),
+    ("?", "This page; ↑ ↓ PgUp PgDn move it."),
     ("^p", "Command palette: everything by name."),
-    ("^t", "Light or dark."),
+    ("^t", "Next theme: dark, light, two of high contrast, the colours of Okabe and Ito."),
     ("q", "Safe state, then leave."),
 )
 
@@ -31,6 +36,8 @@ _LOOKING_BACK = (
     ("p n", "The phase before, the next one."),
     ("Home End", "The start, the end."),
     ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("?", "This page."),
+    ("^t", "Next theme."),
     ("q", "Leave."),
 )
 
@@ -79,4 +86,6 @@ def _signs() -> list[Content]:
 
 
 def _row(key: str, text: str) -> Content:
-    return line((f"{key:>16}  ", STRONG), (text, MUTED if not text else ""))
+    first, *more = wrap(text, _WIDE) or [""]
+    head = line((f"{key:>{_KEYS}}  ", STRONG), first)
+    return Content("\n").join([head, *(line(" " * (_KEYS + 2) + each) for each in more)])

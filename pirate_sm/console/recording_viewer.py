@@ -16,7 +16,9 @@ from pirate_sm.console.dialogs import HelpDialog
 from pirate_sm.console.help_page import recording_lines
 from pirate_sm.console.key_bindings import LEAVE, both_cases
 from pirate_sm.console.recorded_snapshots import RecordedSnapshots
+from pirate_sm.console.themes import next_theme, no_colour, wear
 from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
+from pirate_sm.palette import USUAL, Theme
 from pirate_sm.showing import panels
 from pirate_sm.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
 
@@ -41,6 +43,7 @@ class RecordingViewer(App[None]):
     Args:
         reel: The snapshots of the recording.
         name: Name of the recording.
+        theme: Name of its theme.
 
     Attributes:
         time_s: The time that is shown.
@@ -65,10 +68,14 @@ class RecordingViewer(App[None]):
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding(both_cases(LEAVE), "quit", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "quit", "Quit", show=False),
+        Binding("ctrl+t", "other_theme", "Next theme", show=False),
     ]
 
-    def __init__(self, reel: RecordedSnapshots, name: str, **options: object) -> None:
-        super().__init__(**options)  # type: ignore[arg-type]
+    def __init__(
+        self, reel: RecordedSnapshots, name: str, *, theme: Theme = USUAL, **options: object
+    ) -> None:
+        super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
+        wear(self, theme)
         self.reel = reel
         self.time_s = 0.0
         self.playing = False
@@ -96,6 +103,8 @@ class RecordingViewer(App[None]):
 
     def on_mount(self) -> None:
         """Show the first snapshot."""
+        picture = self._base(Picture, "picture")
+        self.theme_changed_signal.subscribe(self, lambda _: picture.restyle())
         self.set_interval(1 / FRAMES_PER_S, self._tick)
         self.call_after_refresh(self.show)
 
@@ -178,6 +187,10 @@ class RecordingViewer(App[None]):
         else:
             earlier = [each for each in starts if each < self.time_s - 1e-6]
             self._move(earlier[-1] if earlier else 0.0)
+
+    def action_other_theme(self) -> None:
+        """Choose the next theme."""
+        next_theme(self)
 
     def action_help(self) -> None:
         """Show the help page."""

@@ -11,7 +11,7 @@ from pirate_sm.showing import text_styles as styled
 from pirate_sm.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, WARN, Part
 
 _THEMED: Mapping[str, str] = {
-    MUTED: "$foreground 55%",
+    MUTED: "$soft",
     STRONG: "bold",
     GOOD: "$text-success",
     WARN: "$text-warning",

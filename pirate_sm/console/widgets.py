@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence, Set
+from collections.abc import Sequence, Set
 
 from rich.segment import Segment
 from rich.style import Style
@@ -22,17 +22,15 @@ from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import ACCENT, FLAG, GOOD, MUTED, STRONG, line
 from pirate_sm.visible import visible
 
-_QUIET = "quiet"
-
 _COLOURS = {
-    picture.WALL: _QUIET,
+    picture.WALL: "soft",
     picture.TOUCH: "warning",
-    picture.BODY: _QUIET,
+    picture.BODY: "soft",
     picture.HELD: "primary",
     picture.WHEEL: "success",
     picture.FREE: "foreground",
-    picture.LIGHT: "accent",
-    picture.NOTE: _QUIET,
+    picture.LIGHT: "warning",
+    picture.NOTE: "soft",
 }
 
 
@@ -108,7 +106,8 @@ class Picture(Widget):
         """Take the colours of the theme."""
         colours = self.app.theme_variables
         self._styles = {
-            name: Style(color=_colour(colours, variable)) for name, variable in _COLOURS.items()
+            name: Style(color=Color.parse(colours[variable]).hex6)
+            for name, variable in _COLOURS.items()
         }
         self._styles[picture.WHEEL] += Style(bold=True)
         if self._snapshot is not None:
@@ -138,13 +137,6 @@ class Picture(Widget):
         if y < len(self._strips):
             return self._strips[y].apply_style(self.rich_style)
         return Strip.blank(self.size.width, self.rich_style)
-
-
-def _colour(variables: Mapping[str, str], name: str) -> str:
-    """Return a colour of the theme; ``quiet`` is between its foreground and background."""
-    if name != _QUIET:
-        return Color.parse(variables[name]).hex6
-    return Color.parse(variables["foreground"]).blend(Color.parse(variables["surface"]), 0.5).hex6
 
 
 class EventLog(Lines):

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from importlib.util import find_spec
 
-_NEEDED = {"physics": "mujoco", "vision": "cv2"}
+_NEEDED = {"physics": "mujoco", "serial": "serial", "vision": "cv2"}
 """Modules by the extra that installs them, where the extra of the experiments does not."""
 
 

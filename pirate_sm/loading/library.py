@@ -51,6 +51,20 @@ def panels() -> list[Path]:
     return sorted((shipped() / "panels").glob("*.yaml"))
 
 
+def scenes() -> list[Path]:
+    """Return the files of the shipped scenes of the gallery."""
+    return sorted((shipped() / "demos").glob("*.yaml"))
+
+
+def find_scene(name: str) -> Path:
+    """Return the file of the scene of this name or path.
+
+    Raises:
+        UsageError: There is none.
+    """
+    return _find_file("scene", name, None, scenes())
+
+
 def find_robot(name: str, beside: Path | None = None) -> Path:
     """Return the folder of the robot of this name or path.
 

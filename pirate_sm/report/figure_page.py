@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from html import escape
-from importlib.resources import files
 
 from pirate_sm import __version__
 from pirate_sm.drawing.svg.plot import Plot, plot_svg
+from pirate_sm.report.page_style import page_style
 
 _STYLE = """
 .plot { width: 100%; max-width: 720px; height: auto; display: block; margin: 6px 0 10px; }
@@ -16,14 +16,14 @@ _STYLE = """
 .plot .title { font-weight: 600; fill: var(--ink); }
 .plot path { fill: none; }
 .plot .grid { stroke: var(--grid); }
-.plot .curve { stroke-width: 1.4; }
+.plot .curve, .plot .sample { stroke-width: 1.6; }
 .plot .dots { stroke-width: 3; stroke-linecap: round; opacity: 0.45; }
 .plot .band { opacity: 0.18; stroke: none; }
 .figures main { display: block; max-width: 1100px; }
 .figures section { margin: 0 0 14px; }
 .figures table { border-collapse: collapse; font-size: 13px; margin: 0 0 10px; }
 .figures td, .figures th { padding: 3px 9px; text-align: left; vertical-align: top; }
-.figures tr { border-bottom: 1px solid var(--line); }
+.figures tr { border-bottom: 1px solid var(--border); }
 """
 
 
@@ -50,7 +50,6 @@ class FigureSection:
 
 def figure_page(title: str, sections: Iterable[FigureSection]) -> str:
     """Return the page as HTML."""
-    style = (files("pirate_sm.report") / "page" / "page.css").read_text("utf-8")
     policy = "default-src 'none'; style-src 'unsafe-inline'; img-src data:"
     body = "\n".join(line for section in sections for line in _section(section))
     return (
@@ -60,7 +59,7 @@ def figure_page(title: str, sections: Iterable[FigureSection]) -> str:
         f'<meta name="generator" content="pirate-sm {escape(__version__)}">\n'
         f'<meta http-equiv="Content-Security-Policy" content="{policy}">\n'
         f'<link rel="icon" href="data:,">\n<title>{escape(title)}</title>\n'
-        f'<style>{style}{_STYLE}</style>\n</head>\n<body class="figures">\n'
+        f'<style>{page_style()}{_STYLE}</style>\n</head>\n<body class="figures">\n'
         f"<header><h1>{escape(title)}</h1></header>\n<main>\n{body}\n</main>\n</body>\n</html>\n"
     )
 

@@ -31,6 +31,9 @@ _JUST_BEFORE_S = 0.001
 _MARGIN = 2.0
 """Margin around the robot, in wheel radii."""
 
+_GRIP = 0.35
+"""Width of the line in a link that is held, in thicknesses of the link."""
+
 _MM = 1e3
 
 _SEEN = "Above it is seen from above, below from the side. "
@@ -101,7 +104,8 @@ def strip(report: Report) -> str:
         '<h2 id="strip-title">From phase to phase</h2>\n'
         '<p class="hint">The robot as each phase, and each command that took long, was done. '
         f"{_SEEN if len(drawings) > 1 else ''}"
-        "Filled: the front wheel; coloured: held. Choose a picture to go to its time.</p>\n"
+        "Filled: the front wheel; a line in a link: held. "
+        '<span class="how">Choose a picture to go to its time.</span></p>\n'
         f"{pipes}"
         f'<ol class="strip">\n{items}\n</ol>\n</section>'
     )
@@ -179,8 +183,11 @@ class _Drawing:
         thick = 2 * scene.half_thickness_m * _MM
         for number, pair in enumerate(pairwise(points)):
             part, other = (scene.wheels[number + beside].part for beside in (0, 1))
-            held = " held" if part == other and self._holds(part, at_s) else ""
-            yield f'<path class="link{held}" stroke-width="{thick:.0f}" d="{_path(pair)}"/>'
+            held = part == other and self._holds(part, at_s)
+            way = f'd="{_path(pair)}"'
+            yield f'<path class="link{" held" if held else ""}" stroke-width="{thick:.0f}" {way}/>'
+            if held:
+                yield f'<path class="grip" stroke-width="{thick * _GRIP:.0f}" {way}/>'
 
     def _holds(self, part: str, at_s: float) -> bool:
         spans = next((lane.spans for lane in self._scene.parts if lane.name == part), ())

@@ -14,6 +14,7 @@ from pirate_sm import __version__
 from pirate_sm.errors import UsageError
 from pirate_sm.report.contents import Report, RobotScene, Sentence
 from pirate_sm.report.film_strip import strip
+from pirate_sm.report.page_style import page_style
 from pirate_sm.report.report_json import Json, report_json
 from pirate_sm.report.seen_words import seen_words
 from pirate_sm.report.three_library import three_script
@@ -55,7 +56,7 @@ def html(report: Report) -> str:
         kind=report.outcome,
         sign=sign,
         short=escape(report.summary[0] if report.summary else ""),
-        style=f"{style}\n{(folder / 'page.css').read_text('utf-8')}",
+        style=f"{style}\n{page_style()}",
         summary="\n".join(_summary(report)),
         warnings="\n".join(_warning(line) for line in report.warnings),
         story="\n".join(_story(report)),

@@ -10,6 +10,7 @@ from importlib.resources import files
 from string import Template
 
 from pirate_sm import __version__
+from pirate_sm.report.page_style import page_style
 from pirate_sm.report.phrases import seconds
 from pirate_sm.report.report_page import SIGNS
 from pirate_sm.report.run_list import ListedRun
@@ -25,12 +26,11 @@ def index_html(runs: Sequence[ListedRun]) -> str:
     """Return the page as HTML, with the newest run first."""
     folder = files("pirate_sm.report") / "page"
     newest = sorted(runs, key=lambda each: (each.began, each.name), reverse=True)
-    styles = (folder / name for name in ("page.css", "index.css"))
     heads = [f'<th scope="col"><button type="button">{name}</button></th>' for name in _COLUMNS]
     return Template((folder / "index.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
         title=f"{len(runs)} run{'' if len(runs) == 1 else 's'}",
-        style="\n".join(each.read_text("utf-8") for each in styles),
+        style=f"{page_style()}\n{(folder / 'index.css').read_text('utf-8')}",
         outcomes="\n".join(_outcomes(runs)),
         heads="".join(heads),
         rows="\n".join(map(_row, newest)),

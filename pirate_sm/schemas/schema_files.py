@@ -13,6 +13,7 @@ from pirate_sm.model.mission import Mission
 from pirate_sm.model.panel import Panel
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.scene import Scene
 from pirate_sm.schemas.chart_schema import chart_schema
 from pirate_sm.schemas.extension_schema import extension_of
 from pirate_sm.schemas.model_schema import schema_of
@@ -28,6 +29,7 @@ KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "camera": lambda: schema_of(Camera, "Camera over the setup"),
     "panel": lambda: schema_of(Panel, "Control panel"),
     "campaign": lambda: schema_of(Campaign, "Campaign"),
+    "scene": lambda: schema_of(Scene, "Scene of the gallery"),
 }
 """The kinds of files that have a schema."""
 

@@ -12,6 +12,8 @@ from itertools import pairwise
 from math import atan2, cos, dist, floor, hypot, log, sin
 
 from pirate_sm.geometry.space import Place
+from pirate_sm.palette import ACCENT, GOOD, MUTED, WARN
+from pirate_sm.palette import ON_A_TERMINAL as ROLES
 from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.showing.pose import SIDES, RobotPose, contact, pose_of
 from pirate_sm.showing.robot_anatomy import Anatomy
@@ -21,14 +23,14 @@ WALL, TOUCH, BODY, HELD = "wall", "touch", "body", "held"
 WHEEL, FREE, LIGHT, NOTE = "wheel", "free", "light", "note"
 
 ON_A_TERMINAL: Mapping[str, str] = {
-    WALL: "bright_black",
-    TOUCH: "yellow",
-    BODY: "bright_black",
-    HELD: "cyan",
-    WHEEL: "bold green",
+    WALL: ROLES[MUTED],
+    TOUCH: ROLES[WARN],
+    BODY: ROLES[MUTED],
+    HELD: ROLES[ACCENT],
+    WHEEL: f"bold {ROLES[GOOD]}",
     FREE: "default",
-    LIGHT: "bright_yellow",
-    NOTE: "bright_black",
+    LIGHT: ROLES[WARN],
+    NOTE: ROLES[MUTED],
 }
 """How each of them looks in the colours that every terminal has."""
 

@@ -6,25 +6,22 @@ from collections.abc import Mapping, Sequence
 
 from rich.text import Text
 
+from pirate_sm import palette
+from pirate_sm.palette import ACCENT, BAD, GOOD, MUTED, STRONG, WARN
 from pirate_sm.visible import visible
 
-MUTED, STRONG, GOOD, WARN, BAD, ACCENT = "muted", "bold", "good", "warn", "bad", "accent"
+__all__ = ["ACCENT", "BAD", "FLAG", "GOOD", "MUTED", "STRONG", "WARN", "Part", "fitted", "line"]
 
 FLAG = "flag"
 """A word that stands out: ``flag`` alone, or one of ``flag.good``, ``flag.bad`` and so on."""
 
 ON_A_TERMINAL: Mapping[str, str] = {
-    MUTED: "bright_black",
-    STRONG: "bold",
-    GOOD: "green",
-    WARN: "yellow",
-    BAD: "red",
-    ACCENT: "cyan",
+    **palette.ON_A_TERMINAL,
     FLAG: "bold reverse",
-    f"{FLAG}.{GOOD}": "bold reverse green",
-    f"{FLAG}.{WARN}": "bold reverse yellow",
-    f"{FLAG}.{BAD}": "bold reverse red",
-    f"{FLAG}.{ACCENT}": "bold reverse cyan",
+    **{
+        f"{FLAG}.{role}": f"bold reverse {palette.ON_A_TERMINAL[role]}"
+        for role in (GOOD, WARN, BAD, ACCENT)
+    },
 }
 """How each of them looks in the colours that every terminal has."""
 

@@ -5,6 +5,9 @@ from collections.abc import Callable
 
 import pytest
 
+from pirate_sm.palette import DAY
+from tests.colour_vision import TEXT, contrast
+
 from .conftest import Opened
 
 pytestmark = pytest.mark.browser
@@ -216,3 +219,129 @@ def test_the_robot_is_drawn_anew_when_the_night_comes(opened: Open) -> None:
     it.page.wait_for_function(changed, arg=day)
 
     assert it.said == []
+
+
+def test_keys_show_less_or_more_of_the_run(opened: Open) -> None:
+    it = opened("bend")
+    whole = it.page.locator("#timeline .tick").count()
+    marks = it.page.locator("#timeline .axis text")
+    before = marks.all_text_contents()
+    it.page.locator("#slider").fill("12")
+    it.page.evaluate("document.activeElement.blur()")
+
+    for _ in range(3):
+        it.page.keyboard.press("+")
+    near = marks.all_text_contents()
+    it.page.keyboard.press("0")
+
+    assert near != before
+    assert all(8.0 <= float(each) <= 16.0 for each in near)
+    assert marks.all_text_contents() == before
+    assert whole == it.page.locator("#timeline .tick").count()
+
+
+def test_a_plot_is_put_in_words_for_those_who_do_not_see_it(opened: Open) -> None:
+    it = opened("bend")
+    labels = [
+        each.get_attribute("aria-label") or ""
+        for each in it.page.locator("#plots figure [role=img]").all()
+    ]
+    assert len(labels) == it.page.locator("#plots figure").count()
+    assert labels[0].startswith("Joint angles in ° over time: gamma_1 from -")
+
+
+def test_a_reader_who_wants_less_motion_sees_one_picture_after_another(opened: Open) -> None:
+    it = opened("bend")
+    it.page.emulate_media(reduced_motion="reduce")
+    it.page.locator("#play").click()
+    seen = set()
+    for _ in range(30):
+        it.page.clock.run_for(100)
+        seen.add(it.at_s)
+
+    assert 2 <= len(seen) <= 5
+
+
+@pytest.mark.parametrize("name", ["bend", "dead", "house"])
+def test_it_is_printed_on_white_without_what_is_of_no_use_on_paper(opened: Open, name: str) -> None:
+    it = opened(name, scheme="dark")
+    it.page.evaluate("dispatchEvent(new Event('beforeprint'))")
+    it.page.emulate_media(media="print", color_scheme="dark")
+
+    assert it.page.locator(".player").is_hidden()
+    assert all(each.is_hidden() for each in it.page.locator(".how").all())
+    assert it.page.locator("#moment").inner_text() == f" ({it.page.locator('#clock').inner_text()})"
+    ink, paper = it.page.evaluate(
+        "['--ink', '--paper'].map((it) => getComputedStyle(document.documentElement)"
+        ".getPropertyValue(it).trim())"
+    )
+    assert (ink, paper) == (DAY["ink"], DAY["paper"])
+    wide = it.page.evaluate("document.body.getBoundingClientRect().width")
+    widest = it.page.evaluate(
+        "Math.max(...[...document.querySelectorAll('main *')]"
+        ".map((each) => each.getBoundingClientRect().right))"
+    )
+    assert wide == pytest.approx(186 / 25.4 * 96, abs=1.0)
+    assert widest <= wide + 1.0
+
+
+RENDERED = """
+() => {
+  const parse = (text) => (text.match(/[0-9.]+/g) || []).map(Number);
+  const two = (v) => Math.round(v).toString(16).padStart(2, '0');
+  const hex = ([r, g, b]) => '#' + [r, g, b].map(two).join('');
+  const behind = (node) => {
+    for (let it = node; it; it = it.parentElement) {
+      const colour = parse(getComputedStyle(it).backgroundColor);
+      if (colour.length === 3 || colour[3] === 1) return hex(colour);
+    }
+    return hex([255, 255, 255]);
+  };
+  const found = new Set();
+  for (const node of document.querySelectorAll('body *')) {
+    const own = [...node.childNodes].some((each) => each.nodeType === 3 && each.data.trim());
+    if (!own || node.closest('svg, script, style, noscript') || !node.checkVisibility()) continue;
+    const ink = hex(parse(getComputedStyle(node).color));
+    found.add(`${ink} ${behind(node)} ${node.className || node.tagName}`);
+  }
+  return [...found];
+}
+"""
+
+
+@pytest.mark.parametrize("name", ["bend", "dead", "house"])
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("wish", ["no-preference", "more"])
+def test_every_word_on_the_page_can_be_read(
+    opened: Open, name: str, scheme: str, wish: str
+) -> None:
+    it = opened(name, scheme=scheme)
+    it.page.emulate_media(color_scheme=scheme, contrast=wish)  # type: ignore[arg-type]
+    found = [each.split(" ", 2) for each in it.page.evaluate(RENDERED)]
+
+    low = [
+        f"{what}: {ink} on {paper}"
+        for ink, paper, what in found
+        if contrast(ink, paper) < (TEXT if wish == "no-preference" else 7.0)
+    ]
+    assert len(found) > 10
+    assert low == []
+
+
+def test_every_control_is_reached_by_tab_and_shows_that_it_has_the_focus(opened: Open) -> None:
+    it = opened("house")
+    wanted = it.page.locator(
+        "button:visible, input:visible, select:visible, summary:visible, [tabindex='0']:visible"
+    ).count()
+    reached = 0
+    for _ in range(wanted + 5):
+        it.page.keyboard.press("Tab")
+        outline = it.page.evaluate(
+            "document.activeElement === document.body ? null :"
+            " getComputedStyle(document.activeElement).outlineStyle"
+        )
+        if outline is None:
+            break
+        assert outline == "solid"
+        reached += 1
+    assert reached == wanted

@@ -147,8 +147,8 @@ def test_it_takes_the_room_that_it_is_given() -> None:
     played(story)
 
 
-@pytest.mark.parametrize("theme", ["textual-light", "textual-dark"])
-def test_both_themes_and_the_help_page_are_there(theme: str) -> None:
+@pytest.mark.parametrize("theme", ["light", "contrast"])
+def test_themes_are_reached_by_a_key_and_the_help_page_is_there(theme: str) -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
             while me.app.theme != theme:

@@ -15,22 +15,23 @@ from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
-from pirate_sm.cli.output.terminal import is_terminal
+from pirate_sm.cli.output.terminal import is_terminal, shows_colour
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
+from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.visible import visible
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
-_SGR = {
-    "error": "1;31",
-    "warning": "1;33",
-    "possible": "1;36",
-    "mark": "1;31",
-    "place": "1",
-    "label": "2",
+_STYLES = {
+    "error": f"bold {ON_A_TERMINAL[BAD]}",
+    "warning": f"bold {ON_A_TERMINAL[WARN]}",
+    "possible": f"bold {ON_A_TERMINAL[ACCENT]}",
+    "mark": f"bold {ON_A_TERMINAL[BAD]}",
+    "place": ON_A_TERMINAL[STRONG],
+    "label": ON_A_TERMINAL[MUTED],
 }
-"""Terminal colours of the roles of text."""
+"""Looks of the roles of text on a terminal."""
 
 _USUAL_COLUMNS = 80
 _ERASE = "\r\x1b[2K"
@@ -96,8 +97,7 @@ def _written(report: Report, wanted: str, fail_on: Severity) -> str:
 
             return visible(github_report(report), lines=True)
         case _:
-            coloured = is_terminal(sys.stdout) and not os.environ.get("NO_COLOR")
-            return text_report(report, _painted if coloured else _plain)
+            return text_report(report, _painted if shows_colour(sys.stdout) else _plain)
 
 
 def _plain(_: str, text: str) -> str:
@@ -105,8 +105,11 @@ def _plain(_: str, text: str) -> str:
 
 
 def _painted(role: str, text: str) -> str:
-    code = _SGR.get(role)
-    return f"\x1b[{code}m{visible(text)}\x1b[0m" if code else visible(text)
+    from rich.color import ColorSystem
+    from rich.style import Style
+
+    style = Style.parse(_STYLES.get(role, ""))
+    return style.render(visible(text), color_system=ColorSystem.STANDARD)
 
 
 class _Progress:

@@ -18,6 +18,7 @@ from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission.manual_mission import BY_HAND
+from pirate_sm.palette import Theme
 from pirate_sm.runtime.outcome import BUG, SUCCEEDED
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.visible import visible
@@ -54,7 +55,7 @@ def open_console(options: ConsoleOptions) -> int:
     order, factor = order_of(options), read_speed(options.speed, 1.0)
     _check_terminal()
     if order.mission.endswith(RECORDING):
-        return _view(order.mission)
+        return _view(order.mission, options.theme)
     recording = RecordingOptions(None, options.no_record, options.live)
     if options.resume is not None:
         from pirate_sm.cli.commands.resume import resume_dialog
@@ -78,7 +79,7 @@ def open_console(options: ConsoleOptions) -> int:
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
         ask = stack.enter_context(CheckProcess()).ask
         panel = _panel(session, stack)
-        app = Console(session, panel, ask_check=ask, driver_class=StopDriver)
+        app = Console(session, panel, ask_check=ask, theme=options.theme, driver_class=StopDriver)
         try:
             app.run()
         except Exception as error:
@@ -138,7 +139,7 @@ def _session(
     return OperatorSession(prepared, factor=factor, keep=keep, resuming=resuming, then=then)
 
 
-def _view(path: str) -> int:
+def _view(path: str, theme: Theme) -> int:
     """Show a recording.
 
     Raises:
@@ -152,7 +153,7 @@ def _view(path: str) -> int:
 
     with progress(f"reading {visible(path)}") as watch:
         reel = recorded_snapshots(read_recording(Path(path), watch))
-    RecordingViewer(reel, Path(path).name).run()
+    RecordingViewer(reel, Path(path).name, theme=theme).run()
     return SUCCEEDED
 
 

@@ -55,6 +55,7 @@ class SchemaOptions:
             "camera",
             "panel",
             "campaign",
+            "scene",
         ],
         typer.Argument(help="Of which files."),
     ]

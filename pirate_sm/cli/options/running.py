@@ -9,6 +9,8 @@ import typer
 
 from pirate_sm.cli.options import common
 from pirate_sm.model.fidelity import USUAL
+from pirate_sm.palette import USUAL as USUAL_THEME
+from pirate_sm.palette import Theme
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -132,6 +134,9 @@ class ConsoleOptions:
         str,
         typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
     ] = "realtime"
+    theme: Annotated[
+        Theme, typer.Option(help="Its colours. NO_COLOR in the environment: none.")
+    ] = USUAL_THEME
     defects: common.Defects = None
     fidelity: common.FidelityOfSim = USUAL
     view: common.View = False

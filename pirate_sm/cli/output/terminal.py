@@ -14,6 +14,14 @@ def is_terminal(stream: object) -> bool:
     return bool(isatty and isatty()) and os.environ.get("TERM", "dumb") != "dumb"
 
 
+def shows_colour(stream: object) -> bool:
+    """Return whether the stream is a terminal whose user has not asked for no colours.
+
+    ``NO_COLOR`` asks for none if it is not empty [no-color.org]; rich and the console obey it too.
+    """
+    return is_terminal(stream) and not os.environ.get("NO_COLOR")
+
+
 def agree(question: str, nobody: str) -> None:
     """Ask the user at the terminal for consent.
 

@@ -9,10 +9,18 @@ from math import ceil, floor, isfinite, log10
 from typing import Literal
 from zlib import crc32
 
+from pirate_sm.palette import CURVES
+
 _WIDTH, _HEIGHT = 640.0, 300.0
 _LEFT, _RIGHT, _TOP, _BOTTOM = 62.0, 12.0, 26.0, 44.0
 _TICKS = 6
-_COLOURS = 8
+_COLOURS = len(CURVES)
+_DASHES = ("", "7 3", "2 2", "9 3 2 3")
+"""Curves differ in their dashes too; those of the first one are none."""
+
+_SAMPLE = 24.0
+"""Length of the piece of a curve in the key."""
+
 _MOST_POINTS = 1500
 """More points of a series cannot be distinguished in a picture of this width."""
 
@@ -163,13 +171,23 @@ def _drawn(series: PlotSeries, points: list[tuple[float, ...]], x: _Axis, y: _Ax
     if series.look == "band":
         back = [f"{x.at(p[0]):.1f} {y.at(p[2]):.1f}" for p in reversed(points)]
         return f'<path class="band" style="fill:{colour}" d="M{"L".join(places + back)}Z"/>'
-    return f'<path class="curve" style="stroke:{colour}" d="M{"L".join(places)}"/>'
+    return f'<path class="curve" style="{_stroke(series)}" d="M{"L".join(places)}"/>'
+
+
+def _stroke(series: PlotSeries) -> str:
+    """Return the style of the series' line: its colour and its dashes."""
+    dashes = _DASHES[series.colour % len(_DASHES)] if series.look == "line" else ""
+    dashed = f";stroke-dasharray:{dashes}" if dashes else ""
+    return f"stroke:var(--curve{series.colour % _COLOURS}){dashed}"
 
 
 def _key(series: Iterable[PlotSeries]) -> Iterator[str]:
-    """Yield the names of the series at the right, in their colours."""
+    """Yield the names of the series at the right, each with a piece of its line."""
     named = [each for each in series if each.name]
+    right = _WIDTH - _RIGHT - 6
     for number, each in enumerate(named):
-        style = f"fill:var(--curve{each.colour % _COLOURS})"
-        at = f'x="{_WIDTH - _RIGHT - 6:g}" y="{_TOP + 14 + 14 * number:g}"'
-        yield f'<text {at} text-anchor="end" style="{style}">{escape(each.name)}</text>'
+        y = _TOP + 14 + 14 * number
+        sample = f'd="M{right - _SAMPLE:g} {y - 4:g}H{right:g}"'
+        at = f'x="{right - _SAMPLE - 6:g}" y="{y:g}"'
+        yield f'<path class="sample" style="{_stroke(each)}" {sample}/>'
+        yield f'<text {at} text-anchor="end">{escape(each.name)}</text>'

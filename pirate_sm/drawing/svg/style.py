@@ -6,27 +6,10 @@ and visited parts have numbers and thicker lines.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from pirate_sm.palette import DAY, NIGHT, Palette
 
 FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", monospace'
 
-
-def _palette(text: str) -> dict[str, str]:
-    """Return the colours in a text of names, each followed by its colour."""
-    words = text.split()
-    return dict(zip(words[::2], words[1::2], strict=True))
-
-
-DAY = _palette(
-    "paper #ffffff  ink #1f2328  soft #59636e  line #6e7781  box #f6f8fa  good #1a7f37"
-    "  good_box #e6f7ea  bad #c2202c  bad_box #fdeeed  late #8a5a00  fault #7a44d0"
-    "  path #0860ca  path_box #ddf0ff"
-)
-NIGHT = _palette(
-    "paper #0d1117  ink #e6edf3  soft #9aa4af  line #8b949e  box #1a2029  good #3fb950"
-    "  good_box #12261a  bad #ff6a61  bad_box #2f1618  late #d9a334  fault #bf97ff"
-    "  path #5caeff  path_box #10294a"
-)
 
 _SHAPES = f"""
 .drawing text {{ font-family: {FONT} }}
@@ -83,10 +66,10 @@ def stylesheet() -> str:
 
     Every rule is limited to ``.drawing``, so that it can be part of a larger page.
     """
-    night = f"@media (prefers-color-scheme: dark) {{{colours(NIGHT)}}}\n"
+    night = f"@media screen and (prefers-color-scheme: dark) {{{colours(NIGHT)}}}\n"
     return f"{_SHAPES}{colours(DAY)}{night}"
 
 
-def colours(palette: Mapping[str, str]) -> str:
+def colours(palette: Palette) -> str:
     """Return the rules for the colours of the palette."""
     return _COLOURS.format(**palette)

@@ -6,24 +6,30 @@ from collections.abc import Iterator
 
 from pirate_sm.drawing.graph.graph import Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.text_wrapping import INDENT, balanced, printable, wrapped
+from pirate_sm.palette import DAY, EITHER
 
 NODE_COLUMNS, LABEL_COLUMNS, NOTE_COLUMNS = 46, 28, 120
+
+
+def _filled(role: str) -> str:
+    """Return the attributes of a box in the colour of a role."""
+    return f'style="rounded,filled", fillcolor="{DAY[f"{role}_box"]}", color="{EITHER[role]}"'
+
 
 _SHAPES = {
     NodeKind.INITIAL: 'shape=point, width=0.15, label=""',
     NodeKind.ANYWHERE: 'style="rounded,dashed"',
     NodeKind.PHASE: 'style="rounded"',
     NodeKind.STATE: 'style="rounded"',
-    NodeKind.SUCCEED: 'style="rounded,filled", fillcolor="#e6f7ea", color="#1a7f37"',
-    NodeKind.FAIL: 'style="rounded,filled", fillcolor="#fdeeed", color="#c2202c"',
+    NodeKind.SUCCEED: _filled("good"),
+    NodeKind.FAIL: _filled("bad"),
 }
 _SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
 _STYLES = {
-    EdgeKind.WITHIN: ("dashed", "#8a5a00"),
-    EdgeKind.FAILURE: ("dotted", "#c2202c"),
-    EdgeKind.FAULT: ("dotted", "#7a44d0"),
+    EdgeKind.WITHIN: ("dashed", EITHER["late"]),
+    EdgeKind.FAILURE: ("dotted", EITHER["bad"]),
+    EdgeKind.FAULT: ("dotted", EITHER["fault"]),
 }
-_PATH = "#0860ca"
 LEFT = r"\l"
 """The end of a left-aligned line."""
 
@@ -89,7 +95,7 @@ def _edge_attributes(edge: Edge) -> Iterator[str]:
     if style:
         yield f"style={style}"
     if edge.taken:
-        yield f'color="{_PATH}", penwidth=3'
+        yield f'color="{EITHER["path"]}", penwidth=3'
     elif colour:
         yield f'color="{colour}"'
 

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.text_formats.identifiers import plain_names
 from pirate_sm.drawing.text_wrapping import balanced, printable, wrapped
+from pirate_sm.palette import EITHER
 
 LABEL_COLUMNS, NOTE_COLUMNS = 28, 100
 BLANK = "#nbsp;"
@@ -26,9 +27,9 @@ _SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
 _DASHES = {EdgeKind.WITHIN: "7 4", EdgeKind.FAILURE: "1 4", EdgeKind.FAULT: "9 4 1 4"}
 _CLASSES = (
     "classDef anywhere stroke-dasharray:4 3",
-    "classDef succeed stroke:#1a7f37,stroke-width:2px",
-    "classDef fail stroke:#c2202c,stroke-width:2px",
-    "classDef visited stroke:#0860ca,stroke-width:4px",
+    f"classDef succeed stroke:{EITHER['good']},stroke-width:2px",
+    f"classDef fail stroke:{EITHER['bad']},stroke-width:2px",
+    f"classDef visited stroke:{EITHER['path']},stroke-width:4px",
 )
 
 
@@ -92,7 +93,7 @@ def _link_style(edge: Edge) -> str:
     dashes = _DASHES.get(edge.kind)
     styles = [f"stroke-dasharray:{dashes}"] if dashes else []
     if edge.taken:
-        styles.append("stroke:#0860ca,stroke-width:4px")
+        styles.append(f"stroke:{EITHER['path']},stroke-width:4px")
     return ",".join(styles)
 
 

@@ -14,16 +14,14 @@ from xml.etree import ElementTree as Xml
 
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import derived as kinds
+from pirate_sm.palette import CURVES, EITHER
 from pirate_sm.recording.column_names import signal_names, slot_names
 from pirate_sm.recording.viewers.transforms import PIPE
 
 Split: TypeAlias = dict[str, Any]
 """A panel is its name; a split has two panels or splits."""
 
-_COLORS = (
-    *("#1f77b4", "#d62728", "#2ca02c", "#9467bd", "#ff7f0e"),
-    *("#17becf", "#bcbd22", "#e377c2", "#8c564b", "#7f7f7f"),
-)
+_COLORS = tuple(EITHER[role] for role in CURVES)
 _SCENE, _STATES, _LOG = "3D!scene", "StateTransitions!states", "RosOut!log"
 _FAR_ROBOTS = 2.0
 """Height of the camera above the robot, in lengths of the robot."""

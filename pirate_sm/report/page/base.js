@@ -59,7 +59,7 @@ const shown = {
   at: data.opens,
   from: 0,
   to: data.duration || 1,
-  listeners: { time: [], range: [], look: [] },
+  listeners: { time: [], range: [], look: [], size: [] },
   on(what, listener) { this.listeners[what].push(listener); },
   tell(what) { this.listeners[what].forEach((listener) => listener()); },
   /** This moment is shown everywhere. */
@@ -79,5 +79,10 @@ const shown = {
     this.tell('range');
   },
   whole() { this.zoom(0, data.duration); },
+  /** The visible part is this many times as long, with the moment where it was. */
+  stretch(factor) {
+    const around = Math.min(this.to, Math.max(this.from, this.at));
+    this.zoom(around - (around - this.from) * factor, around + (this.to - around) * factor);
+  },
   get isWhole() { return this.from <= 0 && this.to >= data.duration; },
 };

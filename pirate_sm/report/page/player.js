@@ -5,6 +5,7 @@ const player = { playing: false };
 const startPlayer = () => {
   const slider = byId('slider'), play = byId('play'), clock = byId('clock'), speed = byId('speed');
   const whole = byId('whole');
+  const calm = matchMedia('(prefers-reduced-motion: reduce)'), APART_MS = 1000;
   let before = 0;
 
   const phase = () => {
@@ -14,6 +15,7 @@ const startPlayer = () => {
   const show = () => {
     slider.value = shown.at;
     clock.textContent = told(shown.at);
+    byId('moment').textContent = ` (${told(shown.at)})`;
     slider.setAttribute('aria-valuetext', `${told(shown.at)}${phase() ? `, ${phase()}` : ''}`);
   };
   const toggle = (wanted) => {
@@ -27,6 +29,8 @@ const startPlayer = () => {
   };
   const go = (now) => {
     if (!player.playing) return;
+    // Where a reader asks for less motion, one picture follows another, and nothing glides.
+    if (calm.matches && now - before < APART_MS) { requestAnimationFrame(go); return; }
     const next = shown.at + Math.max(0, now - before) / 1000 * Number(speed.value);
     before = now;
     shown.goTo(next);
@@ -40,7 +44,10 @@ const startPlayer = () => {
     const inside = event.target.closest('button, input, select, summary, [tabindex]');
     if (inside || event.ctrlKey || event.metaKey || event.altKey) return;
     const moves = { ArrowLeft: -1, ArrowRight: 1 };
+    const stretches = { '+': 0.5, '-': 2 };
     if (event.key === ' ') toggle(!player.playing);
+    else if (event.key === '0') shown.whole();
+    else if (event.key in stretches) shown.stretch(stretches[event.key]);
     else if (event.key in moves) shown.goTo(shown.at + moves[event.key] * Number(slider.step) * (event.shiftKey ? 10 : 1));
     else return;
     event.preventDefault();
@@ -134,5 +141,14 @@ startDiagram();
 drawScene();
 drawTimeline();
 drawPlots();
-matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => shown.tell('look'));
+const drawAnew = () => { shown.tell('look'); shown.tell('size'); };
+const drawnOnPaper = (on) => {
+  document.documentElement.toggleAttribute('data-printing', on);
+  drawAnew();
+};
+for (const wish of ['(prefers-color-scheme: dark)', '(prefers-contrast: more)']) {
+  matchMedia(wish).addEventListener('change', drawAnew);
+}
+addEventListener('beforeprint', () => drawnOnPaper(true));
+addEventListener('afterprint', () => drawnOnPaper(false));
 document.documentElement.dataset.ready = 'yes';

@@ -110,9 +110,22 @@ const drawPlots = () => {
     plot.setCursor({ left: inside ? plot.valToPos(shown.at, 'x') : -10, top: 0 });
   };
 
+  /** A plot for those who do not see it: between which values each curve runs. */
+  const inWords = (chart) => {
+    const ranges = chart.series.map(({ name, values }) => {
+      const known = values.filter((value) => value !== null);
+      if (!known.length) return `${name} unknown`;
+      const [low, high] = known.reduce(([a, b], v) => [Math.min(a, v), Math.max(b, v)], [Infinity, -Infinity]);
+      return `${name} from ${low.toFixed(chart.digits)} to ${high.toFixed(chart.digits)}`;
+    });
+    return `${chart.title} in ${chart.unit} over time: ${ranges.join('; ')}`;
+  };
+
   const make = (chart) => {
     const figure = document.createElement('figure'), caption = document.createElement('figcaption');
     const title = document.createElement('strong'), area = document.createElement('div');
+    area.setAttribute('role', 'img');
+    area.setAttribute('aria-label', inWords(chart));
     title.textContent = chart.title;
     caption.append(title, ` in ${chart.unit} `);
     if (chart.note) {
@@ -149,5 +162,5 @@ const drawPlots = () => {
     plot.setScale('x', { min: shown.from, max: shown.to });
     place(plot);
   }));
-  shown.on('look', () => plots.forEach(({ build }) => build()));
+  shown.on('size', () => plots.forEach(({ build }) => build()));
 };

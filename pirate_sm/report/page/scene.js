@@ -170,8 +170,8 @@ const flatView = (canvas, view) => {
       const heading = Math.atan2(back * (to[1] - from[1]), back * (to[0] - from[0]));
       const atEnd = light.at === 0 || light.at === 1, reach = scale * scene.radius * (atEnd ? 5 : 2);
       const glow = context.createRadialGradient(x, y, 0, x, y, reach);
-      glow.addColorStop(0, colour('--light'));
-      glow.addColorStop(1, colour('--dark'));
+      glow.addColorStop(0, `${colour('--light')}c0`);
+      glow.addColorStop(1, `${colour('--light')}00`);
       context.beginPath();
       context.moveTo(x, y);
       context.arc(x, y, reach, heading - (atEnd ? 0.5 : Math.PI), heading + (atEnd ? 0.5 : Math.PI));
@@ -356,6 +356,7 @@ const drawScene = () => {
   canvases.forEach((canvas) => watch.observe(canvas));
   shown.on('time', draw);
   shown.on('look', draw);
+  shown.on('size', () => { flats.forEach((flat) => flat.resize()); });
   flats.forEach((flat) => flat.resize());
   draw();
   if (flats[0].small) toggle(true);

@@ -54,9 +54,11 @@ const orbit = (canvas, home, changed) => {
     ArrowUp: () => turn(0, 12), ArrowDown: () => turn(0, -12),
     '+': () => zoom(0.85), '-': () => zoom(1 / 0.85),
   };
+  const slides = { ArrowLeft: [24, 0], ArrowRight: [-24, 0], ArrowUp: [0, 24], ArrowDown: [0, -24] };
   canvas.addEventListener('keydown', (event) => {
     if (!(event.key in keys)) return;
-    keys[event.key]();
+    if (event.shiftKey && event.key in slides) slide(...slides[event.key]);
+    else keys[event.key]();
     event.preventDefault();
     changed();
   });
@@ -126,14 +128,16 @@ const drawnRobot = (group, paint) => {
   const { scene } = motion, { space, half, radius } = scene, thick = 2 * half;
   const body = paint(new THREE.MeshPhongMaterial(), '--body'), held = paint(new THREE.MeshPhongMaterial(), '--held');
   const stripe = paint(new THREE.MeshPhongMaterial(), '--drive'), tyre = paint(new THREE.MeshPhongMaterial(), '--soft');
-  const spoke = paint(new THREE.MeshPhongMaterial(), '--paper'), glow = new THREE.MeshBasicMaterial({ color: 0xffc800, transparent: true, opacity: 0.5 });
+  const spoke = paint(new THREE.MeshPhongMaterial(), '--paper'), glow = paint(new THREE.MeshBasicMaterial({ transparent: true, opacity: 0.5 }), '--light');
   const block = new THREE.BoxGeometry(1, thick, thick), mark = new THREE.BoxGeometry(0.7, 0.25 * thick, 0.3 * thick);
+  const line = new THREE.BoxGeometry(0.8, 0.2 * thick, 1.06 * thick);
   const half_ = () => {
     const piece = new THREE.Group(), box = new THREE.Mesh(block, body), side = new THREE.Mesh(mark, stripe);
     side.position.y = half;
-    piece.add(box, side);
+    const grip = new THREE.Mesh(line, spoke);
+    piece.add(box, side, grip);
     group.add(piece);
-    return { piece, box };
+    return { piece, box, grip };
   };
   const links = scene.wheels.slice(1).map((_, i) => (i === space.rear - 1 ? [half_(), half_()] : [half_()]));
   const wheels = scene.wheels.map(() => {
@@ -161,13 +165,14 @@ const drawnRobot = (group, paint) => {
     const turned = (object, x, y, z) => object.quaternion.setFromRotationMatrix(matrix.makeBasis(x, y, z));
     links.forEach((halves, i) => {
       const [front, rear] = [places[i], places[i + 1]], ahead = front.clone().sub(rear).normalize();
-      const long = front.distanceTo(rear) / halves.length, grip = motion.heldAt(i);
-      halves.forEach(({ piece, box }, number) => {
+      const long = front.distanceTo(rear) / halves.length, isHeld = Boolean(motion.heldAt(i));
+      halves.forEach(({ piece, box, grip }, number) => {
         const part = halves.length > 1 ? number : Number(i >= space.rear);
         turned(piece, ...basis(ahead, normals[part]));
         piece.position.copy(front).addScaledVector(ahead, -long * (number + 0.5));
         piece.scale.x = long;
-        box.material = grip ? held : body;
+        box.material = isHeld ? held : body;
+        grip.visible = isHeld;
       });
     });
     wheels.forEach((wheel, i) => {
@@ -287,6 +292,7 @@ const drawSpace = () => {
   new ResizeObserver(resize).observe(canvas);
   shown.on('time', render);
   shown.on('look', look);
+  shown.on('size', resize);
   look();
 };
 

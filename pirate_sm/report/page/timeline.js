@@ -27,7 +27,7 @@ const ticksOf = (from, to, room) => {
 
 const drawTimeline = () => {
   const host = byId('timeline'), ROW = 26, AXIS = 22, LETTER = 7, EDGE = 18;
-  const root = element('svg', { role: 'img', 'aria-label': 'Timeline of the run' });
+  const root = element('svg', { role: 'img', 'aria-label': 'Timeline of the run; Step by step says the same in words' });
   host.append(root);
   let width = 0, gutter = 0, cursor = null;
 
@@ -153,5 +153,6 @@ const drawTimeline = () => {
 
   new ResizeObserver(draw).observe(host);
   shown.on('range', draw);
+  shown.on('size', draw);
   shown.on('time', follow);
 };

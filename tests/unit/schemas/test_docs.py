@@ -22,6 +22,7 @@ PAGES = {
     "camera": ["camera.md"],
     "panel": ["panel.md"],
     "campaign": ["campaigns.md"],
+    "scene": ["demo.md"],
 }
 SCHEMAS = {kind: make() for kind, make in KINDS.items()}
 _CODE = re.compile(r"```.*?```|`[^`]+`", re.DOTALL)
@@ -38,7 +39,9 @@ def test_the_documents_name_every_key(kind: str) -> None:
     assert sorted(set(keys(SCHEMAS[kind])) - written) == []
 
 
-@pytest.mark.parametrize("kind", ["mission", "pipe", "profile", "camera", "panel", "campaign"])
+@pytest.mark.parametrize(
+    "kind", ["mission", "pipe", "profile", "camera", "panel", "campaign", "scene"]
+)
 def test_the_documents_name_every_choice(kind: str) -> None:
     written = {word for code in _CODE.findall(pages(kind)) for word in _WORD.findall(code)}
     choices = {str(each) for node in nodes(SCHEMAS[kind]) for each in node.get("enum", ())}
@@ -46,7 +49,9 @@ def test_the_documents_name_every_choice(kind: str) -> None:
     assert sorted(words - written) == []
 
 
-@pytest.mark.parametrize("kind", ["mission", "pipe", "profile", "camera", "panel", "campaign"])
+@pytest.mark.parametrize(
+    "kind", ["mission", "pipe", "profile", "camera", "panel", "campaign", "scene"]
+)
 def test_every_key_in_a_table_of_the_documents_is_one(kind: str) -> None:
     page = (ROOT / "docs" / PAGES[kind][0]).read_text("utf-8")
     known = set(keys(SCHEMAS[kind]))

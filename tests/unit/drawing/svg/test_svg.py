@@ -109,7 +109,7 @@ def test_edges_of_one_kind_between_the_same_two_nodes_are_one_arrow() -> None:
 
 def test_both_palettes_colour_the_same_things() -> None:
     text = svg(tiny())
-    day, night = text.split("@media (prefers-color-scheme: dark)")
+    day, night = text.split("@media screen and (prefers-color-scheme: dark)")
 
     for rule in night.split("}")[0:-3]:
         assert rule.partition("{")[0].strip(" {\n") in day

@@ -1,0 +1,48 @@
+"""Options of `pirate demo`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+def _scenes() -> list[str]:
+    """Return the names for a shell's completion."""
+    from pirate_sm.loading import library
+
+    return [path.stem for path in library.scenes()]
+
+
+@dataclass(frozen=True, kw_only=True)
+class DemoOptions:
+    """Play scenes of the gallery, with their reports.
+
+    Without a name they are listed.
+
+    Exit codes: 0 as the scene expects, 1 not so, 2 it cannot be played, 130 stopped by Ctrl-C.
+    """
+
+    scene: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="[SCENE]", autocompletion=_scenes, help="A scene's name, or a file of your own."
+        ),
+    ] = None
+    all: Annotated[
+        bool, typer.Option("--all", help="All scenes at full speed, with a page that lists them.")
+    ] = False
+    speed: Annotated[
+        str | None,
+        typer.Option(
+            metavar="max|realtime|FACTOR", help="Mission time over wall time; else the scene's own."
+        ),
+    ] = None
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the reports are written.")
+    ] = Path("runs/demo")
+    debug: common.Debug = False

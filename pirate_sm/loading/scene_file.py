@@ -1,0 +1,71 @@
+"""Read scene files, and fill in the folders of their command lines."""
+
+from __future__ import annotations
+
+import re
+import shlex
+from collections.abc import Mapping
+from pathlib import Path
+
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.model.scene import Scene, SceneStep
+
+OUT, HERE = "out", "here"
+RECORD = "--record"
+_FOLDER = re.compile(r"\{([^{}]*)\}")
+
+
+def load_scene(path: Path) -> Scene:
+    """Return the scene in a file.
+
+    Raises:
+        LoadError: The file has faults; holds all of them.
+    """
+    document = read_document(path, shown(path))
+    scene = validate(document, Scene)
+    problems = Problems(document)
+    if scene.scene != path.stem:
+        message = f"the scene is called as its file: {path.stem}"
+        problems.add("scene.name", ("scene",), message, expected=path.stem)
+    for number, step in enumerate(scene.steps):
+        _check(step, problems, ("steps", number))
+    problems.raise_errors()
+    return scene
+
+
+def _check(step: SceneStep, problems: Problems, at: tuple[str | int, ...]) -> None:
+    """Report what is wrong with a step's command line."""
+    path = (*at, "command")
+    for name in _FOLDER.findall(step.command):
+        if name not in (OUT, HERE):
+            problems.add_unknown("scene.folder", path, "folder", name, (OUT, HERE))
+    try:
+        words = shlex.split(step.command)
+    except ValueError as error:
+        problems.add("scene.command", path, f"the command line cannot be read: {error}")
+        return
+    recorded = RECORD in words[:-1]
+    if (step.power_cut_in or step.expect.ended or step.expect.faults) and not recorded:
+        message = f"what becomes of a run is read in its recording: add {RECORD} {{{OUT}}}/run.mcap"
+        problems.add("scene.record", path, message)
+    if recorded and not words[words.index(RECORD) + 1].startswith(f"{{{OUT}}}/"):
+        message = f"a scene records into its own folder: {RECORD} {{{OUT}}}/run.mcap"
+        problems.add("scene.record", path, message)
+
+
+def words_of(step: SceneStep, folders: Mapping[str, Path]) -> list[str]:
+    """Return the words of a step's command line, with the folders filled in.
+
+    Args:
+        step: The step.
+        folders: The folders by their names, ``out`` and ``here``.
+    """
+    return [_FOLDER.sub(lambda it: str(folders[it[1]]), each) for each in shlex.split(step.command)]
+
+
+def recording_of(words: list[str]) -> Path | None:
+    """Return the recording that a command line writes; None if it writes none."""
+    return Path(words[words.index(RECORD) + 1]) if RECORD in words else None
