@@ -150,15 +150,15 @@ clean:
 # One environment; each set of extras is installed once, and again when pyproject.toml changes. The
 # simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
-$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,gym,serial,live,report,console,vision
+$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,gym,serial,live,vision
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
-$(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report
-$(VENV)/.ready-bench: EXTRAS := bench,jit,console
+$(VENV)/.ready-browser: EXTRAS := browser,dev,jit
+$(VENV)/.ready-bench: EXTRAS := bench,jit
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,campaign,physics,serial,live,report,console,vision
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,campaign,physics,serial,live,vision
 
 $(VENV)/.ready-%: pyproject.toml hatch_build.py | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

@@ -64,6 +64,18 @@ class UsageError(PirateError):
     exit_code: ClassVar[int] = 2
 
 
+def not_installed(what: str, package: str | None, extra: str) -> UsageError:
+    """Return the error for a package of an extra that is missing, with what installs it.
+
+    Args:
+        what: What needs it, in the singular.
+        package: Its name.
+        extra: The extra of this package that brings it.
+    """
+    install = f"pip install 'pirate-sm[{extra}]'"
+    return UsageError(f"{what} needs {package}, which is not installed: {install}")
+
+
 class RecordingError(PirateError):
     """Raised for a recording that cannot be read, or cannot be written at its path."""
 

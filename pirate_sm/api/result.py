@@ -137,11 +137,7 @@ class Run:
         return tuple(name for name, columns in self._tables.items() if columns[TIME])
 
     def report(self) -> Page:
-        """Return the report: what happened in words, the robot in its pipe, timeline and plots.
-
-        Raises:
-            UsageError: The extra ``report`` is not installed.
-        """
+        """Return the report: what happened in words, the robot in its pipe, timeline and plots."""
         from pirate_sm.report.recording_report import about_run
         from pirate_sm.report.report_builder import gather
         from pirate_sm.report.report_page import html
@@ -155,7 +151,7 @@ class Run:
         """Show the report below the cell of a notebook.
 
         Raises:
-            UsageError: This is no notebook, or the extra ``report`` is not installed.
+            UsageError: This is no notebook.
         """
         try:
             from IPython.display import display

@@ -15,7 +15,7 @@ from uuid import uuid4
 from pirate_sm.campaign.chunk import Chunk, OtherVersionError, Sent, bug_row, cut, run_chunk
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.plan import Plan
-from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.errors import BackendError, UsageError, not_installed
 
 if TYPE_CHECKING:
     from distributed import Client, Future, LocalCluster
@@ -206,10 +206,7 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         import dask
         from distributed import Client
     except ModuleNotFoundError as error:
-        raise UsageError(
-            f"campaigns need {error.name}, which is not installed: "
-            "pip install 'pirate-sm[campaign]'"
-        ) from None
+        raise not_installed("a campaign", error.name, "campaign") from None
     # What befalls workers is said in our words, or mended without any.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     if scheduler is None:

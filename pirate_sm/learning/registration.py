@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import not_installed
 
 IN_PIPE = "pirate_sm/InPipe-v0"
 
@@ -16,9 +16,7 @@ def register() -> None:
     try:
         import gymnasium  # noqa: PLC0415  # the extra may be missing
     except ImportError as error:
-        raise UsageError(
-            "learning needs the package gymnasium: pip install 'pirate_sm[gym]'"
-        ) from error
+        raise not_installed("learning", "gymnasium", "gym") from error
     gymnasium.register(
         IN_PIPE,
         entry_point="pirate_sm.learning.environment:InPipe",

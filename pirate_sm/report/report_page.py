@@ -6,18 +6,15 @@ import json
 from collections.abc import Iterable
 from html import escape
 from importlib.resources import files
-from importlib.util import find_spec
-from pathlib import Path
 from string import Template
 
 from pirate_sm import __version__
-from pirate_sm.errors import UsageError
 from pirate_sm.report.contents import Report, RobotScene, Sentence
 from pirate_sm.report.film_strip import strip
+from pirate_sm.report.page_libraries import plot_script, plot_style, three_script
 from pirate_sm.report.page_style import page_style
 from pirate_sm.report.report_json import Json, report_json
 from pirate_sm.report.seen_words import seen_words
-from pirate_sm.report.three_library import three_script
 
 SIGNS = {
     "succeeded": ("✓", "Succeeded"),
@@ -31,23 +28,16 @@ SIGNS = {
 _STORY_SIGNS = {"phase": "", "trouble": "!", "person": "☺", "end": "■"}
 _SPEEDS = (0.25, 0.5, 1, 2, 4, 8, 16)
 _SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
-_LIBRARY = "uplot"
 
 
 def html(report: Report) -> str:
-    """Return the page as HTML.
-
-    Raises:
-        UsageError: The plotting library is not installed.
-    """
-    library = _library()
+    """Return the page as HTML."""
     folder = files("pirate_sm.report") / "page"
     sign, outcome = SIGNS[report.outcome]
     in_space = report.scene is not None and report.scene.space is not None
     names = (*_SCRIPTS, "space.js") if in_space else _SCRIPTS
     script = "\n".join((folder / name).read_text("utf-8") for name in names)
-    library_script = (library / "uPlot.iife.js").read_text("utf-8")
-    style = (library / "uPlot.min.css").read_text("utf-8")
+    libraries = [plot_script(), *([three_script()] if in_space else [])]
     return Template((folder / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
         recording=escape(report.recording),
@@ -56,7 +46,7 @@ def html(report: Report) -> str:
         kind=report.outcome,
         sign=sign,
         short=escape(report.summary[0] if report.summary else ""),
-        style=f"{style}\n{page_style()}",
+        style=f"{plot_style()}\n{page_style()}",
         summary="\n".join(_summary(report)),
         warnings="\n".join(_warning(line) for line in report.warnings),
         story="\n".join(_story(report)),
@@ -70,24 +60,9 @@ def html(report: Report) -> str:
         speeds="".join(_speed(each) for each in _SPEEDS),
         data=_inside_script(report_json(report)),
         space=(folder / "space.html").read_text("utf-8") if in_space else "",
-        library=f"{library_script}\n{three_script()}" if in_space else library_script,
+        library="\n".join(libraries),
         script=f"(() => {{\n'use strict';\n{script}\n}})();",
     )
-
-
-def _library() -> Path:
-    """Return the folder with the script and the style of the plotting library.
-
-    Its Python part is for notebooks and is never imported.
-    """
-    spec = find_spec(_LIBRARY)
-    places = spec.submodule_search_locations if spec else None
-    folder = Path(next(iter(places))) / "static" if places else None
-    if folder is None or not (folder / "uPlot.iife.js").is_file():
-        raise UsageError(
-            "the report needs uplot-python, which is not installed: pip install 'pirate-sm[report]'"
-        )
-    return folder
 
 
 def _warning(line: str) -> str:

@@ -10,7 +10,7 @@ from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeAlias
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import UsageError, not_installed
 
 try:
     import numpy as np
@@ -19,10 +19,7 @@ try:
     from rosbags.typesys import Stores, TypesysError, get_types_from_msg, get_typestore
     from rosbags.typesys.store import Typestore
 except ModuleNotFoundError as error:
-    raise UsageError(
-        f"the serial link needs {error.name}, which is not installed: "
-        "pip install 'pirate-sm[serial]'"
-    ) from None
+    raise not_installed("the serial link", error.name, "serial") from None
 
 Content: TypeAlias = Mapping[str, float | Sequence[float]]
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from typing import Any
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import not_installed
 
 # It reads these when it is imported. Without them, a camera that is missing prints ten lines.
 os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
@@ -14,9 +14,7 @@ os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
 try:
     import cv2 as _cv2
 except ImportError:
-    raise UsageError(
-        "a camera needs opencv, which is not installed: pip install 'pirate-sm[vision]'"
-    ) from None
+    raise not_installed("a camera", "opencv", "vision") from None
 
 cv2: Any = _cv2
 # It may be imported already, as in a notebook.

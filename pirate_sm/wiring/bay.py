@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.detectors.registry import Places
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot.twin_file import simulated_profile
 from pirate_sm.model.campaign import LineFaults
@@ -22,10 +22,7 @@ def without_messages(error: ModuleNotFoundError) -> UsageError:
     """
     if error.name is None or error.name.partition(".")[0] != "rosbags":
         raise error
-    return UsageError(
-        f"the emulated bay needs {error.name}, which is not installed: "
-        "pip install 'pirate-sm[serial]'"
-    )
+    return not_installed("the emulated bay", error.name, "serial")
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:

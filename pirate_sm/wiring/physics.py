@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import not_installed
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
@@ -26,10 +26,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     except ModuleNotFoundError as error:
         if error.name != "mujoco":
             raise
-        raise UsageError(
-            "the backend physics needs mujoco, which is not installed: "
-            "pip install 'pirate-sm[physics]' (or use the backend sim or trace)"
-        ) from None
+        raise not_installed("the backend physics", "mujoco", "physics") from None
     return simulated(order, loaded, World)
 
 

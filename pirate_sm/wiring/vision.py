@@ -10,7 +10,7 @@ from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.detectors.seen_places import OneMarker, Placing, Tags
 from pirate_sm.detectors.vision_detector import Sight, SightingSource
-from pirate_sm.errors import Hint, UsageError
+from pirate_sm.errors import Hint, UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.model.camera import Camera, RobotTags
@@ -111,8 +111,7 @@ def _opening(
     except ModuleNotFoundError as error:
         if error.name not in _INSTALLED:
             raise
-        message = f"the detector vision needs {error.name}, which is not installed"
-        raise UsageError(f"{message}: pip install 'pirate-sm[vision]'") from None
+        raise not_installed("the detector vision", error.name, "vision") from None
     from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
 
     wheels, body, route = asked.wheels, asked.profile.body, pipe.route()

@@ -9,7 +9,7 @@ from pirate_sm.backends.serial.guardian.guarded_port import GuardedPort
 from pirate_sm.backends.serial.guardian.notes import Instructions
 from pirate_sm.backends.serial.link.link_plan import LinkPlan, plan_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import not_installed
 from pirate_sm.model.profile import Profile
 from pirate_sm.rosserial.messages import read_messages, serial_of
 
@@ -50,10 +50,7 @@ def guarded_port(plan: LinkPlan, url: str, baud: int | None, stay_s: float = STA
     try:
         import serial  # noqa: F401, PLC0415 - only the guardian uses it
     except ModuleNotFoundError:
-        raise UsageError(
-            "the serial backend needs pyserial, which is not installed: "
-            "pip install 'pirate-sm[serial]'"
-        ) from None
+        raise not_installed("the serial backend", "pyserial", "serial") from None
     link = plan.serial
     instructions = Instructions(link.heartbeat_within, plan.wanted, link.boot, stay_s)
     return GuardedPort(url, baud or link.baud, instructions)

@@ -22,7 +22,7 @@ from pirate_sm.cli.errors import say
 from pirate_sm.cli.new_recording import RUNS, RUNS_VARIABLE
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.spelling import meant
 from pirate_sm.visible import visible
@@ -71,9 +71,7 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
     try:
         import pyarrow  # noqa: F401 - the store needs it
     except ModuleNotFoundError:
-        raise UsageError(
-            "campaigns need pyarrow, which is not installed: pip install 'pirate-sm[campaign]'"
-        ) from None
+        raise not_installed("a campaign", "pyarrow", "campaign") from None
     runs = Path(os.environ.get(RUNS_VARIABLE) or RUNS)
     folder = options.output or runs / f"{plan.name}.campaign"
     store = Store(folder)

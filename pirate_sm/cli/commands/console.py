@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
-from importlib.util import find_spec
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say, say_bug
@@ -105,7 +104,7 @@ def _check_terminal() -> None:
     """Check that the console can be shown.
 
     Raises:
-        UsageError: The terminal or the library is missing.
+        UsageError: There is no terminal, or it lacks the signs.
     """
     if not (is_terminal(sys.stdout) and sys.stdin.isatty() and sys.stderr.isatty()):
         raise UsageError("the console needs a terminal; `pirate run` does without")
@@ -113,10 +112,6 @@ def _check_terminal() -> None:
         raise UsageError(
             f"the console needs a terminal with UTF-8, this one has {sys.stdout.encoding}: "
             "set LANG=C.UTF-8, or use `pirate run`"
-        )
-    if find_spec("textual") is None:
-        raise UsageError(
-            "the console needs textual, which is not installed: pip install 'pirate-sm[console]'"
         )
 
 

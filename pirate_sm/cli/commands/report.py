@@ -34,7 +34,7 @@ def write_reports(options: ReportOptions) -> int:
 
     Raises:
         RecordingError: The recording cannot be read; for several: none can be read.
-        UsageError: A page cannot be written, or the plotting library is not installed.
+        UsageError: A page cannot be written.
     """
     places, output = options.recordings, options.output
     if len(places) == 1 and is_store(Path(places[0])):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import Final
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.recording.viewers.viewer_channel import ViewerChannel
 
 HOST: Final = "127.0.0.1"
@@ -24,9 +24,7 @@ class Live:
         try:
             import foxglove  # noqa: PLC0415 - an extra
         except ModuleNotFoundError:
-            raise UsageError(
-                "--live needs foxglove-sdk, which is not installed: pip install 'pirate-sm[live]'"
-            ) from None
+            raise not_installed("--live", "foxglove-sdk", "live") from None
         self._foxglove = foxglove
         self._context = foxglove.Context()
         try:

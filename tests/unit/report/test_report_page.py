@@ -9,8 +9,6 @@ from math import inf, nan
 
 import pytest
 
-from pirate_sm.errors import UsageError
-from pirate_sm.report import report_page as page
 from pirate_sm.report.contents import Chart, Fact, Lane, Report, Sentence, Series, TimelineMark
 from pirate_sm.report.report_json import report_json
 from pirate_sm.report.report_page import html
@@ -116,12 +114,3 @@ def test_a_run_of_ten_minutes_stays_small(report: Callable[[str], Report]) -> No
     scene = replace(found.scene, times_s=[0.1 * n for n in range(6_000)], poses=poses)
 
     assert len(html(replace(found, charts=charts, scene=scene))) < 10e6
-
-
-def test_without_the_library_that_plots_it_is_said_how_to_get_it(
-    monkeypatch: pytest.MonkeyPatch, evil: Report
-) -> None:
-    monkeypatch.setattr(page, "_LIBRARY", "no_such_library")
-
-    with pytest.raises(UsageError, match=r"pip install 'pirate-sm\[report\]'"):
-        html(evil)

@@ -12,11 +12,11 @@ import pytest
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.report.contents import Report
 from pirate_sm.report.film_strip import strip
+from pirate_sm.report.page_libraries import plot_script, three_script
 from pirate_sm.report.recording_report import report_of
 from pirate_sm.report.report_json import report_json
 from pirate_sm.report.report_page import html
 from pirate_sm.report.space_contents import SpaceScene
-from pirate_sm.report.three_library import three_script
 
 from .conftest import ROOT, recorded
 
@@ -113,3 +113,10 @@ def test_the_library_comes_with_its_licence_and_asks_for_no_address() -> None:
     # What looks like one names the language of elements that it makes.
     assert set(re.findall(r"https?://[^'\"`\s]*", script)) == {"http://www.w3.org/1999/xhtml"}
     assert "WebGLRenderer:" in script
+
+
+def test_the_plotting_library_is_a_classic_script_with_its_licence() -> None:
+    script = plot_script()
+    assert "Permission is hereby granted, free of charge" in script
+    assert "var uPlot=" in script
+    assert re.findall(r"\b(?:import|export)\b[ {(*]", script) == []

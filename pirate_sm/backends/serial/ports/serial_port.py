@@ -12,16 +12,13 @@ from math import inf
 from pathlib import Path
 
 from pirate_sm.backends.serial.ports.protocol import PortLostError
-from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.errors import BackendError, not_installed
 
 try:
     import serial
     from serial.tools import list_ports
-except ModuleNotFoundError as error:
-    raise UsageError(
-        f"the serial backend needs {error.name}, which is not installed: "
-        "pip install 'pirate-sm[serial]'"
-    ) from None
+except ModuleNotFoundError:
+    raise not_installed("the serial backend", "pyserial", "serial") from None
 
 _WRITE_WITHIN_S = 0.5
 _POLL_S = 0.005
