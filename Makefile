@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo test test-cluster test-pty test-browser test-built check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -36,6 +36,8 @@ help:
 	@echo "make bends   the bend in real time, and nothing goes wrong"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
+	@echo "make docs    the documentation site, in build/site, with warnings as errors"
+	@echo "make pictures the documents' pictures of pages in Chromium anew, and of cameras"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
@@ -73,6 +75,13 @@ format: $(VENV)/.ready-dev
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli
+
+docs: $(VENV)/.ready-docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
+	$(BIN)/python -m website.built_site build/site
+
+pictures: $(VENV)/.ready-pictures
+	$(BIN)/python -m website.pictures
 
 schemas: $(VENV)/.ready-dev
 	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign; do \
@@ -151,6 +160,8 @@ $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit,report
+$(VENV)/.ready-docs: EXTRAS := docs,jit,gym,report
+$(VENV)/.ready-pictures: EXTRAS := browser,jit,report,vision
 $(VENV)/.ready-bench: EXTRAS := bench,jit,console
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
