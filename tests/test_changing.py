@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import pytest
+from followed_page import Command, Edit, apply, steps
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "docs" / "changing.md", ROOT / "docs" / "architecture.md"]
@@ -33,34 +34,11 @@ NAMED = re.compile(
 )
 """A file in a folder, or a folder, from the root of the project, of its package or of the docs."""
 
-ORDER = re.compile(
-    r"(In|New file|At the end of) `([^`]+)`(?:, (before|after|in place of) (`+) ?(.+?)\4)?:\n"
-)
-"""The end of the paragraph before a block of code: where the block goes."""
-
-BLOCK = re.compile(r"^( *)```(\w+)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 PROGRAMS = {
     "pirate": ("-c", "from pirate_sm.cli.start import main; main()"),
     "pirate-run": ("-c", "from pirate_sm.cli.start import run_main; run_main()"),
     "python": (),
 }
-
-
-class Edit(NamedTuple):
-    """A block that goes into a file, at the one line that begins with the anchor."""
-
-    file: str
-    how: str
-    anchor: str
-    text: str
-
-
-class Command(NamedTuple):
-    """A command, the code that it exits with, and lines that must be among what it prints."""
-
-    line: str
-    exits: int
-    prints: list[str]
 
 
 class Recipe(NamedTuple):
@@ -81,38 +59,11 @@ def recipes() -> dict[str, Recipe]:
 
 
 def read(text: str) -> Recipe:
-    recipe, end = Recipe([], []), 0
-    for block in BLOCK.finditer(text):
-        order = next(ORDER.finditer(text, end, block.start()), None)
-        indent, kind, code = block.groups()
-        code = re.sub(rf"^{indent}", "", code, flags=re.MULTILINE)
-        if kind == "sh":
-            for line in code.splitlines():
-                command, _, comment = line.partition(" # exit ")
-                recipe.commands.append(Command(command, int(comment or 0), []))
-        elif kind == "text":
-            recipe.commands[-1].prints.extend(code.splitlines())
-        else:
-            assert order is not None, f"no line says where this goes:\n{code}"
-            where, file, how, _, anchor = order.groups()
-            recipe.edits.append(Edit(file, how or where, anchor or "", code))
-        end = block.end()
-    return recipe
-
-
-def apply(edit: Edit, folder: Path) -> None:
-    file = folder / edit.file
-    if edit.how in ("New file", "At the end of"):
-        assert file.exists() == (edit.how != "New file"), edit.file
-        before = file.read_text("utf-8") if file.exists() else ""
-        file.write_text(before + edit.text, encoding="utf-8")
-        return
-    lines = file.read_text("utf-8").splitlines(keepends=True)
-    found = [at for at, line in enumerate(lines) if line.strip().startswith(edit.anchor)]
-    assert len(found) == 1, f"{edit.file}: {len(found)} lines begin with `{edit.anchor}`"
-    first = found[0] + (edit.how == "after")
-    lines[first : found[0] + (edit.how != "before")] = [edit.text]
-    file.write_text("".join(lines), encoding="utf-8")
+    found = steps(text)
+    return Recipe(
+        [each for each in found if isinstance(each, Edit)],
+        [each for each in found if isinstance(each, Command)],
+    )
 
 
 def run(line: str, folder: Path) -> subprocess.CompletedProcess[str]:

@@ -50,6 +50,8 @@ COMMANDS = {
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
     "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),
     "new robot": ("files:NewRobotOptions", "new:write_robot"),
+    "new camera": ("files:NewCameraOptions", "new:write_camera"),
+    "new panel": ("files:NewPanelOptions", "new:write_panel"),
 }
 """Each command with its options in ``cli/options`` and its work in ``cli/commands``.
 
@@ -127,7 +129,7 @@ commands = _app(cls=_Group, no_args_is_help=True)
 commands.add_typer(
     _app(cls=_Group, no_args_is_help=True),
     name="new",
-    help="Start a mission, a pipe, a campaign or a robot that runs.",
+    help="Start a mission, a pipe, a robot or other files that run.",
 )
 commands.add_typer(
     _app(cls=_Group, no_args_is_help=True),

@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.checking.gate import pass_or_raise
+from pirate_sm.detectors.registry import speaks_of_bends
 from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission
@@ -59,7 +60,7 @@ def load_listed(order: Order, path: Path) -> LoadedMission:
     """
     loaded = load(replace(order, mission=str(path), settings={}, start_phase=None, states=None))
     if order.check:
-        pass_or_raise(loaded)
+        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
     return loaded
 
 

@@ -39,6 +39,9 @@ _TOKEN_BYTES = 12
 _COUNTING = ("odometry", "vision")
 """The detectors that count, from a place that the user may name."""
 
+_OF_BENDS = ("sim", *_COUNTING)
+"""The detectors that say where the robot is to a bend. A person or a program may say any word."""
+
 
 class Places(NamedTuple):
     """What a backend knows of true positions along the pipe, m.
@@ -137,6 +140,14 @@ def detecting(text: str | None, usual: str, asked: Asked) -> Detecting:
 def counts(text: str) -> bool:
     """Return whether the detector of this text counts from a place that the user may name."""
     return text.partition(":")[0] in _COUNTING
+
+
+def speaks_of_bends(text: str | None) -> bool:
+    """Return whether the detector of this text says where the robot is to a bend of the pipe.
+
+    Those that backends use where nobody has chosen one (None) do.
+    """
+    return text is None or text.partition(":")[0] in _OF_BENDS
 
 
 def _refuse_argument(name: str, asked: Asked) -> None:

@@ -54,7 +54,7 @@ def robot_of(
     if name is None:
         return None
     try:
-        return load_robot(library.find_robot(name, None if instead else beside))
+        return load_robot(library.find_robot(name, Path.cwd() if instead else beside))
     except UsageError as error:
         problems.add("panel.robot", ("robot",), str(error))
     except LoadError:

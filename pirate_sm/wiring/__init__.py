@@ -6,7 +6,7 @@ from dataclasses import fields, replace
 from typing import get_args
 
 from pirate_sm.detectors.beside import Beside
-from pirate_sm.detectors.registry import Asked, Detecting, counts, detecting
+from pirate_sm.detectors.registry import Asked, Detecting, counts, detecting, speaks_of_bends
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
@@ -71,7 +71,7 @@ def prepare(
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise
 
-        pass_or_raise(loaded)
+        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
     made = make(order, loaded, say)
     loaded = made.loaded or loaded
     found = _detecting(order, loaded, made)

@@ -225,12 +225,18 @@ class _Reach:
     # --- words ------------------------------------------------------------------------------
 
     def _word(self, wait: Wait, condition: Expression) -> _Said | None:
-        """Return a finding about a word that cannot occur in this pipe."""
+        """Return a finding about a word that cannot occur in this pipe.
+
+        A word with a condition of its own may occur anywhere.
+        """
         pipe = self._loaded.pipe
         if pipe is None or pipe.route().crossings_m:
             return None
         vocabulary = self._robot.vocabulary
-        for name, values in (("detector", self._robot.detector_words), ("segment", (_JOINT,))):
+        anywhere = {each.word for each in self._robot.word_conditions}
+        of_bends = [word for word in self._robot.detector_words if word not in anywhere]
+        joint = () if anywhere else (_JOINT,)
+        for name, values in (("detector", of_bends), ("segment", joint)):
             kind = vocabulary.types.get(name)
             if not isinstance(kind, EnumType) or name not in self._usual.free(condition.tree):
                 continue

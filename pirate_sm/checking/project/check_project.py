@@ -69,7 +69,7 @@ class _Check:
 
     def __init__(self, wishes: Wishes) -> None:
         if wishes.robot is not None:
-            library.find_robot(wishes.robot)
+            library.find_robot(wishes.robot, Path.cwd())
         if wishes.pipe is not None:
             library.find_pipe(wishes.pipe, Path.cwd())
         self.findings: list[Finding] = []
@@ -178,7 +178,7 @@ class _Check:
         folder = _folder(target.path)
         if not (folder / PROFILE_FILE).is_file():
             try:
-                folder = library.find_robot(calibration.robot)
+                folder = library.find_robot(calibration.robot, Path.cwd())
             except UsageError as error:
                 problems = Problems(document)
                 problems.add("calibration.robot", ("robot",), str(error))
@@ -235,9 +235,9 @@ class _Check:
     def _robot_of(self, path: Path, name: str) -> Path:
         """Return the folder of the robot that a file is for: the wanted one, else of its name."""
         if self._wishes.robot is not None:
-            return library.find_robot(self._wishes.robot)
+            return library.find_robot(self._wishes.robot, Path.cwd())
         beside = _folder(path)
-        return beside if (beside / PROFILE_FILE).is_file() else library.find_robot(name)
+        return beside if (beside / PROFILE_FILE).is_file() else library.find_robot(name, Path.cwd())
 
     def other(self, target: CheckTarget) -> None:
         """Report a file of no known kind, if it was named explicitly."""

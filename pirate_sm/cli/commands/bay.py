@@ -131,7 +131,7 @@ def _setting_of(name: str, options: BayOptions) -> _Setting:
     path = library.find_mission(name)
     mission = load_mission(path, robot=options.robot, pipe=options.pipe)
     if options.robot is not None:
-        folder = library.find_robot(options.robot)
+        folder = library.find_robot(options.robot, Path.cwd())
     else:
         folder = library.find_robot(mission.mission.robot, path.resolve().parent)
     pipe = mission.pipe or _pipe(options.pipe)

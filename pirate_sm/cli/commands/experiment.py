@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterator
+from pathlib import Path
 from textwrap import wrap
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -40,7 +41,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.loading.robot.loader import load_robot
     from pirate_sm.report.figure_page import FigureSection, figure_page
 
-    folder = library.find_robot(options.robot) if options.robot else library.robots()[0]
+    folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
     profile = load_robot(folder).profile
     every: list[Compared] = []
     sections = []

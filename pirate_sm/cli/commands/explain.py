@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from pathlib import Path
+
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.reports.text import explained, listed
 from pirate_sm.cli.options.checks import ExplainOptions
@@ -43,5 +45,5 @@ def explain_code(options: ExplainOptions) -> int:
 
 def _profiles(robot: str | None) -> list[Profile]:
     """Return the profile of a robot, or of every shipped one."""
-    folders = library.robots() if robot is None else [library.find_robot(robot)]
+    folders = library.robots() if robot is None else [library.find_robot(robot, Path.cwd())]
     return [load_robot(folder).profile for folder in folders]

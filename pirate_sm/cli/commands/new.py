@@ -1,4 +1,4 @@
-"""`pirate new`: writes a mission, a pipe, a campaign or a robot from a template that runs."""
+"""`pirate new`: writes files that run, from a template or as a copy of shipped ones."""
 
 from __future__ import annotations
 
@@ -9,8 +9,10 @@ from pathlib import Path
 from string import Template
 
 from pirate_sm.cli.options.files import (
+    NewCameraOptions,
     NewCampaignOptions,
     NewMissionOptions,
+    NewPanelOptions,
     NewPipeOptions,
     NewRobotOptions,
 )
@@ -18,6 +20,7 @@ from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.mission.route_mission import course_along, mission_along
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
@@ -31,6 +34,9 @@ _ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")
 
 _SCHEMA = "mission.schema.json"
 """Schemas for editors, in the robot's folder."""
+
+_ZEROS = "calibration-*.yaml"
+"""The zeros of a robot's joints, which no other robot has."""
 
 _FOLD = 0.8
 """Share of a link's length by which a part reaches out in a pipe that fits."""
@@ -165,23 +171,92 @@ def write_robot(options: NewRobotOptions) -> int:
     Schemas for editors are written beside its files.
 
     Raises:
-        UsageError: The name is invalid or taken.
+        LoadError: The robot to be copied has faults.
+        UsageError: The name is invalid or taken, or there is no robot to be copied.
     """
     name = options.name
     _check(name)
     folder = Path(name)
     if folder.exists():
         raise UsageError(f"'{folder}' is there already, nothing was written")
-    texts = {
-        folder / file: _fill(f"robot/{file}", name=name, modeline=_modeline(file))
-        for file in _ROBOT_FILES
-    }
+    if options.like is not None:
+        texts = _like_robot(options.like, folder)
+    else:
+        texts = {
+            folder / file: _fill(f"robot/{file}", name=name, modeline=_modeline(file))
+            for file in _ROBOT_FILES
+        }
     texts |= {folder / f"{kind}.schema.json": schema_text(kind) for kind in ("profile", "chart")}
     _write(texts)
     _write({folder / _SCHEMA: mission_schema_text(load_robot(folder))})
+    if options.like is not None:
+        print(f"{folder}/ is a copy of {options.like}; missions take it with: --robot {folder}")
+        return 0
     mission = folder / _ROBOT_FILES[-1]
     print(f"{folder}/ is a robot with a mission; run it with: pirate-run {mission}")
     return 0
+
+
+def _like_robot(like: str, folder: Path) -> dict[Path, str]:
+    """Return the texts of a copy of a robot, without its schemas and the zeros of its joints.
+
+    Raises:
+        LoadError: The robot has faults.
+        UsageError: There is no such robot, or it extends another one.
+    """
+    source = library.find_robot(like, Path.cwd())
+    load_robot(source)
+    texts = {}
+    for file in sorted(source.rglob("*")):
+        if file.is_file() and not file.match("*.schema.json") and not file.match(_ZEROS):
+            texts[folder / file.relative_to(source)] = file.read_text("utf-8")
+    for file in (folder / PROFILE_FILE, folder / _ROBOT_FILES[1]):
+        if base := re.search(r"^extends: *(\S+)", texts.get(file, ""), re.MULTILINE):
+            raise UsageError(
+                f"'{like}' extends {base[1]}, which a copy would not find; copy that robot"
+            )
+    profile = folder / PROFILE_FILE
+    texts[profile] = _renamed("robot", texts[profile], folder.name)
+    return {
+        file: re.sub(r"^(# yaml-language-server: \$schema=).*/", r"\1", text)
+        for file, text in texts.items()
+    }
+
+
+def write_camera(options: NewCameraOptions) -> int:
+    """Write a copy of a camera, NAME.yaml in the working directory; return the exit code.
+
+    Raises:
+        UsageError: The name is invalid or taken, or there is no such camera.
+    """
+    return _write_like("camera", options.name, library.find_camera(options.like, Path.cwd()))
+
+
+def write_panel(options: NewPanelOptions) -> int:
+    """Write a copy of a control panel, NAME.yaml in the working directory; return the exit code.
+
+    Raises:
+        UsageError: The name is invalid or taken, or there is no such panel.
+    """
+    return _write_like("panel", options.name, library.find_panel(options.like, Path.cwd()))
+
+
+def _write_like(kind: str, name: str, source: Path) -> int:
+    _check(name)
+    schema = Path(f"{kind}.schema.json")
+    _, _, text = source.read_text("utf-8").partition("\n")  # the first line is its schema's
+    path = Path(f"{name}.yaml")
+    texts = {path: f"{MODELINE}{schema}\n{_renamed(kind, text, name)}"}
+    if not schema.exists():
+        texts[schema] = schema_text(kind)
+    _write(texts)
+    print(f"{path} is a copy of {source.stem}; check it with: pirate check {path}")
+    return 0
+
+
+def _renamed(kind: str, text: str, name: str) -> str:
+    """Return the text of a file with another name under its key."""
+    return re.sub(rf"^{kind}: *\S+", f"{kind}: {name}", text, count=1, flags=re.MULTILINE)
 
 
 def _check(name: str) -> None:
@@ -208,7 +283,7 @@ def _write(texts: dict[Path, str]) -> None:
             raise UsageError(f"'{path}' is there already, nothing was written")
     for path, text in texts.items():
         try:
-            path.parent.mkdir(exist_ok=True)
+            path.parent.mkdir(parents=True, exist_ok=True)
             with path.open("x", encoding="utf-8") as file:
                 file.write(text)
         except OSError as error:

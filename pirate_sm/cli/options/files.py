@@ -196,7 +196,32 @@ class NewCampaignOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class NewRobotOptions:
-    """Write a small robot with a pipe and a mission that runs."""
+    """Write a small robot that runs, or a copy of another one."""
 
     name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")]
+    like: Annotated[
+        str | None, typer.Option(metavar="ROBOT", help="A copy of this robot, to be changed.")
+    ] = None
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewCameraOptions:
+    """Write a copy of a camera's file, to be changed."""
+
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
+    like: Annotated[str, typer.Option(metavar="CAMERA", help="Of which camera: name or file.")] = (
+        "setup_3"
+    )
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class NewPanelOptions:
+    """Write a copy of a control panel's file, to be changed."""
+
+    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
+    like: Annotated[str, typer.Option(metavar="PANEL", help="Of which panel: name or file.")] = (
+        "nanokontrol2"
+    )
     debug: common.Debug = False

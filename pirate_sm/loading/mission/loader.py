@@ -121,7 +121,10 @@ def read_mission(
     mission = _shape(document, problems, spare=bool(tolerated))
     folder = path.resolve().parent
     loaded = _robot(robot, mission, folder, problems)
-    shadow = "" if robot is not None else _shadowing(mission, loaded, problems)
+    if robot is not None:
+        shadow = library.shadowing(robot, loaded.folder)
+    else:
+        shadow = _shadowing(mission, loaded, problems)
     chosen, pipe_name, pipe_document = _pipe(pipe, mission, document, folder, problems)
     chosen = _along(chosen, mission, problems)
     if chosen is not None:
@@ -175,7 +178,7 @@ def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
 
 def _robot(robot: str | None, mission: Mission, folder: Path, problems: Problems) -> LoadedRobot:
     if robot is not None:
-        found = library.find_robot(robot)
+        found = library.find_robot(robot, Path.cwd())
     try:
         if robot is None:
             found = library.find_robot(mission.robot, folder)

@@ -9,6 +9,7 @@ import pytest
 from checking.small_missions import MISSION
 from pirate_sm.checking.gate import CheckError, pass_or_raise
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.wiring import Order, prepare
 
 
 def passes(folder: Path, text: str) -> None:
@@ -45,3 +46,29 @@ def test_what_is_allowed_does_not_stop_it(tmp_path: Path) -> None:
         passes(tmp_path, text)
 
     passes(tmp_path, text.replace(wrong, f"{wrong}  # pirate: allow step.unneeded: so"))
+
+
+WAITS = MISSION.replace("robot: pirate_ii\n", "robot: pirate_ii\npipe: straight_113\n").replace(
+    "go: e}", "wait: [{when: detector == close, go: e}], within: {time: 9 s, go: e}}"
+)
+
+
+@pytest.mark.parametrize("detector", ["sim", "odometry", "vision:synthetic", None])
+def test_a_word_about_a_bend_stops_a_mission_in_a_straight_pipe(
+    tmp_path: Path, detector: str | None
+) -> None:
+    (tmp_path / "m.yaml").write_text(WAITS, encoding="utf-8")
+
+    with pytest.raises(CheckError, match="and the pipe has none"):
+        load_checked(tmp_path, detector)
+
+
+@pytest.mark.parametrize("detector", ["operator", "socket:/tmp/words"])
+def test_a_person_or_a_program_may_say_the_word_anywhere(tmp_path: Path, detector: str) -> None:
+    (tmp_path / "m.yaml").write_text(WAITS, encoding="utf-8")
+
+    load_checked(tmp_path, detector)
+
+
+def load_checked(folder: Path, detector: str | None) -> None:
+    prepare(Order(str(folder / "m.yaml"), detector=detector, check=True))

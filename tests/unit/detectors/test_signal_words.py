@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import json
 from dataclasses import replace
 from math import nan
 from pathlib import Path
@@ -8,6 +9,7 @@ from shutil import copytree
 import pytest
 
 import pirate_sm
+from pirate_sm.checking.mission.check_mission import check_mission
 from pirate_sm.detectors.signal_words import SignalWords
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec, WordCondition
@@ -90,6 +92,13 @@ def test_a_mission_goes_on_by_a_condition_that_stands_in_yaml_alone(tmp_path: Pa
 
     run = pirate_sm.run(tmp_path / "newt" / "patrol.yaml", detector="signals", seed=1)
 
+    assert run.outcome == "succeeded", run.message
+    # The check knows that such a word needs no bend.
+    pipe = {"format": 1, "diameter": "95 mm", "segments": [{"straight": "2 m"}]}
+    straight = tmp_path / "straight.yaml"
+    straight.write_text(json.dumps(pipe | {"pipe": "straight", "start": {"at": "700 mm"}}))
+    assert not check_mission(tmp_path / "newt" / "patrol.yaml", pipe=str(straight)).findings
+    run = pirate_sm.run(tmp_path / "newt" / "patrol.yaml", detector="signals", pipe=str(straight))
     assert run.outcome == "succeeded", run.message
     with pytest.raises(UsageError, match="no word of the profile has points"):
         pirate_sm.run(tmp_path / "newt" / "patrol.yaml", detector="sim")

@@ -131,3 +131,63 @@ def test_a_name_must_be_a_name(
     for kind in ("mission", "robot"):
         assert pirate("new", kind, name).exit_code == 2
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_copy_of_a_robot_is_found_by_its_name_wherever_a_robot_is_asked_for(
+    pirate: Any, pirate_run: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    made = pirate("new", "robot", "ours", "--like", "pirate_ii")
+    assert (made.exit_code, made.stderr) == (0, "")
+    assert "robot: ours\n" in Path("ours/profile.yaml").read_text("utf-8")
+    assert Path("ours/messages/State.msg").exists()
+    ran = pirate_run("mitre_bend", "--robot", "ours", "--backend", "trace", "--plain")
+    assert ran.exit_code == 0, ran.output
+    assert "mitre_bend on ours" in ran.stdout
+    for command in (
+        ("check", "ours"),
+        ("check", "mitre_bend", "--robot", "ours"),
+        ("explain", "careful", "--robot", "ours"),
+        ("list", "commands", "--robot", "ours"),
+    ):
+        assert pirate(*command).exit_code == 0, command
+
+
+def test_a_copy_has_no_zeros_of_another_robots_joints(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    pirate("new", "robot", "ours", "--like", "pirate_ii")
+    Path("ours/calibration-2026-11-21.yaml").write_text("format: 1\n", "utf-8")
+
+    assert pirate("new", "robot", "next", "--like", "ours").exit_code == 0
+    assert Path("next/profile.yaml").exists()
+    assert not list(Path("next").glob("calibration-*"))
+
+
+def test_a_robot_that_extends_another_one_is_not_copied(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    refused = pirate("new", "robot", "ours", "--like", "pirate_ii_imu")
+    assert refused.exit_code == 2
+    assert "'pirate_ii_imu' extends ../pirate_ii/profile.yaml" in refused.stderr
+    assert not Path("ours").exists()
+
+
+@pytest.mark.parametrize(
+    ("kind", "like"), [("camera", "setup_1"), ("camera", None), ("panel", None)]
+)
+def test_a_copy_of_a_camera_or_a_panel_is_clean_and_has_its_own_name(
+    pirate: Any, kind: str, like: str | None, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+
+    made = pirate("new", kind, "ours", *([] if like is None else ["--like", like]))
+    assert (made.exit_code, made.stderr) == (0, "")
+    assert read_document(Path("ours.yaml"), "ours.yaml").data[kind] == "ours"
+    assert Path(f"{kind}.schema.json").exists()
+    assert pirate("check", "ours.yaml").exit_code == 0
+    assert pirate("new", kind, "ours").exit_code == 2  # it is there already
