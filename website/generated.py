@@ -45,7 +45,6 @@ EXIT_CODES = {
 def pages() -> Iterator[tuple[str, str]]:
     """Yield the name and the text of each page and each picture."""
     yield "reference/command_line.md", _command_line()
-    yield "reference/exit_codes.md", _exit_codes()
     yield "reference/faults.md", _faults()
     for kind in SCHEMAS:
         yield f"reference/keys/{kind}.md", _keys(kind)
@@ -89,7 +88,8 @@ def _command_line() -> str:
     return "\n\n".join(lines) + "\n"
 
 
-def _exit_codes() -> str:
+def exit_codes() -> str:
+    """Return the page of exit codes, which stands in the documents: they link to it."""
     signals = {stop.exit_code: f"{stop.reason[0].upper()}{stop.reason[1:]}. The robot is in its "
                "safe state." for stop in BY_SIGNAL.values()}  # fmt: skip
     rows = [f"| {code} | {text} |" for code, text in sorted((EXIT_CODES | signals).items())]
