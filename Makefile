@@ -155,7 +155,7 @@ clean:
 # One environment; each set of extras is installed once, and again when pyproject.toml changes. The
 # simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
-$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,gym,serial,live,report,console,vision
+$(VENV)/.ready-dev: EXTRAS := dev,docs,jit,campaign,physics,gym,serial,live,report,console,vision
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
@@ -165,7 +165,7 @@ $(VENV)/.ready-pictures: EXTRAS := browser,jit,report,vision
 $(VENV)/.ready-bench: EXTRAS := bench,jit,console
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,campaign,physics,serial,live,report,console,vision
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,physics,serial,live,report,console,vision
 
 $(VENV)/.ready-%: pyproject.toml hatch_build.py | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."
