@@ -16,7 +16,7 @@ help:
 	@echo "make test-browser  a report's page in the Chromium that is installed"
 	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
-	@echo "make test-pty the conformance suite in real time, over a pseudo-terminal"
+	@echo "make test-pty the conformance suite and the guide to a real robot in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory"
@@ -60,7 +60,7 @@ check: $(VENV)/.ready-dev
 	$(BIN)/lint-imports
 
 test-pty: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -m slow tests/conformance
+	$(BIN)/python -m pytest -m slow tests/conformance tests/test_how_to.py
 
 test-cluster: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/unit/campaign

@@ -32,7 +32,13 @@ class Reader:
 
     Commands of this program run in this process; what a command line adds to them (a pipe, a
     process in the background) is left to a shell. ``pip install`` only copies the package.
+
+    Attributes:
+        in_real_time: Whether missions over a link are run so; otherwise with the same driver and
+            the same emulated robot in virtual time.
     """
+
+    in_real_time = False
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder / "work"
@@ -52,8 +58,10 @@ class Reader:
             apply(step, self.folder)
             return
         exits, printed = self.run(step.line)
+        if exits != step.exits and step.line.startswith("pirate doctor"):
+            exits, printed = self.run(step.line)  # a busy machine's emulation may be too slow
         assert exits == step.exits, f"$ {step.line}\n{printed}"
-        shown = "".join(f"{line.rstrip()}\n" for line in printed.strip().splitlines())
+        shown = "".join(f"{line.rstrip()}\n" for line in printed.strip("\n").splitlines())
         expected = "".join(map(_pattern, step.prints))
         assert re.fullmatch(expected, shown), f"$ {step.line}\n{shown}"
 
@@ -66,6 +74,8 @@ class Reader:
             return 0, ""
         if line.endswith("&"):
             return 0, self._behind(line.removesuffix("&"))
+        if not self.in_real_time:
+            line = re.sub("--backend serial --port bay", "--backend bay", line)
         program, *arguments = shlex.split(line)
         if program in PROGRAMS and not {"|", ">", "||"} & set(arguments):
             result = CliRunner().invoke(
@@ -124,6 +134,13 @@ def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Reader]:
 @pytest.mark.parametrize("page", GUIDES, ids=lambda page: page.stem)
 def test_a_guide_works_as_it_is_written(page: Path, reader: Reader) -> None:
     for step in steps(page.read_text("utf-8")):
+        reader.follow(step)
+
+
+@pytest.mark.slow
+def test_the_guide_to_a_real_robot_works_in_real_time(reader: Reader) -> None:
+    reader.in_real_time = True
+    for step in steps((ROOT / "docs" / "how-to" / "real-robot.md").read_text("utf-8")):
         reader.follow(step)
 
 
