@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery test test-cluster test-pty test-browser test-built check format golden schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery test test-cluster test-pty test-browser test-built check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -37,6 +37,8 @@ help:
 	@echo "make bends   the bend in real time, and nothing goes wrong"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
+	@echo "make docs    the documentation site, in build/site, with warnings as errors"
+	@echo "make pictures the documents' pictures of pages in Chromium anew, and of cameras"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
 	@echo "make clean   the tree without environments and caches"
@@ -77,6 +79,13 @@ format: $(VENV)/.ready-dev
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/showing
+
+docs: $(VENV)/.ready-docs
+	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict
+	$(BIN)/python -m website.built_site build/site
+
+pictures: $(VENV)/.ready-pictures
+	$(BIN)/python -m website.pictures
 
 schemas: $(VENV)/.ready-dev
 	for kind in mission pipe profile chart profile_extension chart_extension camera panel campaign scene; do \
@@ -150,15 +159,17 @@ clean:
 # One environment; each set of extras is installed once, and again when pyproject.toml changes. The
 # simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
-$(VENV)/.ready-dev: EXTRAS := dev,jit,campaign,physics,gym,serial,live,vision
+$(VENV)/.ready-dev: EXTRAS := dev,docs,jit,campaign,physics,gym,serial,live,vision
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
 $(VENV)/.ready-campaign: EXTRAS := jit,campaign
 $(VENV)/.ready-learning: EXTRAS := dev,jit,gym
 $(VENV)/.ready-browser: EXTRAS := browser,dev,jit
+$(VENV)/.ready-docs: EXTRAS := docs,jit,gym
+$(VENV)/.ready-pictures: EXTRAS := browser,jit,vision
 $(VENV)/.ready-bench: EXTRAS := bench,jit
 $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
-$(VENV)/.ready-mutants: EXTRAS := mutants,dev,jit,campaign,physics,serial,live,vision
+$(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,physics,serial,live,vision
 
 $(VENV)/.ready-%: pyproject.toml hatch_build.py | $(VENV)/.created
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."

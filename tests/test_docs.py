@@ -6,14 +6,17 @@ import doctest
 import importlib
 import pkgutil
 import re
+from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
 import pirate_sm
+from pirate_sm.cli import stored_help
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
+HELP = Path(stored_help.FOLDER)
 _LINK = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")
 _CODE = re.compile(r"^ *```.*?^ *```", re.MULTILINE | re.DOTALL)
 
@@ -86,3 +89,34 @@ def test_the_page_on_python_has_every_member_of_a_batch():
 
     members = {name for name in {*dir(batch), *vars(batch)} if name[0] != "_"}
     assert first_cells("Many robots at once") == members
+
+
+def command_lines() -> Iterator[tuple[str, str]]:
+    """Yield each line of a page that is a command of this program, in a block or in a line."""
+    for page in PAGES:
+        text = page.read_text("utf-8")
+        lines = re.findall(r"^ *(?:\$ )?((?:pirate-run|pirate) .*)$", text, re.MULTILINE)
+        lines += re.findall(r"`((?:pirate-run|pirate) [^`]*)`", text)
+        for line in dict.fromkeys(lines):
+            yield page.name, " ".join(line.split())
+
+
+def test_every_command_line_is_one_that_the_program_takes() -> None:
+    """Options and commands exist; values such as NAME or RUN.mcap are the reader's."""
+    wrong = []
+    for page, line in command_lines():
+        program, *words = re.split(r" # |[;…]| [|&>]|:$", line)[0].split()
+        names = [program]
+        while words and words[0].isalpha() and words[0].islower():
+            below = ".".join([*names, words[0]])
+            if not (HELP / f"{below}.txt").exists():
+                break
+            names.append(words.pop(0))
+        text = (HELP / f"{'.'.join(names)}.txt").read_text("utf-8")
+        if names == ["pirate"] and words and words[0][0].islower():
+            wrong.append(f"{page}: {line}: no such command")
+        for option in (re.match(r"--?[a-z][a-z-]*", word) for word in words):
+            if option and not re.search(rf"(?<![\w-]){option[0]}(?![\w-])", text):
+                wrong.append(f"{page}: {line}: no option {option[0]}")
+
+    assert wrong == []
