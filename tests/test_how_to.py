@@ -131,6 +131,7 @@ def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Reader]:
         registry.forget()
 
 
+@pytest.mark.timeout(300)  # some wait for an emulated robot in real time
 @pytest.mark.parametrize("page", GUIDES, ids=lambda page: page.stem)
 def test_a_guide_works_as_it_is_written(page: Path, reader: Reader) -> None:
     for step in steps(page.read_text("utf-8")):
@@ -138,6 +139,7 @@ def test_a_guide_works_as_it_is_written(page: Path, reader: Reader) -> None:
 
 
 @pytest.mark.slow
+@pytest.mark.timeout(300)
 def test_the_guide_to_a_real_robot_works_in_real_time(reader: Reader) -> None:
     reader.in_real_time = True
     for step in steps((ROOT / "docs" / "how-to" / "real-robot.md").read_text("utf-8")):
