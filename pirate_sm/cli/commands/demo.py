@@ -19,15 +19,15 @@ from pirate_sm.cli.output.files import write_file
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing
+from pirate_sm.gallery.scene_file import HERE, OUT, load_scene, recording_of, words_of
 from pirate_sm.loading import library
-from pirate_sm.loading.scene_file import HERE, OUT, load_scene, recording_of, words_of
 from pirate_sm.model.effects import PhaseChange
 from pirate_sm.model.scene import Scene, SceneStep
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.visible import visible
 
 if TYPE_CHECKING:
-    from pirate_sm.report.gallery_page import PlayedScene, PlayedStep
+    from pirate_sm.gallery.gallery_page import PlayedScene, PlayedStep
 
 AS_EXPECTED, NOT_SO, STOPPED = 0, 1, 130
 PAGE = "index.html"
@@ -84,7 +84,7 @@ def _missing(scene: Scene) -> str:
 
 
 def _play_one(path: Path, options: DemoOptions) -> int:
-    from pirate_sm.report.gallery_page import verdict_of
+    from pirate_sm.gallery.gallery_page import verdict_of
 
     scene = load_scene(path)
     if missing := _missing(scene):
@@ -97,7 +97,7 @@ def _play_one(path: Path, options: DemoOptions) -> int:
 
 
 def _play_all(options: DemoOptions) -> int:
-    from pirate_sm.report.gallery_page import PlayedScene, gallery_page, verdict_of
+    from pirate_sm.gallery.gallery_page import PlayedScene, gallery_page, verdict_of
 
     scenes = []
     for path in library.scenes():
@@ -118,7 +118,7 @@ def _play(
     scene: Scene, path: Path, output: Path, speed: str, *, quiet: bool = False
 ) -> PlayedScene:
     """Play the steps of a scene and write its page; ``quiet``: of runs only how they ended."""
-    from pirate_sm.report.gallery_page import PlayedScene, scene_page
+    from pirate_sm.gallery.gallery_page import PlayedScene, scene_page
 
     folder = output / scene.scene
     try:
@@ -141,8 +141,8 @@ def _near(folder: Path) -> Path:
 
 
 def _play_step(step: SceneStep, words: list[str], folder: Path, of_a_run: list[str]) -> PlayedStep:
-    from pirate_sm.report.gallery_page import PlayedStep
-    from pirate_sm.report.scene_verdict import unmet
+    from pirate_sm.gallery.gallery_page import PlayedStep
+    from pirate_sm.gallery.scene_verdict import unmet
 
     recording = recording_of(words)
     if recording is not None:

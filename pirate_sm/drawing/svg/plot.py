@@ -18,6 +18,9 @@ _COLOURS = len(CURVES)
 _DASHES = ("", "7 3", "2 2", "9 3 2 3")
 """Curves differ in their dashes too; those of the first one are none."""
 
+_MARKS = ("h0", "m-3 0h6m-3 -3v6", "m-2.5 -2.5l5 5m-5 0l5 -5", "m-3 0h6")
+"""Points differ in their shape too: a dot, a plus, a cross, a bar."""
+
 _SAMPLE = 24.0
 """Length of the piece of a curve in the key."""
 
@@ -163,22 +166,30 @@ def _x_ticks(plot: Plot, axis: _Axis) -> Iterator[float]:
 
 
 def _drawn(series: PlotSeries, points: list[tuple[float, ...]], x: _Axis, y: _Axis) -> str:
-    colour = f"var(--curve{series.colour % _COLOURS})"
     places = [f"{x.at(p[0]):.1f} {y.at(p[1]):.1f}" for p in points]
     if series.look == "dots":
-        path = "".join(f"M{place}h0" for place in places)
-        return f'<path class="dots" style="stroke:{colour}" d="{path}"/>'
+        path = "".join(f"M{place}{_mark(series)}" for place in places)
+        return f'<path class="dots" style="{_stroke(series)}" d="{path}"/>'
     if series.look == "band":
         back = [f"{x.at(p[0]):.1f} {y.at(p[2]):.1f}" for p in reversed(points)]
-        return f'<path class="band" style="fill:{colour}" d="M{"L".join(places + back)}Z"/>'
+        fill = f"fill:var(--curve{series.colour % _COLOURS})"
+        return f'<path class="band" style="{fill}" d="M{"L".join(places + back)}Z"/>'
     return f'<path class="curve" style="{_stroke(series)}" d="M{"L".join(places)}"/>'
 
 
 def _stroke(series: PlotSeries) -> str:
-    """Return the style of the series' line: its colour and its dashes."""
-    dashes = _DASHES[series.colour % len(_DASHES)] if series.look == "line" else ""
-    dashed = f";stroke-dasharray:{dashes}" if dashes else ""
-    return f"stroke:var(--curve{series.colour % _COLOURS}){dashed}"
+    """Return the style of the series' line or points: its colour, its dashes, how thick."""
+    more, number = "", series.colour % len(_DASHES)
+    if series.look == "line" and _DASHES[number]:
+        more = f";stroke-dasharray:{_DASHES[number]}"
+    elif series.look == "dots" and number:
+        more = ";stroke-width:1.2"
+    return f"stroke:var(--curve{series.colour % _COLOURS}){more}"
+
+
+def _mark(series: PlotSeries) -> str:
+    """Return the path of one of the series' points, from its place."""
+    return _MARKS[series.colour % len(_MARKS)]
 
 
 def _key(series: Iterable[PlotSeries]) -> Iterator[str]:
@@ -187,7 +198,11 @@ def _key(series: Iterable[PlotSeries]) -> Iterator[str]:
     right = _WIDTH - _RIGHT - 6
     for number, each in enumerate(named):
         y = _TOP + 14 + 14 * number
-        sample = f'd="M{right - _SAMPLE:g} {y - 4:g}H{right:g}"'
+        dots = each.look == "dots"
+        sample = f"m{_SAMPLE / 2:g} 0{_mark(each)}" if dots else f"h{_SAMPLE:g}"
         at = f'x="{right - _SAMPLE - 6:g}" y="{y:g}"'
-        yield f'<path class="sample" style="{_stroke(each)}" {sample}/>'
+        yield (
+            f'<path class="{"dots" if dots else "sample"}" style="{_stroke(each)}" '
+            f'd="M{right - _SAMPLE:g} {y - 4:g}{sample}"/>'
+        )
         yield f'<text {at} text-anchor="end">{escape(each.name)}</text>'

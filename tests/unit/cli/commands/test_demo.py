@@ -14,8 +14,8 @@ import pytest
 from typer.testing import Result
 
 from pirate_sm.cli.commands import demo
+from pirate_sm.gallery.scene_file import load_scene
 from pirate_sm.loading import library
-from pirate_sm.loading.scene_file import load_scene
 
 ROOT = Path(__file__).parents[4]
 SCENES = [path.stem for path in library.scenes()]
@@ -52,6 +52,7 @@ def test_there_are_ten_scenes_and_each_is_listed(pirate: Callable[..., Result]) 
         assert load_scene(library.find_scene(name)).title in result.stdout
 
 
+@pytest.mark.timeout(300)  # on a busy machine
 @pytest.mark.parametrize("name", SCENES)
 def test_a_scene_ends_as_its_file_says(
     pirate: Callable[..., Result], tmp_path: Path, name: str, capfd: pytest.CaptureFixture[str]

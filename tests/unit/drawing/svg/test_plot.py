@@ -54,3 +54,15 @@ def test_very_many_points_are_thinned() -> None:
     svg = drawn(PlotSeries("", range(count), range(count)))
 
     assert len(path_of(svg, "curve").split("L")) <= 1500
+
+
+def test_series_differ_in_more_than_their_colour() -> None:
+    lines = [PlotSeries(f"line {n}", [0, 1], [n, n], colour=n) for n in range(4)]
+    points = [PlotSeries(f"dots {n}", [0, 1], [n, n], "dots", colour=n) for n in range(4)]
+    svg = drawn(*lines, *points)
+
+    dashes = re.findall(r'class="curve" style="stroke:var\(--curve\d\);?([^"]*)"', svg)
+    marks = re.findall(r'class="dots" [^>]* d="M[0-9. ]+([a-z][^M"]*)', svg)
+    assert len(set(dashes)) == 4
+    assert len({each.removeprefix("m12 0") for each in marks}) == 4
+    assert svg.count('class="sample"') == 4
