@@ -259,7 +259,9 @@ def test_a_campaign_is_checked_as_it_would_be_run(pirate: Any, tmp_path: Path) -
     result = pirate("check", str(file))
 
     assert result.exit_code == 1
-    assert "trial.yaml:3:3: error [campaign.mission] there is no mission 'mitre_bent'" in result.stdout
+    assert (
+        "trial.yaml:3:3: error [campaign.mission] there is no mission 'mitre_bent'" in result.stdout
+    )
     assert "trial.yaml:5:33: error [campaign.defect] there is no defect" in result.stdout
     assert "error [geometry.no_bend]" in result.stdout
     assert "trial.yaml:4:3: this campaign runs it so" in result.stdout
