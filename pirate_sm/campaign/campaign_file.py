@@ -16,9 +16,10 @@ from pydantic_core import to_jsonable_python
 
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.plan import Cell, Plan
-from pirate_sm.checking.gate import pass_or_raise
+from pirate_sm.checking.findings import Finding, finding_of
+from pirate_sm.checking.gate import CheckError, pass_or_raise
 from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
+from pirate_sm.loading import library, references
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError, Problems
@@ -74,6 +75,30 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
     return _Reading(parse_document(text, shown(path)), Path(), seeds).plan(check=check)
 
 
+def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
+    """Return the files of a campaign and all for which the campaign would be refused.
+
+    Raises:
+        LoadError: The campaign file itself cannot be read.
+    """
+    document = read_document(path, shown(path))
+    reading = _Reading(document, path.parent, None)
+    findings: list[Finding] = []
+    try:
+        reading.plan(check=False)
+    except LoadError as error:
+        findings += map(finding_of, error.problems)
+    documents = [document]
+    for same, (_, loaded) in reading.loaded.items():
+        documents += loaded.documents
+        try:
+            pass_or_raise(loaded)
+        except CheckError as error:
+            by = document.place_of(reading.places[same]), "this campaign runs it so"
+            findings += [replace(each, related=(*each.related, by)) for each in error.findings]
+    return documents, findings
+
+
 @dataclass
 class _Reading:
     """The reading of one campaign file.
@@ -89,6 +114,7 @@ class _Reading:
     seeds: Sequence[int] | None
     problems: Problems = field(init=False)
     loaded: dict[tuple[Any, ...], tuple[str, LoadedMission]] = field(default_factory=dict)
+    places: dict[tuple[Any, ...], Keys] = field(default_factory=dict)
     blobs: dict[str, bytes] = field(default_factory=dict)
 
     def plan(self, *, check: bool) -> Plan:
@@ -134,9 +160,12 @@ class _Reading:
             order = self._order(choices, pipe)
             if order is None:
                 continue
-            order = replace(
-                order, settings=settings, backend=backend, detector=self._camera(detector)
-            )
+            try:
+                order = replace(order, detector=self._camera(detector))
+            except UsageError as error:
+                self._refer(error, "campaign.run", choices.place("detector"))
+                continue
+            order = replace(order, settings=settings, backend=backend)
             order = replace(order, line=line if backend == "bay" else None)
             yield from self._of_order(choices, order, pipe, detector, seeds)
 
@@ -145,20 +174,25 @@ class _Reading:
         try:
             mission = self._file(choices.entry.mission, library.find_mission, library.missions())
         except UsageError as error:
-            self.problems.add("campaign.mission", (*choices.at, "mission"), str(error))
+            self._refer(error, "campaign.mission", choices.mission)
             return None
         try:
             found = pipe and self._file(pipe, library.find_pipe, library.pipes())
         except UsageError as error:
-            self.problems.add("campaign.pipe", choices.place("pipe"), str(error))
+            self._refer(error, "campaign.pipe", choices.place("pipe"))
+            return None
+        robot, twin = choices.of("robot"), choices.of("twin")
+        try:
+            twin = twin and self._beside(twin)
+        except UsageError as error:
+            self._refer(error, "campaign.run", choices.place("twin"))
             return None
         jitter = cast("StartJitter", choices.of("jitter") or StartJitter())
-        robot, twin = choices.of("robot"), choices.of("twin")
         return Order(
             mission,
             pipe=found or None,
-            robot=robot and self._beside(robot),
-            twin=twin and self._beside(twin),
+            robot=robot and self._beside(robot, followed=False),
+            twin=twin,
             start_jitter_m=jitter.start,
             friction_jitter=jitter.friction,
             diameter_jitter_m=jitter.diameter,
@@ -167,12 +201,19 @@ class _Reading:
 
     def _file(self, name: str, find: Any, ours: Sequence[Path]) -> str:
         """Return the name of a shipped file, or the path of another as seen from here."""
-        found = find(name, self.folder)
+        found = references.followed(find(name, self.folder), self.folder)
         return name if found in ours and not library.is_path(name) else _from_here(found)
 
-    def _beside(self, name: str) -> str:
+    def _beside(self, name: str, *, followed: bool = True) -> str:
         """Return a name, or the path of a file beside the campaign's as seen from here."""
-        return _from_here(self.folder / name) if (self.folder / name).exists() else name
+        path = self.folder / name
+        if not path.exists():
+            return name
+        return _from_here(references.followed(path, self.folder) if followed else path)
+
+    def _refer(self, error: UsageError, code: str, at: Keys) -> None:
+        """Report a reference that leads nowhere, or out of the project."""
+        self.problems.add(references.code_of(error, code), at, str(error))
 
     def _camera(self, detector: str | None) -> str | None:
         """Return the name of a detector, with its camera's file as seen from here."""
@@ -189,10 +230,10 @@ class _Reading:
     ) -> Iterator[Cell]:
         """Yield the cells of an order: one for each set of defects."""
         try:
-            key, loaded = self._load(order)
+            key, loaded = self._load(order, choices.at)
         except LoadError as error:
-            for problem in error.problems:
-                self.problems.put(problem)
+            file = library.find_mission(order.mission)
+            references.tell(error, file, references.MISSION, choices.mission, self.problems)
             return
         except UsageError as error:
             self.problems.add("campaign.mission", choices.at, str(error))
@@ -227,7 +268,7 @@ class _Reading:
             return True
         return False
 
-    def _load(self, order: Order) -> tuple[str, LoadedMission]:
+    def _load(self, order: Order, at: Keys) -> tuple[str, LoadedMission]:
         """Return the order's mission and its key; each is loaded once."""
         same = (order.mission, order.pipe, order.robot, *order.settings.items())
         if same not in self.loaded:
@@ -235,7 +276,7 @@ class _Reading:
             blob = pickle.dumps(loaded)
             key = sha256(blob).hexdigest()
             self.blobs[key] = blob
-            self.loaded[same] = key, loaded
+            self.loaded[same], self.places[same] = (key, loaded), at
         return self.loaded[same]
 
     def _defects(self, choices: _Choices, loaded: LoadedMission) -> Iterator[tuple[str, ...]]:
@@ -266,6 +307,11 @@ class _Choices:
     def of(self, key: str) -> Any:
         own = getattr(self.entry, key)
         return own if own is not None else getattr(self.campaign, key)
+
+    @property
+    def mission(self) -> Keys:
+        """Return the keys of the mission's name in the file."""
+        return (*self.at, "mission")
 
     def place(self, key: str) -> Keys:
         """Return the keys of a choice in the file."""

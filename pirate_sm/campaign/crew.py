@@ -238,6 +238,8 @@ def _started(workers: int | None) -> LocalCluster:
             n_workers=workers,
             threads_per_worker=1,
             dashboard_address=None,
+            # Without a dashboard too, a scheduler serves its state to others, at one usual port.
+            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
             silence_logs=logging.CRITICAL,
         )
     finally:

@@ -23,11 +23,13 @@ class Kind(StrEnum):
     SCRIPT = "trace script"
     EXPERIMENT = "experiment"
     TWIN = "twin"
+    CAMPAIGN = "campaign"
     UNREADABLE = "unreadable file"
     OTHER = "other file"
 
 
 _TELLING = (
+    (Kind.CAMPAIGN, {"campaign"}),
     (Kind.MISSION, {"phases"}),
     (Kind.MISSION, {"mission", "start"}),
     (Kind.MISSION, {"mission", "robot"}),

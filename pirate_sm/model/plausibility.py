@@ -21,7 +21,7 @@ class Plausibility(Frozen):
 
     Attributes:
         overspeed: Largest speed of an angle as a multiple of the no-load speed of its motor; other
-            motors may push it.
+            motors may push it. A joint whose spring's torque is measured has no such allowance.
         joint_slack: Additional change of a joint allowed between two readings.
         wheel_slack: Additional change of a wheel allowed between two readings.
         beyond_stop: How far a joint's angle may be beyond its end stop.

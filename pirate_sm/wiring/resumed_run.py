@@ -237,7 +237,7 @@ def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
     if loaded.pipe is not None and loaded.pipe.section != "bars":
         raise RecordingError(
             "a simulated robot in a round pipe cannot be put back: its recording does not hold "
-            "how its parts are turned; run the mission again"
+            "how its parts were about to roll; run the mission again"
         )
     if placed is None or not placed.known or any(map(isnan, (*bends.values(), *torques.values()))):
         raise RecordingError("where the simulated robot was is not in the recording")

@@ -3,17 +3,21 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.rehearsal import Rehearse
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
 
 CheckExperiment: TypeAlias = Callable[[Path], tuple[Document, Problems]]
 """Returns the file of an experiment and what is wrong with it, or raises a `LoadError`."""
+
+CheckCampaign: TypeAlias = Callable[[Path], tuple[Sequence[Document], Sequence[Finding]]]
+"""Returns the files of a campaign and what is wrong with them, or raises a `LoadError`."""
 
 
 @dataclass(frozen=True)
@@ -29,6 +33,7 @@ class Wishes:
         rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.
         experiment: Checks the file of an experiment; None if experiments are not checked.
+            Likewise ``campaign``.
     """
 
     robot: str | None = None
@@ -39,6 +44,7 @@ class Wishes:
     rehearse: Rehearse | None = None
     outside: bool = False
     experiment: CheckExperiment | None = None
+    campaign: CheckCampaign | None = None
 
 
 Progress = Callable[[int, int, str], None]

@@ -87,7 +87,8 @@ class _Check:
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
             return  # checked with its robot
-        if target.kind is Kind.EXPERIMENT and self._wishes.experiment is None and not target.named:
+        others = {Kind.EXPERIMENT: self._wishes.experiment, Kind.CAMPAIGN: self._wishes.campaign}
+        if others.get(target.kind, True) is None and not target.named:
             return
         if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
             self._files.append(CheckedFile(name, target.kind))
@@ -216,6 +217,16 @@ class _Check:
         self._keep([document])
         self.findings += map(finding_of, problems.all)
 
+    def campaign(self, target: CheckTarget) -> None:
+        """Check a campaign: its keys, and every combination that it runs."""
+        if self._wishes.campaign is None:
+            message = "campaigns are checked by the command `pirate check`"
+            self._add("check.kind", shown(target.path), message)
+            return
+        documents, findings = self._wishes.campaign(target.path)
+        self._keep(documents)
+        self.findings += findings
+
     def twin(self, target: CheckTarget) -> None:
         """Check the numbers of a simulated robot against its profile."""
         document = self._document(target)
@@ -244,8 +255,8 @@ class _Check:
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = (
-            "this is no robot, mission, pipe, camera, calibration, panel, trace script, experiment"
-            " or twin"
+            "this is no robot, mission, pipe, camera, calibration, panel, trace script, experiment,"
+            " twin or campaign"
         )
         self._add("check.kind", shown(target.path), message)
 
@@ -293,6 +304,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.SCRIPT: _Check.script,
     Kind.EXPERIMENT: _Check.experiment,
     Kind.TWIN: _Check.twin,
+    Kind.CAMPAIGN: _Check.campaign,
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,
 }

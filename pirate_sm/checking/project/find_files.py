@@ -16,7 +16,8 @@ from pirate_sm.loading.problems import Place
 from pirate_sm.spelling import nearest
 
 ROBOTS, MISSIONS, CAMERAS, PANELS = "hardware_profiles", "sequences", "cameras", "panels"
-"""The folders of a project's robots, missions, cameras and control panels."""
+CAMPAIGNS = "campaigns"
+"""The folders of a project's robots, missions, cameras, control panels and campaigns."""
 
 MOST_FILES = 10_000
 DEEPEST_FOLDER = 32
@@ -76,12 +77,13 @@ def find_targets(paths: Iterable[str]) -> FoundFiles:
 def _project(findings: list[Finding]) -> list[Path]:
     """Return the files and folders of the project in the working directory.
 
-    With a folder for missions, these are that folder, those for robots, cameras and panels, and the
-    files beside them. Without one, it is the whole directory, because missions may be anywhere.
+    With a folder for missions, these are that folder, those for robots, cameras, panels and
+    campaigns, and the files beside them. Without one, it is the whole directory, because missions
+    may be anywhere.
     """
     if not Path(MISSIONS).is_dir():
         return [Path()]
-    folders = (ROBOTS, MISSIONS, CAMERAS, PANELS)
+    folders = (ROBOTS, MISSIONS, CAMERAS, PANELS, CAMPAIGNS)
     own = [Path(folder) for folder in folders if Path(folder).is_dir()]
     beside, _ = _listing(Path(), findings)
     return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]

@@ -6,7 +6,7 @@ import os
 import sys
 from pathlib import Path
 
-from pirate_sm.checking.findings import Severity
+from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearse
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
@@ -18,6 +18,7 @@ from pirate_sm.cli.output.encoding import writable
 from pirate_sm.cli.output.terminal import is_terminal, shows_colour
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
+from pirate_sm.loading.yaml.document import Document
 from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.visible import visible
 
@@ -54,6 +55,7 @@ def run_check(options: CheckOptions) -> int:
         rehearse=_rehearse(options),
         outside=options.outside,
         experiment=check_experiment,
+        campaign=_check_campaign,
     )
     progress = _Progress() if is_terminal(sys.stderr) else None
     try:
@@ -65,6 +67,12 @@ def run_check(options: CheckOptions) -> int:
     if report.nothing:
         return NOTHING
     return FOUND if report.fails(fail_on) else CLEAN
+
+
+def _check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
+    from pirate_sm.campaign.campaign_file import check_campaign  # needs the simulator
+
+    return check_campaign(path)
 
 
 def _rehearse(options: CheckOptions) -> Rehearse | None:

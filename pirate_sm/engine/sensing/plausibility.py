@@ -9,7 +9,7 @@ until it jumps back. A value outside its range and the value of a stuck sensor a
 
 A joint behind a spring can snap faster than its motor turns. The spring then unwinds by the angle
 that the joint has turned, and its torque, which another sensor measures, changes accordingly. Such
-an angle is believed at once.
+an angle is believed at once. Where that torque is measured, nothing else is faster than the motor.
 
 Values are in SI units; unknown is NaN. The profile holds the thresholds, in ``plausibility``.
 """
@@ -22,7 +22,7 @@ from math import inf, isnan, nan
 from pirate_sm.engine.sensing.motion_plausibility import after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Numbers, Reading, SensorMemory
-from pirate_sm.engine.sensing.value_plausibility import believed, reach, weigh, weigh_jumped
+from pirate_sm.engine.sensing.value_plausibility import torque, weigh, weigh_jumped
 from pirate_sm.model.events import FaultReport
 
 
@@ -131,36 +131,13 @@ def _believe(
     """Return the sensor's memory after a reading, and write the shown value into ``shown``."""
     if channel.calm:
         good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
-        wound = _torque(watch, reading.before)
+        wound = torque(watch, reading.before)
         channel = channel._replace(good=good, good_s=good_s, seen=seen, wound=wound)
     value = shown[watch.number]
     if isnan(value):
         return channel._replace(calm=False, held=channel.held if channel.jumped else ())
     if value == channel.stuck:
         return channel
-    if not channel.jumped and _snapped(watch, channel, value, shown, reading):
-        return believed(channel)
     judge = weigh_jumped if channel.jumped else weigh
-    channel, shown[watch.number] = judge(spec, watch, channel, value, reading, reports)
+    channel, shown[watch.number] = judge(spec, watch, channel, shown, reading, reports)
     return channel
-
-
-def _snapped(
-    watch: WatchSpec, channel: SensorMemory, value: float, numbers: Numbers, reading: Reading
-) -> bool:
-    """Return whether a joint's spring has unwound by the angle that the joint has turned.
-
-    The difference of the two is the motion of the motor, which no outside force can turn.
-    """
-    if not watch.low <= value <= watch.high:
-        return False
-    step = value - channel.good
-    if abs(step) <= reach(watch, channel, reading):
-        return False
-    motor = step + (_torque(watch, numbers) - channel.wound) / watch.stiffness
-    elapsed_s = max(reading.now_s - channel.good_s, reading.elapsed_s)
-    return abs(motor) <= watch.turns * elapsed_s + watch.slack
-
-
-def _torque(watch: WatchSpec, numbers: Numbers) -> float:
-    return numbers[watch.torque] if watch.torque >= 0 else nan

@@ -16,7 +16,8 @@ class WatchSpec(NamedTuple):
         name: Name for messages.
         numbers: Indexes of the numbers that depend on it, including its own.
         low: Smallest possible value; ``high``: the largest.
-        rate: Fastest change per second; ``slack`` is allowed in addition.
+        rate: Fastest change per second but for the unwinding of its spring; ``slack`` is allowed
+            in addition.
         moved: Smallest change that counts as motion; infinite if it measures no motion.
         slot: Index of the setpoint of its motor.
         joint: Whether it is the angle of a joint, which cannot restart as a counter can.
@@ -25,7 +26,7 @@ class WatchSpec(NamedTuple):
         full_load: That current when the motor stalls at full duty.
         torque: Index of the torque of the spring behind the motor; -1 if it is not measured.
         stiffness: Stiffness of that spring, per unit of the angle.
-        turns: No-load speed of the motor.
+        winds: Torque to which the motor can wind it up.
         unit: Unit for messages; ``per_unit`` is its SI value.
     """
 
@@ -44,7 +45,7 @@ class WatchSpec(NamedTuple):
     full_load: float = 0.0
     torque: int = -1
     stiffness: float = inf
-    turns: float = 0.0
+    winds: float = inf
     unit: str = ""
     per_unit: float = 1.0
 

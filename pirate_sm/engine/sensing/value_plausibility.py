@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Reading, SensorMemory
+from pirate_sm.engine.sensing.sensor_memory import Numbers, Reading, SensorMemory
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
@@ -14,15 +14,15 @@ def weigh(
     spec: PlausibilitySpec,
     watch: WatchSpec,
     channel: SensorMemory,
-    value: float,
+    numbers: Numbers,
     reading: Reading,
     reports: list[FaultReport],
 ) -> tuple[SensorMemory, float]:
-    """Return the sensor's memory after this value, and the value to show."""
-    now_s = reading.now_s
+    """Return the sensor's memory after its value among these numbers, and the value to show."""
+    value, now_s = numbers[watch.number], reading.now_s
     possible = watch.low <= value <= watch.high
     step = value - channel.good
-    if possible and not abs(step) > reach(watch, channel, reading):  # or there is no earlier value
+    if possible and _follows(watch, channel, numbers, reading):
         return believed(_count_spike(spec, watch, channel, now_s, reports)), value
     if possible and _goes_on(watch, channel, step):
         return channel._replace(
@@ -53,9 +53,56 @@ def believed(channel: SensorMemory) -> SensorMemory:
     return channel._replace(running=0.0, outside=False, jumped=False, stuck=nan)
 
 
-def reach(watch: WatchSpec, channel: SensorMemory, reading: Reading) -> float:
-    """Return the largest plausible change since the last believed value."""
+def torque(watch: WatchSpec, numbers: Numbers) -> float:
+    """Return the torque of the spring behind a joint's motor; NaN if it is not measured."""
+    return numbers[watch.torque] if watch.torque >= 0 else nan
+
+
+def _follows(watch: WatchSpec, channel: SensorMemory, numbers: Numbers, reading: Reading) -> bool:
+    """Return whether a value can follow the last believed one, or there is none.
+
+    In time a joint can turn to almost any angle. So where a joint seems to stay at an impossible
+    angle, time does not make that angle possible.
+    """
+    moved = _least(watch, channel.good, channel.wound, numbers)
+    if moved > _reach(watch, channel, reading):
+        return False
+    if not watch.joint or not channel.held:
+        return True
+    step, turned = _motion(watch, channel.held[-1], torque(watch, reading.before), numbers)
+    return not moved > max(step, turned)  # the step, if the other is unknown
+
+
+def _reach(watch: WatchSpec, channel: SensorMemory, reading: Reading) -> float:
+    """Return the largest motion of the motor since the last believed value."""
     return watch.rate * max(reading.now_s - channel.good_s, reading.elapsed_s) + watch.slack
+
+
+def _motion(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> tuple[float, float]:
+    """Return how far a joint has turned, and how far its motor; NaN if that is unknown.
+
+    The spring between them has unwound by the difference. Others can turn the joint, but not the
+    motor.
+
+    Args:
+        watch: The joint's sensor.
+        before: Its value before.
+        wound: The torque of the spring at that time.
+        numbers: Its value and torque now are among them.
+    """
+    step = numbers[watch.number] - before
+    return abs(step), abs(step + (torque(watch, numbers) - wound) / watch.stiffness)
+
+
+def _least(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> float:
+    """Return the smallest motion of a joint's motor that explains its value after another one.
+
+    A joint faster than its motor is a spring's, which loses torque. Only the motor can have wound
+    it up that fast.
+    """
+    step, turned = _motion(watch, before, wound, numbers)
+    unwound = abs(torque(watch, numbers)) <= max(abs(wound), watch.winds)
+    return min(step, turned) if unwound else step
 
 
 def _goes_on(watch: WatchSpec, channel: SensorMemory, step: float) -> bool:
@@ -71,7 +118,7 @@ def weigh_jumped(
     spec: PlausibilitySpec,
     watch: WatchSpec,
     channel: SensorMemory,
-    value: float,
+    numbers: Numbers,
     reading: Reading,
     reports: list[FaultReport],
 ) -> tuple[SensorMemory, float]:
@@ -80,8 +127,11 @@ def weigh_jumped(
     In time a joint can turn to almost any angle, so being near the last believed value is not
     enough.
     """
-    again = abs(value - channel.held[-1]) > watch.rate * reading.elapsed_s + watch.slack
-    near = abs(value - channel.good) <= reach(watch, channel, reading)
+    value = numbers[watch.number]
+    once = watch.rate * reading.elapsed_s + watch.slack
+    left = _least(watch, channel.held[-1], torque(watch, reading.before), numbers)
+    moved = _least(watch, channel.good, channel.wound, numbers)
+    again, near = left > once, moved <= _reach(watch, channel, reading)
     if again and near and watch.low <= value <= watch.high:
         return believed(channel), value
     return channel._replace(held=(value,)), nan

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import pi
+from math import inf, pi
 
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
@@ -84,7 +84,9 @@ def _angle(
     watch = watch._replace(low=-most, high=most, joint=True, moved=own.joint_moved)
     torque = _of_motor("torque", board.channels, slot, numbers)
     if torque >= 0 and motor.stiffness is not None and motor.no_load_speed is not None:
-        watch = watch._replace(torque=torque, stiffness=motor.stiffness, turns=motor.no_load_speed)
+        # What others push shows as torque, so that the motor's own speed is the limit.
+        watch = watch._replace(torque=torque, stiffness=motor.stiffness, rate=motor.no_load_speed)
+        watch = watch._replace(winds=inf if motor.stall_torque is None else motor.stall_torque)
     load = _of_motor("current", board.channels, slot, numbers)
     loop, full = motor.position_loop, motor.stall_current
     if load < 0 or loop is None or full is None:

@@ -20,6 +20,7 @@ SOURCES = [
     *sorted((PACKAGE / "loading").rglob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
     PACKAGE / "experiments" / "check_experiment.py",
+    PACKAGE / "campaign" / "campaign_file.py",
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
     PACKAGE / "cli" / "order.py",
 ]

@@ -52,8 +52,8 @@ def test_all_shipped_files_are_clean_even_of_warnings(
 
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
-        "2 robots, 2 charts, 31 pipes, 8 cameras, 1 panel, 40 missions, 3 experiments checked:"
-        " no findings\n"
+        "2 robots, 2 charts, 31 pipes, 8 cameras, 1 panel, 42 missions, 3 experiments, 1 twin,"
+        " 4 campaigns checked: no findings\n"
     )
 
 
@@ -239,6 +239,46 @@ def test_json_is_one_object(pirate: Any, broken: Path) -> None:
     data = json.loads(pirate("check", broken, "--format", "json").stdout)
 
     assert data["files"] == [{"file": "b.yaml", "kind": "mission"}]
+
+
+def test_a_campaign_is_checked_as_it_would_be_run(pirate: Any, tmp_path: Path) -> None:
+    file = tmp_path / "trial.yaml"
+    file.write_text(
+        "campaign: trial\n"
+        "missions:\n"
+        "- mitre_bent\n"
+        "- {mission: mitre_bend, pipe: straight_113}\n"
+        "- {mission: drive_on, defects: [gamma_2_drop]}\n"
+        "seeds: 5\n",
+        encoding="utf-8",
+    )
+    result = pirate("check", str(file))
+
+    assert result.exit_code == 1
+    assert (
+        "trial.yaml:3:3: error [campaign.mission] there is no mission 'mitre_bent'" in result.stdout
+    )
+    assert "trial.yaml:5:33: error [campaign.defect] there is no defect" in result.stdout
+    assert "error [geometry.no_bend]" in result.stdout
+    assert "trial.yaml:4:3: this campaign runs it so" in result.stdout
+    assert "1 campaign checked" in result.stdout
+
+
+def test_a_campaign_leads_out_of_the_project_only_if_wanted(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    inside = tmp_path / "project"
+    (inside / ".git").mkdir(parents=True)
+    monkeypatch.chdir(inside)
+    (tmp_path / "secret.yaml").write_text("password: 1234\n", encoding="utf-8")
+    file = inside / "trial.yaml"
+    text = "campaign: trial\nmissions: [../secret.yaml]\nseeds: 5\n"
+    file.write_text(text, encoding="utf-8")
+
+    assert "trial.yaml:2:12: error [reference.outside]" in pirate("check", str(file)).stdout
+    result = pirate("check", "--outside", str(file))
+    assert "this leads to a file that is no mission" in result.stdout
+    assert "1234" not in result.stdout
 
 
 def test_experiments_and_twins_are_checked_with_their_robot(pirate: Any, tmp_path: Path) -> None:

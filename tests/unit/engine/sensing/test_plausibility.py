@@ -183,18 +183,32 @@ SPRUNG = WatchedSpec(
             (JOINT,),
             low=-1000,
             high=1000,
-            rate=240,
+            rate=80,
             slack=20,
             slot=0,
             joint=True,
             torque=1,
             stiffness=0.5,
-            turns=80,
             unit="deg",
         ),
         WatchSpec(1, "torque", (1,), low=-500, high=500, slot=0),
     )
 )
+
+
+def sprung(
+    readings: list[tuple[float, float]], watched: WatchedSpec = SPRUNG
+) -> tuple[list[float], list[str]]:
+    """The angles that are shown of angles and torques, and the faults."""
+    record, shown, angles, codes = unseen(watched), [nan, nan], [], []
+    for number, reading in enumerate(readings, 1):
+        numbers = list(reading)
+        circumstances = Reading(shown, EVERY_S, number * EVERY_S)
+        record, reports = sift(SPEC, watched, record, numbers, circumstances)
+        codes += [report.code for report in reports]
+        angles.append(numbers[0])
+        shown = numbers
+    return angles, codes
 
 
 @pytest.mark.parametrize(
@@ -213,21 +227,44 @@ SPRUNG = WatchedSpec(
 def test_a_joint_that_snaps_is_believed_as_far_as_its_spring_unwinds(
     angle: float, torque: float, believed: bool
 ) -> None:
-    record, shown, codes = unseen(SPRUNG), [nan, nan], []
-    readings = [(0.0, 0.0)] * 3 + [(angle, torque)] * 4
-    for number, reading in enumerate(readings, 1):
-        numbers = list(reading)
-        # Where the torque is out of its own range that is reported too; it is not what is tested.
-        circumstances = Reading(shown, EVERY_S, number * EVERY_S)
-        record, reports = sift(SPEC, SPRUNG, record, numbers, circumstances)
-        codes += [report.code for report in reports]
-        shown = numbers
-        if number == 4:
-            assert (shown[0] == angle) == believed  # at once, or not
+    shown, codes = sprung([(0.0, 0.0)] * 3 + [(angle, torque)] * 4)
+
+    assert (shown[3] == angle) == believed  # at once, or not
     if believed:
-        assert (shown[0], codes) == (angle, [])
+        assert (shown[-1], codes) == (angle, [])
     else:
+        # Where the torque is out of its own range that is reported too; it is not what is tested.
         assert codes
+
+
+def test_time_makes_no_angle_possible_at_which_a_joint_seems_to_stay() -> None:
+    """In one period its motor turns by 30 deg at most, in the three that are held back by 50."""
+    shown, codes = sprung([(0, 0)] * 3 + [(40, 0)] * 4)
+
+    assert shown[:5] == [0] * 5
+    assert all(map(isnan, shown[5:]))
+    assert codes == ["sensor.jumped"]
+
+
+def test_a_joint_may_turn_on_during_a_spike() -> None:
+    shown, codes = sprung([(0, 0)] * 3 + [(300, 0)] * 2 + [(45, 0), (46, 0)])
+
+    assert (shown[-2:], codes) == ([45, 46], [])
+
+
+def test_the_torque_shows_that_a_spike_is_over_where_it_began() -> None:
+    """The joint has come to the angle of the spike, whose torque was wrong too."""
+    shown, codes = sprung([(0, 0)] * 3 + [(40, 300)] * 2 + [(40, 0), (41, 0)])
+
+    assert (shown[-2:], codes) == ([40, 41], [])
+
+
+@pytest.mark.parametrize(("torque", "shown"), [(-60, 140), (-61, 0)])
+def test_only_the_motor_winds_up_a_spring_that_fast(torque: float, shown: float) -> None:
+    joint, other = SPRUNG.sensors
+    watched = WatchedSpec((joint._replace(winds=60), other))
+
+    assert sprung([(0, 0)] * 3 + [(140, torque)], watched)[0][-1] == shown
 
 
 def test_a_jump_to_a_third_place_is_not_believed_either(bench: Bench) -> None:
@@ -566,6 +603,14 @@ def test_the_torque_of_a_good_bend_is_within_its_range() -> None:
         limits = watch(f"bend_torque_{number}")
         assert limits.low < -2 * 2.1
         assert limits.high > 2 * 2.1
+
+
+def test_a_joint_with_a_spring_whose_torque_is_measured_is_no_faster_than_its_motor() -> None:
+    limits = watch("gamma_1")
+    motor = load_robot(PIRATE).profile.motors["bend"]
+
+    assert (limits.rate, limits.winds) == (motor.no_load_speed, motor.stall_torque)
+    assert watch("theta_1").rate > limits.rate
 
 
 def test_frames_that_have_waited_and_come_at_once_are_no_spikes(drive: Any) -> None:
