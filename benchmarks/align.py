@@ -207,7 +207,7 @@ def main() -> int:
         entered_ = {roll: list(pool.map(partial(enter, roll), seeds)) for roll in PUT_IN}
     for command in COMMANDS:
         for holder in HOLDERS:
-            _show([each for each in trials if (each.command, each.holder) == (command, holder)])
+            show([each for each in trials if (each.command, each.holder) == (command, holder)])
     if missions:
         _show_missions(missions)
     for roll, runs in entered_.items():
@@ -228,13 +228,15 @@ def _show_missions(missions: Sequence[Trial]) -> None:
         print(f"    roll {each.roll_deg:g} deg: {each.why}")
 
 
-def _show(trials: Sequence[Trial]) -> None:
+def show(trials: Sequence[Trial]) -> None:
+    """Print what came of one command with one part that holds."""
     level = [abs(each.off_deg) for each in trials if not isnan(each.off_deg)]
     impossible = sum("impossible:" in each.why for each in trials)
     first = trials[0]
+    off = f"{max(level):.1f} deg off at most" if level else "none came to a level"
     print(
         f"{first.command}, {first.holder} holds: {len(level)} of {len(trials)} level,"
-        f" {max(level, default=nan):.1f} deg off at most; {impossible} impossible;"
+        f" {off}; {impossible} impossible;"
         f" {max(each.took_s for each in trials):.1f} s at most"
     )
     for each in trials:

@@ -60,6 +60,8 @@ def sweep(
     if isinstance(given, str) or not isinstance(given, Iterable):
         raise UsageError(f"seeds: expected whole numbers such as range(100), got {seeds!r}")
     wanted = [whole(seed, "seeds", 0) for seed in seeds]
+    if not wanted:
+        raise UsageError("seeds: a sweep has one seed at least")
     if options.get("view"):
         raise UsageError("a sweep opens no viewer: run the seed that you want to see")
     count = cpu_count() or 1 if workers is None else whole(workers, "workers", 1)

@@ -121,7 +121,17 @@ def _check_mouth(pipe: Pipe, junction: str, at: At, problems: Problems) -> None:
             continue
         name, _, diameter_m = arms[arm]
         if diameter_m > along_m + _SAME_M or (arm == ON and diameter_m < along_m - _SAME_M):
-            path = ("runs", name, "from") if pipe.runs is not None else pipe.written[name].at
-            message = f"{diameter_m * 1000:.4g} mm here {wrong} the run of the tee '{junction}'"
+            if pipe.runs is not None:
+                path: At = ("runs", name, "from")
+                message = f"{diameter_m * 1000:.4g} mm here {wrong} the run of the tee '{junction}'"
+            else:
+                path, message = _inline(pipe, name, diameter_m)
             hint = f"{along_m * 1000:.4g} mm" if arm == ON else f"at most {along_m * 1000:.4g} mm"
             problems.add("pipe.junction", (*at, *path), message, expected=hint)
+
+
+def _inline(pipe: Pipe, name: str, diameter_m: float) -> tuple[At, str]:
+    """Return the place of a tee in a list of segments, by its branch, and what is wrong with it."""
+    _, at, first = pipe.written[name]
+    tee = at if len(at) > 1 else (*at, first - 1)  # a stub stands where its tee does
+    return (*tee, "diameter"), f"a branch of {diameter_m * 1000:.4g} mm is wider than its run"

@@ -10,6 +10,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 from pydantic import Field, model_validator
 
 from pirate_sm.geometry import network as space
+from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector
@@ -234,6 +235,17 @@ class Pipe(Frozen):
         if written.run.to.startswith("cap_"):
             return written.at
         return (*written.at, written.first + piece.segment)
+
+    def path_of_joint(self, route: Route, joint: Joint) -> KeyPath:
+        """Return the path in the file of a joint of a route: of its tee, or of its fitting."""
+        if joint.junction and self.runs is not None:
+            return ("junctions", joint.junction)
+        own = [each for each in route.pieces if each.arc_m <= joint.arc_m <= each.ends_m]
+        for piece in own:
+            if piece.arc is not None or piece.ends_with_m != piece.diameter_m:
+                return self.path_of(piece)
+        *at, number = max(map(self.path_of, own), key=lambda path: int(path[-1]))
+        return (*at, int(number) - 1) if joint.kind in ("mitre", "tee") else (*at, number)
 
     def stretches(self, route: Route) -> tuple[Stretch, ...]:
         """Return the stretches of a route whose friction is not that of the pipe, in order."""

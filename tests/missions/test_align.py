@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
+from math import nan
 from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
-from benchmarks.align import COMMANDS, HOLDERS, WITHIN_DEG, drive_off, try_out
+from benchmarks.align import COMMANDS, HOLDERS, WITHIN_DEG, Trial, drive_off, show, try_out
 from benchmarks.campaign import run
 from pirate_sm import api
 from pirate_sm.cli.entry import commands
@@ -101,3 +102,11 @@ def test_a_recording_of_a_robot_that_extends_another_is_replayed_alike(tmp_path:
     result = CliRunner().invoke(commands, ["replay", str(file)])
 
     assert result.exit_code == 0, result.output
+
+
+def test_a_command_that_never_came_to_a_level_is_told_in_words(capsys) -> None:
+    failed = Trial("AlignHorizontal", "rear", 0.0, 0, nan, "impossible: too steep", 1.0)
+    show([failed])
+    printed = capsys.readouterr().out
+    assert "none came to a level" in printed
+    assert "nan" not in printed

@@ -142,15 +142,7 @@ class PipeView:
 
     def path_of(self, joint: Joint) -> Path:
         """Return the path of a joint in the pipe: of its tee, or of its fitting."""
-        if joint.junction and self.pipe.runs is not None:
-            return ("junctions", joint.junction)
-        pieces = self.fit.route.pieces
-        own = [each for each in pieces if each.arc_m <= joint.arc_m <= each.ends_m]
-        for piece in own:
-            if piece.arc is not None or piece.ends_with_m != piece.diameter_m:
-                return self.pipe.path_of(piece)
-        *at, number = max(map(self.pipe.path_of, own), key=lambda path: int(path[-1]))
-        return (*at, int(number) - 1) if joint.kind in ("mitre", "tee") else (*at, number)
+        return self.pipe.path_of_joint(self.fit.route, joint)
 
     def place_of_step(self, text: str) -> Place:
         """Return the place of a step, from `file:line:col`."""

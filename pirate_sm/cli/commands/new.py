@@ -22,7 +22,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.mission.route_mission import course_along, mission_along
+from pirate_sm.loading.mission.route_mission import UndrivableError, course_along, mission_along
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
@@ -101,7 +101,12 @@ def _along_route(options: NewMissionOptions, loaded: LoadedRobot, robot: str) ->
     if route is not None and route not in pipe.ways:
         hint = meant(route, sorted(pipe.ways))
         raise UsageError(f"'{options.pipe}' has no route '{route}': {hint}")
-    course = course_along(pipe.along(route) if route else pipe, loaded.profile)
+    try:
+        course = course_along(pipe.along(route) if route else pipe, loaded.profile)
+    except UndrivableError as refusal:
+        problems.add("route.undrivable", refusal.path, refusal.message, expected=refusal.needed)
+        problems.raise_errors()
+        raise
     assert loaded.profile.travel is not None  # as course_along has seen
     return mission_along(
         options.name, route or "", options.pipe, robot, course, loaded.profile.travel

@@ -2,18 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import degrees, isnan, pi
+from collections.abc import Iterator, Sequence
+from itertools import product
+from math import asin, degrees, isnan, pi, remainder
 from typing import NamedTuple
 
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.route import Route
+from pirate_sm.geometry.space import dot
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe_runs import KeyPath
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.travel import PassedBy, Travel
+from pirate_sm.model.travel import PassedBy, Travel, Turn
 
 _SPARE_M = 0.1
-"""The robot stops this far before the end of the route [decided]."""
+"""The robot stops this far before the end of the route, and leaves so much room to each side of the
+place where it turns: a quarter turn shifts it by up to 60 mm [measured in 3-D]; the rest is for
+odometry and for the word of the next joint [decided]."""
+
+_MOST_TURNS = 2
+"""Half a turn; three quarters to one side are one to the other."""
+
+
+class UndrivableError(UsageError):
+    """Raised where a robot cannot pass a joint of a route.
+
+    Attributes:
+        path: Path of the joint in the pipe's file.
+        needed: What would be needed.
+    """
+
+    def __init__(self, message: str, needed: str, path: KeyPath) -> None:
+        self.message, self.needed, self.path = message, needed, path
+        super().__init__(f"{message}: {needed}")
+
+
+class Step(NamedTuple):
+    """A call of a mission.
+
+    Attributes:
+        call: The mission.
+        way_m: How far it shall drive; None for one that does not drive by a distance.
+    """
+
+    call: str
+    way_m: float | None = None
 
 
 class Course(NamedTuple):
@@ -21,20 +55,190 @@ class Course(NamedTuple):
 
     Attributes:
         polarity: Which sides the wheels touch.
-        calls: For each joint that missions pass, the joint and these missions.
+        calls: For each joint before which the robot turns, or that missions pass, the joint and the
+            calls.
         last_m: How far the robot drives behind the last of these, to the end of the route.
     """
 
     polarity: str
-    calls: tuple[tuple[Joint, tuple[str, ...]], ...]
+    calls: tuple[tuple[Joint, tuple[Step, ...]], ...]
     last_m: float
 
 
+class _Reached(NamedTuple):
+    """How a robot can come behind some of the joints.
+
+    Attributes:
+        roll_rad: Its roll against the frame of the route; of side B in mirrored polarity.
+        first_m: Where its first wheel is, at the farthest.
+        clear_m: Where its first wheel is to be before it may turn, clear of the last joint.
+        turns: How often it has turned.
+        calls: What it has done.
+    """
+
+    roll_rad: float
+    first_m: float
+    clear_m: float
+    turns: int = 0
+    calls: tuple[tuple[Joint, tuple[Step, ...]], ...] = ()
+
+
+class _Composer:
+    """Composes missions along one route."""
+
+    def __init__(self, pipe: Pipe, profile: Profile, travel: Travel) -> None:
+        self.pipe, self.robot, self.travel = pipe, profile.robot, travel
+        self.route: Route = pipe.route()
+        self.length_m = sum(link.length for link in profile.body.links)
+        self.start_m = pipe.start_of(self.length_m)
+        joints = self.route.joints
+        self.joints = [each for each in joints if each.arc_m + each.behind_m > self.start_m]
+
+    def reached(self, mirrored: bool) -> tuple[list[_Reached], int]:
+        """Return the ways behind the joints that can be passed, and how many these are."""
+        roll_rad = (self.pipe.start.roll if self.pipe.start else 0.0) - self.pipe.roll
+        found = [_Reached(roll_rad + pi * mirrored, self.start_m, self.start_m)]
+        for number, joint in enumerate(self.joints):
+            best: dict[int, _Reached] = {}
+            for now in found:
+                for after in self._past(now, joint):
+                    key = round(degrees(remainder(after.roll_rad, 2 * pi))) % 360
+                    if key not in best or after.turns < best[key].turns:
+                        best[key] = after
+            if not best:
+                return found, number
+            found = list(best.values())
+        return found, len(self.joints)
+
+    def _past(self, now: _Reached, joint: Joint) -> Iterator[_Reached]:
+        """Yield how the robot comes behind a joint."""
+        for count in range(_MOST_TURNS + 1):
+            for turns in product(self.travel.turns, repeat=count):
+                turned_rad = sum(turn.rolls for turn in turns)
+                by = self._by(joint, now.roll_rad + turned_rad)
+                steps = None if by is None else self._turned(now, joint, turns)
+                if by is not None and steps is not None:
+                    yield self._after(now, joint, steps, turned_rad, by, count)
+
+    def _by(self, joint: Joint, roll_rad: float) -> PassedBy | None:
+        """Return what passes a joint in a robot with this roll."""
+        turns, towards_rad = bool(joint.turn_rad), joint.towards_rad - roll_rad
+        passages = self.travel.passages
+        return next(
+            (each for each in passages if each.passes(joint.kind, turns, towards_rad)), None
+        )
+
+    def _turned(
+        self, now: _Reached, joint: Joint, turns: Sequence[Turn]
+    ) -> tuple[Step, ...] | None:
+        """Return the steps that turn the robot before a joint; None if they cannot."""
+        if not turns:
+            return ()
+        if self.route.section != "round" or self.room_m(now, joint) < _SPARE_M * len(turns):
+            return None
+        roll_rad, at_m = now.roll_rad, max(now.first_m, now.clear_m)
+        if len(turns) > 1 and abs(self._climbs_rad(at_m)) >= self.travel.upright:
+            return None  # it slides back into the bend in 5 of 20 runs [measured in 3-D]
+        for turn in turns:
+            if not self._turns(turn, roll_rad, at_m):
+                return None
+            roll_rad += turn.rolls
+        ahead_m = now.clear_m - now.first_m
+        drive = (Step(self.travel.last, ahead_m),) if ahead_m > 0 else ()
+        return (*drive, *(Step(turn.call) for turn in turns))
+
+    def room_m(self, now: _Reached, joint: Joint) -> float:
+        """Return how far a joint begins ahead of a robot at the place where it may turn."""
+        return joint.arc_m - joint.before_m - max(now.first_m, now.clear_m)
+
+    def _turns(self, turn: Turn, roll_rad: float, at_m: float) -> bool:
+        """Return whether a mission turns a robot with this roll at a place."""
+        climbs_rad = self._climbs_rad(at_m)
+        if abs(climbs_rad) >= self.travel.upright:
+            return turn.upright == ("up" if climbs_rad > 0 else "down")
+        level_rad = self.route.frame_at(at_m).roll_of(self.route.up) - pi / 2
+        return turn.turns_from(roll_rad - level_rad)
+
+    def _climbs_rad(self, at_m: float) -> float:
+        """Return how steep the route climbs at a place."""
+        return asin(min(max(dot(self.route.frame_at(at_m).ahead, self.route.up), -1.0), 1.0))
+
+    def _after(
+        self,
+        now: _Reached,
+        joint: Joint,
+        steps: tuple[Step, ...],
+        turned_rad: float,
+        by: PassedBy,
+        turns: int,
+    ) -> _Reached:
+        """Return where the robot is after it has turned and has passed a joint."""
+        at_m = max(now.first_m, now.clear_m) if turns else now.first_m
+        steps = (*steps, *map(Step, by.calls))
+        behind_m, opens = joint.arc_m + self.length_m, joint.kind == "tee"
+        return _Reached(
+            now.roll_rad + turned_rad,
+            behind_m if by.calls else at_m,
+            behind_m if by.calls and not opens else behind_m + joint.behind_m + _SPARE_M,
+            now.turns + turns,
+            (*now.calls, (joint, steps)) if steps else now.calls,
+        )
+
+    def refusal(self, before: Sequence[_Reached], number: int) -> UndrivableError:
+        """Return why none of these ways leads past a joint."""
+        joint = self.joints[number]
+        where = f"{self.robot} does not get past the {joint.kind} at {joint.arc_m * 1e3:.0f} mm"
+        path = self.pipe.path_of_joint(self.route, joint)
+        if not isnan(joint.towards_rad):
+            opens = "turns" if joint.turn_rad else "opens"
+            where += f", which {opens} towards {_deg(joint.towards_rad)}"
+        rolls = sorted({_deg(each.roll_rad) for each in before})
+        turnable = self.route.section == "round" and self.travel.turns
+        fits = [
+            each
+            for each in self.travel.passages
+            if joint.kind in each.joints and each.turns in (None, bool(joint.turn_rad))
+        ]
+        if not fits:
+            return UndrivableError(where, "`travel` in its profile has no passage for that", path)
+        counts = range(_MOST_TURNS + 1) if turnable else range(1)
+        sums = {
+            sum(t.rolls for t in each)
+            for n in counts
+            for each in product(self.travel.turns, repeat=n)
+        }
+        if not any(self._by(joint, each.roll_rad + by) for each in before for by in sums):
+            sides = sorted({_deg(side) for each in fits for side in each.towards})
+            how = "by turns of its own it comes to no other" if turnable else "it cannot turn there"
+            needed = f"it passes one towards {' or '.join(sides)} against its plane, which is at"
+            return UndrivableError(where, f"{needed} {' or '.join(rolls)} there; {how}", path)
+        room_m = max(self.room_m(each, joint) for each in before)
+        if room_m < _SPARE_M:
+            needed = (
+                f"it has to turn before: {(_SPARE_M - room_m) * 1e3:.0f} mm are missing for that"
+                f" between the joint before and this one, and farther back {self._limit}"
+            )
+            return UndrivableError(where, needed, path)
+        return UndrivableError(where, f"it has to turn before, but {self._limit}", path)
+
+    @property
+    def _limit(self) -> str:
+        return (
+            "no mission turns it so as it lies there; in a leg steeper than"
+            f" {_deg(self.travel.upright)} it turns by one quarter at most"
+        )
+
+
+def _deg(angle_rad: float) -> str:
+    return f"{round(degrees(remainder(angle_rad, 2 * pi))):d} deg"
+
+
 def course_along(pipe: Pipe, profile: Profile) -> Course:
-    """Return what passes the joints of a pipe's first route, in order.
+    """Return what passes the joints of a pipe's first route, in order, with the fewest turns.
 
     Raises:
-        UsageError: The robot does not know how to travel, or how to pass one of the joints.
+        UsageError: The robot does not know how to travel, or has no room at the end.
+        UndrivableError: The robot cannot pass one of the joints.
     """
     travel = profile.travel
     if travel is None:
@@ -42,53 +246,23 @@ def course_along(pipe: Pipe, profile: Profile) -> Course:
             f"{profile.robot} does not say how it travels: `travel` in its profile names the "
             "missions that pass joints"
         )
-    route, length_m = pipe.route(), sum(link.length for link in profile.body.links)
-    start_m = pipe.start_of(length_m)
-    ahead = [each for each in route.joints if each.arc_m + each.behind_m > start_m]
-    rolled_rad = (pipe.start.roll if pipe.start else 0.0) - pipe.roll
-    found = _normal_or_mirrored(ahead, travel, rolled_rad, profile.robot)
-    polarity, passed = found
-    calls = tuple((joint, by.calls) for joint, by in passed if by.calls)
-    from_m = calls[-1][0].arc_m + length_m if calls else start_m
-    last_m = route.length_m - _SPARE_M - from_m
+    composer = _Composer(pipe, profile, travel)
+    found = {each: composer.reached(each == "mirrored") for each in ("normal", "mirrored")}
+    ways = [
+        (each.turns, polarity != "normal", polarity, each)
+        for polarity, (reached, passed) in found.items()
+        if passed == len(composer.joints)
+        for each in reached
+    ]
+    if not ways:
+        before, number = max(found.values(), key=lambda each: each[1])
+        raise composer.refusal(before, number)
+    *_, polarity, best = min(ways, key=lambda way: way[:2])
+    last_m = composer.route.length_m - _SPARE_M - best.first_m
     if last_m <= 0:
-        what = "behind the last joint" if calls else "before its end"
+        what = "behind the last joint" if best.calls else "before its end"
         raise UsageError(f"the robot has no room {what}: the route ends too early")
-    return Course(polarity, calls, last_m)
-
-
-def _normal_or_mirrored(
-    joints: Sequence[Joint], travel: Travel, rolled_rad: float, robot: str
-) -> tuple[str, list[tuple[Joint, PassedBy]]]:
-    """Return the polarity in which all joints are passed, and what passes each."""
-    failed: Joint | None = None
-    for polarity, turned_rad in (("normal", 0.0), ("mirrored", pi)):
-        passed: list[tuple[Joint, PassedBy]] = []
-        roll_rad = rolled_rad + turned_rad
-        for joint in joints:
-            by = _by(joint, travel, roll_rad)
-            if by is None:
-                failed = failed or joint
-                break
-            roll_rad += by.rolls
-            passed.append((joint, by))
-        else:
-            return polarity, passed
-    assert failed is not None
-    where = f"the {failed.kind} at {failed.arc_m * 1e3:.0f} mm"
-    towards = "" if isnan(failed.towards_rad) else f" towards {degrees(failed.towards_rad):.0f} deg"
-    raise UsageError(
-        f"no mission of {robot} passes {where}{towards} in one polarity with all others: "
-        "`travel` in its profile lists what it passes"
-    )
-
-
-def _by(joint: Joint, travel: Travel, rolled_rad: float) -> PassedBy | None:
-    towards_rad = joint.towards_rad - rolled_rad
-    turns = bool(joint.turn_rad)
-    return next(
-        (each for each in travel.passages if each.passes(joint.kind, turns, towards_rad)), None
-    )
+    return Course(polarity, best.calls, last_m)
 
 
 def mission_along(
@@ -109,7 +283,7 @@ def mission_along(
     phases: list[str] = []
     for phase, (joint, calls), after in zip(names, course.calls, _following(names), strict=True):
         at = f"{joint.kind} {joint.junction}".strip()
-        steps = ", ".join(f"{{call: {call}}}" for call in calls)
+        steps = ", ".join(_written(step) for step in calls)
         phases += [
             f"  {phase}:",
             f"    description: The {at} at {joint.arc_m * 1e3:.0f} mm of the route",
@@ -142,6 +316,13 @@ def mission_along(
         '  stopped: {fail: "Stopped on the way: {cause}"}',
     ]
     return "\n".join(lines) + "\n"
+
+
+def _written(step: Step) -> str:
+    """Return a step of a mission."""
+    if step.way_m is None:
+        return f"{{call: {step.call}}}"
+    return f"{{call: {step.call}, with: {{way: {step.way_m * 1e3:.0f} mm}}}}"
 
 
 def _following(phases: Sequence[str]) -> Sequence[str]:

@@ -4,6 +4,7 @@ import pandas as pd
 import pytest
 
 import pirate_sm
+from pirate_sm.errors import UsageError
 
 from .conftest import PATROL
 
@@ -56,3 +57,8 @@ def test_no_seeds_give_no_rows() -> None:
 def test_what_does_not_fit_is_refused_before_any_process_starts() -> None:
     with pytest.raises(pirate_sm.UsageError, match="rust"):
         pirate_sm.sweep(PATROL, range(2), defects=["rust"])
+
+
+def test_a_sweep_without_seeds_is_refused() -> None:
+    with pytest.raises(UsageError, match="a sweep has one seed at least"):
+        pirate_sm.sweep(PATROL, [])

@@ -283,3 +283,17 @@ def test_segments_and_patches_have_friction_along_the_route(tmp_path):
     ]
 
     assert found == [(0.1, 0.2, 0.4), (1.0, 2.0, 0.3)]
+
+
+def test_a_branch_wider_than_its_run_is_reported_at_its_entry(tmp_path: Path) -> None:
+    file = tmp_path / "p.yaml"
+    tee = "{tee: 90 deg, take: branch, diameter: 150 mm}"
+    file.write_text(
+        "format: 1\ndiameter: 120 mm\nsection: round\nsegments:\n  - {straight: 1 m}\n"
+        f"  - {tee}\n  - {{straight: 1 m}}\n"
+    )
+    pipe, document = load_pipe(file)
+    problems = Problems(document)
+    check_pipe(pipe, document, problems)
+    with pytest.raises(LoadError, match=r":6:43: a branch of 150 mm is wider than its run"):
+        problems.raise_errors()
