@@ -172,10 +172,12 @@ class Reckoner:
         if felt is not None and felt.part in spots:
             spots[felt.part] = self._levelled(spots[felt.part], felt.roll_rad)
         anchor = self._first_of(before.anchor, spots, numbers)
-        spots[anchor], right = self._held_to_walls(
-            numbers, anchor, spots[anchor], _PUSHED_M + abs(counted - before.right_m)
-        )
         chain = self._lay(numbers, anchor, spots[anchor])
+        most_m = _PUSHED_M + abs(counted - before.right_m)
+        away_m = self._away_m(numbers, anchor, spots[anchor], chain, most_m)
+        if away_m and not isnan(away_m):
+            spots[anchor] = _moved(spots[anchor], away_m)
+            chain = self._lay(numbers, anchor, spots[anchor])
         places = self._places(chain, spots[anchor])
         for other in spots.keys() - {anchor}:
             # The first anchor's estimate of another one holds; only the odometer replaces it.
@@ -184,7 +186,7 @@ class Reckoner:
             for other in sorted(spots.keys() - {anchor}):
                 chain = _filled(chain, self._lay(numbers, other, spots[other]))
             places = self._places(chain, spots[anchor])
-        right_m = counted if right else before.right_m
+        right_m = before.right_m if isnan(away_m) else counted
         return Reckoned(places, chain, counted, anchor, spots, right_m)
 
     def roll_of(self, reckoned: Reckoned, part: int) -> float:
@@ -208,7 +210,7 @@ class Reckoner:
                 if spot is not None and not self._flat and (anchor == WHOLE or not known):
                     spot = spot._replace(roll_rad=nan)
             if spot is not None:
-                spots[anchor] = spot._replace(middle_m=spot.middle_m + moved_m)
+                spots[anchor] = _moved(spot, moved_m)
         return spots
 
     def _first_of(self, before: int, spots: dict[int, Spot], numbers: Sequence[float]) -> int:
@@ -234,23 +236,24 @@ class Reckoner:
             return spot
         return spot._replace(roll_rad=remainder(felt_rad - atan2(aside, above), 2 * pi))
 
-    def _held_to_walls(
-        self, numbers: Sequence[float], anchor: int, spot: Spot, most_m: float
-    ) -> tuple[Spot, bool]:
-        """Return the place of an anchor at which no wheel is in a wall, and whether that is so."""
+    def _away_m(
+        self,
+        numbers: Sequence[float],
+        anchor: int,
+        spot: Spot,
+        chain: ChainInSpace,
+        most_m: float,
+    ) -> float:
+        """Return how far away an anchor is by the walls, m; NaN if they do not show it."""
         level = self._link < 0 or abs(numbers[self._body.roll]) <= _FLAT_RAD
         lies = anchor != WHOLE and self._lies(numbers, anchor, spot.middle_m)
         if not level or not lies or isnan(spot.roll_rad):
-            return spot, False
+            return nan
 
         def laid(away_m: float) -> Sequence[Vector]:
-            moved = spot._replace(middle_m=spot.middle_m + away_m)
-            return self._lay(numbers, anchor, moved).points
+            return self._lay(numbers, anchor, _moved(spot, away_m)).points
 
-        away_m = self._walls.away_m(laid, most_m)
-        if isnan(away_m):
-            return spot, False
-        return spot._replace(middle_m=spot.middle_m + away_m), True
+        return self._walls.away_m(chain.points, laid, most_m)
 
     def _stand(self, anchor: int, chain: ChainInSpace, places_m: Sequence[float]) -> Spot | None:
         """Return an anchor's place from those of its wheels; None if one is unknown."""
@@ -325,6 +328,10 @@ class Reckoner:
         count = len(self._body.joints)
         chain = ChainInSpace((_UNKNOWN,) * count, DRAWING, DRAWING)
         return Reckoned((nan,) * count, chain, counted_m, anchor, {}, counted_m)
+
+
+def _moved(spot: Spot, by_m: float) -> Spot:
+    return spot._replace(middle_m=spot.middle_m + by_m)
 
 
 def _filled(chain: ChainInSpace, other: ChainInSpace) -> ChainInSpace:

@@ -38,26 +38,32 @@ class KnownWalls:
         self._reach_m = reach_m + _MOST_M + _MOVED_M
         self._near, self._at = self._everywhere, (inf, inf, inf)
 
-    def away_m(self, laid: Callable[[float], Sequence[Vector]], most_m: float) -> float:
+    def away_m(
+        self,
+        points: Sequence[Vector],
+        laid: Callable[[float], Sequence[Vector]],
+        most_m: float,
+    ) -> float:
         """Return how far away the nearest place is at which no wheel is in a wall.
 
         Args:
-            laid: Returns the wheels of the robot, moved ahead by a distance; NaN is unknown.
+            points: The wheels of the robot; NaN is unknown.
+            laid: Returns them after the robot was moved ahead by a distance.
             most_m: Places farther away are not looked at.
 
         Returns:
             The distance, positive ahead; 0 if the robot may be where it is; NaN if there is no
             such place.
         """
-        known = [point for point in laid(0.0) if not isnan(point[0])]
+        known = [point for point in points if not isnan(point[0])]
         if not known:
             return nan
         self._look_around(known[0])
-        if self._deepest_m(known) <= _IN_WALL_M:
+        if self._have_room(known, _IN_WALL_M):
             return 0.0
         for step in range(1, round(min(most_m, _MOST_M) / _STEP_M) + 1):
             for away_m in (step * _STEP_M, -step * _STEP_M):
-                if self._deepest_m(laid(away_m)) <= _CLEAR_M:
+                if self._have_room(laid(away_m), _CLEAR_M):
                     return away_m
         return nan
 
@@ -66,5 +72,7 @@ class KnownWalls:
         if not dist(point, self._at) <= _MOVED_M:
             self._near, self._at = self._everywhere.near(point, self._reach_m), point
 
-    def _deepest_m(self, points: Sequence[Vector]) -> float:
-        return max(self._near.outside_m(point) for point in points if not isnan(point[0]))
+    def _have_room(self, points: Sequence[Vector], most_m: float) -> bool:
+        """Return whether no wheel is farther in a wall; an unknown one is in none."""
+        room = self._near
+        return all(isnan(it[0]) or room.outside_m(it, most_m) <= most_m for it in points)

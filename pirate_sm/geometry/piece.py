@@ -86,13 +86,8 @@ class Piece(NamedTuple):
         if arc is None:
             return self.frame.moved(along)
         inside = min(max(along, 0.0), self.length_m)
-        angle = inside / arc.radius_m
-        forward, inward = arc.radius_m * sin(angle), arc.radius_m * (1.0 - cos(angle))
-        origin = combined(
-            (1.0, self.frame.origin), (forward, self.frame.ahead), (inward, arc.towards)
-        )
-        turned = self.frame.bent(arc.towards, angle)
-        return turned._replace(origin=origin).moved(along - inside)
+        turned = self.frame.bent(arc.towards, inside / arc.radius_m)
+        return turned._replace(origin=self._on_arc(arc, inside)).moved(along - inside)
 
     def point(self, arc_m: float, aside_m: float = 0.0) -> Vector:
         """Return the point at an arc length, ``aside_m`` from the centre line towards side A."""
@@ -124,7 +119,16 @@ class Piece(NamedTuple):
         along = min(max(self.beyond_m(point), least_m), most_m)
         if self.arc is None:
             return dist(point, self.frame.point(along)), along
+        if 0.0 <= along <= self.length_m:
+            return dist(point, self._on_arc(self.arc, along)), along
         return dist(point, self.frame_at(self.arc_m + along).origin), along
+
+    def _on_arc(self, arc: Arc, along_m: float) -> Vector:
+        angle = along_m / arc.radius_m
+        forward, inward = arc.radius_m * sin(angle), arc.radius_m * (1.0 - cos(angle))
+        return combined(
+            (1.0, self.frame.origin), (forward, self.frame.ahead), (inward, arc.towards)
+        )
 
     def carried(self, before: Frame, after: Frame) -> Piece:
         """Return the piece moved as a body that takes the frame ``before`` to ``after``."""

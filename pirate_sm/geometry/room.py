@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import combinations, pairwise
 from math import hypot, inf
+from operator import itemgetter
 from typing import NamedTuple, Self
 
 from pirate_sm.geometry.network import port_of
@@ -85,22 +86,25 @@ class Room:
         return cls(wheel_radius_m, tubes, (*mitres, *tees))
 
     def near(self, point: Vector, reach_m: float) -> Room:
-        """Return the same room as far as it matters within reach of a point."""
-        tubes = tuple(
-            tube
-            for tube in self.tubes
-            if tube.piece.nearest(point, tube.least_m, tube.most_m)[0] <= reach_m
-        )
+        """Return the same room within reach of a point, the nearest pipes first."""
+        away = [(t.piece.nearest(point, t.least_m, t.most_m)[0], t) for t in self.tubes]
+        reached = sorted((each for each in away if each[0] <= reach_m), key=itemgetter(0))
+        tubes = tuple(tube for _, tube in reached)
         edges = tuple(edge for edge in self.edges if not set(edge.tubes).isdisjoint(tubes))
         return Room(self.wheel_m, tubes, edges)
 
-    def outside_m(self, point: Vector) -> float:
-        """Return how far the centre of a wheel would be in a wall, m; 0 where there is room."""
+    def outside_m(self, point: Vector, near_m: float = 0.0) -> float:
+        """Return how far the centre of a wheel would be in a wall, m; 0 where there is room.
+
+        Args:
+            point: The centre.
+            near_m: A result up to this may be too large.
+        """
         nearest = inf
         for tube in self.tubes:
             nearest = min(nearest, tube.outside_m(point, self.wheel_m))
-            if nearest <= 0.0:
-                return 0.0
+            if nearest <= near_m:
+                return max(nearest, 0.0)
         for edge in self.edges:
             nearest = min(nearest, edge.outside_m(point, self.wheel_m))
         return max(nearest, 0.0)
