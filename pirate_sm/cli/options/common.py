@@ -100,7 +100,7 @@ LineFault = Annotated[
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")
 ]
-Port = Annotated[str, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
+Port = Annotated[str | None, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[
     str | None,
     typer.Option(
