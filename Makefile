@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery test test-cluster test-pty test-browser test-built check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery wheel test test-cluster test-pty test-browser test-built check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -41,6 +41,7 @@ help:
 	@echo "make pictures the documents' pictures of pages in Chromium anew, and of cameras"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
+	@echo "make wheel   the wheel for this kind of machine, and the source archive, in dist/"
 	@echo "make clean   the tree without environments and caches"
 
 demo: $(VENV)/.ready-sim
@@ -56,6 +57,12 @@ test: check
 
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser
+
+# The archive and the wheel of this machine; they need PIRATE_SM_BUILD=always to hold its kernel.
+wheel: $(VENV)/.created
+	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
+	$(BIN)/python -m pip install --quiet 'hatchling>=1.27,<2'
+	$(BIN)/python -c "from hatchling.build import build_sdist; print(build_sdist('dist'))"
 
 check: $(VENV)/.ready-dev
 	$(BIN)/ruff check

@@ -10,6 +10,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+import yaml
+from typer.testing import CliRunner
+
+from pirate_sm import __version__
+from pirate_sm.cli.entry import commands
+from pirate_sm.cli.output.json_lines import FORMAT as LINES
+from pirate_sm.model.events import ALPHABET_VERSION
+from pirate_sm.recording.format.header import FORMAT as RECORDING
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]
@@ -89,3 +97,42 @@ def test_everything_vendored_has_its_licence_beside_it() -> None:
         text = (folder / "LICENSE").read_text("utf-8")
         assert "Permission is hereby granted, free of charge" in text
         assert "Copyright" in text
+
+
+def test_the_workflow_runs_what_the_makefile_has() -> None:
+    text = (ROOT / ".github" / "workflows" / "tests.yml").read_text("utf-8")
+    jobs = yaml.safe_load(text)["jobs"]
+    makefile = (ROOT / "Makefile").read_text("utf-8")
+    runs = [step["run"] for job in jobs.values() for step in job["steps"] if "run" in step]
+
+    assert runs
+    for command in runs:
+        program, target, *_ = command.split()
+        assert program == "make"
+        assert re.search(rf"^{re.escape(target)}:", makefile, re.M), target
+    assert "://" not in text
+    assert jobs["test"]["strategy"]["matrix"]["python"][0] == PROJECT["requires-python"][2:]
+
+
+def test_classifiers_name_only_pythons_that_the_workflow_tests() -> None:
+    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text("utf-8"))
+    tested = workflow["jobs"]["test"]["strategy"]["matrix"]["python"]
+    named = [each.rpartition(" ")[2] for each in PROJECT["classifiers"] if ":: 3." in each]
+
+    assert named
+    assert {*named} <= {*tested}
+
+
+def test_the_version_comes_with_those_of_the_formats() -> None:
+    told = CliRunner().invoke(commands, ["--version"]).stdout
+
+    assert told.splitlines() == [
+        f"pirate-sm {__version__}",
+        f"formats: files 1, JSON {LINES}, recordings {RECORDING}, events {ALPHABET_VERSION}",
+    ]
+
+
+def test_the_changes_have_a_heading_for_this_version() -> None:
+    text = (ROOT / "CHANGELOG.md").read_text("utf-8")
+
+    assert re.search(rf"^## {re.escape(__version__)}\b", text, re.M)

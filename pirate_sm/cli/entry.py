@@ -9,7 +9,7 @@ from __future__ import annotations
 import gc
 import sys
 from importlib import import_module
-from inspect import signature
+from inspect import Parameter, signature
 from typing import Any
 
 import typer
@@ -48,6 +48,7 @@ COMMANDS = {
     "camera calibrate": ("cameras:CalibrateCameraOptions", "camera_calibrate:calibrate_camera"),
     "camera survey": ("cameras:SurveyOptions", "camera_survey:survey_camera"),
     "camera look": ("cameras:LookOptions", "camera_look:look"),
+    "config": ("settings:ConfigOptions", "config:show_settings"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
     "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),
@@ -100,13 +101,23 @@ def _single(name: str) -> typer.Typer:
     options_at, work_at = COMMANDS[name]
     options = _found("options", options_at)
 
-    def command(**given: Any) -> None:
+    def command(context: typer.Context, **given: Any) -> None:
         from pirate_sm.cli.errors import guarded
+        from pirate_sm.cli.settings import with_settings
 
-        chosen = options(**given)
-        raise typer.Exit(guarded(lambda: _work(work_at)(chosen), chosen.debug))
+        def is_given(option: str) -> bool:
+            source = context.get_parameter_source(option)
+            return source is not None and source.name == "COMMANDLINE"
 
-    vars(command)["__signature__"] = signature(options, eval_str=True)
+        def work() -> int:
+            chosen = options(**with_settings(name, given, is_given))
+            return int(_work(work_at)(chosen))
+
+        raise typer.Exit(guarded(work, given["debug"]))
+
+    taken = signature(options, eval_str=True)
+    context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
+    vars(command)["__signature__"] = taken.replace(parameters=[context, *taken.parameters.values()])
     app = _app(add_completion=False)
     app.command(name.rsplit(maxsplit=1)[-1], help=options.__doc__)(command)
     return app

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import os
 from datetime import datetime
 from itertools import count
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
+from pirate_sm.cli.settings import runs_folder
 from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.run_recorder import new_recording, requested_recording
 
@@ -17,14 +17,10 @@ if TYPE_CHECKING:
     from pirate_sm.recording.write.recording_file import RecordingFile
     from pirate_sm.wiring import Prepared
 
-RUNS = "runs"
-RUNS_VARIABLE = "PIRATE_SM_RUNS"
-"""Names the folder for recordings in place of ``runs``; empty: no recording by default."""
-
 
 def usual_path(prepared: Prepared, began: datetime) -> Path | None:
     """Return the default path of a run's recording; None if there is none by default."""
-    folder = os.environ.get(RUNS_VARIABLE, RUNS)
+    folder = runs_folder()
     name = f"{began:%Y-%m-%dT%H-%M-%S}_{prepared.loaded.mission.mission}_{prepared.order.backend}"
     return Path(folder) / f"{name}.mcap" if folder else None
 

@@ -9,6 +9,7 @@ from pirate_sm.cli.stop_checks import stopper
 from pirate_sm.diagnosis.facts import Subject
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.runtime.stop_requests import StopRequests
@@ -23,6 +24,17 @@ def find_loaded(name: str | None) -> LoadedRobot:
     """
     folder = library.find_robot(name, Path.cwd()) if name else library.robots()[0]
     return load_robot(folder)
+
+
+def named_port(port: str | None) -> str:
+    """Return the port of the options.
+
+    Raises:
+        UsageError: There is none.
+    """
+    if port is None:
+        raise UsageError("name the port, --port /dev/ttyACM0, or set `port` (pirate config path)")
+    return port
 
 
 def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> Subject:

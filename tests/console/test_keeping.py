@@ -9,8 +9,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.new_recording import RUNS_VARIABLE
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
+from pirate_sm.cli.settings import RUNS_VARIABLE
 from pirate_sm.console.recorded_snapshots import recorded_snapshots
 from pirate_sm.console.recording_hooks import RunKeeper
 from pirate_sm.model.events import GoTo, OperatorCommand

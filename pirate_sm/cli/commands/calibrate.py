@@ -11,7 +11,7 @@ from math import degrees
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.links import CalibrateOptions
-from pirate_sm.cli.robot_connection import connection, find_loaded, subject_of
+from pirate_sm.cli.robot_connection import connection, find_loaded, named_port, subject_of
 from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.straightness import JointReading, objections, read_joints
@@ -65,8 +65,8 @@ def run_calibrate(options: CalibrateOptions) -> int:
     requests = StopRequests()
     try:
         with CaughtSignals(requests, ends_process=True):
-            say(f"connecting to {options.port} ...")
-            with connection(subject, options.port, options.baud, requests) as listening:
+            say(f"connecting to {named_port(options.port)} ...")
+            with connection(subject, named_port(options.port), options.baud, requests) as listening:
                 if left := listening.port.remark():
                     say(left)
                 readings = _measure(listening, joints, options)
@@ -127,7 +127,7 @@ def _conclude(
         format=1,
         robot=loaded.profile.robot,
         date=date.today().isoformat(),
-        port=options.port,
+        port=named_port(options.port),
         zeros={reading.name: reading.mean for reading in readings},
     )
     path = keep_calibration(calibration, loaded)

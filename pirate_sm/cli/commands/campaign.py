@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -19,9 +18,9 @@ from pirate_sm.campaign.recording_failures import failures, record_failures
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.campaign.store import Store, is_store
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.new_recording import RUNS, RUNS_VARIABLE
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.settings import SETTINGS, runs_folder
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.spelling import meant
@@ -72,7 +71,7 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         import pyarrow  # noqa: F401 - the store needs it
     except ModuleNotFoundError:
         raise not_installed("a campaign", "pyarrow", "campaign") from None
-    runs = Path(os.environ.get(RUNS_VARIABLE) or RUNS)
+    runs = Path(runs_folder() or SETTINGS["runs"].usual)
     folder = options.output or runs / f"{plan.name}.campaign"
     store = Store(folder)
     if is_store(folder):

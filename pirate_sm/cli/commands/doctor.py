@@ -12,7 +12,7 @@ from pirate_sm.cli.options.links import DoctorOptions
 from pirate_sm.cli.options.values import read_duration
 from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
-from pirate_sm.cli.robot_connection import connection, find_loaded, subject_of
+from pirate_sm.cli.robot_connection import connection, find_loaded, named_port, subject_of
 from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.diagnosis.facts import DoctorFinding, Facts, Subject
 from pirate_sm.diagnosis.judgement import judged
@@ -63,9 +63,9 @@ def run_doctor(options: DoctorOptions) -> int:
 
 def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> Facts:
     """Connect, collect all facts and judge them; release the port."""
-    say(f"connecting to {options.port} ...")
+    say(f"connecting to {named_port(options.port)} ...")
     stay_s = read_duration("--guard-for", options.guard_for)
-    listening = connection(subject, options.port, options.baud, requests, stay_s)
+    listening = connection(subject, named_port(options.port), options.baud, requests, stay_s)
     try:
         with listening:
             return _look_around(listening, subject, options)

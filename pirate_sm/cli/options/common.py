@@ -17,13 +17,28 @@ from pirate_sm.model.fidelity import Fidelity
 
 def _print_version(wanted: bool) -> None:
     if wanted:
+        from typing import get_args
+
+        from pirate_sm.cli.output.json_lines import FORMAT as LINES
+        from pirate_sm.model.base import Format
+        from pirate_sm.model.events import ALPHABET_VERSION
+        from pirate_sm.recording.format.header import FORMAT as RECORDING
+
+        (number,) = get_args(get_args(Format)[0])
+        others = f"JSON {LINES}, recordings {RECORDING}, events {ALPHABET_VERSION}"
         typer.echo(f"pirate-sm {__version__}")
+        typer.echo(f"formats: files {number}, {others}")
         raise typer.Exit
 
 
 Version = Annotated[
     bool,
-    typer.Option("--version", callback=_print_version, is_eager=True, help="Print the version."),
+    typer.Option(
+        "--version",
+        callback=_print_version,
+        is_eager=True,
+        help="Print the versions of program and formats.",
+    ),
 ]
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
@@ -100,7 +115,7 @@ LineFault = Annotated[
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")
 ]
-Port = Annotated[str, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
+Port = Annotated[str | None, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[
     str | None,
     typer.Option(

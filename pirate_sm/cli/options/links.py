@@ -19,7 +19,7 @@ class DoctorOptions:
     Exit codes: 0 go, 1 no-go, 2 invalid files or arguments, 3 it cannot be connected to.
     """
 
-    port: common.Port
+    port: common.Port = None
     robot: common.OneRobot = None
     baud: common.Baud = None
     seconds: Annotated[float, typer.Option(min=1.0, help="How long to listen.")] = 5.0
@@ -44,7 +44,7 @@ class CalibrateOptions:
     connected to.
     """
 
-    port: common.Port
+    port: common.Port = None
     robot: common.OneRobot = None
     baud: common.Baud = None
     seconds: Annotated[float, typer.Option(min=1.0, help="How long to measure.")] = 3.0

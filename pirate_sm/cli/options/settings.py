@@ -1,0 +1,29 @@
+"""Options of `pirate config`."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated, Literal
+
+import typer
+
+from pirate_sm.cli.options import common
+
+
+@dataclass(frozen=True, kw_only=True)
+class ConfigOptions:
+    """Show the settings in force and where each comes from.
+
+    The command line comes before the environment, that before pirate.toml of a project, that
+    before the person's own file.
+
+    Exit codes: 0 shown, 2 a file has faults.
+    """
+
+    what: Annotated[
+        Literal["show", "path"], typer.Argument(help="The settings, or where their files are.")
+    ] = "show"
+    format: Annotated[
+        Literal["text", "json"], typer.Option("--format", help="For people, or for programs.")
+    ] = "text"
+    debug: common.Debug = False

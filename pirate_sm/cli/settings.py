@@ -1,0 +1,231 @@
+"""Defaults of options from a person's file and from a project's, read when a command needs them.
+
+``docs/settings.md`` says what can be set, and who may set what.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Callable, Collection, Iterator, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NamedTuple
+
+PROJECT_FILE = "pirate.toml"
+USER_FILE = "config.toml"
+RUNS_VARIABLE = "PIRATE_SM_RUNS"
+"""Names the folder for recordings, before any file; empty: no recording by default."""
+
+SIMULATED = ("bay", "physics", "sim", "trace")
+"""Backends that reach nothing outside this program. [decided]"""
+
+THEMES = ("dark", "light", "contrast", "contrast_light", "okabe_ito")
+"""Names of the console's themes."""
+
+BUILT_IN = "built in"
+
+
+@dataclass(frozen=True)
+class Setting:
+    """What a file may set.
+
+    Attributes:
+        about: One line about it.
+        usual: Its value without any file; empty: there is none.
+        names: Returns the valid names; None: any text.
+        only_user: Whether a project's file may not set it at all.
+    """
+
+    about: str
+    usual: str = ""
+    names: Callable[[], Collection[str]] | None = None
+    only_user: bool = False
+
+
+def _backends() -> Collection[str]:
+    from pirate_sm.wiring import BACKENDS
+
+    return BACKENDS.names
+
+
+SETTINGS: Mapping[str, Setting] = {
+    "robot": Setting("the robot where neither a mission nor an option names one"),
+    "backend": Setting("what runs a mission, and the console", "sim", _backends),
+    "port": Setting("the port of the real robot"),
+    "runs": Setting("the folder for recordings", "runs"),
+    "theme": Setting("the console's colours", "dark", lambda: THEMES),
+    "trusted": Setting("folders whose pirate.toml may reach a robot", only_user=True),
+}
+
+ROBOT_BY_OPTION = frozenset({"doctor", "calibrate", "bay", "camera calibrate", "camera survey"})
+"""Commands whose option ``--robot`` says which robot it is, in place of the first one shipped."""
+
+RUNNING = frozenset({"run", "console"})
+
+
+class Value(NamedTuple):
+    """A setting in force.
+
+    Attributes:
+        value: Its value; for ``trusted`` the folders.
+        source: Where it comes from: ``FILE:LINE``, a variable, or ``built in``.
+        refused: Why it must not be used; empty if it may.
+        project: Whether a project's file sets it.
+    """
+
+    value: Any
+    source: str
+    refused: str = ""
+    project: bool = False
+
+
+def user_file() -> Path:
+    """Return the path of the person's own file, which may not exist."""
+    from platformdirs import user_config_path
+
+    return user_config_path("pirate_sm", appauthor=False) / USER_FILE
+
+
+def project_file() -> Path | None:
+    """Return the file of the project: in the working folder or the nearest one above it."""
+    try:
+        here = Path.cwd()
+    except OSError:  # the working folder is gone
+        return None
+    files = (folder / PROJECT_FILE for folder in (here, *here.parents))
+    return next((file for file in files if file.is_file()), None)
+
+
+def values() -> dict[str, Value]:
+    """Return every setting with where it comes from: environment, project, person, built in.
+
+    Raises:
+        LoadError: A file has faults; it lists those of both.
+    """
+    user, project = user_file(), project_file()
+    found = {name: Value(each.usual, BUILT_IN) for name, each in SETTINGS.items()}
+    found["trusted"] = Value((), BUILT_IN)
+    if user.is_file() or project is not None:
+        from pirate_sm.cli.settings_file import read_settings
+
+        of_user, of_project = read_settings(user, project)
+        found |= of_user
+        if project is not None:
+            found |= {
+                name: each._replace(
+                    project=True, refused=_refused(name, each.value, project, found["trusted"])
+                )
+                for name, each in of_project.items()
+            }
+    runs = os.environ.get(RUNS_VARIABLE)
+    if runs is not None:
+        found["runs"] = Value(runs, RUNS_VARIABLE)
+    return found
+
+
+def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
+    """Return why a project's value must not be used; empty if it may be.
+
+    What comes with files of others must not reach a robot, nor write outside of its folder.
+    """
+    folder = project.parent.resolve()
+    if any(folder.is_relative_to(Path(each).expanduser().resolve()) for each in trusted.value):
+        return ""
+    if name == "port" or (name == "backend" and value not in SIMULATED):
+        return "reaches a robot"
+    if name == "robot" and not _is_shipped(value):
+        return "is no shipped robot, which a real one would be driven by"
+    if name == "runs" and not Path(value).resolve().is_relative_to(folder):
+        return "is outside of the project"
+    return ""
+
+
+def _is_shipped(robot: str) -> bool:
+    from pirate_sm.loading import library
+
+    return robot in {path.name for path in library.robots()} and not Path(robot).exists()
+
+
+def used(name: str, found: Mapping[str, Value]) -> str:
+    """Return the value of a setting for a command that uses it.
+
+    Raises:
+        UsageError: A project's file sets it and may not.
+    """
+    from pirate_sm.errors import UsageError
+
+    value = found[name]
+    if value.refused:
+        raise UsageError(
+            f"{value.source}: {name} = '{value.value}' {value.refused}, and this folder is not "
+            f"trusted: give it on the command line, or add the folder to `trusted` in {user_file()}"
+        )
+    if value.project:
+        from pirate_sm.cli.errors import say
+
+        say(f"{name} = '{value.value}', from {value.source}")
+    return str(value.value)
+
+
+def runs_folder() -> str:
+    """Return the folder for recordings; empty: none are kept by default.
+
+    Raises:
+        LoadError: A file of settings has faults.
+        UsageError: The project's file may not set it.
+    """
+    runs = os.environ.get(RUNS_VARIABLE)
+    return used("runs", values()) if runs is None else runs
+
+
+def with_settings(
+    command: str, given: Mapping[str, Any], is_given: Callable[[str], bool]
+) -> dict[str, Any]:
+    """Return the options of a command, with settings for those that are not on its command line.
+
+    Args:
+        command: Its name.
+        given: All its options with their values.
+        is_given: Whether an option is on the command line.
+
+    Raises:
+        LoadError: A file of settings has faults.
+        UsageError: A project's file sets what it may not.
+    """
+    options = dict(given)
+    wanted = [name for name in _options_set(command, given) if not is_given(name)]
+    if not wanted:
+        return options
+    found = values()
+    for name in wanted:
+        if found[name].source != BUILT_IN and not (name == "port" and _simulates(options)):
+            options[name] = used(name, found)
+    return options
+
+
+def _options_set(command: str, given: Mapping[str, Any]) -> Iterator[str]:
+    """Yield the options of a command that settings fill; the backend comes before the port."""
+    resumes = given.get("resume") is not None  # the recording says what is run
+    if command in RUNNING and not resumes:
+        yield "backend"
+    if "theme" in given:
+        yield "theme"
+    if "port" in given and not resumes:
+        yield "port"
+    by_hand = command == "console" and given.get("mission") is None and not resumes
+    if command in ROBOT_BY_OPTION or by_hand:
+        yield "robot"
+
+
+def _simulates(options: Mapping[str, Any]) -> bool:
+    return options.get("backend") in SIMULATED
+
+
+def place_of(text: str, name: str) -> tuple[int, int, int]:
+    """Return line, column and the column of the value of a key or table in a TOML text."""
+    pattern = rf"""^\s*\[*\s*["']?({re.escape(name)})["']?\s*([.=\]]\s*)"""
+    for number, line in enumerate(text.splitlines(), 1):
+        if match := re.match(pattern, line):
+            return number, match.start(1) + 1, match.end(2) + 1
+    return 0, 0, 0

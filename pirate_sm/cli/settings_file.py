@@ -1,0 +1,120 @@
+"""Reads the files of settings, and finds all their faults with their places."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from pathlib import Path
+from typing import Any
+
+from pirate_sm.cli.settings import SETTINGS, Value, place_of
+from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.library import is_path
+from pirate_sm.loading.problems import LoadError, Place, Problem
+from pirate_sm.spelling import nearest, one_of
+
+_AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
+_LARGEST_BYTES = 100_000
+
+
+def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], dict[str, Value]]:
+    """Return the settings of the person's file and of the project's.
+
+    Raises:
+        LoadError: A file has faults; it lists those of both.
+    """
+    problems: list[Problem] = []
+    of_user = _read(user, problems, is_project=False) if user.is_file() else {}
+    of_project = _read(project, problems, is_project=True) if project is not None else {}
+    if problems:
+        raise LoadError(problems)
+    return of_user, of_project
+
+
+def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str, Value]:
+    name = shown(path)
+    try:
+        data = path.read_bytes()
+        if len(data) > _LARGEST_BYTES:
+            raise ValueError(f"the file is larger than {_LARGEST_BYTES} bytes")
+        text = data.decode("utf-8")
+    except (OSError, ValueError) as error:
+        why = error.strerror if isinstance(error, OSError) else str(error)
+        problems.append(Problem("settings.unreadable", Place(name), f"cannot be read: {why}"))
+        return {}
+    lines = ["", *text.splitlines()]
+    try:
+        content = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as error:
+        found = _AT.search(str(error))
+        line, column = (int(found[1]), int(found[2])) if found and found[1] else (len(lines) - 1, 1)
+        message = _AT.sub("", str(error))
+        excerpt = lines[line] if line < len(lines) else ""
+        place = Place(name, line, column)
+        problems.append(Problem("settings.syntax", place, f"no TOML: {message}", excerpt=excerpt))
+        return {}
+    values = {}
+    for key, value in content.items():
+        line, at_key, at_value = place_of(text, key)
+        fault = _fault(key, value, is_project=is_project)
+        if fault is not None:
+            problems.append(
+                Problem(
+                    place=Place(name, line, at_key if fault.pop("at_key") else at_value),
+                    excerpt=lines[line],
+                    **fault,
+                )
+            )
+        else:
+            source = f"{name}:{line}" if line else name
+            values[key] = Value(_placed(key, value, path.parent, is_project=is_project), source)
+    return values
+
+
+def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
+    """Return what is wrong with a setting as a part of a problem; None if it is right."""
+    known = [name for name, each in SETTINGS.items() if not (is_project and each.only_user)]
+    if key not in known:
+        if key in SETTINGS:
+            message = f"only the person's own file sets '{key}'"
+            return {"code": "settings.forbidden", "message": message, "at_key": True}
+        close = nearest(key, known)
+        return {
+            "code": "settings.unknown-key",
+            "message": f"there is no setting '{key}'",
+            "suggestion": close or "",
+            "expected": "" if close else one_of(known),
+            "at_key": True,
+        }
+    if key == "trusted":
+        if isinstance(value, list) and all(isinstance(each, str) and each for each in value):
+            return None
+        return _of_type("a list of folders", value)
+    if not isinstance(value, str) or (not value and key != "runs"):
+        return _of_type("a text", value)
+    names = SETTINGS[key].names
+    if names is not None and value not in (valid := names()):
+        close = nearest(value, valid)
+        return {
+            "code": "settings.unknown-value",
+            "message": f"there is no {key} '{value}'",
+            "suggestion": close or "",
+            "expected": "" if close else one_of(valid),
+            "at_key": False,
+        }
+    return None
+
+
+def _of_type(expected: str, value: Any) -> dict[str, Any]:
+    message = f"the value is {value!r}"
+    return {"code": "settings.type", "message": message, "expected": expected, "at_key": False}
+
+
+def _placed(key: str, value: Any, folder: Path, *, is_project: bool) -> Any:
+    """Return the value; a path in a project's file begins at the folder of that file."""
+    if key == "trusted":
+        return tuple(value)
+    if key == "runs" and value:
+        value = str(Path(value).expanduser())
+    path = key == "runs" or (key == "robot" and is_path(value))
+    return str(folder / value) if is_project and value and path else value

@@ -1,0 +1,175 @@
+"""Settings: which value counts, who may set what, and what is wrong with a file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from typer.testing import Result
+
+from pirate_sm.cli import settings
+from pirate_sm.recording.read.reader import read_recording
+
+from .conftest import NEWT
+
+Pirate = Callable[..., Result]
+
+
+@pytest.fixture
+def user(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The person's own file, which is not there yet; the working folder is inside a project's."""
+    monkeypatch.setattr(settings, "user_file", lambda: tmp_path / "home" / "config.toml")
+    monkeypatch.delenv("PIRATE_SM_RUNS")
+    (tmp_path / "home").mkdir()
+    (tmp_path / "project" / "inside").mkdir(parents=True)
+    monkeypatch.chdir(tmp_path / "project" / "inside")
+    return tmp_path / "home" / "config.toml"
+
+
+@pytest.fixture
+def project(user: Path, tmp_path: Path) -> Path:
+    """The project's file, which is not there yet."""
+    return tmp_path / "project" / "pirate.toml"
+
+
+def shown(pirate: Pirate) -> dict[str, Any]:
+    result = pirate("config", "--format", "json")
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout)["settings"]
+
+
+def begun(result: Result) -> dict[str, Any]:
+    assert result.exit_code == 0, result.stderr
+    return json.loads(result.stdout.partition("\n")[0])
+
+
+def test_without_files_everything_is_built_in(user: Path, pirate: Pirate) -> None:
+    found = shown(pirate)
+
+    assert {each["source"] for each in found.values()} == {"built in"}
+    assert (found["backend"]["value"], found["runs"]["value"]) == ("sim", "runs")
+
+
+def test_a_project_comes_before_the_person_and_the_command_line_before_both(
+    user: Path, project: Path, pirate: Pirate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    user.write_text('theme = "light"\nbackend = "sim"\nruns = "mine"\n', "utf-8")
+    project.write_text('\nbackend = "trace"\n', "utf-8")
+    monkeypatch.setenv("PIRATE_SM_RUNS", "")
+    found = shown(pirate)
+
+    assert found["backend"] == {"value": "trace", "source": f"{project}:2", "refused": None}
+    assert found["theme"] == {"value": "light", "source": f"{user}:1", "refused": None}
+    assert found["runs"]["source"] == "PIRATE_SM_RUNS"
+    patrol = str(NEWT / "patrol.yaml")
+    assert begun(pirate("run", patrol, "--json"))["backend"] == "trace"
+    assert begun(pirate("run", patrol, "--json", "--backend", "sim"))["backend"] == "sim"
+
+
+def test_a_run_says_what_the_project_sets_and_keeps_it(
+    project: Path, pirate: Pirate, tmp_path: Path
+) -> None:
+    project.write_text('backend = "trace"\nruns = "kept"\n', "utf-8")
+    result = pirate("run", str(NEWT / "patrol.yaml"), "--quiet")
+
+    assert result.exit_code == 0
+    assert result.stderr.splitlines()[0] == f"backend = 'trace', from {project}:1"
+    (kept,) = (tmp_path / "project" / "kept").glob("*.mcap")
+    assert read_recording(kept).header.options["backend"] == "trace"
+
+
+@pytest.mark.parametrize(
+    ("text", "why"),
+    [
+        ('backend = "serial"', "backend = 'serial' reaches a robot"),
+        ('backend = "sim"\nruns = "../elsewhere"', "is outside of the project"),
+    ],
+)
+def test_a_project_reaches_no_robot_and_writes_nowhere_else_unless_it_is_trusted(
+    user: Path, project: Path, pirate: Pirate, text: str, why: str, tmp_path: Path
+) -> None:
+    project.write_text(text, "utf-8")
+    result = pirate("run", str(NEWT / "patrol.yaml"))
+
+    assert result.exit_code == 2
+    assert why in result.stderr
+    assert "add the folder to `trusted`" in result.stderr
+    user.write_text(f'trusted = ["{tmp_path}"]', "utf-8")
+    assert {each["refused"] for each in shown(pirate).values()} == {None}
+    result = pirate("run", str(NEWT / "patrol.yaml"))
+    assert "add the folder to `trusted`" not in result.stderr
+
+
+def test_a_projects_port_and_robot_are_not_used_for_a_real_robot(
+    project: Path, pirate: Pirate
+) -> None:
+    project.write_text('port = "/dev/null"', "utf-8")
+    refused = pirate("doctor")
+    assert (refused.exit_code, "reaches a robot" in refused.stderr) == (2, True)
+    project.write_text(f'robot = "{NEWT}"', "utf-8")
+    refused = pirate("doctor", "--port", "/dev/null")
+    assert (refused.exit_code, "is no shipped robot" in refused.stderr) == (2, True)
+
+
+def test_a_port_is_no_option_of_a_simulated_run(user: Path, pirate: Pirate) -> None:
+    user.write_text('port = "/dev/null"', "utf-8")
+
+    assert begun(pirate("run", str(NEWT / "patrol.yaml"), "--json"))["backend"] == "sim"
+
+
+def test_the_doctor_takes_the_port_of_the_person(user: Path, pirate: Pirate) -> None:
+    assert "name the port, --port" in pirate("doctor").stderr
+    user.write_text(f'port = "{user.parent / "no_port"}"', "utf-8")
+
+    assert "no_port" in pirate("doctor").stderr
+
+
+def test_what_is_refused_does_not_matter_where_the_command_line_says_otherwise(
+    project: Path, pirate: Pirate
+) -> None:
+    project.write_text('backend = "serial"\nport = "/dev/null"', "utf-8")
+    result = pirate("run", str(NEWT / "patrol.yaml"), "--backend", "trace", "--json", "--no-record")
+
+    assert begun(result)["backend"] == "trace"
+
+
+def test_all_faults_of_both_files_are_listed_with_their_places(
+    user: Path, project: Path, pirate: Pirate
+) -> None:
+    user.write_text('theme = "lihgt"\n[rnus]\n', "utf-8")
+    project.write_text('bakend = "sim"\n  backend = 3\ntrusted = ["/"]\n', "utf-8")
+    result = pirate("config")
+
+    assert result.exit_code == 2
+    for said in (
+        f"{user}:1:9: there is no theme 'lihgt'",
+        "did you mean 'light'?",
+        f"{user}:2:2: there is no setting 'rnus'",
+        f"{project}:1:1: there is no setting 'bakend'",
+        "did you mean 'backend'?",
+        f"{project}:2:13: the value is 3",
+        f"{project}:3:1: only the person's own file sets 'trusted'",
+    ):
+        assert said in result.stderr
+
+
+@pytest.mark.parametrize(
+    "text", [b'backend = "sim', b"a = 1 2", b"[" * 20_000, b"\xff", b"#" * 200_000]
+)
+def test_a_file_that_is_no_toml_is_refused(project: Path, pirate: Pirate, text: bytes) -> None:
+    project.write_bytes(text)
+    result = pirate("config")
+
+    assert result.exit_code == 2
+    assert str(project) in result.stderr
+    assert "a fault in this program" not in result.stderr
+
+
+def test_the_paths_are_said(user: Path, project: Path, pirate: Pirate) -> None:
+    assert pirate("config", "path").stdout == f"{user}\n"
+    project.touch()
+
+    assert pirate("config", "path").stdout == f"{user}\n{project}\n"
