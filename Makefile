@@ -86,6 +86,7 @@ format: $(VENV)/.ready-dev
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/showing
+	GOLDEN=write $(BIN)/python -m pytest --quiet -k draws tests/test_tutorial.py
 
 docs: $(VENV)/.ready-docs
 	NO_MKDOCS_2_WARNING=1 $(BIN)/python -m mkdocs build --quiet --strict

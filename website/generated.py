@@ -195,13 +195,13 @@ def _type(about: Mapping[str, Any]) -> str:
         return f"`{json.dumps(about['const'])}`"
     if "enum" in about:
         return ", ".join(f"`{each}`" for each in about["enum"])
-    for several in ("anyOf", "oneOf", "allOf"):
-        if several in about:
-            kinds = dict.fromkeys(_type(each) for each in about[several])
+    for choice in ("anyOf", "oneOf", "allOf"):
+        if choice in about:
+            kinds = dict.fromkeys(_type(each) for each in about[choice])
             return " or ".join(each for each in kinds if each != "null") or "null"
-    kinds = about.get("type", "anything")
-    kinds = [kinds] if isinstance(kinds, str) else [each for each in kinds if each != "null"]
-    return " or ".join(_of(kind, about) for kind in kinds)
+    named = about.get("type", "anything")
+    several = [named] if isinstance(named, str) else [each for each in named if each != "null"]
+    return " or ".join(_of(kind, about) for kind in several)
 
 
 def _of(kind: str, about: Mapping[str, Any]) -> str:

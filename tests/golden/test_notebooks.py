@@ -39,8 +39,7 @@ def test_a_notebook_shows_what_is_stored_in_it(
     fresh = nbformat.read(file, as_version=4)
     run(fresh, tmp_path)
     if os.environ.get("GOLDEN") == "write":
-        text = json.dumps(fresh, indent=1, ensure_ascii=False, sort_keys=True)
-        file.write_text(text + "\n", encoding="utf-8")
+        nbformat.write(fresh, file)
         stored = fresh
 
     assert shown(fresh) == shown(stored)
