@@ -12,6 +12,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from pirate_sm.palette import THEMES, USUAL
+
 PROJECT_FILE = "pirate.toml"
 USER_FILE = "config.toml"
 RUNS_VARIABLE = "PIRATE_SM_RUNS"
@@ -19,9 +21,6 @@ RUNS_VARIABLE = "PIRATE_SM_RUNS"
 
 SIMULATED = ("bay", "physics", "sim", "trace")
 """Backends that reach nothing outside this program. [decided]"""
-
-THEMES = ("dark", "light", "contrast", "contrast_light", "okabe_ito")
-"""Names of the console's themes."""
 
 BUILT_IN = "built in"
 
@@ -54,7 +53,7 @@ SETTINGS: Mapping[str, Setting] = {
     "backend": Setting("what runs a mission, and the console", "sim", _backends),
     "port": Setting("the port of the real robot"),
     "runs": Setting("the folder for recordings", "runs"),
-    "theme": Setting("the console's colours", "dark", lambda: THEMES),
+    "theme": Setting("the console's colours", USUAL, lambda: THEMES),
     "trusted": Setting("folders whose pirate.toml may reach a robot", only_user=True),
 }
 
