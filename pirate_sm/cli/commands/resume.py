@@ -30,7 +30,7 @@ CAN, CANNOT = 0, 1
 _MEANT_FOR = {
     *("resume", "look", "at", "accept", "states", "start_at", "port", "baud", "guard_for"),
     *("detector", "panel", "record", "no_record", "live", "yes", "plain", "json", "quiet"),
-    *("debug", "version", "speed"),
+    *("debug", "version", "speed", "theme"),
 }
 
 _FLAGS = {"states": "--state", "settings": "--set", "start_phase": "--from", "defects": "--defect"}
