@@ -42,7 +42,7 @@ PLAIN_NAMES = {
 # The name of this software: its package, its two commands, its errors, its environment variables.
 OUR_NAME = re.compile(
     r"""\bpirate[_-]sm\b|\bPIRATE_SM_[A-Z]+\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])"""
-    r"""|\bpirate:(?=\[| allow|")"""
+    r"""|\bpirate:(?=\[| allow|")|\bpirate\.toml\b"""
 )
 OUR_COMMAND = re.compile(r"""["'`]pirate["'`]""")
 

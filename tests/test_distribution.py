@@ -31,7 +31,9 @@ NEEDING = {
     ("gym", "gymnasium"): ("import pirate_sm.learning",),
     ("jit", "numba"): (PIRATE, "run", "mitre_bend", "--no-record"),
     ("live", "foxglove"): (PIRATE, "run", "mitre_bend", "--backend", "trace", "--live"),
+    ("parquet", "pyarrow"): (PIRATE, "export", "{run}", "--parquet", "{here}/tables"),
     ("physics", "mujoco"): (PIRATE, "run", "mitre_bend", "--backend", "physics"),
+    ("ros2", "rosbags"): (PIRATE, "export", "{run}", "--ros2", "{here}/bag"),
     ("serial", "serial"): (PIRATE, "doctor", "--port", "{here}/no_port"),
     ("serial", "rosbags"): (PIRATE, "run", "mitre_bend", "--backend", "bay"),
     ("vision", "cv2"): (PIRATE, "camera", "look", "synthetic"),
@@ -47,14 +49,27 @@ def test_all_is_every_extra_of_a_user() -> None:
     assert {extra for extra, _ in NEEDING} == {*chosen}
 
 
+@pytest.fixture(scope="module")
+def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A recording of a short run."""
+    path = tmp_path_factory.mktemp("runs") / "run.mcap"
+    result = CliRunner().invoke(
+        commands, ["run", "prepare_bend", "--backend", "trace", "--record", str(path)]
+    )
+    assert path.exists(), result.output
+    return path
+
+
 @pytest.mark.parametrize(("extra", "package"), NEEDING)
 def test_what_needs_a_missing_extra_names_what_installs_it(
-    extra: str, package: str, tmp_path: Path
+    extra: str, package: str, tmp_path: Path, recording: Path
 ) -> None:
-    code, *arguments = NEEDING[extra, package]
+    code, *arguments = (
+        each.format(here=tmp_path, run=recording) for each in NEEDING[extra, package]
+    )
     hidden = f"import os, sys; sys.modules[{package!r}] = None; os.environ['PIRATE_SM_JIT'] = '1'; "
     done = subprocess.run(
-        [sys.executable, "-c", hidden + code, *(each.format(here=tmp_path) for each in arguments)],
+        [sys.executable, "-c", hidden + code, *arguments],
         capture_output=True, text=True, check=False, cwd=ROOT,
     )  # fmt: skip
 

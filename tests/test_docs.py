@@ -115,7 +115,7 @@ def test_every_command_line_is_one_that_the_program_takes() -> None:
         text = (HELP / f"{'.'.join(names)}.txt").read_text("utf-8")
         if names == ["pirate"] and words and words[0][0].islower():
             wrong.append(f"{page}: {line}: no such command")
-        for option in (re.match(r"--?[a-z][a-z-]*", word) for word in words):
+        for option in (re.match(r"--?[a-z][a-z0-9-]*", word) for word in words):
             if option and not re.search(rf"(?<![\w-]){option[0]}(?![\w-])", text):
                 wrong.append(f"{page}: {line}: no option {option[0]}")
 

@@ -6,7 +6,8 @@ import re
 from pathlib import Path
 
 import pytest
-from test_changing import BLOCK, ROOT, run
+from followed_page import BLOCK
+from test_changing import ROOT, run
 
 PAGE = ROOT / "docs" / "interchange.md"
 

@@ -115,11 +115,9 @@ def test_entering_in_3d_with_the_wrong_side_below_ends_holding_with_the_reason(r
     pipe = tmp_path / "other_way_up.yaml"
     pipe.write_text(text.replace("roll: -90 deg", "roll: 90 deg"), "utf-8")
     record = run("enter_3d", backend="sim", pipe=str(pipe))
-    assert record.ended.end == "gave_up"
-    assert (
-        "not in the posture 'slack' within 20 s: gamma_3 not at the angle" in record.ended.message
-    )
-    assert record.prepared.truth().rolls_rad == pytest.approx((0.0, -math.pi / 2, -math.pi / 2))
+    assert (record.ended.outcome, record.ended.end) == ("failed", "not_level")
+    assert record.ended.message.startswith("Holding, both parts clamped")
+    assert record.states[-1][2] == "DoubleClamped"
 
 
 UPRIGHT = """\

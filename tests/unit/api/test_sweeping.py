@@ -50,10 +50,6 @@ def test_a_mission_can_be_swept_from_another_phase() -> None:
     assert table["end"] == ["back", "back"]
 
 
-def test_no_seeds_give_no_rows() -> None:
-    assert pirate_sm.sweep(PATROL, [], workers=1)["seed"] == []
-
-
 def test_what_does_not_fit_is_refused_before_any_process_starts() -> None:
     with pytest.raises(pirate_sm.UsageError, match="rust"):
         pirate_sm.sweep(PATROL, range(2), defects=["rust"])

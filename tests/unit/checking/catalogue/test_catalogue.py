@@ -23,6 +23,7 @@ SOURCES = [
     PACKAGE / "campaign" / "campaign_file.py",
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
     PACKAGE / "cli" / "order.py",
+    PACKAGE / "cli" / "commands" / "new.py",
 ]
 ENTRIES = catalogue.entries()
 GROUPS = {code.partition(".")[0] for code in ENTRIES if "." in code}

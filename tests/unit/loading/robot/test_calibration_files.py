@@ -159,7 +159,7 @@ def test_a_zero_is_subtracted_from_what_is_read_and_from_all_that_follows(
 
     def seen(spec, counts: float, name: str) -> float:
         sensing = nothing_known(spec)
-        for now, value in enumerate((0.0, counts)):
+        for now, value in enumerate((0.0, counts / 2, counts)):
             frame = SensorFrame(22, (value, 0.0, 0.0, 0.0, 0.0, 0.0))
             sensing, _ = observe(spec, sensing, frame, still, still, float(now))
         return sensing.numbers[spec.vocabulary.numbers.index(name)]
