@@ -82,10 +82,11 @@ def page_of(shot: Shot, folder: Path) -> Path:
 def made_of(page: Path) -> str:
     """Return a hash of what determines the looks of a page, but for numbers.
 
-    It is that of its words and of the styles and scripts of all pages of reports.
+    It is that of its words, without the hashes of the files that were run, and of the styles and
+    scripts of all pages of reports.
     """
     text = re.sub(r"<(script|style|svg)\b.*?</\1>", "", page.read_text("utf-8"), flags=re.DOTALL)
-    words = re.sub(r"\s+|[\d.:,-]+", " ", re.sub(r"<[^>]*>", " ", text))
+    words = re.sub(r"\b[0-9a-f]{64}\b|\s+|[\d.:,-]+", " ", re.sub(r"<[^>]*>", " ", text))
     digest = hashlib.sha256(" ".join(words.split()).encode())
     for file in sorted(each for each in PAGE.iterdir() if each.suffix in (".css", ".html", ".js")):
         digest.update(file.read_bytes())
