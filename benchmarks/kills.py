@@ -3,7 +3,7 @@
     python -m benchmarks.kills [--rounds 200] [--seed 0] [--at-once 8] [--no-dead-man]
 
 Runner, its guardian and the emulated bay are processes of their own, in real time. At a random
-moment one of them or two are killed, told to end, stopped for a while or for good, or the cable is
+moment one of them or two are killed, asked to end, stopped for a while or for good, or the cable is
 out, for longer than anybody waits too. The bay writes down its truth; once the line is back the
 wheels must stand, clamped joints must stay where they came to rest when the wheels stopped, the
 runner must have ended with the exit code that is documented and with one sentence, no process may

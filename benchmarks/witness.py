@@ -58,7 +58,7 @@ def driven_now(link: Path) -> bool:
 
 
 def main() -> int:
-    """The bay has run in real time until it was told to end."""
+    """The bay has run in real time until it was asked to end."""
     from pirate_sm.bay.switches import Switches
     from pirate_sm.bay.terminal import StopSignals, Terminal, serve
     from pirate_sm.bay.texts import message_texts

@@ -142,7 +142,7 @@ class MissionRun:
             message = f"a fault in this program: {described(error)}"
             return self._abandon(Ended("fault", message), BUG, error)
         except BaseException:
-            self._abandon(Ended("interrupted", "this program was told to exit"), BUG)
+            self._abandon(Ended("interrupted", "this program was asked to exit"), BUG)
             raise
         finally:
             if not kept:

@@ -22,12 +22,12 @@ class Stop(NamedTuple):
 
 BY_SIGNAL = {
     signal.SIGINT: Stop("interrupted by Ctrl-C", 130),
-    signal.SIGTERM: Stop("told to terminate (SIGTERM)", 143),
+    signal.SIGTERM: Stop("asked to terminate (SIGTERM)", 143),
     signal.SIGHUP: Stop("the terminal has gone (SIGHUP)", 129),
-    signal.SIGQUIT: Stop("told to quit (SIGQUIT)", 131),
-    signal.SIGUSR1: Stop("told to end (SIGUSR1)", 138),
-    signal.SIGUSR2: Stop("told to end (SIGUSR2)", 140),
-    signal.SIGALRM: Stop("told to end (SIGALRM)", 142),
+    signal.SIGQUIT: Stop("asked to quit (SIGQUIT)", 131),
+    signal.SIGUSR1: Stop("asked to end (SIGUSR1)", 138),
+    signal.SIGUSR2: Stop("asked to end (SIGUSR2)", 140),
+    signal.SIGALRM: Stop("asked to end (SIGALRM)", 142),
 }
 """Every signal that would otherwise end this process with the robot still moving."""
 

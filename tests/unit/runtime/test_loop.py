@@ -239,7 +239,7 @@ def test_a_run_that_was_told_to_end_while_it_was_opened_says_so() -> None:
     result = run(FakeEngine(), Hanging(), requests=requests)
 
     assert (result.ended.outcome, result.exit_code) == ("interrupted", 143)
-    assert result.ended.message.startswith("told to terminate (SIGTERM); the ")
+    assert result.ended.message.startswith("asked to terminate (SIGTERM); the ")
     assert result.ended.message.endswith("the port does not answer")
 
 
