@@ -41,6 +41,7 @@ class Plausibility(Frozen):
         joint_moved: Smallest change of a joint that counts as motion.
         wheel_moved: Smallest change of a wheel that counts as motion.
         moved_readings: Number of consecutive readings that must show an unexpected motion.
+        repeats: A joint may have turned for this long although its board repeats its angle.
     """
 
     overspeed: _Factor = 3.0
@@ -59,3 +60,4 @@ class Plausibility(Frozen):
     joint_moved: _PositiveAngle = radians(20)
     wheel_moved: _PositiveAngle = 1.0
     moved_readings: _Readings = 2
+    repeats: _PositiveDuration = 0.2

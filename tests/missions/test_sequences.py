@@ -222,6 +222,16 @@ def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
     assert [clamp > 0 for clamp in clamps] == [False, True, False, True]
 
 
+@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("mission", ["climb", "mitre_bend"])
+def test_boards_that_repeat_their_values_for_a_tenth_of_a_second_stop_no_mission(
+    run, mission, seed
+):
+    """Section 5-5 of the thesis reports this of the real robot."""
+    record = run(mission, backend="sim", seed=seed, defects=("stale_repeats",))
+    assert record.ended.outcome == "succeeded", record.ended.message
+
+
 def test_a_bend_that_is_not_there_ends_the_bend_mission(run):
     record = run("mitre_bend", backend="sim", pipe="straight_113", settings={"give_up": "5 s"})
     assert record.ended.end == "not_found"

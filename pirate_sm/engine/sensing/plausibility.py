@@ -131,6 +131,8 @@ def _believe(
     """Return the sensor's memory after a reading, and write the shown value into ``shown``."""
     if channel.calm:
         good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
+        if channel.same == good and channel.same_s < good_s:  # its board may have repeated it
+            good_s = max(channel.same_s, good_s - spec.repeats_s)
         wound = torque(watch, reading.before)
         channel = channel._replace(good=good, good_s=good_s, seen=seen, wound=wound)
     value = shown[watch.number]

@@ -87,3 +87,4 @@ class PlausibilitySpec(NamedTuple):
     unloaded: float
     settle_s: float
     moved_readings: int
+    repeats_s: float

@@ -23,6 +23,7 @@ def thresholds(profile: model.Profile) -> PlausibilitySpec:
         unloaded=own.unloaded,
         settle_s=own.settle,
         moved_readings=own.moved_readings,
+        repeats_s=own.repeats,
     )
 
 

@@ -27,6 +27,7 @@ SPEC = PlausibilitySpec(
     unloaded=0.4,
     settle_s=1.5,
     moved_readings=2,
+    repeats_s=0.25,
 )
 JOINT, LOAD, WHEEL, RATE = range(4)
 WATCHED = WatchedSpec(
@@ -265,6 +266,29 @@ def test_only_the_motor_winds_up_a_spring_that_fast(torque: float, shown: float)
     watched = WatchedSpec((joint._replace(winds=60), other))
 
     assert sprung([(0, 0)] * 3 + [(140, torque)], watched)[0][-1] == shown
+
+
+@pytest.mark.parametrize(
+    ("repeats", "load", "angle", "believed"),
+    [
+        (0, 10, 80, True),  # 240 deg/s for 0.125 s, and 20 deg of slack
+        (0, 10, 81, False),
+        (1, 10, 110, True),
+        (1, 10, 111, False),
+        (2, 10, 140, True),
+        (4, 10, 141, False),  # no longer than a quarter of a second
+        (2, 250, 81, False),  # a loaded joint may stand still, so the value may be new
+        (2, nan, 81, False),
+    ],
+)
+def test_a_driven_joint_turns_while_its_board_repeats_its_angle(
+    bench: Bench, repeats: int, load: float, angle: float, believed: bool
+) -> None:
+    bench.ask(0.5, 0.0)
+    for _ in range(1 + repeats):
+        bench.say(30, load=load)
+
+    assert (bench.say(angle, load=load) == angle) == believed
 
 
 def test_a_jump_to_a_third_place_is_not_believed_either(bench: Bench) -> None:

@@ -74,7 +74,7 @@ def test_another_robot_has_thresholds_of_its_own_and_the_usual_ones_beside() -> 
     assert limits.load == -1, "nobody measures that current"
     assert robot.normal.plausibility == PlausibilitySpec(
         hold_back=2, spikes=5, spikes_within_s=10.0, stuck_after_s=1.0, unloaded=0.4,
-        settle_s=1.5, moved_readings=2,
+        settle_s=1.5, moved_readings=2, repeats_s=0.2,
     )  # fmt: skip
 
 
