@@ -137,6 +137,7 @@ vision: $(VENV)/.ready-vision
 defects: $(VENV)/.ready-campaign
 	$(BIN)/pirate campaign campaigns/defects.yaml --resume
 	$(BIN)/pirate campaign campaigns/joint_defects.yaml --resume
+	$(BIN)/pirate campaign campaigns/late_values.yaml --resume
 
 campaigns: $(VENV)/.ready-campaign
 	$(BIN)/python -m benchmarks.campaigns
