@@ -11,7 +11,7 @@ from pirate_sm.cli.options.estimates import FitOptions
 from pirate_sm.cli.options.values import read_length, read_slip_speed
 from pirate_sm.cli.output.csv_table import write_csv
 from pirate_sm.cli.output.estimate_text import estimate_text
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import refuse_losses, refuse_written, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import UsageError
 from pirate_sm.visible import visible
@@ -35,6 +35,8 @@ def run_fit(options: FitOptions) -> int:
     # On a busy machine its threads wait for each other far longer than small matrices take.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     refuse_losses([each for each in (options.output, options.csv, options.write) if each])
+    if options.robot and options.write:
+        refuse_written(options.write)
     if options.robot:
         from pirate_sm.cli.commands.fit_robot import fit_robot
 
@@ -172,5 +174,5 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
     if place is None:
         print(f"for a pipe file (medians of the wheels): {friction_line(static, kinetic)}")
         return
-    write_file(place, pipe_with_friction(place, static, kinetic))
+    write_file(place, pipe_with_friction(place, static, kinetic), edited=True)
     print(visible(f"{place}: {friction_line(static, kinetic)}"))

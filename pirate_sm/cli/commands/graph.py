@@ -41,6 +41,9 @@ _BY_SUFFIX = {
     ".scxml": _SCXML,
 }
 
+_HEAD = 30
+"""How a drawing begins, but for its names, whatever it shows."""
+
 
 class _Chart(NamedTuple):
     outline: ChartOutline
@@ -55,13 +58,29 @@ def draw_graph(options: GraphOptions) -> int:
         LoadError: The files have errors.
         UsageError: There is no such mission, robot or chart, or no such node to mark.
     """
-    kind = options.format or _BY_SUFFIX.get(options.output.suffix if options.output else "", "")
-    text = _scxml(options) if kind == _SCXML else WRITERS[kind or "mermaid"](_marked(options))
+    kind = options.format or _kind_by(options.output)
+    text = _scxml(options) if kind == _SCXML else WRITERS[kind](_marked(options))
     if options.output is None:
         sys.stdout.write(text)
         return 0
-    write_file(options.output, text)
+    write_file(options.output, text, head=_HEAD)
     return 0
+
+
+def _kind_by(output: Path | None) -> str:
+    """Return the format that the ending of the file asks for; Mermaid without one.
+
+    Raises:
+        UsageError: Its ending is that of none.
+    """
+    if output is None or not output.suffix or (output.exists() and not output.is_file()):
+        return "mermaid"  # among others for a pipe or a device
+    if output.suffix.lower() not in _BY_SUFFIX:
+        raise UsageError(
+            f"'{output}' does not say which format: name a file that ends in "
+            f"{', '.join(_BY_SUFFIX)}, or give --format"
+        )
+    return _BY_SUFFIX[output.suffix.lower()]
 
 
 def _marked(options: GraphOptions) -> Graph:

@@ -11,7 +11,7 @@ from pirate_sm import __version__
 from pirate_sm.campaign.store import RECORDINGS, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
-from pirate_sm.cli.output.files import begins, is_recording, write_file
+from pirate_sm.cli.output.files import begins, is_page, is_recording, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.recording.read.reader import Recording, read_recording
@@ -23,10 +23,7 @@ from pirate_sm.visible import visible
 
 _INDEX = "index.html"
 _HEAD = 2_000
-"""The part of a page that contains the name of its generator, bytes."""
-
-_GENERATOR = b'<meta name="generator" content="pirate-sm '
-"""The line that identifies a page of any version of this program."""
+"""The part of a page that names its recording, bytes."""
 
 
 def write_reports(options: ReportOptions) -> int:
@@ -150,7 +147,7 @@ def _refuse_foreign(*places: Path) -> None:
     for place in places:
         if is_recording(place):
             problems.append(f"'{place}' is a recording: no page is written over it")
-        elif (head := begins(place, _HEAD)) and _GENERATOR not in head:
+        elif begins(place, 1) and not is_page(place):
             problems.append(
                 f"'{place}' is no page that this program made, so it stays: "
                 "move it away, or name another file with --output"

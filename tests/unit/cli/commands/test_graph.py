@@ -39,6 +39,36 @@ def test_the_output_names_the_format(pirate: Any, name: str, begins: str, tmp_pa
     assert (tmp_path / name).read_text("utf-8").startswith(begins)
 
 
+def test_an_ending_of_no_format_is_refused(pirate: Any, tmp_path: Path) -> None:
+    result = pirate("graph", "climb", "-o", tmp_path / "a.bmp")
+
+    assert result.exit_code == 2
+    assert "name a file that ends in .svg, .dot" in result.stderr
+    assert not (tmp_path / "a.bmp").exists()
+
+
+@pytest.mark.parametrize("format", [(), ("--format", "svg"), ("--format", "scxml")])
+def test_a_drawing_takes_the_place_of_no_mission(
+    pirate: Any, tmp_path: Path, format: tuple[str, ...]
+) -> None:
+    mission = tmp_path / "first.yaml"
+    mission.write_text((ROOT / "sequences" / "climb.yaml").read_text())
+    before = mission.read_text()
+
+    result = pirate("graph", mission, "-o", mission, *format)
+
+    assert result.exit_code == 2
+    assert mission.read_text() == before
+
+
+@pytest.mark.parametrize("name", ["a.svg", "a.dot", "a.mmd", "a.scxml"])
+def test_a_drawing_is_drawn_again(pirate: Any, tmp_path: Path, name: str) -> None:
+    for mission in ("climb", "mitre_bend"):
+        assert pirate("graph", mission, "-o", tmp_path / name).exit_code == 0
+
+    assert "mitre_bend" in (tmp_path / name).read_text("utf-8")
+
+
 @pytest.mark.parametrize("what", ["newt", "./newt", "newt/", "newt/profile.yaml"])
 def test_a_robots_folder_here_is_drawn(
     pirate: Any, what: str, monkeypatch: pytest.MonkeyPatch
