@@ -53,7 +53,7 @@ def test_all_shipped_files_are_clean_even_of_warnings(
     assert (result.exit_code, result.stderr) == (0, "")
     assert result.stdout == (
         "2 robots, 2 charts, 32 pipes, 8 cameras, 1 panel, 44 missions, 3 experiments, 1 twin,"
-        " 4 campaigns checked: no findings\n"
+        " 5 campaigns checked: no findings\n"
     )
 
 
