@@ -24,7 +24,7 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
         sys.stdout.flush()
         return code
     except KeyboardInterrupt as interrupted:
-        say(str(interrupted) or "interrupted, nothing has moved")
+        say(str(interrupted) or "interrupted")
         return INTERRUPTED
     except BrokenPipeError:
         silence_stdout()

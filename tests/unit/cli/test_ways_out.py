@@ -42,6 +42,22 @@ def clamps(line: dict[str, Any]) -> list[float]:
     return [line["values"][index] for index in (2, 4)]
 
 
+def test_after_ctrl_c_the_last_line_says_how_the_robot_is_left(start: Start) -> None:
+    process = start(*DRIVES)
+    assert process.stdout is not None
+    for text in process.stdout:
+        if "waits" in text:
+            break
+    process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+
+    last = out.splitlines()[-1]
+    assert last.count("interrupted") == 1
+    assert last.endswith(
+        "Ctrl-C; the robot has accepted the safe setpoints: wheels stopped, clamps held"
+    )
+
+
 @pytest.mark.parametrize("number", list(BY_SIGNAL))
 def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: int) -> None:
     process = start(*DRIVES, "--json")
