@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel test test-cluster test-pty test-browser test-built check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery wheel test test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -17,6 +17,7 @@ help:
 	@echo "make test-browser  a report's page in the Chromium that is installed"
 	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
+	@echo "make test-wheel  the wheel in dist/ in an empty environment: a mission, its report, a scene"
 	@echo "make test-pty the conformance suite and the guide to a real robot in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
@@ -78,6 +79,15 @@ test-cluster: $(VENV)/.ready-dev
 
 test-built: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/unit/simulation/machine_code tests/installation
+
+# Nothing of the source tree is used: neither its modules nor its environment.
+test-wheel:
+	rm -rf build/installed
+	$(PYTHON) -m venv build/installed
+	build/installed/bin/python -m pip install --quiet dist/*.whl
+	cd build/installed && bin/pirate-run mitre_bend --quiet --record bend.mcap
+	cd build/installed && bin/pirate report bend.mcap
+	cd build/installed && bin/pirate demo tee
 
 format: $(VENV)/.ready-dev
 	$(BIN)/ruff check --fix

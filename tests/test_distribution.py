@@ -129,13 +129,26 @@ def test_the_workflow_runs_what_the_makefile_has() -> None:
     assert jobs["test"]["strategy"]["matrix"]["python"][0] == PROJECT["requires-python"][2:]
 
 
-def test_classifiers_name_only_pythons_that_the_workflow_tests() -> None:
+def test_the_workflow_may_fail_only_on_pythons_that_no_classifier_names() -> None:
     workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text("utf-8"))
-    tested = workflow["jobs"]["test"]["strategy"]["matrix"]["python"]
+    jobs = workflow["jobs"]
+    tested = jobs["test"]["strategy"]["matrix"]["python"]
     named = [each.rpartition(" ")[2] for each in PROJECT["classifiers"] if ":: 3." in each]
 
     assert named
     assert {*named} <= {*tested}
+    for name in ("test", "installed"):
+        may_fail = re.findall(r"'(3\.\d+)'", jobs[name]["continue-on-error"])
+        assert {*may_fail} == {*tested} - {*named}
+
+
+def test_every_wheel_of_the_workflow_is_installed_on_every_python() -> None:
+    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text("utf-8"))
+    test, wheel, installed = (
+        workflow["jobs"][name]["strategy"]["matrix"] for name in ("test", "wheel", "installed")
+    )
+
+    assert installed == {**wheel, **test}
 
 
 def test_the_version_comes_with_those_of_the_formats() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from threading import Event
 from typing import Any
 
 from pirate_sm.console.app import Console
@@ -162,7 +163,13 @@ def test_a_question_before_the_second_press_and_a_loss_are_told() -> None:
 def test_the_stop_of_the_panel_reaches_the_robot_while_the_console_is_busy(midi: Any) -> None:
     async def story() -> None:
         sessions: list[OperatorSession] = []
-        reader = PanelReader(PANEL, midi.path, lambda reason: sessions[0].stop())
+        asked = Event()
+
+        def stop(reason: str) -> None:
+            sessions[0].stop()
+            asked.set()
+
+        reader = PanelReader(PANEL, midi.path, stop)
 
         def console(session: OperatorSession, **how: Any) -> Console:
             sessions.append(session)
@@ -176,6 +183,7 @@ def test_the_stop_of_the_panel_reaches_the_robot_while_the_console_is_busy(midi:
 
                 midi.press(PANEL.controls["STOP"])
                 # The console's own loop does not run here: nothing is awaited.
-                me.until(me.wheels_stand, at_most_s=WALL_S)
+                assert asked.wait(WALL_S)
+                me.until(me.wheels_stand)
 
     played(story)

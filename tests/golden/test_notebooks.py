@@ -18,7 +18,11 @@ NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
 def run(notebook: Any, folder: Path) -> None:
     """Run every cell in a process of its own, in this folder."""
     NotebookClient(
-        notebook, timeout=100, record_timing=False, resources={"metadata": {"path": str(folder)}}
+        notebook,
+        timeout=100,
+        record_timing=False,
+        coalesce_streams=True,  # a slow cell's lines come in several parts
+        resources={"metadata": {"path": str(folder)}},
     ).execute()
     del notebook.metadata["language_info"]  # which Python has run it is of no interest
 

@@ -10,7 +10,9 @@ import yaml
 from hypothesis import example, given
 from hypothesis import strategies as st
 
+from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Problem
+from pirate_sm.loading.yaml import composer
 from pirate_sm.loading.yaml.document import parse_document, place_of, read_document
 
 TEXT = """\
@@ -310,3 +312,22 @@ def test_no_content_raises_anything_but_a_load_error(text: str | bytes) -> None:
     except LoadError as error:
         places = [found.place for found in error.problems]
     assert all(place.line <= len(text) + 1 for place in places)
+
+
+def test_without_libyaml_the_same_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
+    files = [*library.robots()[0].glob("*.yaml"), *library.missions()]
+    texts = [each.read_text("utf-8") for each in files]
+    fast = [composer.compose(text) for text in texts]
+
+    monkeypatch.setattr(composer, "_Loader", yaml.SafeLoader)
+
+    assert [composer.compose(text) for text in texts] == fast
+
+
+def test_without_libyaml_a_question_mark_between_brackets_is_refused_not_misread(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(composer, "_Loader", yaml.SafeLoader)
+
+    assert places_of("{ask: Go on?, then: go}") == [("syntax", 1, 12)]
+    assert parse_document("ask: Go on?", "f.yaml").data == {"ask": "Go on?"}
