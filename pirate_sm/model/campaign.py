@@ -22,6 +22,7 @@ from pirate_sm.model.quantities import (
 from pirate_sm.units import DIMENSIONLESS, QuantityError, read_quantity
 
 MOST_SEEDS = 10**9
+MOST_VALUES = 1000
 _SEEDS = re.compile(r"(\d{1,12})\.\.(\d{1,12})")
 _SHARE = re.compile(r"(?:>= *)?(\d[\d.]* *%?)")
 
@@ -139,7 +140,14 @@ class ValueRange(Frozen):
             raise ValueError("`by` must be more than zero")
         if self.last.value < self.first.value:
             raise ValueError("the range is empty: `to` is less than `from`")
+        if (self.last.value - self.first.value) / self.by.value >= MOST_VALUES:
+            raise ValueError(f"the range has more than {MOST_VALUES:,} values: make `by` larger")
         return self
+
+    @property
+    def count(self) -> int:
+        """Return how many values there are."""
+        return int((self.last.value - self.first.value) / self.by.value + 1e-9) + 1
 
 
 Values: TypeAlias = ValueRange | Annotated[tuple[Value, ...], Field(min_length=1)] | Value
@@ -291,7 +299,7 @@ class Campaign(RunChoices):
         stop: When a cell has had enough runs.
     """
 
-    format: Format = 1
+    format: Format
     campaign: Name
     description: str = ""
     missions: Annotated[

@@ -63,7 +63,7 @@ class Scene(Frozen):
         steps: What is done, in order.
     """
 
-    format: Format = 1
+    format: Format
     scene: Name
     title: Line
     look_at: Annotated[str, StringConstraints(min_length=1, max_length=1_000)]

@@ -14,6 +14,7 @@ from pirate_sm.campaign.plan import mark_of
 from pirate_sm.campaign.store import Store
 
 TRIAL = """\
+format: 1
 campaign: trial
 missions: [{mission: enter_2d, name: enter}]
 defects: [none, stale_repeats]
