@@ -20,7 +20,7 @@ from pirate_sm.campaign.store import Store, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.cli.settings import SETTINGS, runs_folder
+from pirate_sm.cli.settings import SETTINGS, runs
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.spelling import meant
@@ -71,8 +71,9 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         import pyarrow  # noqa: F401 - the store needs it
     except ModuleNotFoundError:
         raise not_installed("a campaign", "pyarrow", "campaign") from None
-    runs = Path(runs_folder() or SETTINGS["runs"].usual)
-    folder = options.output or runs / f"{plan.name}.campaign"
+    folder = options.output
+    if folder is None:
+        folder = Path(runs().value or SETTINGS["runs"].usual) / f"{plan.name}.campaign"
     store = Store(folder)
     if is_store(folder):
         if not options.resume:
