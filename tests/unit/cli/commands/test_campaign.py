@@ -12,6 +12,7 @@ from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.chunk import Row
 from pirate_sm.campaign.plan import mark_of
 from pirate_sm.campaign.store import Store
+from pirate_sm.experiments import needed_extras
 
 TRIAL = """\
 format: 1
@@ -131,6 +132,20 @@ def test_a_new_campaign_can_be_run(
         "mitre_bend: wheels_3_4_dead",
     ]
     assert (tmp_path / "campaign.schema.json").exists()
+
+
+def test_a_new_campaign_says_how_to_get_what_runs_it(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "pip install" not in pirate("new", "campaign", "there").stdout
+    (tmp_path / "campaign.schema.json").unlink()
+    monkeypatch.setattr(needed_extras, "find_spec", lambda name: None)
+    result = pirate("new", "campaign", "missing")
+
+    assert result.exit_code == 0
+    assert "run it with: pirate campaign missing.yaml" in result.stdout
+    assert "pip install 'pirate-sm[campaign]'" in result.stdout
 
 
 def test_the_report_of_results_is_a_page_in_their_folder(pirate: Any, filled: Any) -> None:
