@@ -197,7 +197,10 @@ def test_a_copy_of_a_camera_or_a_panel_is_clean_and_has_its_own_name(
 
 def test_what_is_written_for_people_names_no_file_that_only_the_sources_have() -> None:
     package = Path(pirate_sm.__file__).parent
-    texts = [*(package / "cli/templates").rglob("*.yaml"), *package.glob("checking/catalogue/*.yaml")]
+    texts = [
+        *(package / "cli/templates").rglob("*.yaml"),
+        *package.glob("checking/catalogue/*.yaml"),
+    ]
     texts += (package / "cli/help").glob("*.txt")
     naming = [path.name for path in texts if re.search(r"docs/\w+\.md", path.read_text("utf-8"))]
 
