@@ -18,6 +18,7 @@ from pirate_sm.campaign.choices import Choices, choices_of, faultless_choices, t
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.named_parts import Named, NameReader
 from pirate_sm.campaign.plan import Cell, Plan
+from pirate_sm.checking.file_kinds import Kind, kind_of_text
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
 from pirate_sm.errors import PirateError, UsageError
@@ -57,6 +58,9 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
     document = read_document(path, shown(path))
     if is_campaign(document):
         return _Reading(document, path.parent, seeds).plan(check=check)
+    kind = kind_of_text(document.text)
+    if kind is not Kind.MISSION:
+        raise UsageError(f"{shown(path)} is no campaign and no mission: {_what(kind)}")
     if seeds is None:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
     text = json.dumps(
@@ -87,6 +91,13 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
             by = document.place_of(reading.places[same]), "this campaign runs it so"
             findings += [replace(each, related=(*each.related, by)) for each in error.findings]
     return documents, findings
+
+
+def _what(kind: Kind) -> str:
+    """Return what a file is that is no mission, or what it lacks."""
+    if kind is Kind.OTHER:
+        return "it has neither `campaign` and `missions` nor `mission`, `start` and `phases`"
+    return f"it is {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 @dataclass

@@ -16,6 +16,7 @@ from pirate_sm.model.quantities import (
     Flag,
     Length,
     Ratio,
+    kind_fault,
     quantity_fault,
     range_fault,
 )
@@ -36,9 +37,9 @@ def _read_seeds(value: Any) -> Sequence[int]:
         return value
     if isinstance(value, list | tuple):
         if not value or not all(type(each) is int and each >= 0 for each in value):
-            raise quantity_fault(f"expected {expected}; a list has one whole number at least")
+            raise kind_fault(f"expected {expected}; a list has one whole number at least")
         if len(set(value)) < len(value):
-            raise quantity_fault("a seed is listed twice")
+            raise range_fault("a seed is listed twice: leave one of the two out")
         return tuple(value)
     first, last = 0, -1
     match = _SEEDS.fullmatch(value) if isinstance(value, str) else None
@@ -47,7 +48,7 @@ def _read_seeds(value: Any) -> Sequence[int]:
     elif type(value) is int:
         last = value - 1
     else:
-        raise quantity_fault(f"expected {expected}, got '{value}'")
+        raise kind_fault(f"expected {expected}, got '{value}'")
     if last < first:
         raise range_fault(f"there are no seeds in '{value}'")
     if last - first >= MOST_SEEDS:
@@ -61,7 +62,7 @@ def _read_share(value: Any, info: ValidationInfo) -> float:
     if match is None:
         if isinstance(value, float) and not info.context:
             return value
-        raise quantity_fault(f"expected a least share such as '>= 99 %', got '{value}'")
+        raise kind_fault(f"expected a least share such as '>= 99 %', got '{value}'")
     try:
         share = read_quantity(match[1], DIMENSIONLESS)
     except QuantityError as error:

@@ -84,8 +84,13 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         before = store.mark().get("version")
         if before != plan.version:
             say(f"warning: results of another version, {before}, are in '{folder}': not used")
+    elif folder.exists() and not folder.is_dir():
+        raise UsageError(f"'{folder}' is a file: name a folder for the results with --output")
     elif folder.exists() and any(folder.iterdir()):
-        raise UsageError(f"'{folder}' is there already and has no results of a campaign")
+        raise UsageError(
+            f"'{folder}' is there already and has no results of a campaign: name another folder "
+            "with --output"
+        )
     store.begin(mark_of(plan))
     try:
         yield store

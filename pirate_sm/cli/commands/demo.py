@@ -131,7 +131,8 @@ def _play(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f"'{folder}' cannot be made: {error.strerror}") from None
+        why = f"'{folder}' cannot be made: {error.strerror}"
+        raise UsageError(f"{why}; name another folder with --output") from None
     print(visible(f"{scene.title}\n\n{scene.look_at.strip()}", lines=True), flush=True)
     folders = {OUT: folder, HERE: _near(path.parent)}
     more = ["--speed", speed, *(["--quiet"] if quiet else [])]
