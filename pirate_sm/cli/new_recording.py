@@ -59,7 +59,9 @@ def begin_recording(place: RecordingPlace, header: RunHeader) -> tuple[Recording
             path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
         except OSError as error:
             if place.runs is not None:
-                raise unusable_runs(place.runs, error.strerror or str(error)) from None
+                otherwise = "--no-record runs without a recording"
+                why = error.strerror or str(error)
+                raise unusable_runs(place.runs, why, otherwise) from None
             problem = f"{shown(path)} cannot be written: {error.strerror}"
             say(f"warning: nothing is recorded: {problem}")
             return None, path

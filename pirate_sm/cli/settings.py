@@ -86,7 +86,7 @@ class Value(NamedTuple):
     place: Place | None = None
     excerpt: str = ""
 
-    def problem(self, code: str, message: str, expected: str) -> Problem:
+    def problem(self, code: str, message: str, expected: str = "") -> Problem:
         """Return a problem with this value, at its place."""
         from pirate_sm.loading.problems import Place, Problem
 
@@ -187,8 +187,9 @@ def refuse(names: Collection[str], found: Mapping[str, Value]) -> None:
     problems = [
         found[name].problem(
             "settings.untrusted",
-            f"{name} = '{found[name].value}' {found[name].refused}, and this folder is not trusted",
-            f"it on the command line, or add the folder to `trusted` in {user_file()}",
+            f"{name} = '{found[name].value}' {found[name].refused}, and this folder is not "
+            f"trusted: give it on the command line, or add the folder to `trusted` in "
+            f"{user_file()}",
         )
         for name in names
         if found[name].refused
@@ -211,12 +212,18 @@ def runs() -> Value:
     return found["runs"]
 
 
-def unusable_runs(found: Value, why: str) -> PirateError:
-    """Return the error for a folder that somebody has set and nothing can be written to."""
+def unusable_runs(found: Value, why: str, otherwise: str) -> PirateError:
+    """Return the error for a folder that somebody has set and that cannot be written to.
+
+    Args:
+        found: The setting.
+        why: Why it cannot be written to.
+        otherwise: The option that does without it, and what it does.
+    """
     from pirate_sm.loading.problems import LoadError
 
     message = f"recordings cannot be kept in '{found.value}': {why}; nothing has moved"
-    expected = "a folder that can be written to; --no-record runs without a recording"
+    expected = f"a folder that can be written to; {otherwise}"
     return LoadError([found.problem("settings.runs", message, expected)])
 
 

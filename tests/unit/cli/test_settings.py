@@ -252,6 +252,10 @@ def test_a_folder_that_somebody_has_set_must_take_the_recording(
     assert "--no-record runs without a recording" in result.stderr
     without = pirate("run", str(NEWT / "patrol.yaml"), "--backend", "trace", "--no-record")
     assert without.exit_code == 0
+    campaign = pirate("campaign", "enter_2d", "--seeds", "1")
+    assert campaign.exit_code == 2
+    assert f"{place}recordings cannot be kept in '{folder}': " in campaign.stderr
+    assert "--output names another folder" in campaign.stderr
 
 
 def test_the_paths_are_said(user: Path, project: Path, pirate: Pirate) -> None:
