@@ -3,49 +3,38 @@
 from __future__ import annotations
 
 import json
-import os
 import pickle
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any, cast
 
 from pydantic_core import to_jsonable_python
 
+from pirate_sm.campaign.choices import Choices, choices_of, faultless_choices, texts
 from pirate_sm.campaign.code_version import code_version
+from pirate_sm.campaign.named_parts import Named, NameReader
 from pirate_sm.campaign.plan import Cell, Plan
+from pirate_sm.checking.file_kinds import Kind, kind_of_text
 from pirate_sm.checking.findings import Finding, finding_of
-from pirate_sm.checking.gate import CheckError, pass_or_raise
-from pirate_sm.errors import UsageError
+from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
+from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.problems import Path as Keys
 from pirate_sm.loading.yaml.document import Document, parse_document, read_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.campaign import (
-    Campaign,
-    CampaignMission,
-    DefectSet,
-    Expectation,
-    LineFaults,
-    StartJitter,
-    TrueEnd,
-    Value,
-    ValueRange,
-    Values,
-)
+from pirate_sm.loading.yaml.validation import try_validate
+from pirate_sm.model.campaign import Campaign, Expectation, StartJitter, TrueEnd
 from pirate_sm.model.fidelity import USUAL
-from pirate_sm.units import format_quantity
 from pirate_sm.wiring import Order, load, prepare
 
-NONE, EACH = "none", "each"
-
-_DIGITS = 12
-"""Significant digits of the values of a range."""
+MOST_CELLS = 10_000
+"""Most cells of one mission. [decided: each is prepared before the first run]"""
 
 
 def is_campaign(document: Document) -> bool:
@@ -69,9 +58,14 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
     document = read_document(path, shown(path))
     if is_campaign(document):
         return _Reading(document, path.parent, seeds).plan(check=check)
+    kind = kind_of_text(document.text)
+    if kind is not Kind.MISSION:
+        raise UsageError(f"{shown(path)} is no campaign and no mission: {_what(kind)}")
     if seeds is None:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
-    text = json.dumps({"campaign": "runs", "missions": [{"mission": str(path.resolve())}]})
+    text = json.dumps(
+        {"format": 1, "campaign": "runs", "missions": [{"mission": str(path.resolve())}]}
+    )
     return _Reading(parse_document(text, shown(path)), Path(), seeds).plan(check=check)
 
 
@@ -99,6 +93,13 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
     return documents, findings
 
 
+def _what(kind: Kind) -> str:
+    """Return what a file is that is no mission, or what it lacks."""
+    if kind is Kind.OTHER:
+        return "it has neither `campaign` and `missions` nor `mission`, `start` and `phases`"
+    return f"it is {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
+
+
 @dataclass
 class _Reading:
     """The reading of one campaign file.
@@ -119,114 +120,79 @@ class _Reading:
 
     def plan(self, *, check: bool) -> Plan:
         self.problems = Problems(self.document)
-        campaign = validate(self.document, Campaign)
+        names = NameReader(self.folder, self.problems)
+        campaign = try_validate(self.document, Campaign, self.problems)
+        if campaign is None:
+            for choices in faultless_choices(self.document.data):
+                names.read(choices)
+            raise LoadError(self.problems.all)
         cells: dict[str, Cell] = {}
-        for number, entry in enumerate(campaign.missions):
-            at: Keys = ("missions", number)
-            for cell in self._cells(campaign, _Choices(campaign, entry, at)):
+        for choices in choices_of(campaign):
+            self._check(choices)
+            named = names.read(choices)
+            for cell in self._cells(choices, named) if named is not None else ():
                 if cell.name in cells:
                     message = f"there are two cells '{cell.name}': give a `name` to tell them apart"
-                    self.problems.add("campaign.twice", at, message)
+                    self.problems.add("campaign.twice", choices.at, message)
                 cells[cell.name] = cell
         self.problems.raise_errors()
         if check:
-            for _, loaded in self.loaded.values():
-                pass_or_raise(loaded)
+            all_pass_or_raise(loaded for _, loaded in self.loaded.values())
         stop = campaign.stop
         version = code_version()
         return Plan(
             campaign.campaign, version, tuple(cells.values()), campaign.confidence, stop, self.blobs
         )
 
-    def _cells(self, campaign: Campaign, choices: _Choices) -> Iterator[Cell]:
-        """Yield the cells of one mission."""
-        seeds = self.seeds if self.seeds is not None else choices.of("seeds")
-        if seeds is None:
+    def _check(self, choices: Choices) -> None:
+        """Report choices that do not go with each other."""
+        if self.seeds is None and choices.of("seeds") is None:
             message = "nothing says how often it runs: give `seeds`, such as 0..999, or --seeds"
             self.problems.add("campaign.seeds", choices.at, message)
-            return
-        line = cast("LineFaults | None", choices.of("line"))
-        backends = choices.of("backend") or ("sim",)
-        if line is not None and "bay" not in backends:
+        if choices.of("line") is not None and "bay" not in _backends(choices):
             message = "only the backend bay has a line"
             self.problems.add("campaign.line", choices.place("line"), message)
-        axes = (
-            choices.of("pipe") or (None,),
-            list(_settings(choices.of("set") or {})),
-            backends,
-            choices.of("detector") or (None,),
-        )
-        for pipe, settings, backend, detector in product(*axes):
-            order = self._order(choices, pipe)
-            if order is None:
-                continue
-            try:
-                order = replace(order, detector=self._camera(detector))
-            except UsageError as error:
-                self._refer(error, "campaign.run", choices.place("detector"))
-                continue
-            order = replace(order, settings=settings, backend=backend)
-            order = replace(order, line=line if backend == "bay" else None)
-            yield from self._of_order(choices, order, pipe, detector, seeds)
 
-    def _order(self, choices: _Choices, pipe: str | None) -> Order | None:
-        """Return the order with files and numbers; None after reporting that a file is missing."""
-        try:
-            mission = self._file(choices.entry.mission, library.find_mission, library.missions())
-        except UsageError as error:
-            self._refer(error, "campaign.mission", choices.mission)
-            return None
-        try:
-            found = pipe and self._file(pipe, library.find_pipe, library.pipes())
-        except UsageError as error:
-            self._refer(error, "campaign.pipe", choices.place("pipe"))
-            return None
-        robot, twin = choices.of("robot"), choices.of("twin")
-        try:
-            twin = twin and self._beside(twin)
-        except UsageError as error:
-            self._refer(error, "campaign.run", choices.place("twin"))
-            return None
+    def _cells(self, choices: Choices, named: Named) -> Iterator[Cell]:
+        """Yield the cells of one mission."""
+        seeds = self.seeds if self.seeds is not None else choices.of("seeds")
         jitter = cast("StartJitter", choices.of("jitter") or StartJitter())
-        return Order(
-            mission,
-            pipe=found or None,
-            robot=robot and self._beside(robot, followed=False),
-            twin=twin,
+        common = Order(
+            named.mission,
+            robot=named.robot,
+            twin=named.twin,
             start_jitter_m=jitter.start,
             friction_jitter=jitter.friction,
             diameter_jitter_m=jitter.diameter,
             fidelity=choices.of("fidelity") or USUAL,
         )
-
-    def _file(self, name: str, find: Any, ours: Sequence[Path]) -> str:
-        """Return the name of a shipped file, or the path of another as seen from here."""
-        found = references.followed(find(name, self.folder), self.folder)
-        return name if found in ours and not library.is_path(name) else _from_here(found)
-
-    def _beside(self, name: str, *, followed: bool = True) -> str:
-        """Return a name, or the path of a file beside the campaign's as seen from here."""
-        path = self.folder / name
-        if not path.exists():
-            return name
-        return _from_here(references.followed(path, self.folder) if followed else path)
-
-    def _refer(self, error: UsageError, code: str, at: Keys) -> None:
-        """Report a reference that leads nowhere, or out of the project."""
-        self.problems.add(references.code_of(error, code), at, str(error))
-
-    def _camera(self, detector: str | None) -> str | None:
-        """Return the name of a detector, with its camera's file as seen from here."""
-        kind, colon, argument = (detector or "").partition(":")
-        return f"{kind}:{self._beside(argument)}" if colon and kind == "vision" else detector
+        sets = {name: list(texts(each)) for name, each in (choices.of("set") or {}).items()}
+        count = prod(map(len, (named.pipes, *sets.values(), named.detectors, named.defects)))
+        if count * len(_backends(choices)) > MOST_CELLS:
+            message = f"this mission has more than {MOST_CELLS:,} cells: leave out some choices"
+            self.problems.add("campaign.run", choices.at, message)
+            return
+        for pipe, texts_of, backend, detector in product(
+            named.pipes, product(*sets.values()), _backends(choices), named.detectors
+        ):
+            order = replace(
+                common,
+                pipe=pipe[1],
+                settings={name: text for name, (_, text) in zip(sets, texts_of, strict=True)},
+                backend=backend,
+                detector=detector[1],
+                line=choices.of("line") if backend == "bay" else None,
+            )
+            yield from self._of_order(choices, named, order, pipe[0], detector[0], seeds)
 
     def _of_order(
         self,
-        choices: _Choices,
+        choices: Choices,
+        named: Named,
         order: Order,
         pipe: str | None,
         detector: str | None,
-        seeds: Sequence[int],
+        seeds: Sequence[int] | None,
     ) -> Iterator[Cell]:
         """Yield the cells of an order: one for each set of defects."""
         try:
@@ -238,15 +204,16 @@ class _Reading:
         except UsageError as error:
             self.problems.add("campaign.mission", choices.at, str(error))
             return
-        sets = list(self._defects(choices, loaded))
-        for defects in sets:
+        for defects in named.defects:
             one = replace(order, defects=defects)
-            if not self._fits(one, loaded, choices, seeds[0]):
+            if not self._fits(replace(one, seed=(seeds or (0,))[0]), loaded, choices):
                 continue
+            if seeds is None:
+                continue  # reported already
             end = choices.of("end") or TrueEnd()
             yield Cell(
                 choices.entry.name or Path(order.mission).stem,
-                choices.column(one, pipe, detector, many_defects=len(sets) > 1),
+                choices.column(one, pipe, detector, many_defects=len(named.defects) > 1),
                 one,
                 seeds,
                 end,
@@ -255,15 +222,15 @@ class _Reading:
                 key,
             )
 
-    def _fits(self, order: Order, loaded: LoadedMission, choices: _Choices, seed: int) -> bool:
+    def _fits(self, order: Order, loaded: LoadedMission, choices: Choices) -> bool:
         """Report if an order cannot be run; return whether it can."""
         try:
-            prepare(replace(order, seed=seed), loaded)
+            prepare(order, loaded)
         except LoadError as error:
             for problem in error.problems:
                 self.problems.put(problem)
         except UsageError as error:
-            self.problems.add("campaign.run", choices.at, error.for_terminal)
+            self.problems.add("campaign.run", _blamed(order, loaded, choices), str(error))
         else:
             return True
         return False
@@ -279,93 +246,22 @@ class _Reading:
             self.loaded[same], self.places[same] = (key, loaded), at
         return self.loaded[same]
 
-    def _defects(self, choices: _Choices, loaded: LoadedMission) -> Iterator[tuple[str, ...]]:
-        """Yield each set of defects, of those that the robot can have."""
-        known = loaded.loaded_robot.profile.simulation.defects
-        wanted: tuple[DefectSet, ...] = choices.of("defects") or ((),)
-        for number, listed in enumerate(wanted):
-            if listed == (EACH,):
-                yield from ((name,) for name in known)
+
+def _backends(choices: Choices) -> Sequence[str]:
+    return choices.of("backend") or ("sim",)
+
+
+def _blamed(order: Order, loaded: LoadedMission, choices: Choices) -> Keys:
+    """Return the place of the choice without which an order could be run, else of its mission."""
+    usual: dict[str, Any] = {"detector": None, "fidelity": USUAL, "twin": None, "backend": "sim"}
+    for key, value in usual.items():
+        if choices.of(key) is not None:
+            try:
+                prepare(replace(order, **{key: value}), loaded)
+            except PirateError:
                 continue
-            names = () if listed == (NONE,) else listed
-            for name in names:
-                if name not in known:
-                    path = (*choices.place("defects"), number)
-                    self.problems.add_unknown("campaign.defect", path, "defect", name, known)
-            if all(name in known for name in names):
-                yield names
-
-
-@dataclass(frozen=True)
-class _Choices:
-    """What holds for a mission: its own choices, else the campaign's."""
-
-    campaign: Campaign
-    entry: CampaignMission
-    at: Keys
-
-    def of(self, key: str) -> Any:
-        own = getattr(self.entry, key)
-        return own if own is not None else getattr(self.campaign, key)
-
-    @property
-    def mission(self) -> Keys:
-        """Return the keys of the mission's name in the file."""
-        return (*self.at, "mission")
-
-    def place(self, key: str) -> Keys:
-        """Return the keys of a choice in the file."""
-        return (*self.at, key) if getattr(self.entry, key) is not None else (key,)
-
-    def column(
-        self, order: Order, pipe: str | None, detector: str | None, *, many_defects: bool
-    ) -> str:
-        """Return in words what tells a cell from the others of its mission."""
-        named = self.entry.name is not None
-        parts = [str(pipe)] if pipe and (self._varies("pipe") or not named) else []
-        parts += [f"{n} {v}" for n, v in order.settings.items() if self._varies("set", n)]
-        parts += [order.backend] if self._varies("backend") else []
-        parts += [str(detector)] if self._varies("detector") else []
-        if many_defects or (order.defects and not named):
-            parts.append(" + ".join(order.defects) or "no defect")
-        return ", ".join(parts)
-
-    def _varies(self, key: str, name: str | None = None) -> bool:
-        values = self.of(key)
-        if name is not None:
-            values = list(_texts(values[name]))
-        return values is not None and len(values) > 1
-
-
-def _settings(values: dict[str, Values]) -> Iterator[dict[str, str]]:
-    """Yield every combination of the values of parameters, as text."""
-    names = list(values)
-    for texts in product(*(list(_texts(values[name])) for name in names)):
-        yield dict(zip(names, texts, strict=True))
-
-
-def _texts(values: Values) -> Iterator[str]:
-    """Yield the values of a parameter as text."""
-    if isinstance(values, ValueRange):
-        first, by = values.first.value, values.by.value
-        count = int((values.last.value - first) / by + 1e-9) + 1
-        for number in range(count):
-            rounded = float(f"{first + number * by:.{_DIGITS}g}")
-            yield format_quantity(rounded, values.first.dimension)
-    elif isinstance(values, tuple):
-        yield from map(_text, values)
-    else:
-        yield _text(values)
-
-
-def _text(value: Value) -> str:
-    return str(value).lower() if isinstance(value, bool) else str(value)
-
-
-def _from_here(path: Path) -> str:
-    """Return the path, relative to the working directory where it is below that."""
-    relative = os.path.relpath(path)
-    return relative if not relative.startswith("..") else str(path.resolve())
+            return choices.place(key)
+    return choices.at
 
 
 def _digest(order: Order, loaded: LoadedMission, end: TrueEnd) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from pirate_sm.checking.allowances import settle
@@ -15,13 +16,13 @@ from pirate_sm.loading.mission import LoadedMission
 
 
 class CheckError(PirateError):
-    """Raised for a mission that is refused before anything moves; holds its findings."""
+    """Raised for missions that are refused before anything moves; holds their findings."""
 
     exit_code: ClassVar[int] = 2
 
-    def __init__(self, name: str, findings: tuple[Finding, ...]) -> None:
-        self.findings = findings
-        report = Report(findings, (CheckedFile(name, Kind.MISSION),))
+    def __init__(self, names: Sequence[str], findings: tuple[Finding, ...]) -> None:
+        self.names, self.findings = names, findings
+        report = Report(findings, tuple(CheckedFile(name, Kind.MISSION) for name in names))
         said = text_report(report, lambda role, text: text)
         all_the_same = "runs the mission all the same"
         hint = Hint(f"; --no-check {all_the_same}", f"; check=False {all_the_same}")
@@ -55,5 +56,23 @@ def pass_or_raise(loaded: LoadedMission, *, words_of_bends: bool = True) -> Miss
         if each.severity is Severity.ERROR and not each.allowed and each.code not in spared
     )
     if faults:
-        raise CheckError(loaded.documents[0].name, faults)
+        raise CheckError((loaded.documents[0].name,), faults)
     return check
+
+
+def all_pass_or_raise(missions: Iterable[LoadedMission]) -> None:
+    """Raise one error with the findings of all missions that have errors.
+
+    Raises:
+        CheckError: There are such missions.
+    """
+    errors = []
+    for loaded in missions:
+        try:
+            pass_or_raise(loaded)
+        except CheckError as error:
+            errors.append(error)
+    if errors:
+        names = dict.fromkeys(name for error in errors for name in error.names)
+        findings = dict.fromkeys(each for error in errors for each in error.findings)
+        raise CheckError(tuple(names), tuple(findings))

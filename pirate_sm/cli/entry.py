@@ -13,7 +13,7 @@ from inspect import Parameter, signature
 from typing import Any
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from pirate_sm.cli.options.common import Version
 from pirate_sm.cli.output.encoding import degrade
@@ -86,6 +86,24 @@ class _Group(TyperGroup):
         return super().resolve_command(ctx, args)
 
 
+class _Command(TyperCommand):
+    """A command that says in plain words which value it cannot take."""
+
+    def make_context(self, *given: Any, **more: Any) -> Any:
+        """Return the context with the command line's values.
+
+        Raises:
+            BadParameter: A value cannot be taken.
+        """
+        try:
+            return super().make_context(*given, **more)
+        except typer.BadParameter as error:
+            from pirate_sm.cli.options.values import plain_refusal
+
+            error.message = plain_refusal(error.message)
+            raise
+
+
 def _app(**more: Any) -> typer.Typer:
     # Plain help starts in half the time of coloured help; errors are printed by this package.
     return typer.Typer(
@@ -119,7 +137,7 @@ def _single(name: str) -> typer.Typer:
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
     vars(command)["__signature__"] = taken.replace(parameters=[context, *taken.parameters.values()])
     app = _app(add_completion=False)
-    app.command(name.rsplit(maxsplit=1)[-1], help=options.__doc__)(command)
+    app.command(name.rsplit(maxsplit=1)[-1], cls=_Command, help=options.__doc__)(command)
     return app
 
 

@@ -5,10 +5,10 @@ from __future__ import annotations
 from datetime import datetime
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.settings import runs_folder
+from pirate_sm.cli.settings import BUILT_IN, Value, runs, unusable_runs
 from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.run_recorder import new_recording, requested_recording
 
@@ -18,27 +18,39 @@ if TYPE_CHECKING:
     from pirate_sm.wiring import Prepared
 
 
-def usual_path(prepared: Prepared, began: datetime) -> Path | None:
-    """Return the default path of a run's recording; None if there is none by default."""
-    folder = runs_folder()
+class RecordingPlace(NamedTuple):
+    """Where a run is recorded.
+
+    Attributes:
+        path: The file.
+        runs: The folder as somebody has set it; None: nobody has, or the file itself was named.
+        named: Whether the user named the file, so that the run needs it under this very name.
+    """
+
+    path: Path
+    runs: Value | None = None
+    named: bool = False
+
+
+def usual_place(prepared: Prepared, began: datetime) -> RecordingPlace | None:
+    """Return the default place of a run's recording; None if there is none by default."""
+    folder = runs()
+    if not folder.value:
+        return None
     name = f"{began:%Y-%m-%dT%H-%M-%S}_{prepared.loaded.mission.mission}_{prepared.order.backend}"
-    return Path(folder) / f"{name}.mcap" if folder else None
+    path = Path(folder.value) / f"{name}.mcap"
+    return RecordingPlace(path, None if folder.source == BUILT_IN else folder)
 
 
-def begin_recording(
-    path: Path, header: RunHeader, *, asked: bool
-) -> tuple[RecordingFile | None, Path]:
+def begin_recording(place: RecordingPlace, header: RunHeader) -> tuple[RecordingFile | None, Path]:
     """Create a recording and write its header; return it with its path, None if that fails.
-
-    Args:
-        path: Path of the file.
-        header: Its header.
-        asked: Whether the user named the file, so that the run needs it and under this very name.
 
     Raises:
         RecordingError: The user named the file, and it cannot be created.
+        LoadError: The user has set the folder, and the file cannot be created there.
     """
-    if asked:
+    path = place.path
+    if place.named:
         return requested_recording(path, header), path
     for number in count(2):
         try:
@@ -46,6 +58,10 @@ def begin_recording(
         except FileExistsError:
             path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
         except OSError as error:
+            if place.runs is not None:
+                otherwise = "--no-record runs without a recording"
+                why = error.strerror or str(error)
+                raise unusable_runs(place.runs, why, otherwise) from None
             problem = f"{shown(path)} cannot be written: {error.strerror}"
             say(f"warning: nothing is recorded: {problem}")
             return None, path

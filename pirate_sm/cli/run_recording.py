@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.new_recording import begin_recording, usual_path
+from pirate_sm.cli.new_recording import RecordingPlace, begin_recording, usual_place
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect, Log
@@ -88,22 +88,27 @@ def recorded(
 
     Raises:
         RecordingError: The requested file cannot be created.
+        LoadError: It cannot be created in the folder that a setting names.
         UsageError: The options exclude each other.
     """
     if options.record is not None and options.off:
         raise UsageError("--record and --no-record exclude each other")
     began = datetime.now(UTC).astimezone()
-    path = None if options.off else usual_path(prepared, began)
-    path = path if options.record is None else Path(options.record)
-    if path is None and not options.live:
+    where = None
+    if options.record is not None:
+        where = RecordingPlace(Path(options.record), named=True)
+    elif not options.off:
+        where = usual_place(prepared, began)
+    if where is None and not options.live:
         yield Kept(prepared)
         return
     header = run_header(prepared, factor, began, live=options.live)
     with ExitStack() as stack:
         live, served = _live(options, stack)
         file: RecordingFile | None = None
-        if path is not None:
-            file, path = begin_recording(path, header, asked=options.record is not None)
+        path: Path | None = None
+        if where is not None:
+            file, path = begin_recording(where, header)
         if file is None and not options.live:
             yield Kept(prepared)
             return

@@ -10,9 +10,13 @@ import re
 from collections.abc import Callable, Collection, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pirate_sm.palette import THEMES, USUAL
+
+if TYPE_CHECKING:
+    from pirate_sm.errors import PirateError
+    from pirate_sm.loading.problems import Place, Problem
 
 PROJECT_FILE = "pirate.toml"
 USER_FILE = "config.toml"
@@ -71,12 +75,23 @@ class Value(NamedTuple):
         source: Where it comes from: ``FILE:LINE``, a variable, or ``built in``.
         refused: Why it must not be used; empty if it may.
         project: Whether a project's file sets it.
+        place: Where a file sets it; None: no file does.
+        excerpt: That line of the file.
     """
 
     value: Any
     source: str
     refused: str = ""
     project: bool = False
+    place: Place | None = None
+    excerpt: str = ""
+
+    def problem(self, code: str, message: str, expected: str = "") -> Problem:
+        """Return a problem with this value, at its place."""
+        from pirate_sm.loading.problems import Place, Problem
+
+        place = self.place or Place(self.source)
+        return Problem(code, place, message, expected, excerpt=self.excerpt)
 
 
 def user_file() -> Path:
@@ -146,36 +161,70 @@ def _is_shipped(robot: str) -> bool:
     return robot in {path.name for path in library.robots()} and not Path(robot).exists()
 
 
-def used(name: str, found: Mapping[str, Value]) -> str:
-    """Return the value of a setting for a command that uses it.
+def used(names: Collection[str], found: Mapping[str, Value]) -> dict[str, str]:
+    """Return the values of settings for a command that uses them, and say what a project sets.
 
     Raises:
-        UsageError: A project's file sets it and may not.
+        LoadError: A project's file sets some that it may not; it lists all.
     """
-    from pirate_sm.errors import UsageError
+    from pirate_sm.cli.errors import say
 
-    value = found[name]
-    if value.refused:
-        raise UsageError(
-            f"{value.source}: {name} = '{value.value}' {value.refused}, and this folder is not "
-            f"trusted: give it on the command line, or add the folder to `trusted` in {user_file()}"
+    refuse(names, found)
+    for name in names:
+        if found[name].project:
+            say(f"{name} = '{found[name].value}', from {found[name].source}")
+    return {name: str(found[name].value) for name in names}
+
+
+def refuse(names: Collection[str], found: Mapping[str, Value]) -> None:
+    """Refuse settings that a project's file must not set.
+
+    Raises:
+        LoadError: There are some; it lists all.
+    """
+    from pirate_sm.loading.problems import LoadError
+
+    problems = [
+        found[name].problem(
+            "settings.untrusted",
+            f"{name} = '{found[name].value}' {found[name].refused}, and this folder is not "
+            f"trusted: give it on the command line, or add the folder to `trusted` in "
+            f"{user_file()}",
         )
-    if value.project:
-        from pirate_sm.cli.errors import say
+        for name in names
+        if found[name].refused
+    ]
+    if problems:
+        raise LoadError(problems)
 
-        say(f"{name} = '{value.value}', from {value.source}")
-    return str(value.value)
 
-
-def runs_folder() -> str:
-    """Return the folder for recordings; empty: none are kept by default.
+def runs() -> Value:
+    """Return the folder for recordings, and say it if a project sets it; empty: none are kept.
 
     Raises:
-        LoadError: A file of settings has faults.
-        UsageError: The project's file may not set it.
+        LoadError: A file of settings has faults, or a project's may not set it.
     """
-    runs = os.environ.get(RUNS_VARIABLE)
-    return used("runs", values()) if runs is None else runs
+    given = os.environ.get(RUNS_VARIABLE)
+    if given is not None:
+        return Value(given, RUNS_VARIABLE)
+    found = values()
+    used(["runs"], found)
+    return found["runs"]
+
+
+def unusable_runs(found: Value, why: str, otherwise: str) -> PirateError:
+    """Return the error for a folder that somebody has set and that cannot be written to.
+
+    Args:
+        found: The setting.
+        why: Why it cannot be written to.
+        otherwise: The option that does without it, and what it does.
+    """
+    from pirate_sm.loading.problems import LoadError
+
+    message = f"recordings cannot be kept in '{found.value}': {why}; nothing has moved"
+    expected = f"a folder that can be written to; {otherwise}"
+    return LoadError([found.problem("settings.runs", message, expected)])
 
 
 def with_settings(
@@ -189,18 +238,21 @@ def with_settings(
         is_given: Whether an option is on the command line.
 
     Raises:
-        LoadError: A file of settings has faults.
-        UsageError: A project's file sets what it may not.
+        LoadError: A file of settings has faults, or a project's sets what it may not.
     """
     options = dict(given)
     wanted = [name for name in _options_set(command, given) if not is_given(name)]
     if not wanted:
         return options
-    found = values()
-    for name in wanted:
-        if found[name].source != BUILT_IN and not (name == "port" and _simulates(options)):
-            options[name] = used(name, found)
-    return options
+    found = {name: each for name, each in values().items() if each.source != BUILT_IN}
+    chosen = [name for name in wanted if name in found]
+    if "backend" in chosen:
+        options["backend"] = found["backend"].value
+    if _simulates(options):
+        chosen = [name for name in chosen if name != "port"]
+    kept = ["runs"] if "runs" in found and _is_recorded(command, given) else []
+    refuse([*chosen, *kept], found)
+    return options | used(chosen, found)
 
 
 def _options_set(command: str, given: Mapping[str, Any]) -> Iterator[str]:
@@ -215,6 +267,13 @@ def _options_set(command: str, given: Mapping[str, Any]) -> Iterator[str]:
     by_hand = command == "console" and given.get("mission") is None and not resumes
     if command in ROBOT_BY_OPTION or by_hand:
         yield "robot"
+
+
+def _is_recorded(command: str, given: Mapping[str, Any]) -> bool:
+    """Return whether the command writes to the folder for recordings."""
+    by_hand = command == "console" and given.get("mission") is None and not given.get("resume")
+    named = given.get("record") is not None or given.get("no_record")
+    return command in RUNNING and not named and not by_hand
 
 
 def _simulates(options: Mapping[str, Any]) -> bool:

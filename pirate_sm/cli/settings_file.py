@@ -11,10 +11,25 @@ from pirate_sm.cli.settings import SETTINGS, Value, place_of
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.library import is_path
 from pirate_sm.loading.problems import LoadError, Place, Problem
+from pirate_sm.loading.yaml.document import read_text
 from pirate_sm.spelling import nearest, one_of
 
 _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
-_LARGEST_BYTES = 100_000
+_QUOTES = ('"', "'")
+_UNCLOSED = 'this text is not closed: end it with a quote, as in runs = "recordings"'
+_LINE = 'expected one setting in each line, such as runs = "recordings"'
+_PLAIN = {
+    "Illegal character '\\n'": _UNCLOSED,
+    "Unterminated string": _UNCLOSED,
+    'Expected "\'"': _UNCLOSED,
+    "Cannot overwrite a value": "this is set twice: leave one of the two lines out",
+    "Cannot declare": "this is set twice: leave one of the two out",
+    "Invalid value": 'expected a value here, such as a text in quotes, "recordings"',
+    "Expected newline": _LINE,
+    "Expected '='": _LINE,
+    "Invalid statement": _LINE,
+}
+"""What messages of the reader of TOML mean, by their beginnings; others are shown as they are."""
 
 
 def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], dict[str, Value]]:
@@ -34,24 +49,18 @@ def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], d
 def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str, Value]:
     name = shown(path)
     try:
-        data = path.read_bytes()
-        if len(data) > _LARGEST_BYTES:
-            raise ValueError(f"the file is larger than {_LARGEST_BYTES} bytes")
-        text = data.decode("utf-8")
-    except (OSError, ValueError) as error:
-        why = error.strerror if isinstance(error, OSError) else str(error)
-        problems.append(Problem("settings.unreadable", Place(name), f"cannot be read: {why}"))
+        text = read_text(path, name, "a TOML file")
+    except LoadError as error:
+        problems += error.problems
         return {}
     lines = ["", *text.splitlines()]
     try:
         content = tomllib.loads(text)
     except (tomllib.TOMLDecodeError, RecursionError) as error:
-        found = _AT.search(str(error))
-        line, column = (int(found[1]), int(found[2])) if found and found[1] else (len(lines) - 1, 1)
-        message = _AT.sub("", str(error))
+        line, column, message = _syntax(str(error), text)
         excerpt = lines[line] if line < len(lines) else ""
         place = Place(name, line, column)
-        problems.append(Problem("settings.syntax", place, f"no TOML: {message}", excerpt=excerpt))
+        problems.append(Problem("settings.syntax", place, message, excerpt=excerpt))
         return {}
     values = {}
     for key, value in content.items():
@@ -66,9 +75,31 @@ def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str,
                 )
             )
         else:
-            source = f"{name}:{line}" if line else name
-            values[key] = Value(_placed(key, value, path.parent, is_project=is_project), source)
+            values[key] = Value(
+                _placed(key, value, path.parent, is_project=is_project),
+                f"{name}:{line}" if line else name,
+                place=Place(name, line, at_value),
+                excerpt=lines[line],
+            )
     return values
+
+
+def _syntax(said: str, text: str) -> tuple[int, int, str]:
+    """Return line, column and the message of a fault that the reader of TOML has found."""
+    found = _AT.search(said)
+    message = _AT.sub("", said)
+    known = next((plain for start, plain in _PLAIN.items() if message.startswith(start)), None)
+    position = len(text.rstrip()) if found is None or not found[1] else None
+    if known is _UNCLOSED:
+        end = position
+        if found is not None and found[1]:
+            end = sum(map(len, text.splitlines(keepends=True)[: int(found[1])]))
+        position = max(text.rfind(quote, 0, end) for quote in _QUOTES)
+    if position is not None:
+        before = text[: max(position, 0)]
+        return before.count("\n") + 1, len(before) - before.rfind("\n"), known or message
+    assert found is not None
+    return int(found[1]), int(found[2]), known or message
 
 
 def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
@@ -90,8 +121,8 @@ def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
         if isinstance(value, list) and all(isinstance(each, str) and each for each in value):
             return None
         return _of_type("a list of folders", value)
-    if not isinstance(value, str) or (not value and key != "runs"):
-        return _of_type("a text", value)
+    if not isinstance(value, str) or "\0" in value or (not value and key != "runs"):
+        return _of_type("a text in quotes", value)
     names = SETTINGS[key].names
     if names is not None and value not in (valid := names()):
         close = nearest(value, valid)
@@ -106,8 +137,17 @@ def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
 
 
 def _of_type(expected: str, value: Any) -> dict[str, Any]:
-    message = f"the value is {value!r}"
+    message = f"the value is {_written(value)}"
     return {"code": "settings.type", "message": message, "expected": expected, "at_key": False}
+
+
+def _written(value: Any) -> str:
+    """Return a value as TOML has it, or what kind of value it is."""
+    if isinstance(value, dict | list):
+        return "a table" if isinstance(value, dict) else "a list"
+    if isinstance(value, bool):
+        return str(value).lower()
+    return f'"{value}"' if isinstance(value, str) else str(value)
 
 
 def _placed(key: str, value: Any, folder: Path, *, is_project: bool) -> Any:

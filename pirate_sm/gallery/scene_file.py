@@ -69,3 +69,11 @@ def words_of(step: SceneStep, folders: Mapping[str, Path]) -> list[str]:
 def recording_of(words: list[str]) -> Path | None:
     """Return the recording that a command line writes; None if it writes none."""
     return Path(words[words.index(RECORD) + 1]) if RECORD in words else None
+
+
+def without_recording(words: list[str]) -> list[str]:
+    """Return a command line that can be run again: its recording is there, and none is replaced."""
+    if RECORD not in words:
+        return words
+    at = words.index(RECORD)
+    return [*words[:at], *words[at + 2 :]]

@@ -68,7 +68,7 @@ def _text(loaded: LoadedMission, name: str, phases: Iterable[str]) -> str:
     body = "".join(phases)
     not_heard = f"  not_heard: {{fail: The detector said nothing new within {_LONGEST_WAIT}}}\n"
     return (
-        "# A course that was learnt by trying; see docs/learning.md.\n"
+        "# A course that was learnt by trying; see the documentation's page Learning.\n"
         f"format: 1\nmission: {name}\ndescription: What an agent has learnt to do\n"
         f"robot: {loaded.mission.robot}\npipe: {loaded.pipe_name}\n"
         f"starts_in: {{{starts_in}}}\ntime_limit: 10 min\nstart: part_1\n"

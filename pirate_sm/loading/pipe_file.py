@@ -13,7 +13,7 @@ from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe import Pipe, PipeFile
 from pirate_sm.model.pipe_segments import Reducer
 from pirate_sm.model.profile import Profile
 
@@ -33,7 +33,7 @@ def load_pipe(path: Path) -> tuple[Pipe, Document]:
         LoadError: The file has faults; holds all of them.
     """
     document = read_document(path, shown(path))
-    return validate(document, Pipe), document
+    return validate(document, PipeFile), document
 
 
 def reach(profile: Profile) -> tuple[float, float]:

@@ -16,12 +16,14 @@ from pirate_sm.model.quantities import (
     Flag,
     Length,
     Ratio,
+    kind_fault,
     quantity_fault,
     range_fault,
 )
 from pirate_sm.units import DIMENSIONLESS, QuantityError, read_quantity
 
 MOST_SEEDS = 10**9
+MOST_VALUES = 1000
 _SEEDS = re.compile(r"(\d{1,12})\.\.(\d{1,12})")
 _SHARE = re.compile(r"(?:>= *)?(\d[\d.]* *%?)")
 
@@ -35,9 +37,9 @@ def _read_seeds(value: Any) -> Sequence[int]:
         return value
     if isinstance(value, list | tuple):
         if not value or not all(type(each) is int and each >= 0 for each in value):
-            raise quantity_fault(f"expected {expected}; a list has one whole number at least")
+            raise kind_fault(f"expected {expected}; a list has one whole number at least")
         if len(set(value)) < len(value):
-            raise quantity_fault("a seed is listed twice")
+            raise range_fault("a seed is listed twice: leave one of the two out")
         return tuple(value)
     first, last = 0, -1
     match = _SEEDS.fullmatch(value) if isinstance(value, str) else None
@@ -46,7 +48,7 @@ def _read_seeds(value: Any) -> Sequence[int]:
     elif type(value) is int:
         last = value - 1
     else:
-        raise quantity_fault(f"expected {expected}, got '{value}'")
+        raise kind_fault(f"expected {expected}, got '{value}'")
     if last < first:
         raise range_fault(f"there are no seeds in '{value}'")
     if last - first >= MOST_SEEDS:
@@ -60,7 +62,7 @@ def _read_share(value: Any, info: ValidationInfo) -> float:
     if match is None:
         if isinstance(value, float) and not info.context:
             return value
-        raise quantity_fault(f"expected a least share such as '>= 99 %', got '{value}'")
+        raise kind_fault(f"expected a least share such as '>= 99 %', got '{value}'")
     try:
         share = read_quantity(match[1], DIMENSIONLESS)
     except QuantityError as error:
@@ -139,7 +141,14 @@ class ValueRange(Frozen):
             raise ValueError("`by` must be more than zero")
         if self.last.value < self.first.value:
             raise ValueError("the range is empty: `to` is less than `from`")
+        if (self.last.value - self.first.value) / self.by.value >= MOST_VALUES:
+            raise ValueError(f"the range has more than {MOST_VALUES:,} values: make `by` larger")
         return self
+
+    @property
+    def count(self) -> int:
+        """Return how many values there are."""
+        return int((self.last.value - self.first.value) / self.by.value + 1e-9) + 1
 
 
 Values: TypeAlias = ValueRange | Annotated[tuple[Value, ...], Field(min_length=1)] | Value
@@ -291,7 +300,7 @@ class Campaign(RunChoices):
         stop: When a cell has had enough runs.
     """
 
-    format: Format = 1
+    format: Format
     campaign: Name
     description: str = ""
     missions: Annotated[

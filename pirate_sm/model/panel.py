@@ -110,7 +110,7 @@ class Panel(Frozen):
             not named here does nothing.
     """
 
-    format: Format = 1
+    format: Format
     panel: Name
     description: str = ""
     robot: str | None = None

@@ -278,3 +278,13 @@ def _stretches(pipe: Pipe, route: Route) -> Iterator[Stretch]:
         for from_m, to_m, friction in own:
             one, other = sorted((route.arc_in(name, from_m), route.arc_in(name, to_m)))
             yield Stretch(one, other, friction)
+
+
+class PipeFile(Pipe):
+    """A pipe in a file of its own; inside a mission the mission's format holds for it.
+
+    Attributes:
+        format: Version of this format.
+    """
+
+    format: Format

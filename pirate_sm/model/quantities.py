@@ -38,6 +38,11 @@ def quantity_fault(message: str, expected: str = "", suggestion: str = "") -> Py
     return PydanticCustomError("quantity", "{message}", context)
 
 
+def kind_fault(message: str) -> PydanticCustomError:
+    """Return an error about a value that is of another kind than expected."""
+    return PydanticCustomError("kind", "{message}", {"message": message})
+
+
 def range_fault(message: str) -> PydanticCustomError:
     """Return an error about a value of the right form that exceeds its limits."""
     return PydanticCustomError("range", "{message}", {"message": message})

@@ -7,6 +7,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field, StringConstraints
 
 from pirate_sm.model.base import FaultCode, Format, Frozen, Name
+from pirate_sm.model.quantities import Flag
 
 Line: TypeAlias = Annotated[str, StringConstraints(min_length=1, max_length=400)]
 Extra: TypeAlias = Literal["physics", "serial", "vision"]
@@ -16,19 +17,21 @@ Extra: TypeAlias = Literal["physics", "serial", "vision"]
 class Expected(Frozen):
     """What should come of a step.
 
-    The wheels must stand at the end of every recorded run; this needs no key.
+    The last setpoints of every recorded run must let the wheels stand; this needs no key.
 
     Attributes:
         exit: The exit code.
         ended: How the recorded run ends.
         says: Text in the reason of its end, or in the output of a command that records nothing.
         faults: Faults that the run reports, at least these.
+        held: Whether the robot is held at the end of a recorded run, by the simulator's truth.
     """
 
     exit: int = 0
     ended: Literal["succeeded", "failed", "interrupted", "fault"] | None = None
     says: str = ""
     faults: tuple[FaultCode, ...] = ()
+    held: Flag = True
 
 
 class SceneStep(Frozen):
@@ -63,7 +66,7 @@ class Scene(Frozen):
         steps: What is done, in order.
     """
 
-    format: Format = 1
+    format: Format
     scene: Name
     title: Line
     look_at: Annotated[str, StringConstraints(min_length=1, max_length=1_000)]

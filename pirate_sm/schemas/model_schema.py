@@ -72,7 +72,10 @@ class _Explaining(GenerateJsonSchema):
             node = result["properties"][field.alias or name]
             sentences = (said.get(name, ""), _taken_description(node))
             node["description"] = " ".join(sentence for sentence in sentences if sentence)
-        return result | {"description": summary(model)} | SHAPES.get(model, {})
+        result["description"] = summary(model)
+        for base in reversed(model.__mro__):
+            result |= SHAPES.get(base, {})
+        return result
 
     def tagged_union_schema(self, schema: core_schema.TaggedUnionSchema) -> Schema:
         """Return an ``anyOf`` of the choices: each has a key of its own, so only one can match."""

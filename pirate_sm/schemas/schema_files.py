@@ -11,7 +11,7 @@ from pirate_sm.model.camera import Camera
 from pirate_sm.model.campaign import Campaign
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.panel import Panel
-from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe import PipeFile
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.scene import Scene
 from pirate_sm.schemas.chart_schema import chart_schema
@@ -21,7 +21,7 @@ from pirate_sm.schemas.robot_mission_schema import narrowed
 
 KINDS: Final[Mapping[str, Callable[[], dict[str, Any]]]] = {
     "mission": lambda: schema_of(Mission, "Mission"),
-    "pipe": lambda: schema_of(Pipe, "Pipe"),
+    "pipe": lambda: schema_of(PipeFile, "Pipe"),
     "profile": lambda: schema_of(Profile, "Profile of a robot"),
     "chart": chart_schema,
     "profile_extension": lambda: extension_of(schema_of(Profile, "Profile of a robot")),

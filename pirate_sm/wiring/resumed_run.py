@@ -162,12 +162,7 @@ def header_again(prepared: Prepared, began: datetime, viewers: bool, speed: Any)
 
 
 def _order(header: RunHeader, again: Again) -> Order:
-    known = {each.name for each in fields(Order)}
-    given: Mapping[str, Any] = {k: v for k, v in header.options.items() if k in known}
-    try:
-        order = TypeAdapter(Order).validate_python({"mission": header.mission, **given})
-    except ValidationError:
-        raise RecordingError("the options in the recording are not those of a run") from None
+    order = recorded_order(header)
     changed = {
         each.name: getattr(again, each.name)
         for each in fields(Again)
@@ -179,6 +174,20 @@ def _order(header: RunHeader, again: Again) -> Order:
     if not again.panel:
         order = replace(order, panel=None)
     return replace(replace(order, start_at_m=None), **changed)
+
+
+def recorded_order(header: RunHeader) -> Order:
+    """Return the order of a recorded run.
+
+    Raises:
+        RecordingError: The recording has none.
+    """
+    known = {each.name for each in fields(Order)}
+    given: Mapping[str, Any] = {k: v for k, v in header.options.items() if k in known}
+    try:
+        return TypeAdapter(Order).validate_python({"mission": header.mission, **given})
+    except ValidationError:
+        raise RecordingError("the options in the recording are not those of a run") from None
 
 
 def _with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:

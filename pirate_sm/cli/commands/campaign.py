@@ -20,7 +20,7 @@ from pirate_sm.campaign.store import Store, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.cli.settings import SETTINGS, runs_folder
+from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.spelling import meant
@@ -71,8 +71,7 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         import pyarrow  # noqa: F401 - the store needs it
     except ModuleNotFoundError:
         raise not_installed("a campaign", "pyarrow", "campaign") from None
-    runs = Path(runs_folder() or SETTINGS["runs"].usual)
-    folder = options.output or runs / f"{plan.name}.campaign"
+    folder = options.output or _usual_folder(plan.name)
     store = Store(folder)
     if is_store(folder):
         if not options.resume:
@@ -83,8 +82,13 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         before = store.mark().get("version")
         if before != plan.version:
             say(f"warning: results of another version, {before}, are in '{folder}': not used")
+    elif folder.exists() and not folder.is_dir():
+        raise UsageError(f"'{folder}' is a file: name a folder for the results with --output")
     elif folder.exists() and any(folder.iterdir()):
-        raise UsageError(f"'{folder}' is there already and has no results of a campaign")
+        raise UsageError(
+            f"'{folder}' is there already and has no results of a campaign: name another folder "
+            "with --output"
+        )
     store.begin(mark_of(plan))
     try:
         yield store
@@ -94,6 +98,23 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         ) from None
     finally:
         store.close()
+
+
+def _usual_folder(name: str) -> Path:
+    """Return the default folder for the results, which is there then if a setting names it.
+
+    Raises:
+        LoadError: It cannot be made there.
+    """
+    found = runs()
+    folder = Path(found.value or SETTINGS["runs"].usual) / f"{name}.campaign"
+    if found.value and found.source != BUILT_IN:
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            otherwise = "--output names another folder"
+            raise unusable_runs(found, error.strerror or str(error), otherwise) from None
+    return folder
 
 
 def _run(plan: Plan, store: Store, options: CampaignOptions) -> CampaignResult:

@@ -19,7 +19,14 @@ from pirate_sm.cli.output.files import write_file
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing
-from pirate_sm.gallery.scene_file import HERE, OUT, load_scene, recording_of, words_of
+from pirate_sm.gallery.scene_file import (
+    HERE,
+    OUT,
+    load_scene,
+    recording_of,
+    without_recording,
+    words_of,
+)
 from pirate_sm.loading import library
 from pirate_sm.model.effects import PhaseChange
 from pirate_sm.model.scene import Scene, SceneStep
@@ -124,8 +131,9 @@ def _play(
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
-        raise UsageError(f"'{folder}' cannot be made: {error.strerror}") from None
-    print(visible(f"{scene.title}\n\n{scene.look_at.strip()}"), flush=True)
+        why = f"'{folder}' cannot be made: {error.strerror}"
+        raise UsageError(f"{why}; name another folder with --output") from None
+    print(visible(f"{scene.title}\n\n{scene.look_at.strip()}", lines=True), flush=True)
     folders = {OUT: folder, HERE: _near(path.parent)}
     more = ["--speed", speed, *(["--quiet"] if quiet else [])]
     steps = [_play_step(step, words_of(step, folders), folder, more) for step in scene.steps]
@@ -151,14 +159,14 @@ def _play_step(step: SceneStep, words: list[str], folder: Path, of_a_run: list[s
         words = [*words, *of_a_run]
     if step.power_cut_in is not None and "max" in words:
         words[words.index("max")] = _CUT_OFF_SPEED
-    command = shlex.join(["pirate", *words])
+    command = shlex.join(["pirate", *without_recording(words)])
     about = f"\n{step.about}" if step.about else ""
     print(visible(f"{about}\n$ {command}", lines=True), flush=True)
     if step.power_cut_in is not None:
         assert recording is not None
         problems, output = _cut_off(words, recording, step.power_cut_in), ""
     else:
-        code, output = _run(words, shows=words[0] == "run")
+        code, output = _run(words, shows=recording is not None)
         problems = unmet(step.expect, code, output, recording)
     report = _report(recording, folder) if recording is not None else ""
     return PlayedStep(step.about or "", command, tuple(problems), output, report)

@@ -19,6 +19,7 @@ from pirate_sm.cli.options.files import (
 from pirate_sm.engine.robot.command_outcome import refusal
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import UsageError
+from pirate_sm.experiments.needed_extras import is_missing
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.mission import load_mission
@@ -167,6 +168,8 @@ def write_campaign(options: NewCampaignOptions) -> int:
         texts[schema] = schema_text("campaign")
     _write(texts)
     print(f"{path} is a campaign; run it with: pirate campaign {path}")
+    if missing := is_missing("campaign"):
+        print(f"first: {missing}")
     return 0
 
 

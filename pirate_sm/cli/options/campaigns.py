@@ -10,6 +10,9 @@ import typer
 
 from pirate_sm.cli.options import common
 
+_MOST_SEEDS = 10**9
+"""As in a campaign file, whose model a help text does not import."""
+
 
 @dataclass(frozen=True, kw_only=True)
 class CampaignOptions:
@@ -28,7 +31,10 @@ class CampaignOptions:
         typer.Argument(metavar="FILE|MISSION", help="A campaign file, or a mission: name or file."),
     ]
     seeds: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="Seeds 0 to N-1, in place of the file's.")
+        int | None,
+        typer.Option(
+            min=1, max=_MOST_SEEDS, metavar="N", help="Seeds 0 to N-1, in place of the file's."
+        ),
     ] = None
     cells: Annotated[
         list[str] | None,

@@ -7,7 +7,30 @@ from collections.abc import Iterable
 from math import inf, isfinite
 
 from pirate_sm.errors import UsageError
+from pirate_sm.spelling import meant
 from pirate_sm.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
+
+_CHOICE = re.compile(r"(?:Value error, )?'(.*)' is not one of ('.*')\.", re.DOTALL)
+_PLAIN = (
+    (re.compile(r"Input should be a valid integer.*"), "expected a whole number"),
+    (re.compile(r"Input should be a valid number.*"), "expected a number"),
+    (re.compile(r"Input should be greater than or equal to "), "expected at least "),
+    (re.compile(r"Input should be greater than "), "expected more than "),
+    (re.compile(r"Input should be less than or equal to "), "expected at most "),
+    (re.compile(r"Input should be less than "), "expected less than "),
+    (re.compile(r"Value error, "), ""),
+)
+"""What the library for command lines says of values, and what that means."""
+
+
+def plain_refusal(message: str) -> str:
+    """Return in plain words why a value is refused, with the name that was probably meant."""
+    if choice := _CHOICE.fullmatch(message):
+        names = re.findall(r"'([^']*)'", choice[2])
+        return f"there is no '{choice[1]}'; {meant(choice[1], names)}"
+    for pattern, plain in _PLAIN:
+        message = pattern.sub(plain, message)
+    return message
 
 
 def read_settings(texts: Iterable[str] | None) -> dict[str, str]:

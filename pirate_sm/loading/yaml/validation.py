@@ -140,7 +140,9 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
     elif kind in _MISSING_KEY:
         short = isinstance(path[-1], int)
         message = "the list is too short" if short else f"the key '{path[-1]}' is missing"
-        problems.add("missing-key", path[:-1], message, key=True)
+        only = (error.trail.schema or {}).get("expected", ())
+        expected = f"`{path[-1]}: {only[0]}`" if len(only) == 1 else ""
+        problems.add("missing-key", path[:-1], message, expected=expected, key=True)
     else:
         code, message, expected, suggestion = error.wording or word(
             error.detail, error.trail.schema

@@ -21,5 +21,5 @@ def notice_of(fidelity: Fidelity) -> str:
         return ""
     return (
         f"{fidelity}: {ITERATIONS[fidelity]} of {ITERATIONS[USUAL]} iterations in each step of the "
-        "simulator; docs/simulator.md says what that costs"
+        "simulator; the documentation's page on it says what that costs"
     )

@@ -14,7 +14,8 @@ from pirate_sm.loading.problems import LoadError
 
 def planned(folder: Path, text: str) -> Plan:
     file = folder / "trial.yaml"
-    file.write_text(text, "utf-8")
+    form = "" if "format: " in text else "format: 1\n"
+    file.write_text(f"{text}{form}", "utf-8")
     return read_campaign(file, check=False)
 
 
@@ -101,6 +102,7 @@ def test_every_fault_is_reported_at_its_place(tmp_path: Path) -> None:
         "stop: {half_width: 0 %}\n"
         "colour: red\n",
     ) == [
+        "2:12 there is no mission 'mitre_bent'; did you mean 'mitre_bend'?",
         "2:46 unknown key 'pip'",
         "3:8 there are no seeds in '9..0'",
         "4:19 expected a share of at most 100 %, got '101 %'",
@@ -121,9 +123,110 @@ def test_every_fault_is_reported_at_its_place(tmp_path: Path) -> None:
     ]
 
 
+def test_the_faults_of_all_names_are_reported_at_once(tmp_path: Path) -> None:
+    text = (
+        "campaign: trial\n"
+        "missions:\n"
+        "- {mission: mitre_bent, pipe: mitre_9}\n"
+        "- mission: mitre_bend\n"
+        "  set:\n"
+        "    give_up: [30 s, 5 mm]\n"
+        "    give_upp: 3 s\n"
+        "  defects: [none, [gamma_2_drops, gamma_2_stif]]\n"
+        "  end: {states: [[Foo], [Free, Free, Unclampd, Unaligned, Off]]}\n"
+        "- {mission: drive_on, detector: [sim, odometri], pipe: [mitre_90, nope], robot: pirate}\n"
+        "- {mission: mitre_bend, twin: nowhere.yaml, detector: 'vision:nowhere'}\n"
+        "seeds: 5\n"
+    )
+    expected = [
+        "3:13 there is no mission 'mitre_bent'",
+        "3:31 there is no pipe 'mitre_9'",
+        "6:21 parameter 'give_up': expected a duration",
+        "7:5 the mission mitre_bend has no parameter 'give_upp'",
+        "8:35 there is no defect 'gamma_2_stif'",
+        "9:18 1 of the robot's 5 states is given",
+        "9:38 BendingState has no state 'Unclampd'",
+        "10:39 there is no detector 'odometri'",
+        "10:67 there is no pipe 'nope'",
+        "10:81 there is no robot 'pirate'",
+        "11:31 there is no file 'nowhere.yaml'",
+        "11:55 there is no camera 'nowhere'",
+    ]
+
+    found = problems_of(tmp_path, text)
+    assert [each[: len(want)] for each, want in zip(found, expected, strict=True)] == expected
+    with_faulty_form = problems_of(tmp_path, f"{text}colour: red\nfidelity: quick\n")
+    assert with_faulty_form[:-2] == found
+    assert [each[:4] for each in with_faulty_form[-2:]] == ["13:1", "14:1"]
+
+
+def test_a_fault_of_a_mission_is_reported_at_its_own_place(tmp_path: Path) -> None:
+    own = "format: 1\nmission: own\nrobot: pirate_ii\nstart: a\nphases: {a: {go: b}}\n"
+    (tmp_path / "own.yaml").write_text(f"{own}ends: {{e: {{succeed: Done}}}}\n", "utf-8")
+    (tmp_path / "broken.yaml").write_text("format: 1\npipe: broken\ndiameter: 2\n", "utf-8")
+    with pytest.raises(LoadError) as caught:
+        planned(tmp_path, "campaign: t\nseeds: 1\nmissions: [own]\npipe: broken\n")
+
+    places = [(Path(str(each.place)).name, each.message) for each in caught.value.problems]
+    assert ("own.yaml:5:18", "there is no phase or end 'b'") in places
+    assert ("broken.yaml:3:11", "expected a length such as '120 mm', got '2' without a unit") in (
+        places
+    )
+
+
+def test_a_parameter_without_a_default_needs_a_value(tmp_path: Path) -> None:
+    text = (
+        "format: 1\nmission: own\nrobot: pirate_ii\npipe: mitre_90\n"
+        "parameters: {patience: {type: duration}}\nstart: a\n"
+        "phases: {a: {wait: [{after: $patience, go: e}]}}\nends: {e: {succeed: Done}}\n"
+    )
+    (tmp_path / "own.yaml").write_text(text, "utf-8")
+    campaign = "campaign: t\nseeds: 1\nmissions: [{mission: own}]\n"
+
+    assert problems_of(tmp_path, campaign) == ["3:22 parameter 'patience' of own has no default"]
+    plan = planned(tmp_path, f"{campaign}set: {{patience: 3 s}}\n")
+    assert plan.cells[0].order.settings == {"patience": "3 s"}
+
+
+def test_what_cannot_be_run_is_reported_at_the_choice_that_prevents_it(tmp_path: Path) -> None:
+    text = "campaign: t\nseeds: 1\nmissions: [mitre_bend]\nbackend: physics\nfidelity: fast\n"
+
+    assert problems_of(tmp_path, text)[0].startswith("5:11 the backend physics cannot be made fast")
+
+
+def test_a_campaign_needs_its_format(tmp_path: Path) -> None:
+    file = tmp_path / "trial.yaml"
+    file.write_text("campaign: t\nmissions: [mitre_bend]\nseeds: 1\n", "utf-8")
+    with pytest.raises(LoadError, match=r"the key 'format' is missing\n.*\n.*\n.*`format: 1`"):
+        read_campaign(file)
+
+
+def test_so_many_cells_are_refused_that_nobody_could_wait_for_them(tmp_path: Path) -> None:
+    many = "{from: 10 s, to: 509 s, by: 1 s}"
+    missions = f"[{{mission: turn, set: {{a: {many}, b: {many}}}}}]"
+    (tmp_path / "turn.yaml").write_text(
+        "format: 1\nmission: turn\nrobot: pirate_ii\npipe: mitre_90\n"
+        "parameters: {a: {type: duration, default: 1 s}, b: {type: duration, default: 1 s}}\n"
+        "start: p\nphases: {p: {wait: [{after: $a, go: q}]}, q: {wait: [{after: $b, go: e}]}}\n"
+        "ends: {e: {succeed: Done}}\n",
+        "utf-8",
+    )
+    found = problems_of(tmp_path, f"campaign: t\nseeds: 1\nmissions: {missions}\n")
+
+    assert found == ["3:12 this mission has more than 10,000 cells: leave out some choices"]
+
+
 @pytest.mark.parametrize(
     ("line", "message"),
     [
+        ("format: 2", "4:9 expected 1, got the number 2"),
+        ("jitter: {friction: 20 mm}", "4:20 expected a ratio such as '60 %'"),
+        ("expect: {success: many}", "4:19 expected a least share such as '>= 99 %'"),
+        (
+            "set: {give_up: {from: 1 s, to: 20 min, by: 1 min}}",
+            "4:23 parameter 'give_up': 1.0 s is",
+        ),
+        ("set: {give_up: {from: 1 s, to: 1e9 s, by: 1 ms}}", "more than 1,000 values"),
         ("seeds: 0", "4:8 there are no seeds in '0'"),
         ("seeds: []", "4:8 expected seeds such as 0..999"),
         ("seeds: [1, 1]", "4:8 a seed is listed twice"),

@@ -30,6 +30,7 @@ from pirate_sm.errors import BackendError, UsageError
 from .rows import row
 
 TRIAL = """\
+format: 1
 campaign: trial
 missions: [enter_2d, climb]
 defects: [none, stale_repeats]

@@ -39,8 +39,8 @@ def refused(result: Any) -> str:
         (("--guard-for", "10"), "expected a duration"),
         (("--guard-for", "0 s"), "expected a duration above zero"),
         (("--speed", "inf"), "expected max, realtime, or a factor"),
-        (("--seed", "one"), "--seed"),
-        (("--seed", "-1"), "--seed"),
+        (("--seed", "one"), "Invalid value for '--seed': expected a whole number\n"),
+        (("--seed", "-1"), "Invalid value for '--seed': expected at least 0\n"),
         (("--backend", "simulator"), "there is no backend 'simulator'"),
         (("--set", "look"), "expected NAME=VALUE"),
         (("--set", "=3 s"), "expected NAME=VALUE"),
@@ -70,6 +70,13 @@ def test_an_option_that_does_not_fit(
     pirate_run: Any, options: tuple[str, ...], message: str
 ) -> None:
     assert message in refused(pirate_run(PATROL, *options))
+
+
+def test_the_nearest_of_some_fixed_words_is_suggested(pirate: Any) -> None:
+    assert "there is no 'robts'; did you mean 'robots'?" in refused(pirate("list", "robts"))
+    assert "there is no 'x'; expected one of text, json" in refused(
+        pirate("check", "--format", "x")
+    )
 
 
 def test_no_mission_at_all(pirate_run: Any) -> None:

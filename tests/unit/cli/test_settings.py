@@ -157,7 +157,7 @@ def test_all_faults_of_both_files_are_listed_with_their_places(
 
 
 @pytest.mark.parametrize(
-    "text", [b'backend = "sim', b"a = 1 2", b"[" * 20_000, b"\xff", b"#" * 200_000]
+    "text", [b'backend = "sim', b"a = 1 2", b"[" * 20_000, b"\xff", b"#" * 2_000_000]
 )
 def test_a_file_that_is_no_toml_is_refused(project: Path, pirate: Pirate, text: bytes) -> None:
     project.write_bytes(text)
@@ -166,6 +166,96 @@ def test_a_file_that_is_no_toml_is_refused(project: Path, pirate: Pirate, text: 
     assert result.exit_code == 2
     assert str(project) in result.stderr
     assert "a fault in this program" not in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        (b'\nruns = "x', ":2:8: this text is not closed: end it with a quote"),
+        (b'runs = "x\nbackend = "sim"\n', ":1:8: this text is not closed"),
+        (b"theme = 'dark\n", ":1:9: this text is not closed"),
+        (b'backend = "sim"\nruns = "\xff"\n', ":2:9: byte 0xff is not UTF-8; save the file as"),
+        (b'runs = "a"\nruns = "b"\n', "this is set twice: leave one of the two lines out"),
+        (b"runs = recordings\n", ":1:8: expected a value here, such as a text in quotes"),
+        (b"runs\n", ":1:5: expected one setting in each line"),
+        (b'runs = "a" theme = "dark"\n', ":1:12: expected one setting in each line"),
+        (
+            b"port = true\n",
+            ":1:8: the value is true\n    port = true\n           ^\n  expected a text",
+        ),
+        (b"port = nan\n", ":1:8: the value is nan\n"),
+        (b'runs = "a\\u0000b"\n', ":1:8: the value is"),
+        (b"[port]\n", "the value is a table\n"),
+        (b"runs = 1979-05-27\n", ":1:8: the value is 1979-05-27"),
+    ],
+)
+def test_a_fault_of_a_file_has_its_place_and_says_what_to_write(
+    project: Path, pirate: Pirate, text: bytes, said: str
+) -> None:
+    project.write_bytes(text)
+    result = pirate("config")
+
+    assert result.exit_code == 2
+    assert result.stderr.startswith(f"{project}:")
+    assert said in result.stderr
+
+
+def test_a_file_may_begin_with_a_mark_of_its_encoding(project: Path, pirate: Pirate) -> None:
+    project.write_bytes(b'\xef\xbb\xbftheme = "light"\r\n')
+
+    assert shown(pirate)["theme"]["value"] == "light"
+
+
+def test_all_lines_that_a_project_may_not_set_are_refused_at_once(
+    project: Path, pirate: Pirate
+) -> None:
+    project.write_text('runs = "../elsewhere"\nport = "/dev/null"\nbackend = "serial"\n', "utf-8")
+    result = pirate("run", str(NEWT / "patrol.yaml"))
+
+    assert result.exit_code == 2
+    for said in (
+        f"{project}:1:8: runs = ",
+        f"{project}:2:8: port = '/dev/null' reaches a robot",
+        f"{project}:3:11: backend = 'serial' reaches a robot",
+    ):
+        assert said in result.stderr
+
+
+@pytest.mark.parametrize("runs", ["taken", "taken/below", "/proc/nowhere"])
+@pytest.mark.parametrize("where", ["project", "person", "environment"])
+def test_a_folder_that_somebody_has_set_must_take_the_recording(
+    where: str,
+    runs: str,
+    user: Path,
+    project: Path,
+    pirate: Pirate,
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
+) -> None:
+    (tmp_path / "project" / "taken").touch()
+    folder = tmp_path / "project" / runs
+    user.write_text(f"trusted = ['{tmp_path}']\n", "utf-8")
+    if where == "environment":
+        monkeypatch.setenv("PIRATE_SM_RUNS", str(folder))
+        place = "PIRATE_SM_RUNS: "
+    else:
+        file = project if where == "project" else user
+        file.write_text(f"trusted = ['{tmp_path}']\n" if file == user else "\n", "utf-8")
+        with file.open("a", encoding="utf-8") as stream:
+            stream.write(f"runs = '{folder}'\n")
+        place = f"{file}:2:8: "
+    result = pirate("run", str(NEWT / "patrol.yaml"), "--backend", "trace")
+
+    assert result.exit_code == 2
+    assert f"{place}recordings cannot be kept in '{folder}': " in result.stderr
+    assert "nothing has moved" in result.stderr
+    assert "--no-record runs without a recording" in result.stderr
+    without = pirate("run", str(NEWT / "patrol.yaml"), "--backend", "trace", "--no-record")
+    assert without.exit_code == 0
+    campaign = pirate("campaign", "enter_2d", "--seeds", "1")
+    assert campaign.exit_code == 2
+    assert f"{place}recordings cannot be kept in '{folder}': " in campaign.stderr
+    assert "--output names another folder" in campaign.stderr
 
 
 def test_the_paths_are_said(user: Path, project: Path, pirate: Pirate) -> None:

@@ -26,6 +26,7 @@ from pirate_sm.model.panel import Panel
 
 PANEL = Panel.model_validate(
     {
+        "format": 1,
         "panel": "small",
         "device": "Small",
         "controls": {name: n for n, name in enumerate(["STOP", *"ABCDEFGHI"])},

@@ -21,6 +21,7 @@ from pirate_sm.model.panel import Panel
 STOP, GRIP, ABORT, LAST = 1, 2, 3, 4
 PANEL = Panel.model_validate(
     {
+        "format": 1,
         "panel": "small",
         "device": "Small",
         "controls": {"STOP": STOP, "GRIP": GRIP, "ABORT": ABORT, "LAST": LAST},

@@ -12,6 +12,7 @@ from pirate_sm.model.panel import Panel
 
 PANEL = Panel.model_validate(
     {
+        "format": 1,
         "panel": "small",
         "device": "Small",
         "channel": 2,

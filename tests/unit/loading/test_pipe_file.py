@@ -72,7 +72,7 @@ def test_a_pipe_in_which_most_bends_failed_is_refused_with_both_numbers(faults, 
 
 
 def test_a_pipe_from_a_file_is_told_with_its_own_place(faults):
-    said = faults(mission("p.yaml"), {"p.yaml": f"diameter: 200 mm\n{STRAIGHT}\n"})
+    said = faults(mission("p.yaml"), {"p.yaml": f"diameter: 200 mm\nformat: 1\n{STRAIGHT}\n"})
 
     assert said == ["p.yaml:1:11: pirate_ii cannot clamp an inner diameter of 200 mm"]
 
@@ -249,7 +249,7 @@ def test_what_leaves_the_plane_needs_a_round_pipe(faults, segment):
 def test_a_tee_in_a_list_of_segments_is_a_network(tmp_path):
     path = tmp_path / "t.yaml"
     text = (
-        "diameter: 120 mm\nsection: round\n"
+        "format: 1\ndiameter: 120 mm\nsection: round\n"
         "segments: [{straight: 1 m}, {reducer: 60 mm, to: 100 mm},"
         " {straight: 1 m}, {tee: 90 deg, roll: 90 deg, take: branch, stub: 0.4 m, diameter: 80 mm},"
         " {straight: 1 m}, {tee: 90 deg, take: on}, {straight: 1 m}]\n"

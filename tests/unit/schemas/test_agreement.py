@@ -21,12 +21,12 @@ from pirate_sm.loading.yaml.document import parse_document
 from pirate_sm.model import quantities
 from pirate_sm.model.actuation import SlotSetpoint
 from pirate_sm.model.mission import Mission
-from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.pipe import PipeFile
 from pirate_sm.model.profile import Profile
 
 from .shipped import OF_NEWT, SHIPPED, VALIDATORS, complaints, data_of
 
-MODELS: dict[str, type[BaseModel]] = {"mission": Mission, "pipe": Pipe, "profile": Profile}
+MODELS: dict[str, type[BaseModel]] = {"mission": Mission, "pipe": PipeFile, "profile": Profile}
 FILES = [(kind, data_of(path)) for kind, path in [*SHIPPED, *OF_NEWT]]
 CHARTS = [data for kind, data in FILES if kind == "chart"]
 SMALL = [(kind, data) for kind, data in FILES if kind in ("mission", "pipe")]
@@ -232,5 +232,5 @@ def _compare(kind: Any, text: str) -> None:
 def test_both_refuse_a_pipe_that_has_no_form_or_two(keys: dict[str, Any]) -> None:
     data = {"format": 1, "pipe": "x", "diameter": "120 mm", **keys}
 
-    assert refusals(Pipe, data)
+    assert refusals(PipeFile, data)
     agree("pipe", data)

@@ -21,6 +21,7 @@ SOURCES = [
     *sorted((PACKAGE / "checking").rglob("*.py")),
     PACKAGE / "experiments" / "check_experiment.py",
     PACKAGE / "campaign" / "campaign_file.py",
+    PACKAGE / "campaign" / "named_parts.py",
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
     PACKAGE / "cli" / "order.py",
     PACKAGE / "cli" / "commands" / "new.py",

@@ -12,8 +12,11 @@ from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.chunk import Row
 from pirate_sm.campaign.plan import mark_of
 from pirate_sm.campaign.store import Store
+from pirate_sm.experiments import needed_extras
+from pirate_sm.model.campaign import MOST_SEEDS
 
 TRIAL = """\
+format: 1
 campaign: trial
 missions: [{mission: enter_2d, name: enter}]
 defects: [none, stale_repeats]
@@ -99,7 +102,7 @@ def test_a_folder_of_something_else_is_not_written_to(
     [
         (["--cell", "leave"], "there is no cell 'leave'"),
         (["--workers", "2", "--scheduler", "tcp://a:1"], "exclude each other"),
-        (["--seeds", "0"], "greater than or equal to 1"),
+        (["--seeds", "0"], "expected at least 1"),
     ],
 )
 def test_options_that_do_not_fit_are_refused(
@@ -118,6 +121,38 @@ def test_a_mission_needs_a_number_of_seeds(pirate: Any) -> None:
     assert "say how often it runs with --seeds" in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("name", "text", "said"),
+    [
+        ("tube.yaml", "format: 1\npipe: tube\ndiameter: 120 mm\n", "it is a pipe"),
+        ("list.yaml", "- a\n", "it has neither `campaign` and `missions` nor"),
+    ],
+)
+@pytest.mark.parametrize("seeds", [(), ("--seeds", "1")])
+def test_a_file_of_another_kind_is_no_campaign(
+    pirate: Any, tmp_path: Path, name: str, text: str, said: str, seeds: tuple[str, ...]
+) -> None:
+    file = tmp_path / name
+    file.write_text(text, "utf-8")
+    result = pirate("campaign", file, *seeds)
+
+    assert result.exit_code == 2
+    assert f"{file} is no campaign and no mission: {said}" in result.stderr
+
+
+def test_results_need_a_folder_and_a_number_of_seeds_that_can_be_counted(
+    pirate: Any, tmp_path: Path
+) -> None:
+    taken = tmp_path / "taken"
+    taken.touch()
+    result = pirate("campaign", "enter_2d", "--seeds", "1", "--output", taken)
+    assert result.exit_code == 2
+    assert f"'{taken}' is a file: name a folder for the results with --output" in result.stderr
+    result = pirate("campaign", "enter_2d", "--seeds", "9" * 20)
+    assert result.exit_code == 2
+    assert f"Invalid value for '--seeds': expected at most {MOST_SEEDS}" in result.stderr
+
+
 def test_a_new_campaign_can_be_run(
     pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -130,6 +165,20 @@ def test_a_new_campaign_can_be_run(
         "mitre_bend: wheels_3_4_dead",
     ]
     assert (tmp_path / "campaign.schema.json").exists()
+
+
+def test_a_new_campaign_says_how_to_get_what_runs_it(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert "pip install" not in pirate("new", "campaign", "there").stdout
+    (tmp_path / "campaign.schema.json").unlink()
+    monkeypatch.setattr(needed_extras, "find_spec", lambda name: None)
+    result = pirate("new", "campaign", "missing")
+
+    assert result.exit_code == 0
+    assert "run it with: pirate campaign missing.yaml" in result.stdout
+    assert "pip install 'pirate-sm[campaign]'" in result.stdout
 
 
 def test_the_report_of_results_is_a_page_in_their_folder(pirate: Any, filled: Any) -> None:

@@ -244,7 +244,7 @@ def test_json_is_one_object(pirate: Any, broken: Path) -> None:
 def test_a_campaign_is_checked_as_it_would_be_run(pirate: Any, tmp_path: Path) -> None:
     file = tmp_path / "trial.yaml"
     file.write_text(
-        "campaign: trial\n"
+        "format: 1\ncampaign: trial\n"
         "missions:\n"
         "- mitre_bent\n"
         "- {mission: mitre_bend, pipe: straight_113}\n"
@@ -256,11 +256,11 @@ def test_a_campaign_is_checked_as_it_would_be_run(pirate: Any, tmp_path: Path) -
 
     assert result.exit_code == 1
     assert (
-        "trial.yaml:3:3: error [campaign.mission] there is no mission 'mitre_bent'" in result.stdout
+        "trial.yaml:4:3: error [campaign.mission] there is no mission 'mitre_bent'" in result.stdout
     )
-    assert "trial.yaml:5:33: error [campaign.defect] there is no defect" in result.stdout
+    assert "trial.yaml:6:33: error [campaign.defect] there is no defect" in result.stdout
     assert "error [geometry.no_bend]" in result.stdout
-    assert "trial.yaml:4:3: this campaign runs it so" in result.stdout
+    assert "trial.yaml:5:3: this campaign runs it so" in result.stdout
     assert "1 campaign checked" in result.stdout
 
 
@@ -272,10 +272,10 @@ def test_a_campaign_leads_out_of_the_project_only_if_wanted(
     monkeypatch.chdir(inside)
     (tmp_path / "secret.yaml").write_text("password: 1234\n", encoding="utf-8")
     file = inside / "trial.yaml"
-    text = "campaign: trial\nmissions: [../secret.yaml]\nseeds: 5\n"
+    text = "format: 1\ncampaign: trial\nmissions: [../secret.yaml]\nseeds: 5\n"
     file.write_text(text, encoding="utf-8")
 
-    assert "trial.yaml:2:12: error [reference.outside]" in pirate("check", str(file)).stdout
+    assert "trial.yaml:3:12: error [reference.outside]" in pirate("check", str(file)).stdout
     result = pirate("check", "--outside", str(file))
     assert "this leads to a file that is no mission" in result.stdout
     assert "1234" not in result.stdout

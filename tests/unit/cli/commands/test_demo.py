@@ -69,8 +69,56 @@ def test_a_scene_ends_as_its_file_says(
     assert len([*(tmp_path / name).glob("*.mcap")]) == len([*(tmp_path / name).glob("*.html")]) - 1
 
 
+def test_what_a_scene_prints_can_be_run_again(
+    pirate: Callable[..., Result], own: Callable[..., Path], tmp_path: Path
+) -> None:
+    path = own("run mitre_bend --record {out}/run.mcap", "{ended: succeeded}")
+    for _ in range(2):
+        result = pirate("demo", path, "--speed", "max", "--output", tmp_path / "out")
+
+        assert result.exit_code == 0, result.output
+        assert "A mission that is not there\n\nThe refusal\n" in result.stdout
+        assert "\n$ pirate run mitre_bend --speed max\n" in result.stdout
+        page = (tmp_path / "out" / "own" / "index.html").read_text("utf-8")
+        assert "$ pirate run mitre_bend --speed max<" in page
+
+
+def test_the_finding_of_a_refused_mission_is_printed_once(
+    pirate: Callable[..., Result], tmp_path: Path
+) -> None:
+    result = pirate("demo", "refused", "--output", tmp_path)
+
+    assert result.exit_code == 0, result.output
+    assert result.stdout.count("error [step.impossible] RelaxRear") == 1
+    assert result.stdout.count("nothing has moved") == 1
+
+
+@pytest.mark.parametrize(
+    ("defect", "held", "said"),
+    [
+        ("bay_silent", "true", "in truth it is not held, and carried on by 9"),
+        ("gamma_2_sticks", "false", "in truth it is held"),
+    ],
+)
+def test_the_hold_at_the_end_is_judged_by_the_truth(
+    pirate: Callable[..., Result],
+    own: Callable[..., Path],
+    tmp_path: Path,
+    defect: str,
+    held: str,
+    said: str,
+) -> None:
+    code = 3 if defect == "bay_silent" else 1
+    step = f"run mitre_bend --defect {defect} --record {{out}}/run.mcap"
+    path = own(step, f"{{exit: {code}, ended: fault, held: {held}}}")
+    result = pirate("demo", path, "--speed", "max", "--output", tmp_path / "out")
+
+    assert result.exit_code == 1
+    assert f"✗ not as expected: {said}" in result.stdout
+
+
 def test_a_scene_plays_for_ten_to_thirty_seconds() -> None:
-    missions_s = {"bend": 29.8, "camera": 29.6, "climb": 21.9, "house": 76.2, "lost_cable": 15.0,
+    missions_s = {"bend": 29.8, "camera": 29.6, "climb": 21.9, "house": 76.2, "silent_robot": 15.0,
                   "stuck_joint": 13.0, "tee": 30.5, "twin": 76.5}  # fmt: skip
     for name, mission_s in missions_s.items():
         assert 5.0 <= mission_s / load_scene(library.find_scene(name)).speed <= 30.0, name

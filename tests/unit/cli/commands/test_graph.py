@@ -203,7 +203,9 @@ def test_a_pipe_is_drawn_by_name_or_file(pirate: Any, tmp_path: Path) -> None:
     assert named.exit_code == 0
     assert "mitre 90" in named.stdout
     faulty = tmp_path / "faulty.yaml"
-    faulty.write_text("diameter: 120 mm\nsegments: [{mitre: 90 deg}]\n", encoding="utf-8")
+    faulty.write_text(
+        "format: 1\ndiameter: 120 mm\nsegments: [{mitre: 90 deg}]\n", encoding="utf-8"
+    )
     result = pirate("graph", faulty)
     assert result.exit_code == 2
     assert "begins and ends with a straight" in result.stderr

@@ -1,12 +1,14 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 from typing import Any
 
 import jsonschema
 import pytest
 
+import pirate_sm
 from pirate_sm.loading.yaml.document import read_document
 
 from ..conftest import NEWT
@@ -191,3 +193,16 @@ def test_a_copy_of_a_camera_or_a_panel_is_clean_and_has_its_own_name(
     assert Path(f"{kind}.schema.json").exists()
     assert pirate("check", "ours.yaml").exit_code == 0
     assert pirate("new", kind, "ours").exit_code == 2  # it is there already
+
+
+def test_what_is_written_for_people_names_no_file_that_only_the_sources_have() -> None:
+    package = Path(pirate_sm.__file__).parent
+    texts = [
+        *(package / "cli/templates").rglob("*.yaml"),
+        *package.glob("checking/catalogue/*.yaml"),
+    ]
+    texts += (package / "cli/help").glob("*.txt")
+    naming = [path.name for path in texts if re.search(r"docs/\w+\.md", path.read_text("utf-8"))]
+
+    assert len(texts) > 40
+    assert naming == []

@@ -330,17 +330,17 @@ def test_a_pipe_from_the_command_line_takes_the_missions_place(load):
     with pytest.raises(LoadError, match="cannot clamp an inner diameter"):
         load(
             with_line("pipe: wide.yaml"),
-            {"wide.yaml": "{diameter: 1 m, segments: [{straight: 1 m}]}"},
+            {"wide.yaml": "{format: 1, diameter: 1 m, segments: [{straight: 1 m}]}"},
         )
 
 
 def test_the_faults_of_a_pipe_are_told_beside_those_of_the_mission(faults):
     said = faults(
         f"{HEAD}pipe: p.yaml\nstart: b\nphases: {{a: {{go: e}}}}\n{ENDS}",
-        {"p.yaml": "{diameter: 1, segments: [{straight: 1 m}]}"},
+        {"p.yaml": "{format: 1, diameter: 1, segments: [{straight: 1 m}]}"},
     )
 
-    assert [each.split(": ")[0] for each in said] == ["m.yaml:5:8", "p.yaml:1:12"]
+    assert [each.split(": ")[0] for each in said] == ["m.yaml:5:8", "p.yaml:1:23"]
 
 
 def test_a_mission_begins_with_the_phase_that_is_asked_for(load):
