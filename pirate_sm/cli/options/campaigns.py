@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 
 
@@ -25,7 +26,11 @@ class CampaignOptions:
 
     campaign: Annotated[
         str,
-        typer.Argument(metavar="FILE|MISSION", help="A campaign file, or a mission: name or file."),
+        typer.Argument(
+            metavar="FILE|MISSION",
+            autocompletion=candidates.campaigns,
+            help="A campaign file, or a mission: name or file.",
+        ),
     ]
     seeds: Annotated[
         int | None, typer.Option(min=1, metavar="N", help="Seeds 0 to N-1, in place of the file's.")
@@ -48,7 +53,11 @@ class CampaignOptions:
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FOLDER", help="For the results; runs/NAME.campaign."
+            "--output",
+            "-o",
+            metavar="FOLDER",
+            autocompletion=candidates.folders,
+            help="For the results; runs/NAME.campaign.",
         ),
     ] = None
     record: Annotated[

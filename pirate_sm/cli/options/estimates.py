@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 
 
@@ -24,7 +25,11 @@ class FitOptions:
 
     runs: Annotated[
         list[str],
-        typer.Argument(metavar="RUN...", help="Recordings (.mcap) or tables of signals (.csv)."),
+        typer.Argument(
+            metavar="RUN...",
+            autocompletion=candidates.recordings_or_tables,
+            help="Recordings (.mcap) or tables of signals (.csv).",
+        ),
     ]
     robot: Annotated[
         bool,
@@ -57,14 +62,25 @@ class FitOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
+            autocompletion=candidates.files,
             help="Write friction into this pipe file; with --robot: numbers for --twin.",
         ),
     ] = None
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT.html", help="A page with plots.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT.html",
+            autocompletion=candidates.files,
+            help="A page with plots.",
+        ),
     ] = None
     csv: Annotated[
-        Path | None, typer.Option(metavar="OUT.csv", help="A table of what was found.")
+        Path | None,
+        typer.Option(
+            metavar="OUT.csv", autocompletion=candidates.files, help="A table of what was found."
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -81,7 +97,11 @@ class ExperimentOptions:
 
     which: Annotated[
         list[str],
-        typer.Argument(metavar="WHICH...", help="1, 2, 3, one part of them such as 3c, or all."),
+        typer.Argument(
+            metavar="WHICH...",
+            autocompletion=candidates.experiments,
+            help="1, 2, 3, one part of them such as 3c, or all.",
+        ),
     ]
     robot: common.OneRobot = None
     noise: Annotated[
@@ -91,9 +111,19 @@ class ExperimentOptions:
         int, typer.Option(min=1, help="Runs of everything random; medians are shown.")
     ] = 3
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT.html", help="A page with figures.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT.html",
+            autocompletion=candidates.files,
+            help="A page with figures.",
+        ),
     ] = None
-    csv: Annotated[Path | None, typer.Option(metavar="OUT.csv", help="A table of every row.")] = (
-        None
-    )
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.csv", autocompletion=candidates.files, help="A table of every row."
+        ),
+    ] = None
     debug: common.Debug = False
