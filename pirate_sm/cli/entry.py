@@ -19,7 +19,7 @@ from typer.core import TyperGroup
 from pirate_sm.cli.options.common import Version
 from pirate_sm.cli.output.encoding import degrade
 
-ASKING = "_PIRATE_SM_SHELL"
+ASKING = "PIRATE_SM_COMPLETE"
 """Environment variable of a shell that asks what fits on a command line, without arguments."""
 
 COMMANDS = {

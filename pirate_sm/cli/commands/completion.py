@@ -11,5 +11,5 @@ from pirate_sm.cli.options.settings import CompletionOptions
 def print_script(options: CompletionOptions) -> int:
     """Print the script for a shell; return the exit code."""
     folder = Path(completion.__file__).with_name("scripts")
-    print((folder / f"pirate.{options.shell}").read_text("utf-8"), end="")
+    print((folder / f"script.{options.shell}").read_text("utf-8"), end="")
     return 0

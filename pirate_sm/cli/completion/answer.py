@@ -19,13 +19,13 @@ import typer
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from pirate_sm.cli import entry
-from pirate_sm.cli.completion.candidates import OPEN, Candidate
+from pirate_sm.cli.completion.reading import OPEN, Candidate
 from pirate_sm.visible import visible
 
-LINE = "_PIRATE_SM_LINE"
+LINE = "PIRATE_SM_LINE"
 """The line up to the cursor, as it is typed."""
 
-BREAKS = "_PIRATE_SM_BREAKS"
+BREAKS = "PIRATE_SM_BREAKS"
 """The characters at which bash begins another word."""
 
 _CURSOR = "\0"

@@ -8,13 +8,15 @@ from typing import Annotated, Literal
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
 Camera = Annotated[
     str,
     typer.Argument(
-        metavar="CAMERA", autocompletion=candidates.cameras, help="Name or path of a camera's file."
+        metavar="CAMERA",
+        autocompletion=named_files.cameras,
+        help="Name or path of a camera's file.",
     ),
 ]
 Inside = Annotated[
@@ -25,7 +27,7 @@ Pictures = Annotated[
     str | None,
     typer.Option(
         metavar="FILES",
-        autocompletion=candidates.files,
+        autocompletion=named_files.files,
         help="Pictures in place of the camera, such as 'seen/*.png'.",
     ),
 ]
@@ -48,7 +50,7 @@ class PrintOptions:
             "--output",
             "-o",
             metavar="FOLDER",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="Where they are written.",
         ),
     ] = Path()
@@ -107,7 +109,7 @@ class LookOptions:
         str,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.pipes,
+            autocompletion=named_files.pipes,
             help="In which a synthetic camera sees the robot.",
         ),
     ] = "mitre_90"
@@ -117,7 +119,7 @@ class LookOptions:
             "--output",
             "-o",
             metavar="OUT",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="Write the picture: .png or .jpg.",
         ),
     ] = None

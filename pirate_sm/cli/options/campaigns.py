@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
 
@@ -28,7 +28,7 @@ class CampaignOptions:
         str,
         typer.Argument(
             metavar="FILE|MISSION",
-            autocompletion=candidates.campaigns,
+            autocompletion=named_files.campaigns,
             help="A campaign file, or a mission: name or file.",
         ),
     ]
@@ -56,7 +56,7 @@ class CampaignOptions:
             "--output",
             "-o",
             metavar="FOLDER",
-            autocompletion=candidates.folders,
+            autocompletion=named_files.folders,
             help="For the results; runs/NAME.campaign.",
         ),
     ] = None

@@ -7,7 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -26,7 +26,7 @@ class CheckOptions:
         list[str] | None,
         typer.Argument(
             metavar="[PATH]...",
-            autocompletion=candidates.checkable,
+            autocompletion=named_files.checkable,
             help="Files and folders; robots, missions, pipes and panels are known by their "
             "content. Without any: the folders sequences, hardware_profiles and panels and the "
             "files beside them; where there is no folder sequences, all that the working "
@@ -56,7 +56,7 @@ class CheckOptions:
         str | None,
         typer.Option(
             metavar="DIR",
-            autocompletion=candidates.folders,
+            autocompletion=named_files.folders,
             help="Write how a finding comes about, as files to run.",
         ),
     ] = None
@@ -87,7 +87,7 @@ class ExplainOptions:
         typer.Option(
             "--robot",
             metavar="NAME",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="Whose control; by default any shipped one's.",
         ),
     ] = None
@@ -105,7 +105,7 @@ class DiffOptions:
         str,
         typer.Argument(
             metavar="OLD",
-            autocompletion=candidates.missions,
+            autocompletion=named_files.missions,
             help="A mission: its name or its file.",
         ),
     ]
@@ -113,7 +113,7 @@ class DiffOptions:
         str,
         typer.Argument(
             metavar="NEW",
-            autocompletion=candidates.missions,
+            autocompletion=named_files.missions,
             help="The mission to hold against it.",
         ),
     ]

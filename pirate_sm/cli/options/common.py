@@ -12,7 +12,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.model.fidelity import Fidelity
 
 
@@ -58,7 +58,7 @@ RobotOfMission = Annotated[
     typer.Option(
         "--robot",
         metavar="NAME",
-        autocompletion=candidates.robots,
+        autocompletion=named_files.robots,
         help="In place of the mission's own.",
     ),
 ]
@@ -67,7 +67,7 @@ PipeOfMission = Annotated[
     typer.Option(
         "--pipe",
         metavar="NAME",
-        autocompletion=candidates.pipes,
+        autocompletion=named_files.pipes,
         help="In place of the mission's own.",
     ),
 ]
@@ -76,7 +76,7 @@ RobotOfMissions = Annotated[
     typer.Option(
         "--robot",
         metavar="NAME",
-        autocompletion=candidates.robots,
+        autocompletion=named_files.robots,
         help="In place of the missions' own.",
     ),
 ]
@@ -85,7 +85,7 @@ PipeOfMissions = Annotated[
     typer.Option(
         "--pipe",
         metavar="NAME",
-        autocompletion=candidates.pipes,
+        autocompletion=named_files.pipes,
         help="In place of the missions' own.",
     ),
 ]
@@ -94,7 +94,7 @@ OneRobot = Annotated[
     typer.Option(
         "--robot",
         metavar="NAME",
-        autocompletion=candidates.robots,
+        autocompletion=named_files.robots,
         help="Which robot; the first one shipped.",
     ),
 ]
@@ -198,7 +198,7 @@ Panel = Annotated[
     typer.Option(
         "--panel",
         metavar="NAME[:DEVICE]",
-        autocompletion=candidates.panels,
+        autocompletion=named_files.panels,
         help="A MIDI control panel, with its stop; others: pirate panel.",
     ),
 ]
@@ -222,7 +222,7 @@ Twin = Annotated[
     typer.Option(
         "--twin",
         metavar="FILE",
-        autocompletion=candidates.twins,
+        autocompletion=named_files.twins,
         help="Numbers of the simulated robot, from pirate fit --robot.",
     ),
 ]
@@ -230,11 +230,15 @@ NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
 
 Recording = Annotated[
     str,
-    typer.Argument(metavar="RUN.mcap", autocompletion=candidates.recordings, help="A recording."),
+    typer.Argument(metavar="RUN.mcap", autocompletion=named_files.recordings, help="A recording."),
 ]
 Output = Annotated[
     Path | None,
     typer.Option(
-        "--output", "-o", metavar="OUT", autocompletion=candidates.files, help="Write to this file."
+        "--output",
+        "-o",
+        metavar="OUT",
+        autocompletion=named_files.files,
+        help="Write to this file.",
     ),
 ]

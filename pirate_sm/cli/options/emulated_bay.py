@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -23,7 +23,7 @@ class BayOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.missions,
+            autocompletion=named_files.missions,
             help="Robot, pipe and start are those of this mission.",
         ),
     ] = None
@@ -32,7 +32,7 @@ class BayOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.pipes,
+            autocompletion=named_files.pipes,
             help="Where it is; the first pipe shipped.",
         ),
     ] = None
@@ -41,7 +41,7 @@ class BayOptions:
         Path | None,
         typer.Option(
             metavar="PATH",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="Make a symbolic link to the port here.",
         ),
     ] = None
@@ -49,7 +49,7 @@ class BayOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="JSON Lines of arrays and restarts.",
         ),
     ] = None

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -27,7 +27,7 @@ class FitOptions:
         list[str],
         typer.Argument(
             metavar="RUN...",
-            autocompletion=candidates.recordings_or_tables,
+            autocompletion=named_files.recordings_or_tables,
             help="Recordings (.mcap) or tables of signals (.csv).",
         ),
     ]
@@ -35,19 +35,32 @@ class FitOptions:
         bool,
         typer.Option("--robot", help="Estimate the robot's motors and friction instead."),
     ] = False
-    slip: Annotated[str, typer.Option(metavar="SIGNAL", help="Slip speeds of the wheels.")] = (
-        "slip_speed_{}"
-    )
+    slip: Annotated[
+        str,
+        typer.Option(
+            metavar="SIGNAL", autocompletion=candidates.signals, help="Slip speeds of the wheels."
+        ),
+    ] = "slip_speed_{}"
     friction: Annotated[
         str,
-        typer.Option(metavar="SIGNAL", help="Friction in use; otherwise |torque| / (r normal)."),
+        typer.Option(
+            metavar="SIGNAL",
+            autocompletion=candidates.signals,
+            help="Friction in use; otherwise |torque| / (r normal).",
+        ),
     ] = ""
-    torque: Annotated[str, typer.Option(metavar="SIGNAL", help="Torques of the wheels.")] = (
-        "wheel_torque_{}"
-    )
-    normal: Annotated[str, typer.Option(metavar="SIGNAL", help="Normal forces of the wheels.")] = (
-        "normal_force_{}"
-    )
+    torque: Annotated[
+        str,
+        typer.Option(
+            metavar="SIGNAL", autocompletion=candidates.signals, help="Torques of the wheels."
+        ),
+    ] = "wheel_torque_{}"
+    normal: Annotated[
+        str,
+        typer.Option(
+            metavar="SIGNAL", autocompletion=candidates.signals, help="Normal forces of the wheels."
+        ),
+    ] = "normal_force_{}"
     radius: Annotated[
         str | None,
         typer.Option(metavar="LENGTH", help="Of the wheels; for a recording, its robot's."),
@@ -62,7 +75,7 @@ class FitOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="Write friction into this pipe file; with --robot: numbers for --twin.",
         ),
     ] = None
@@ -72,14 +85,14 @@ class FitOptions:
             "--output",
             "-o",
             metavar="OUT.html",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="A page with plots.",
         ),
     ] = None
     csv: Annotated[
         Path | None,
         typer.Option(
-            metavar="OUT.csv", autocompletion=candidates.files, help="A table of what was found."
+            metavar="OUT.csv", autocompletion=named_files.files, help="A table of what was found."
         ),
     ] = None
     debug: common.Debug = False
@@ -116,14 +129,14 @@ class ExperimentOptions:
             "--output",
             "-o",
             metavar="OUT.html",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="A page with figures.",
         ),
     ] = None
     csv: Annotated[
         Path | None,
         typer.Option(
-            metavar="OUT.csv", autocompletion=candidates.files, help="A table of every row."
+            metavar="OUT.csv", autocompletion=named_files.files, help="A table of every row."
         ),
     ] = None
     debug: common.Debug = False

@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -39,7 +39,7 @@ class ListOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="Whose commands, signals and defects.",
         ),
     ] = None
@@ -69,7 +69,7 @@ class SchemaOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="Missions for this robot: its commands, its states.",
         ),
     ] = None
@@ -89,7 +89,7 @@ class GraphOptions:
         str,
         typer.Argument(
             metavar="FILE",
-            autocompletion=candidates.drawable,
+            autocompletion=named_files.drawable,
             help="A mission, a robot, a chart or a pipe: name or path.",
         ),
     ]
@@ -111,7 +111,7 @@ class GraphOptions:
         Path | None,
         typer.Option(
             metavar="SCRIPT",
-            autocompletion=candidates.scripts,
+            autocompletion=named_files.scripts,
             help="Mark the way that this course of events takes.",
         ),
     ] = None
@@ -136,7 +136,7 @@ class ImportOptions:
         Path,
         typer.Argument(
             metavar="FILE.scxml",
-            autocompletion=candidates.charts_in_scxml,
+            autocompletion=named_files.charts_in_scxml,
             help="A statechart in SCXML 1.0.",
         ),
     ]
@@ -158,7 +158,7 @@ class PlanOptions:
         str,
         typer.Argument(
             metavar="ROBOT",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="A shipped robot, or its folder.",
         ),
     ]
@@ -203,7 +203,7 @@ class RobotOptions:
         str | None,
         typer.Argument(
             metavar="ROBOT",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="A shipped robot, or its folder; the first shipped.",
         ),
     ] = None
@@ -227,7 +227,7 @@ class NewMissionOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="For which robot; the first one shipped.",
         ),
     ] = None
@@ -235,7 +235,7 @@ class NewMissionOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.pipes,
+            autocompletion=named_files.pipes,
             help="Along a route of this pipe: name or file.",
         ),
     ] = None
@@ -259,7 +259,7 @@ class NewPipeOptions:
         str | None,
         typer.Option(
             metavar="NAME",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="For which robot; the first one shipped.",
         ),
     ] = None
@@ -281,7 +281,7 @@ class NewCampaignOptions:
         str,
         typer.Option(
             metavar="MISSION",
-            autocompletion=candidates.missions,
+            autocompletion=named_files.missions,
             help="Which mission it runs: name or file.",
         ),
     ] = "mitre_bend"
@@ -297,7 +297,7 @@ class NewRobotOptions:
         str | None,
         typer.Option(
             metavar="ROBOT",
-            autocompletion=candidates.robots,
+            autocompletion=named_files.robots,
             help="A copy of this robot, to be changed.",
         ),
     ] = None
@@ -313,7 +313,7 @@ class NewCameraOptions:
         str,
         typer.Option(
             metavar="CAMERA",
-            autocompletion=candidates.cameras,
+            autocompletion=named_files.cameras,
             help="Of which camera: name or file.",
         ),
     ] = "setup_3"
@@ -328,7 +328,7 @@ class NewPanelOptions:
     like: Annotated[
         str,
         typer.Option(
-            metavar="PANEL", autocompletion=candidates.panels, help="Of which panel: name or file."
+            metavar="PANEL", autocompletion=named_files.panels, help="Of which panel: name or file."
         ),
     ] = "nanokontrol2"
     debug: common.Debug = False

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -25,7 +25,7 @@ class DemoOptions:
         str | None,
         typer.Argument(
             metavar="[SCENE]",
-            autocompletion=candidates.scenes,
+            autocompletion=named_files.scenes,
             help="A scene's name, or a file of your own.",
         ),
     ] = None
@@ -46,7 +46,7 @@ class DemoOptions:
             "--output",
             "-o",
             metavar="DIR",
-            autocompletion=candidates.folders,
+            autocompletion=named_files.folders,
             help="Where the reports are written.",
         ),
     ] = Path("runs/demo")

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
 
@@ -24,20 +24,20 @@ class ReplayOptions:
         str | None,
         typer.Option(
             metavar="MISSION",
-            autocompletion=candidates.missions,
+            autocompletion=named_files.missions,
             help="In place of the one in the recording.",
         ),
     ] = None
     robot: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", autocompletion=candidates.robots, help="With --mission: the robot."
+            metavar="NAME", autocompletion=named_files.robots, help="With --mission: the robot."
         ),
     ] = None
     pipe: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", autocompletion=candidates.pipes, help="With --mission: the pipe."
+            metavar="NAME", autocompletion=named_files.pipes, help="With --mission: the pipe."
         ),
     ] = None
     begin: Annotated[
@@ -67,13 +67,15 @@ class CompareOptions:
         str,
         typer.Argument(
             metavar="A.mcap",
-            autocompletion=candidates.recordings,
+            autocompletion=named_files.recordings,
             help="A recording, or the folder of a campaign.",
         ),
     ]
     second: Annotated[
         str,
-        typer.Argument(metavar="B.mcap", autocompletion=candidates.recordings, help="Another one."),
+        typer.Argument(
+            metavar="B.mcap", autocompletion=named_files.recordings, help="Another one."
+        ),
     ]
     debug: common.Debug = False
 
@@ -87,7 +89,7 @@ class ExportOptions:
         str | None,
         typer.Option(
             metavar="DIR",
-            autocompletion=candidates.folders,
+            autocompletion=named_files.folders,
             help="One table for each topic, SI units.",
         ),
     ] = None
@@ -95,7 +97,7 @@ class ExportOptions:
         str | None,
         typer.Option(
             metavar="DIR",
-            autocompletion=candidates.folders,
+            autocompletion=named_files.folders,
             help="The same tables as Parquet files.",
         ),
     ] = None
@@ -103,7 +105,7 @@ class ExportOptions:
         str | None,
         typer.Option(
             metavar="OUT.mcap",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="The recording with all that viewers can show.",
         ),
     ] = None
@@ -111,21 +113,21 @@ class ExportOptions:
         str | None,
         typer.Option(
             metavar="DIR",
-            autocompletion=candidates.folders,
+            autocompletion=named_files.folders,
             help="A bag of ROS 2: joints, frames, log, URDF.",
         ),
     ] = None
     urdf: Annotated[
         str | None,
         typer.Option(
-            metavar="FILE", autocompletion=candidates.files, help="The robot, from its profile."
+            metavar="FILE", autocompletion=named_files.files, help="The robot, from its profile."
         ),
     ] = None
     lichtblick: Annotated[
         str | None,
         typer.Option(
             metavar="FILE",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="A layout for Lichtblick and Foxglove, for this robot.",
         ),
     ] = None
@@ -133,7 +135,7 @@ class ExportOptions:
         str | None,
         typer.Option(
             metavar="FILE",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="A layout for PlotJuggler, for this robot.",
         ),
     ] = None
@@ -179,7 +181,7 @@ class ReportOptions:
         list[str],
         typer.Argument(
             metavar="RUN.mcap",
-            autocompletion=candidates.recordings,
+            autocompletion=named_files.recordings,
             help="A recording, several, or a folder of them.",
         ),
     ]
@@ -189,7 +191,7 @@ class ReportOptions:
             "--output",
             "-o",
             metavar="OUT.html",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="RUN.html; of many, index.html.",
         ),
     ] = None
@@ -210,7 +212,7 @@ class RepairOptions:
             "--output",
             "-o",
             metavar="OUT.mcap",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="RUN.repaired.mcap otherwise.",
         ),
     ] = None

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.palette import USUAL as USUAL_THEME
@@ -27,7 +27,7 @@ class RunOptions:
         str | None,
         typer.Argument(
             metavar="[MISSION]",
-            autocompletion=candidates.missions,
+            autocompletion=named_files.missions,
             help="A shipped mission's name, or a file.",
         ),
     ] = None
@@ -35,7 +35,7 @@ class RunOptions:
         str | None,
         typer.Option(
             metavar="RUN.mcap",
-            autocompletion=candidates.recordings,
+            autocompletion=named_files.recordings,
             help="Go on with a run that was cut off.",
         ),
     ] = None
@@ -93,7 +93,7 @@ class RunOptions:
         str | None,
         typer.Option(
             metavar="FILE",
-            autocompletion=candidates.scripts,
+            autocompletion=named_files.scripts,
             help="In a trace: a YAML list of {phase, trigger, after}.",
         ),
     ] = None
@@ -112,7 +112,7 @@ class RunOptions:
         str | None,
         typer.Option(
             metavar="FILE.mcap",
-            autocompletion=candidates.files,
+            autocompletion=named_files.files,
             help="Where the run is kept, in place of runs/.",
         ),
     ] = None
@@ -142,7 +142,7 @@ class ConsoleOptions:
         str | None,
         typer.Argument(
             metavar="[MISSION|RUN.mcap]",
-            autocompletion=candidates.missions_or_recordings,
+            autocompletion=named_files.missions_or_recordings,
             help="A shipped mission's name, or a file; a recording to look through.",
         ),
     ] = None
@@ -150,7 +150,7 @@ class ConsoleOptions:
         str | None,
         typer.Option(
             metavar="RUN.mcap",
-            autocompletion=candidates.recordings,
+            autocompletion=named_files.recordings,
             help="Take over a run that was cut off.",
         ),
     ] = None

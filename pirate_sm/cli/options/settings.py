@@ -33,11 +33,11 @@ class ConfigOptions:
 class CompletionOptions:
     """Print a script with which a shell completes command lines.
 
-    bash: write it to ~/.pirate.bash, and `source ~/.pirate.bash` into ~/.bashrc.
+    bash: write it to ~/.pirate_sm.bash, and `source ~/.pirate_sm.bash` into ~/.bashrc.
 
-    zsh: write it to ~/.pirate.zsh, and `source ~/.pirate.zsh` into ~/.zshrc.
+    zsh: write it to ~/.pirate_sm.zsh, and `source ~/.pirate_sm.zsh` into ~/.zshrc.
 
-    fish: write it to ~/.config/fish/conf.d/pirate.fish.
+    fish: write it to ~/.config/fish/conf.d/pirate_sm.fish.
     """
 
     shell: Annotated[Literal["bash", "zsh", "fish"], typer.Argument(help="For which shell.")]

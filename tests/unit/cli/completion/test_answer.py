@@ -33,9 +33,9 @@ MISSION = "mission: mine\nrobot: pirate_ii\nstart: a\ndescription: of my own\nph
 
 def answer(line: str, shell: str = "zsh", command: Any = PIRATE) -> str:
     told = {
-        "_PIRATE_SM_SHELL": shell,
-        "_PIRATE_SM_LINE": line,
-        "_PIRATE_SM_BREAKS": BREAKS,
+        "PIRATE_SM_COMPLETE": shell,
+        "PIRATE_SM_LINE": line,
+        "PIRATE_SM_BREAKS": BREAKS,
     }
     return answered(command, told)
 
@@ -202,6 +202,20 @@ def test_phases_of_a_recording(here: Path, pirate_run: Callable[..., Any]) -> No
         assert values(f"pirate run --resume {each} --at reg") == ["regrip"]
 
 
+def test_signals_of_a_recording_or_a_table(here: Path, pirate_run: Callable[..., Any]) -> None:
+    run = here / "run.mcap"
+    pirate_run("enter_2d", "--backend", "trace", "--quiet", "--record", run)
+    (here / "table.csv").write_text("time_s,slip_1,slip_2,wheel_torque_1_Nm\n0,0,0,0\n")
+
+    assert values("pirate fit run.mcap --slip sl") == ["slip_speed_{}", "slip_{}"]
+    assert values("pirate fit run.mcap --torque wheel") == ["wheel_current_{}", "wheel_torque_{}"]
+    assert values("pirate fit table.csv --slip ") == ["time_s", "slip_{}", "wheel_torque_{}_Nm"]
+    assert values("pirate fit no.csv --slip ") == []
+    os.mkfifo(here / "fifo.csv")
+    os.mkfifo(here / "fifo.mcap")
+    assert values("pirate fit fifo.csv --slip ") == values("pirate fit fifo.mcap --slip ") == []
+
+
 @pytest.mark.parametrize(
     "content",
     [
@@ -295,7 +309,7 @@ def test_an_answer_needs_neither_models_nor_numbers() -> None:
             [sys.executable, "-c", code], capture_output=True, check=True, text=True, cwd=ROOT,
             env={
                 **os.environ, "PYTHONPATH": str(ROOT),
-                "_PIRATE_SM_SHELL": "fish", "_PIRATE_SM_LINE": f"pirate {line}",
+                "PIRATE_SM_COMPLETE": "fish", "PIRATE_SM_LINE": f"pirate {line}",
             },
         )  # fmt: skip
         assert ran.stdout.count("\n") > 1
@@ -322,7 +336,7 @@ def test_no_option_that_takes_a_name_or_a_file_is_left_out() -> None:
         "boards", "seconds", "noise", "cells", "scheduler", "fire", "start_at", "images",
         "guard_for", "limit", "square", "board", "radius", "threshold", "until",
     }  # fmt: skip
-    texts = {"NAME", "FILE", "DIR", "FOLDER", "PATH", "MISSION", "PHASE", "ROBOT", "OUT"}
+    texts = {"NAME", "FILE", "DIR", "FOLDER", "PATH", "MISSION", "PHASE", "SIGNAL", "ROBOT", "OUT"}
     left = [
         f"{name} {each.name}"
         for name in entry.COMMANDS

@@ -10,7 +10,7 @@ _pirate_sm() {
             *) complete+=("$shown") ;;
         esac
     done < <(
-        _PIRATE_SM_SHELL=zsh _PIRATE_SM_LINE="${(j: :)words[1,CURRENT-1]} $PREFIX" \
+        PIRATE_SM_COMPLETE=zsh PIRATE_SM_LINE="${(j: :)words[1,CURRENT-1]} $PREFIX" \
             ${~words[1]} 2>/dev/null </dev/null
     )
     _describe -V value complete -- open -S ''

@@ -5,8 +5,8 @@ _pirate_sm() {
     while IFS= read -r each; do
         COMPREPLY+=("$each")
     done < <(
-        _PIRATE_SM_SHELL=bash _PIRATE_SM_LINE="${COMP_LINE:0:COMP_POINT}" \
-            _PIRATE_SM_BREAKS="$COMP_WORDBREAKS" "${1/#\~/$HOME}" 2>/dev/null </dev/null
+        PIRATE_SM_COMPLETE=bash PIRATE_SM_LINE="${COMP_LINE:0:COMP_POINT}" \
+            PIRATE_SM_BREAKS="$COMP_WORDBREAKS" "${1/#\~/$HOME}" 2>/dev/null </dev/null
     )
 }
 complete -o nospace -F _pirate_sm pirate pirate-run
