@@ -86,7 +86,7 @@ class Registry(Generic[F]):
 
     def package_of(self, name: str) -> str:
         """Return the package that adds the name; empty for a built-in part."""
-        return "" if name in self._ours else _package(self._others[name])
+        return "" if name in self._ours else package_name(self._others[name])
 
     @property
     def names(self) -> list[str]:
@@ -105,7 +105,7 @@ class Registry(Generic[F]):
             except UsageError as error:
                 yield ListedPart(name, self.package_of(name), fault=str(error))
         for point in self._taken:
-            yield ListedPart(point.name, _package(point), fault="the name is taken")
+            yield ListedPart(point.name, package_name(point), fault="the name is taken")
 
     def forget(self) -> None:
         """Discard the cached entry points; the next access searches for them again."""
@@ -114,8 +114,7 @@ class Registry(Generic[F]):
 
     @cached_property
     def _found(self) -> list[EntryPoint]:
-        """Return the entry points of packages, in an order independent of the installation."""
-        return sorted(entry_points(group=self._group), key=lambda each: (each.name, _package(each)))
+        return points_of(self._group)
 
     @cached_property
     def _others(self) -> dict[str, EntryPoint]:
@@ -138,18 +137,18 @@ class Registry(Generic[F]):
             if point.name in self._ours:
                 raise
             what = f"{point.value} fails with {type(error).__name__}: {error}"
-            raise UsageError(f"package {_package(point)}: {what}") from error
+            raise UsageError(f"package {package_name(point)}: {what}") from error
         if not isinstance(plugin, Plugin):
             found = f"{point.value} is of type {type(plugin).__name__}"
             raise UsageError(
-                f"package {_package(point)}: {found}, expected a pirate_sm.registry.Plugin"
+                f"package {package_name(point)}: {found}, expected a pirate_sm.registry.Plugin"
             )
         return plugin
 
     def _guarded(self, make: F, point: EntryPoint) -> F:
         """Return the function of another package so that its faults are said to be its own."""
         what = f"the {self._kind} '{point.name}' cannot be used"
-        whose = f"{what}: package {_package(point)}: {point.value}"
+        whose = f"{what}: package {package_name(point)}: {point.value}"
 
         def guarded(*arguments: Any, **options: Any) -> Any:
             try:
@@ -167,5 +166,11 @@ class Registry(Generic[F]):
         return cast(F, guarded)
 
 
-def _package(point: EntryPoint) -> str:
+def points_of(group: str) -> list[EntryPoint]:
+    """Return the entry points of packages, in an order independent of the installation."""
+    return sorted(entry_points(group=group), key=lambda each: (each.name, package_name(each)))
+
+
+def package_name(point: EntryPoint) -> str:
+    """Return the name of the package that has the entry point."""
     return point.dist.name if point.dist is not None else "unknown"

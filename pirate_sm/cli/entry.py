@@ -7,6 +7,7 @@ texts and usage errors do not wait for models, numbers and compilers.
 from __future__ import annotations
 
 import gc
+import os
 import sys
 from importlib import import_module
 from inspect import Parameter, signature
@@ -17,6 +18,9 @@ from typer.core import TyperCommand, TyperGroup
 
 from pirate_sm.cli.options.common import Version
 from pirate_sm.cli.output.encoding import degrade
+
+ASKING = "PIRATE_SM_COMPLETE"
+"""Environment variable of a shell that asks what fits on a command line, without arguments."""
 
 COMMANDS = {
     "run": ("running:RunOptions", "run:run_mission"),
@@ -49,6 +53,7 @@ COMMANDS = {
     "camera survey": ("cameras:SurveyOptions", "camera_survey:survey_camera"),
     "camera look": ("cameras:LookOptions", "camera_look:look"),
     "config": ("settings:ConfigOptions", "config:show_settings"),
+    "completion": ("settings:CompletionOptions", "completion:print_script"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
     "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),
@@ -61,6 +66,13 @@ COMMANDS = {
 The options are a dataclass: its fields are the arguments and options in the order of the help text,
 its docstring is the help text. The work takes them and returns the exit code.
 """
+
+
+GROUPS = {
+    "new": "Start a mission, a pipe, a robot or other files that run.",
+    "camera": "Print, calibrate, survey and try a camera over the setup.",
+}
+"""The first words of commands of two words."""
 
 
 class _Group(TyperGroup):
@@ -109,6 +121,7 @@ def _app(**more: Any) -> typer.Typer:
     return typer.Typer(
         rich_markup_mode=None,
         pretty_exceptions_enable=False,
+        add_completion=False,  # `pirate completion` has scripts that evaluate nothing from files
         context_settings={"help_option_names": ["-h", "--help"]},
         **more,
     )
@@ -136,7 +149,7 @@ def _single(name: str) -> typer.Typer:
     taken = signature(options, eval_str=True)
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
     vars(command)["__signature__"] = taken.replace(parameters=[context, *taken.parameters.values()])
-    app = _app(add_completion=False)
+    app = _app()
     app.command(name.rsplit(maxsplit=1)[-1], cls=_Command, help=options.__doc__)(command)
     return app
 
@@ -156,17 +169,16 @@ def _found(package: str, at: str) -> Any:
     return getattr(import_module(f"pirate_sm.cli.{package}.{module}"), name)
 
 
+def about(name: str) -> str:
+    """Return the first line of the help text of a command or of a group of commands."""
+    if name in GROUPS:
+        return GROUPS[name]
+    return str(_found("options", COMMANDS[name][0]).__doc__).partition("\n")[0]
+
+
 commands = _app(cls=_Group, no_args_is_help=True)
-commands.add_typer(
-    _app(cls=_Group, no_args_is_help=True),
-    name="new",
-    help="Start a mission, a pipe, a robot or other files that run.",
-)
-commands.add_typer(
-    _app(cls=_Group, no_args_is_help=True),
-    name="camera",
-    help="Print, calibrate, survey and try a camera over the setup.",
-)
+for group, text in GROUPS.items():
+    commands.add_typer(_app(cls=_Group, no_args_is_help=True), name=group, help=text)
 only_run = _single("run")
 
 
@@ -187,7 +199,12 @@ def _enter(app: typer.Typer) -> None:
     degrade(sys.stderr)
     try:
         try:
-            app()
+            if len(sys.argv) == 1 and ASKING in os.environ:
+                from pirate_sm.cli.completion.answer import answered
+
+                sys.stdout.write(answered(typer.main.get_command(app), os.environ))
+            else:
+                app()
         finally:
             sys.stdout.flush()
     except OSError as error:

@@ -47,9 +47,10 @@ class Setting:
 
 
 def _backends() -> Collection[str]:
-    from pirate_sm.wiring import BACKENDS
+    from pirate_sm.backends import known
+    from pirate_sm.registry import points_of
 
-    return BACKENDS.names
+    return sorted({*known.ABOUT, *(point.name for point in points_of(known.GROUP))})
 
 
 SETTINGS: Mapping[str, Setting] = {

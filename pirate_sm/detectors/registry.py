@@ -14,6 +14,7 @@ from dataclasses import dataclass, replace
 from typing import NamedTuple, Protocol
 
 from pirate_sm.companion import Companion
+from pirate_sm.detectors import known
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.operator_keys import offer
 from pirate_sm.detectors.signal_words import SignalWords
@@ -244,20 +245,17 @@ def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
     return OutsideWords(address, accepted, token), how
 
 
-SIM: Plugin[MakeDetector] = Plugin("the simulator, which knows where the robot is", _true_places)
-ODOMETRY: Plugin[MakeDetector] = Plugin("dead reckoning by wheels and joints", _odometry)
-SIGNALS: Plugin[MakeDetector] = Plugin("conditions on the robot's own signals", _signals)
-OPERATOR: Plugin[MakeDetector] = Plugin("a person with a key for each word", _operator)
-SOCKET: Plugin[MakeDetector] = Plugin(
-    "programs that write to a socket: socket, socket:/PATH or socket:HOST:PORT", _socket
-)
+SIM: Plugin[MakeDetector] = Plugin(known.ABOUT["sim"], _true_places)
+ODOMETRY: Plugin[MakeDetector] = Plugin(known.ABOUT["odometry"], _odometry)
+SIGNALS: Plugin[MakeDetector] = Plugin(known.ABOUT["signals"], _signals)
+OPERATOR: Plugin[MakeDetector] = Plugin(known.ABOUT["operator"], _operator)
+SOCKET: Plugin[MakeDetector] = Plugin(known.ABOUT["socket"], _socket)
 
-_HERE = ("sim", "odometry", "signals", "operator", "socket")
-_ELSEWHERE = {"vision": "pirate_sm.wiring.vision:DETECTOR"}
+_ELSEWHERE = {known.BY_CAMERA: "pirate_sm.wiring.vision:DETECTOR"}
 
 DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
-    "pirate_sm.detectors",
-    {name: f"{__name__}:{name.upper()}" for name in _HERE} | _ELSEWHERE,
+    known.GROUP,
+    {name: f"{__name__}:{name.upper()}" for name in known.ABOUT} | _ELSEWHERE,
     returns=Detecting,
 )

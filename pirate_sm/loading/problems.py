@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import ClassVar, Protocol, TypeAlias
+from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias
 
 from pirate_sm.errors import PirateError
-from pirate_sm.expressions import ExpressionError
 from pirate_sm.spelling import nearest, one_of
+
+if TYPE_CHECKING:
+    from pirate_sm.expressions import ExpressionError
 
 Path: TypeAlias = tuple[str | int, ...]
 

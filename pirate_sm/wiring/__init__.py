@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 from typing import get_args
 
+from pirate_sm.backends import known
 from pirate_sm.detectors.beside import Beside
 from pirate_sm.detectors.registry import Asked, Detecting, counts, detecting, speaks_of_bends
 from pirate_sm.engine.engine import Engine
@@ -20,11 +21,10 @@ from pirate_sm.wiring.run_order import Order
 
 __all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
 
-_OURS = ("bay", "physics", "serial", "sim", "trace")
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
-    "pirate_sm.backends",
-    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in _OURS},
+    known.GROUP,
+    {name: f"pirate_sm.wiring.{name}:BACKEND" for name in known.ABOUT},
     returns=Equipment,
 )
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pirate_sm.backends import known
 from pirate_sm.detectors.registry import Places
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading.mission import LoadedMission
@@ -77,4 +78,4 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     )
 
 
-BACKEND: Plugin[MakeBackend] = Plugin("the serial link to an emulated robot, in virtual time", make)
+BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["bay"], make)

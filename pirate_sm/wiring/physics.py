@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pirate_sm.backends import known
 from pirate_sm.errors import not_installed
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
@@ -30,6 +31,4 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     return simulated(order, loaded, World)
 
 
-BACKEND: Plugin[MakeBackend] = Plugin(
-    "rigid bodies with friction, by MuJoCo: in a plane, or in space in a round pipe", make
-)
+BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["physics"], make)

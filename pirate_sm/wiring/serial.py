@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from pirate_sm.backends import known
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
@@ -62,4 +63,4 @@ def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tupl
     return replace(loaded, robot=robot), (summary(calibration),)
 
 
-BACKEND: Plugin[MakeBackend] = Plugin("the real robot, at a serial port", make)
+BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["serial"], make)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING
 
+from pirate_sm.backends import known
 from pirate_sm.detectors.registry import Places
 from pirate_sm.detectors.ruler import Ruler
 from pirate_sm.engine.robot.robot_state import at_rest_in
@@ -123,4 +124,4 @@ def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
     )
 
 
-BACKEND: Plugin[MakeBackend] = Plugin("the kinematic simulator", make)
+BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["sim"], make)

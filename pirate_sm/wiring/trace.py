@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from pirate_sm.backends import known
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
@@ -75,4 +76,4 @@ def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
             raise UsageError(f"nothing waits for a trigger '{firing.trigger}': {hint}")
 
 
-BACKEND: Plugin[MakeBackend] = Plugin("nothing moves; shows what would be sent", make)
+BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["trace"], make)

@@ -6,6 +6,7 @@ from collections.abc import Callable, Mapping
 from functools import partial
 from pathlib import Path
 
+from pirate_sm.detectors import known
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.detectors.seen_places import OneMarker, Placing, Tags
@@ -126,4 +127,4 @@ def _opening(
     return partial(open_sightings, camera, folder, scene, asked.seed)
 
 
-DETECTOR: Plugin[MakeDetector] = Plugin("a camera over the setup: vision:NAME", make)
+DETECTOR: Plugin[MakeDetector] = Plugin(known.ABOUT[known.BY_CAMERA], make)

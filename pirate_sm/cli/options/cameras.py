@@ -8,16 +8,28 @@ from typing import Annotated, Literal
 
 import typer
 
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
-Camera = Annotated[str, typer.Argument(metavar="CAMERA", help="Name or path of a camera's file.")]
+Camera = Annotated[
+    str,
+    typer.Argument(
+        metavar="CAMERA",
+        autocompletion=named_files.cameras,
+        help="Name or path of a camera's file.",
+    ),
+]
 Inside = Annotated[
     str, typer.Option("--board", metavar="NxM", help="Corners inside of the chessboard.")
 ]
 Square = Annotated[str, typer.Option(metavar="LENGTH", help="Sides of its squares.")]
 Pictures = Annotated[
     str | None,
-    typer.Option(metavar="FILES", help="Pictures in place of the camera, such as 'seen/*.png'."),
+    typer.Option(
+        metavar="FILES",
+        autocompletion=named_files.files,
+        help="Pictures in place of the camera, such as 'seen/*.png'.",
+    ),
 ]
 Write = Annotated[
     bool, typer.Option("--write/--no-write", help="Whether it is put into the camera's file.")
@@ -33,7 +45,14 @@ class PrintOptions:
 
     camera: Camera
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="FOLDER", help="Where they are written.")
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="FOLDER",
+            autocompletion=named_files.files,
+            help="Where they are written.",
+        ),
     ] = Path()
     board: Inside = "9x6"
     square: Square = "25 mm"
@@ -87,10 +106,21 @@ class LookOptions:
     images: Pictures = None
     robot: common.OneRobot = None
     pipe: Annotated[
-        str, typer.Option(metavar="NAME", help="In which a synthetic camera sees the robot.")
+        str,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.pipes,
+            help="In which a synthetic camera sees the robot.",
+        ),
     ] = "mitre_90"
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="OUT", help="Write the picture: .png or .jpg."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            autocompletion=named_files.files,
+            help="Write the picture: .png or .jpg.",
+        ),
     ] = None
     debug: common.Debug = False

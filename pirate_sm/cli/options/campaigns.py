@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
 _MOST_SEEDS = 10**9
@@ -28,7 +29,11 @@ class CampaignOptions:
 
     campaign: Annotated[
         str,
-        typer.Argument(metavar="FILE|MISSION", help="A campaign file, or a mission: name or file."),
+        typer.Argument(
+            metavar="FILE|MISSION",
+            autocompletion=named_files.campaigns,
+            help="A campaign file, or a mission: name or file.",
+        ),
     ]
     seeds: Annotated[
         int | None,
@@ -54,7 +59,11 @@ class CampaignOptions:
     output: Annotated[
         Path | None,
         typer.Option(
-            "--output", "-o", metavar="FOLDER", help="For the results; runs/NAME.campaign."
+            "--output",
+            "-o",
+            metavar="FOLDER",
+            autocompletion=named_files.folders,
+            help="For the results; runs/NAME.campaign.",
         ),
     ] = None
     record: Annotated[

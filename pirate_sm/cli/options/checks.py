@@ -7,6 +7,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -25,6 +26,7 @@ class CheckOptions:
         list[str] | None,
         typer.Argument(
             metavar="[PATH]...",
+            autocompletion=named_files.checkable,
             help="Files and folders; robots, missions, pipes and panels are known by their "
             "content. Without any: the folders sequences, hardware_profiles and panels and the "
             "files beside them; where there is no folder sequences, all that the working "
@@ -44,12 +46,19 @@ class CheckOptions:
     settings: Annotated[
         list[str] | None,
         typer.Option(
-            "--set", metavar="NAME=VALUE", help="A parameter's value, where there is one of it."
+            "--set",
+            metavar="NAME=VALUE",
+            autocompletion=candidates.parameters,
+            help="A parameter's value, where there is one of it.",
         ),
     ] = None
     counterexamples: Annotated[
         str | None,
-        typer.Option(metavar="DIR", help="Write how a finding comes about, as files to run."),
+        typer.Option(
+            metavar="DIR",
+            autocompletion=named_files.folders,
+            help="Write how a finding comes about, as files to run.",
+        ),
     ] = None
     rehearse: Annotated[
         bool, typer.Option("--rehearse", help="Run each mission in the simulator.")
@@ -68,13 +77,18 @@ class ExplainOptions:
     code: Annotated[
         str | None,
         typer.Argument(
-            metavar="[CODE]", help="A code, or the name of a control; without one all codes."
+            metavar="[CODE]",
+            autocompletion=candidates.codes,
+            help="A code, or the name of a control; without one all codes.",
         ),
     ] = None
     robot: Annotated[
         str | None,
         typer.Option(
-            "--robot", metavar="NAME", help="Whose control; by default any shipped one's."
+            "--robot",
+            metavar="NAME",
+            autocompletion=named_files.robots,
+            help="Whose control; by default any shipped one's.",
         ),
     ] = None
     debug: common.Debug = False
@@ -87,8 +101,22 @@ class DiffOptions:
     Exit codes: 0 both can do the same, 1 they differ, 2 one of them cannot be used.
     """
 
-    old: Annotated[str, typer.Argument(metavar="OLD", help="A mission: its name or its file.")]
-    new: Annotated[str, typer.Argument(metavar="NEW", help="The mission to hold against it.")]
+    old: Annotated[
+        str,
+        typer.Argument(
+            metavar="OLD",
+            autocompletion=named_files.missions,
+            help="A mission: its name or its file.",
+        ),
+    ]
+    new: Annotated[
+        str,
+        typer.Argument(
+            metavar="NEW",
+            autocompletion=named_files.missions,
+            help="The mission to hold against it.",
+        ),
+    ]
     format: Annotated[
         Literal["text", "json"],
         typer.Option("--format", help="What is written to standard output."),
@@ -96,6 +124,11 @@ class DiffOptions:
     robot: common.RobotOfMissions = None
     settings: Annotated[
         list[str] | None,
-        typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value, for both."),
+        typer.Option(
+            "--set",
+            metavar="NAME=VALUE",
+            autocompletion=candidates.parameters,
+            help="A parameter's value, for both.",
+        ),
     ] = None
     debug: common.Debug = False

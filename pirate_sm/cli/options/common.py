@@ -12,6 +12,7 @@ from typing import Annotated
 import typer
 
 from pirate_sm import __version__
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.model.fidelity import Fidelity
 
 
@@ -43,54 +44,87 @@ Version = Annotated[
 Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
 
-def _backends() -> list[str]:
-    """Return the names for a shell's completion."""
-    from pirate_sm.wiring import BACKENDS
-
-    return BACKENDS.names
-
-
 Backend = Annotated[
     str,
     typer.Option(
         metavar="NAME",
-        autocompletion=_backends,
+        autocompletion=candidates.backends,
         help="sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
         "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
     ),
 ]
 RobotOfMission = Annotated[
-    str | None, typer.Option("--robot", metavar="NAME", help="In place of the mission's own.")
+    str | None,
+    typer.Option(
+        "--robot",
+        metavar="NAME",
+        autocompletion=named_files.robots,
+        help="In place of the mission's own.",
+    ),
 ]
 PipeOfMission = Annotated[
-    str | None, typer.Option("--pipe", metavar="NAME", help="In place of the mission's own.")
+    str | None,
+    typer.Option(
+        "--pipe",
+        metavar="NAME",
+        autocompletion=named_files.pipes,
+        help="In place of the mission's own.",
+    ),
 ]
 RobotOfMissions = Annotated[
-    str | None, typer.Option("--robot", metavar="NAME", help="In place of the missions' own.")
+    str | None,
+    typer.Option(
+        "--robot",
+        metavar="NAME",
+        autocompletion=named_files.robots,
+        help="In place of the missions' own.",
+    ),
 ]
 PipeOfMissions = Annotated[
-    str | None, typer.Option("--pipe", metavar="NAME", help="In place of the missions' own.")
+    str | None,
+    typer.Option(
+        "--pipe",
+        metavar="NAME",
+        autocompletion=named_files.pipes,
+        help="In place of the missions' own.",
+    ),
 ]
 OneRobot = Annotated[
     str | None,
-    typer.Option("--robot", metavar="NAME", help="Which robot; the first one shipped."),
+    typer.Option(
+        "--robot",
+        metavar="NAME",
+        autocompletion=named_files.robots,
+        help="Which robot; the first one shipped.",
+    ),
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option("--set", metavar="NAME=VALUE", help="A parameter's value. Repeatable."),
+    typer.Option(
+        "--set",
+        metavar="NAME=VALUE",
+        autocompletion=candidates.parameters,
+        help="A parameter's value. Repeatable.",
+    ),
 ]
 States = Annotated[
     list[str] | None,
     typer.Option(
         "--state",
         metavar="REGION=STATE",
+        autocompletion=candidates.states,
         help="The robot is in this state, in place of starts_in.",
     ),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")]
 Defects = Annotated[
     list[str] | None,
-    typer.Option("--defect", metavar="NAME", help="Switch on a known defect. Repeatable."),
+    typer.Option(
+        "--defect",
+        metavar="NAME",
+        autocompletion=candidates.defects,
+        help="Switch on a known defect. Repeatable.",
+    ),
 ]
 FidelityOfSim = Annotated[
     Fidelity,
@@ -101,6 +135,7 @@ Jitter = Annotated[
     typer.Option(
         "--jitter",
         metavar="NAME=VALUE",
+        autocompletion=candidates.words("start=", "friction=", "diameter="),
         help="How far a simulated run may differ: start=20mm, friction=20%, diameter=2mm.",
     ),
 ]
@@ -109,17 +144,28 @@ LineFault = Annotated[
     typer.Option(
         "--line",
         metavar="NAME=VALUE",
+        autocompletion=candidates.words(
+            "loss_in=", "loss_out=", "corruption=", "delay=", "jitter=", "reset_every="
+        ),
         help="Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every.",
     ),
 ]
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")
 ]
-Port = Annotated[str | None, typer.Option(metavar="PORT", help="/dev/ttyACM0, or a pyserial URL.")]
+Port = Annotated[
+    str | None,
+    typer.Option(
+        metavar="PORT", autocompletion=candidates.ports, help="/dev/ttyACM0, or a pyserial URL."
+    ),
+]
 PortOfRobot = Annotated[
     str | None,
     typer.Option(
-        "--port", metavar="PORT", help="Of the real robot: /dev/ttyACM0, or a pyserial URL."
+        "--port",
+        metavar="PORT",
+        autocompletion=candidates.ports,
+        help="Of the real robot: /dev/ttyACM0, or a pyserial URL.",
     ),
 ]
 Baud = Annotated[int | None, typer.Option(min=1, help="In place of the robot's own rate.")]
@@ -135,6 +181,7 @@ Detector = Annotated[
     str | None,
     typer.Option(
         metavar="sim|odometry|vision:CAMERA|NAME",
+        autocompletion=candidates.detectors,
         help="What reports where the robot is. For sim: sim, for serial: odometry.",
     ),
 ]
@@ -142,6 +189,7 @@ Also = Annotated[
     str | None,
     typer.Option(
         metavar="DETECTOR",
+        autocompletion=candidates.detectors,
         help="A second detector, to compare: its words are logged and do nothing.",
     ),
 ]
@@ -150,6 +198,7 @@ Panel = Annotated[
     typer.Option(
         "--panel",
         metavar="NAME[:DEVICE]",
+        autocompletion=named_files.panels,
         help="A MIDI control panel, with its stop; others: pirate panel.",
     ),
 ]
@@ -171,12 +220,25 @@ Check = Annotated[
 Twin = Annotated[
     str | None,
     typer.Option(
-        "--twin", metavar="FILE", help="Numbers of the simulated robot, from pirate fit --robot."
+        "--twin",
+        metavar="FILE",
+        autocompletion=named_files.twins,
+        help="Numbers of the simulated robot, from pirate fit --robot.",
     ),
 ]
 NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
 
-Recording = Annotated[str, typer.Argument(metavar="RUN.mcap", help="A recording.")]
+Recording = Annotated[
+    str,
+    typer.Argument(metavar="RUN.mcap", autocompletion=named_files.recordings, help="A recording."),
+]
 Output = Annotated[
-    Path | None, typer.Option("--output", "-o", metavar="OUT", help="Write to this file.")
+    Path | None,
+    typer.Option(
+        "--output",
+        "-o",
+        metavar="OUT",
+        autocompletion=named_files.files,
+        help="Write to this file.",
+    ),
 ]

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -20,18 +21,37 @@ class BayOptions:
 
     mission: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Robot, pipe and start are those of this mission."),
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.missions,
+            help="Robot, pipe and start are those of this mission.",
+        ),
     ] = None
     robot: common.OneRobot = None
     pipe: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Where it is; the first pipe shipped.")
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.pipes,
+            help="Where it is; the first pipe shipped.",
+        ),
     ] = None
     seed: common.Seed = 0
     link: Annotated[
-        Path | None, typer.Option(metavar="PATH", help="Make a symbolic link to the port here.")
+        Path | None,
+        typer.Option(
+            metavar="PATH",
+            autocompletion=named_files.files,
+            help="Make a symbolic link to the port here.",
+        ),
     ] = None
     log: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="JSON Lines of arrays and restarts.")
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            autocompletion=named_files.files,
+            help="JSON Lines of arrays and restarts.",
+        ),
     ] = None
     loss: Annotated[
         str | None, typer.Option(metavar="SHARE", help="Frames lost each way, such as 20%.")
@@ -65,7 +85,11 @@ class BayOptions:
     ] = 0.0
     wrong_md5: Annotated[
         list[str] | None,
-        typer.Option(metavar="state|echo|setpoints", help="Announce a wrong md5. Repeatable."),
+        typer.Option(
+            metavar="state|echo|setpoints",
+            autocompletion=candidates.words("state", "echo", "setpoints"),
+            help="Announce a wrong md5. Repeatable.",
+        ),
     ] = None
     unconfigured_at: Annotated[
         list[float] | None,

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -24,25 +25,42 @@ class FitOptions:
 
     runs: Annotated[
         list[str],
-        typer.Argument(metavar="RUN...", help="Recordings (.mcap) or tables of signals (.csv)."),
+        typer.Argument(
+            metavar="RUN...",
+            autocompletion=named_files.recordings_or_tables,
+            help="Recordings (.mcap) or tables of signals (.csv).",
+        ),
     ]
     robot: Annotated[
         bool,
         typer.Option("--robot", help="Estimate the robot's motors and friction instead."),
     ] = False
-    slip: Annotated[str, typer.Option(metavar="SIGNAL", help="Slip speeds of the wheels.")] = (
-        "slip_speed_{}"
-    )
+    slip: Annotated[
+        str,
+        typer.Option(
+            metavar="SIGNAL", autocompletion=candidates.signals, help="Slip speeds of the wheels."
+        ),
+    ] = "slip_speed_{}"
     friction: Annotated[
         str,
-        typer.Option(metavar="SIGNAL", help="Friction in use; otherwise |torque| / (r normal)."),
+        typer.Option(
+            metavar="SIGNAL",
+            autocompletion=candidates.signals,
+            help="Friction in use; otherwise |torque| / (r normal).",
+        ),
     ] = ""
-    torque: Annotated[str, typer.Option(metavar="SIGNAL", help="Torques of the wheels.")] = (
-        "wheel_torque_{}"
-    )
-    normal: Annotated[str, typer.Option(metavar="SIGNAL", help="Normal forces of the wheels.")] = (
-        "normal_force_{}"
-    )
+    torque: Annotated[
+        str,
+        typer.Option(
+            metavar="SIGNAL", autocompletion=candidates.signals, help="Torques of the wheels."
+        ),
+    ] = "wheel_torque_{}"
+    normal: Annotated[
+        str,
+        typer.Option(
+            metavar="SIGNAL", autocompletion=candidates.signals, help="Normal forces of the wheels."
+        ),
+    ] = "normal_force_{}"
     radius: Annotated[
         str | None,
         typer.Option(metavar="LENGTH", help="Of the wheels; for a recording, its robot's."),
@@ -57,14 +75,25 @@ class FitOptions:
         Path | None,
         typer.Option(
             metavar="FILE",
+            autocompletion=named_files.files,
             help="Write friction into this pipe file; with --robot: numbers for --twin.",
         ),
     ] = None
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT.html", help="A page with plots.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT.html",
+            autocompletion=named_files.files,
+            help="A page with plots.",
+        ),
     ] = None
     csv: Annotated[
-        Path | None, typer.Option(metavar="OUT.csv", help="A table of what was found.")
+        Path | None,
+        typer.Option(
+            metavar="OUT.csv", autocompletion=named_files.files, help="A table of what was found."
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -81,7 +110,11 @@ class ExperimentOptions:
 
     which: Annotated[
         list[str],
-        typer.Argument(metavar="WHICH...", help="1, 2, 3, one part of them such as 3c, or all."),
+        typer.Argument(
+            metavar="WHICH...",
+            autocompletion=candidates.experiments,
+            help="1, 2, 3, one part of them such as 3c, or all.",
+        ),
     ]
     robot: common.OneRobot = None
     noise: Annotated[
@@ -91,9 +124,19 @@ class ExperimentOptions:
         int, typer.Option(min=1, help="Runs of everything random; medians are shown.")
     ] = 3
     output: Annotated[
-        Path | None, typer.Option("--output", "-o", metavar="OUT.html", help="A page with figures.")
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT.html",
+            autocompletion=named_files.files,
+            help="A page with figures.",
+        ),
     ] = None
-    csv: Annotated[Path | None, typer.Option(metavar="OUT.csv", help="A table of every row.")] = (
-        None
-    )
+    csv: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="OUT.csv", autocompletion=named_files.files, help="A table of every row."
+        ),
+    ] = None
     debug: common.Debug = False

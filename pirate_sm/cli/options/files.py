@@ -8,6 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 
@@ -35,7 +36,12 @@ class ListOptions:
         typer.Argument(help="All of them when nothing is named."),
     ] = None
     robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Whose commands, signals and defects.")
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.robots,
+            help="Whose commands, signals and defects.",
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -61,7 +67,11 @@ class SchemaOptions:
     ]
     robot: Annotated[
         str | None,
-        typer.Option(metavar="NAME", help="Missions for this robot: its commands, its states."),
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.robots,
+            help="Missions for this robot: its commands, its states.",
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -77,7 +87,11 @@ class GraphOptions:
 
     file: Annotated[
         str,
-        typer.Argument(metavar="FILE", help="A mission, a robot, a chart or a pipe: name or path."),
+        typer.Argument(
+            metavar="FILE",
+            autocompletion=named_files.drawable,
+            help="A mission, a robot, a chart or a pipe: name or path.",
+        ),
     ]
     format: Annotated[
         Literal["mermaid", "dot", "svg", "scxml"] | None,
@@ -86,11 +100,20 @@ class GraphOptions:
     output: common.Output = None
     path: Annotated[
         str | None,
-        typer.Option("--highlight", metavar="A,B,C", help="Phases or states to mark, in order."),
+        typer.Option(
+            "--highlight",
+            metavar="A,B,C",
+            autocompletion=candidates.phases_in_order,
+            help="Phases or states to mark, in order.",
+        ),
     ] = None
     counterexample: Annotated[
         Path | None,
-        typer.Option(metavar="SCRIPT", help="Mark the way that this course of events takes."),
+        typer.Option(
+            metavar="SCRIPT",
+            autocompletion=named_files.scripts,
+            help="Mark the way that this course of events takes.",
+        ),
     ] = None
     calls: Annotated[
         bool, typer.Option("--calls", help="Draw the missions that it calls, too.")
@@ -109,7 +132,14 @@ class ImportOptions:
     Exit codes: 0 written, 2 invalid files or arguments.
     """
 
-    file: Annotated[Path, typer.Argument(metavar="FILE.scxml", help="A statechart in SCXML 1.0.")]
+    file: Annotated[
+        Path,
+        typer.Argument(
+            metavar="FILE.scxml",
+            autocompletion=named_files.charts_in_scxml,
+            help="A statechart in SCXML 1.0.",
+        ),
+    ]
     output: common.Output = None
     debug: common.Debug = False
 
@@ -124,21 +154,38 @@ class PlanOptions:
     arguments.
     """
 
-    robot: Annotated[str, typer.Argument(metavar="ROBOT", help="A shipped robot, or its folder.")]
+    robot: Annotated[
+        str,
+        typer.Argument(
+            metavar="ROBOT",
+            autocompletion=named_files.robots,
+            help="A shipped robot, or its folder.",
+        ),
+    ]
     to: Annotated[
         list[str] | None,
         typer.Option(
-            "--to", metavar="REGION=STATE,…", help="Where to; regions not named do not matter."
+            "--to",
+            metavar="REGION=STATE,…",
+            autocompletion=candidates.states_of_several,
+            help="Where to; regions not named do not matter.",
         ),
     ] = None
     to_phase: Annotated[
         str | None,
-        typer.Option(metavar="MISSION:PHASE", help="To where a mission can begin this phase."),
+        typer.Option(
+            metavar="MISSION:PHASE",
+            autocompletion=candidates.phases_of_missions,
+            help="To where a mission can begin this phase.",
+        ),
     ] = None
     begin: Annotated[
         list[str] | None,
         typer.Option(
-            "--from", metavar="REGION=STATE,…", help="From where, in place of its initial states."
+            "--from",
+            metavar="REGION=STATE,…",
+            autocompletion=candidates.states_of_several,
+            help="From where, in place of its initial states.",
         ),
     ] = None
     json: Annotated[bool, typer.Option("--json", help="One JSON object, for programs.")] = False
@@ -154,7 +201,11 @@ class RobotOptions:
 
     name: Annotated[
         str | None,
-        typer.Argument(metavar="ROBOT", help="A shipped robot, or its folder; the first shipped."),
+        typer.Argument(
+            metavar="ROBOT",
+            autocompletion=named_files.robots,
+            help="A shipped robot, or its folder; the first shipped.",
+        ),
     ] = None
     html: Annotated[bool, typer.Option("--html", help="One HTML file in place of Markdown.")] = (
         False
@@ -173,13 +224,28 @@ class NewMissionOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.robots,
+            help="For which robot; the first one shipped.",
+        ),
     ] = None
     pipe: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Along a route of this pipe: name or file.")
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.pipes,
+            help="Along a route of this pipe: name or file.",
+        ),
     ] = None
     route: Annotated[
-        str | None, typer.Option(metavar="NAME", help="Along this route, in place of the first.")
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=candidates.routes,
+            help="Along this route, in place of the first.",
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -190,7 +256,12 @@ class NewPipeOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="For which robot; the first one shipped.")
+        str | None,
+        typer.Option(
+            metavar="NAME",
+            autocompletion=named_files.robots,
+            help="For which robot; the first one shipped.",
+        ),
     ] = None
     round: Annotated[
         bool, typer.Option("--round", help="Round pipes, with a tee and a branch.")
@@ -207,7 +278,12 @@ class NewCampaignOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     mission: Annotated[
-        str, typer.Option(metavar="MISSION", help="Which mission it runs: name or file.")
+        str,
+        typer.Option(
+            metavar="MISSION",
+            autocompletion=named_files.missions,
+            help="Which mission it runs: name or file.",
+        ),
     ] = "mitre_bend"
     debug: common.Debug = False
 
@@ -218,7 +294,12 @@ class NewRobotOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")]
     like: Annotated[
-        str | None, typer.Option(metavar="ROBOT", help="A copy of this robot, to be changed.")
+        str | None,
+        typer.Option(
+            metavar="ROBOT",
+            autocompletion=named_files.robots,
+            help="A copy of this robot, to be changed.",
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -228,9 +309,14 @@ class NewCameraOptions:
     """Write a copy of a camera's file, to be changed."""
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    like: Annotated[str, typer.Option(metavar="CAMERA", help="Of which camera: name or file.")] = (
-        "setup_3"
-    )
+    like: Annotated[
+        str,
+        typer.Option(
+            metavar="CAMERA",
+            autocompletion=named_files.cameras,
+            help="Of which camera: name or file.",
+        ),
+    ] = "setup_3"
     debug: common.Debug = False
 
 
@@ -239,7 +325,10 @@ class NewPanelOptions:
     """Write a copy of a control panel's file, to be changed."""
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    like: Annotated[str, typer.Option(metavar="PANEL", help="Of which panel: name or file.")] = (
-        "nanokontrol2"
-    )
+    like: Annotated[
+        str,
+        typer.Option(
+            metavar="PANEL", autocompletion=named_files.panels, help="Of which panel: name or file."
+        ),
+    ] = "nanokontrol2"
     debug: common.Debug = False

@@ -8,14 +8,8 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-
-
-def _scenes() -> list[str]:
-    """Return the names for a shell's completion."""
-    from pirate_sm.loading import library
-
-    return [path.stem for path in library.scenes()]
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -30,7 +24,9 @@ class DemoOptions:
     scene: Annotated[
         str | None,
         typer.Argument(
-            metavar="[SCENE]", autocompletion=_scenes, help="A scene's name, or a file of your own."
+            metavar="[SCENE]",
+            autocompletion=named_files.scenes,
+            help="A scene's name, or a file of your own.",
         ),
     ] = None
     all: Annotated[
@@ -39,10 +35,19 @@ class DemoOptions:
     speed: Annotated[
         str | None,
         typer.Option(
-            metavar="max|realtime|FACTOR", help="Mission time over wall time; else the scene's own."
+            metavar="max|realtime|FACTOR",
+            autocompletion=candidates.words("max", "realtime"),
+            help="Mission time over wall time; else the scene's own.",
         ),
     ] = None
     output: Annotated[
-        Path, typer.Option("--output", "-o", metavar="DIR", help="Where the reports are written.")
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            autocompletion=named_files.folders,
+            help="Where the reports are written.",
+        ),
     ] = Path("runs/demo")
     debug: common.Debug = False

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
 
 
@@ -54,7 +55,11 @@ class CalibrateOptions:
     ] = None
     skip: Annotated[
         list[str] | None,
-        typer.Option(metavar="JOINT", help="Leave this joint out. Repeatable."),
+        typer.Option(
+            metavar="JOINT",
+            autocompletion=candidates.joints,
+            help="Leave this joint out. Repeatable.",
+        ),
     ] = None
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="The robot lies straight already; ask nothing.")

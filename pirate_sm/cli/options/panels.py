@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
 
@@ -23,6 +24,7 @@ class PanelOptions:
         str | None,
         typer.Argument(
             metavar="[NAME[:DEVICE]|DEVICE]",
+            autocompletion=named_files.panels,
             help="A panel's name, or a file; a MIDI device alone shows bare numbers.",
         ),
     ] = None

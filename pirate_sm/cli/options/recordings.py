@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
 
 
@@ -21,14 +22,24 @@ class ReplayOptions:
     recording: common.Recording
     mission: Annotated[
         str | None,
-        typer.Option(metavar="MISSION", help="In place of the one in the recording."),
+        typer.Option(
+            metavar="MISSION",
+            autocompletion=named_files.missions,
+            help="In place of the one in the recording.",
+        ),
     ] = None
     robot: Annotated[
-        str | None, typer.Option(metavar="NAME", help="With --mission: the robot.")
+        str | None,
+        typer.Option(
+            metavar="NAME", autocompletion=named_files.robots, help="With --mission: the robot."
+        ),
     ] = None
-    pipe: Annotated[str | None, typer.Option(metavar="NAME", help="With --mission: the pipe.")] = (
-        None
-    )
+    pipe: Annotated[
+        str | None,
+        typer.Option(
+            metavar="NAME", autocompletion=named_files.pipes, help="With --mission: the pipe."
+        ),
+    ] = None
     begin: Annotated[
         str | None,
         typer.Option("--from", metavar="TIME", help="Begin at the checkpoint before this time."),
@@ -53,9 +64,19 @@ class CompareOptions:
     """
 
     first: Annotated[
-        str, typer.Argument(metavar="A.mcap", help="A recording, or the folder of a campaign.")
+        str,
+        typer.Argument(
+            metavar="A.mcap",
+            autocompletion=named_files.recordings,
+            help="A recording, or the folder of a campaign.",
+        ),
     ]
-    second: Annotated[str, typer.Argument(metavar="B.mcap", help="Another one.")]
+    second: Annotated[
+        str,
+        typer.Argument(
+            metavar="B.mcap", autocompletion=named_files.recordings, help="Another one."
+        ),
+    ]
     debug: common.Debug = False
 
 
@@ -65,28 +86,58 @@ class ExportOptions:
 
     recording: common.Recording
     csv: Annotated[
-        str | None, typer.Option(metavar="DIR", help="One table for each topic, SI units.")
+        str | None,
+        typer.Option(
+            metavar="DIR",
+            autocompletion=named_files.folders,
+            help="One table for each topic, SI units.",
+        ),
     ] = None
     parquet: Annotated[
-        str | None, typer.Option(metavar="DIR", help="The same tables as Parquet files.")
+        str | None,
+        typer.Option(
+            metavar="DIR",
+            autocompletion=named_files.folders,
+            help="The same tables as Parquet files.",
+        ),
     ] = None
     viewers: Annotated[
         str | None,
-        typer.Option(metavar="OUT.mcap", help="The recording with all that viewers can show."),
+        typer.Option(
+            metavar="OUT.mcap",
+            autocompletion=named_files.files,
+            help="The recording with all that viewers can show.",
+        ),
     ] = None
     ros2: Annotated[
         str | None,
-        typer.Option(metavar="DIR", help="A bag of ROS 2: joints, frames, log, URDF."),
+        typer.Option(
+            metavar="DIR",
+            autocompletion=named_files.folders,
+            help="A bag of ROS 2: joints, frames, log, URDF.",
+        ),
     ] = None
     urdf: Annotated[
-        str | None, typer.Option(metavar="FILE", help="The robot, from its profile.")
+        str | None,
+        typer.Option(
+            metavar="FILE", autocompletion=named_files.files, help="The robot, from its profile."
+        ),
     ] = None
     lichtblick: Annotated[
         str | None,
-        typer.Option(metavar="FILE", help="A layout for Lichtblick and Foxglove, for this robot."),
+        typer.Option(
+            metavar="FILE",
+            autocompletion=named_files.files,
+            help="A layout for Lichtblick and Foxglove, for this robot.",
+        ),
     ] = None
     plotjuggler: Annotated[
-        str | None, typer.Option(metavar="FILE", help="A layout for PlotJuggler, for this robot.")
+        str | None,
+        typer.Option(
+            metavar="FILE",
+            autocompletion=named_files.files,
+            help="A layout for PlotJuggler, for this robot.",
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -128,11 +179,21 @@ class ReportOptions:
 
     recordings: Annotated[
         list[str],
-        typer.Argument(metavar="RUN.mcap", help="A recording, several, or a folder of them."),
+        typer.Argument(
+            metavar="RUN.mcap",
+            autocompletion=named_files.recordings,
+            help="A recording, several, or a folder of them.",
+        ),
     ]
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="OUT.html", help="RUN.html; of many, index.html."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT.html",
+            autocompletion=named_files.files,
+            help="RUN.html; of many, index.html.",
+        ),
     ] = None
     debug: common.Debug = False
 
@@ -147,6 +208,12 @@ class RepairOptions:
     recording: common.Recording
     output: Annotated[
         Path | None,
-        typer.Option("--output", "-o", metavar="OUT.mcap", help="RUN.repaired.mcap otherwise."),
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT.mcap",
+            autocompletion=named_files.files,
+            help="RUN.repaired.mcap otherwise.",
+        ),
     ] = None
     debug: common.Debug = False

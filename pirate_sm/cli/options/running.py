@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.palette import USUAL as USUAL_THEME
@@ -24,18 +25,31 @@ class RunOptions:
 
     mission: Annotated[
         str | None,
-        typer.Argument(metavar="[MISSION]", help="A shipped mission's name, or a file."),
+        typer.Argument(
+            metavar="[MISSION]",
+            autocompletion=named_files.missions,
+            help="A shipped mission's name, or a file.",
+        ),
     ] = None
     resume: Annotated[
         str | None,
-        typer.Option(metavar="RUN.mcap", help="Go on with a run that was cut off."),
+        typer.Option(
+            metavar="RUN.mcap",
+            autocompletion=named_files.recordings,
+            help="Go on with a run that was cut off.",
+        ),
     ] = None
     look: Annotated[
         bool, typer.Option("--look", help="With --resume: only see whether it can go on.")
     ] = False
     at: Annotated[
         str | None,
-        typer.Option("--at", metavar="PHASE", help="With --resume: go on with this phase."),
+        typer.Option(
+            "--at",
+            metavar="PHASE",
+            autocompletion=candidates.phases,
+            help="With --resume: go on with this phase.",
+        ),
     ] = None
     accept: Annotated[
         bool, typer.Option("--accept", help="With --resume: go on without asking, if all is seen.")
@@ -45,7 +59,13 @@ class RunOptions:
     pipe: common.PipeOfMission = None
     settings: common.Settings = None
     start_phase: Annotated[
-        str | None, typer.Option("--from", metavar="PHASE", help="Begin with this phase.")
+        str | None,
+        typer.Option(
+            "--from",
+            metavar="PHASE",
+            autocompletion=candidates.phases,
+            help="Begin with this phase.",
+        ),
     ] = None
     states: common.States = None
     seed: common.Seed = 0
@@ -53,6 +73,7 @@ class RunOptions:
         str | None,
         typer.Option(
             metavar="max|realtime|FACTOR",
+            autocompletion=candidates.words("max", "realtime"),
             help="Mission time over wall time. On a terminal 4, else max.",
         ),
     ] = None
@@ -70,7 +91,11 @@ class RunOptions:
     ] = None
     script: Annotated[
         str | None,
-        typer.Option(metavar="FILE", help="In a trace: a YAML list of {phase, trigger, after}."),
+        typer.Option(
+            metavar="FILE",
+            autocompletion=named_files.scripts,
+            help="In a trace: a YAML list of {phase, trigger, after}.",
+        ),
     ] = None
     port: common.PortOfRobot = None
     baud: common.Baud = None
@@ -85,7 +110,11 @@ class RunOptions:
     twin: common.Twin = None
     record: Annotated[
         str | None,
-        typer.Option(metavar="FILE.mcap", help="Where the run is kept, in place of runs/."),
+        typer.Option(
+            metavar="FILE.mcap",
+            autocompletion=named_files.files,
+            help="Where the run is kept, in place of runs/.",
+        ),
     ] = None
     no_record: common.NoRecord = False
     live: Annotated[
@@ -113,16 +142,26 @@ class ConsoleOptions:
         str | None,
         typer.Argument(
             metavar="[MISSION|RUN.mcap]",
+            autocompletion=named_files.missions_or_recordings,
             help="A shipped mission's name, or a file; a recording to look through.",
         ),
     ] = None
     resume: Annotated[
         str | None,
-        typer.Option(metavar="RUN.mcap", help="Take over a run that was cut off."),
+        typer.Option(
+            metavar="RUN.mcap",
+            autocompletion=named_files.recordings,
+            help="Take over a run that was cut off.",
+        ),
     ] = None
     at: Annotated[
         str | None,
-        typer.Option("--at", metavar="PHASE", help="With --resume: go on with this phase."),
+        typer.Option(
+            "--at",
+            metavar="PHASE",
+            autocompletion=candidates.phases,
+            help="With --resume: go on with this phase.",
+        ),
     ] = None
     backend: common.Backend = "sim"
     robot: common.RobotOfMission = None
@@ -132,7 +171,11 @@ class ConsoleOptions:
     seed: common.Seed = 0
     speed: Annotated[
         str,
-        typer.Option(metavar="max|realtime|FACTOR", help="Mission time over wall time."),
+        typer.Option(
+            metavar="max|realtime|FACTOR",
+            autocompletion=candidates.words("max", "realtime"),
+            help="Mission time over wall time.",
+        ),
     ] = "realtime"
     theme: Annotated[
         Theme, typer.Option(help="Its colours. NO_COLOR in the environment: none.")

@@ -1,4 +1,4 @@
-"""Options of `pirate config`."""
+"""Options of `pirate config` and `pirate completion`."""
 
 from __future__ import annotations
 
@@ -26,4 +26,19 @@ class ConfigOptions:
     format: Annotated[
         Literal["text", "json"], typer.Option("--format", help="For people, or for programs.")
     ] = "text"
+    debug: common.Debug = False
+
+
+@dataclass(frozen=True, kw_only=True)
+class CompletionOptions:
+    """Print a script with which a shell completes command lines.
+
+    bash: write it to ~/.pirate_sm.bash, and `source ~/.pirate_sm.bash` into ~/.bashrc.
+
+    zsh: write it to ~/.pirate_sm.zsh, and `source ~/.pirate_sm.zsh` into ~/.zshrc.
+
+    fish: write it to ~/.config/fish/conf.d/pirate_sm.fish.
+    """
+
+    shell: Annotated[Literal["bash", "zsh", "fish"], typer.Argument(help="For which shell.")]
     debug: common.Debug = False

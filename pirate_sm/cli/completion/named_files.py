@@ -1,0 +1,171 @@
+"""The shipped names and the files that a shell offers for an option or an argument.
+
+Options name these functions, as those of :mod:`candidates`.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Collection, Iterable, Iterator
+from itertools import islice
+from pathlib import Path
+
+import typer
+
+from pirate_sm.cli.completion.reading import RECORDING, Candidate, about_file, line, read
+from pirate_sm.loading import library
+from pirate_sm.loading.file_names import PROFILE_FILE
+
+MOST_FILES = 1000
+"""So many files of a folder are looked at."""
+
+MOST_RUNS = 20
+"""So many recordings of the folder for them are offered, beside those of the working folder."""
+
+
+def missions(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped missions, and files."""
+    yield from _shipped(library.missions(), typed)
+    yield from _yaml(typed, {"mission"})
+
+
+def missions_or_recordings(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped missions, files of missions, and recordings."""
+    yield from _shipped(library.missions(), typed)
+    yield from _files(typed, lambda path: path.suffix == RECORDING or _is(path, {"mission"}))
+
+
+def pipes(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped pipes, and files."""
+    yield from _shipped(library.pipes(), typed)
+    yield from _yaml(typed, {"pipe"})
+
+
+def robots(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped robots, and folders."""
+    for robot in library.robots():
+        if robot.name.startswith(typed):
+            yield robot.name, about_file(robot / PROFILE_FILE)
+    for folder, about in folders(context, typed):
+        profile = Path(folder).expanduser() / PROFILE_FILE
+        yield (folder.rstrip("/"), about_file(profile)) if profile.is_file() else (folder, about)
+
+
+def cameras(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped cameras, and files."""
+    yield from _shipped(library.cameras(), typed)
+    yield from _yaml(typed, {"camera"})
+
+
+def panels(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped control panels, and files."""
+    yield from _shipped(library.panels(), typed)
+    yield from _yaml(typed, {"panel"})
+
+
+def scenes(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the scenes of the gallery, and files."""
+    for path in library.scenes():
+        if path.stem.startswith(typed):
+            yield path.stem, line(read(path).get("title"))
+    yield from _files(typed, lambda path: "scene" in read(path))
+
+
+def campaigns(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield files of campaigns, and missions."""
+    yield from _shipped(library.missions(), typed)
+    yield from _yaml(typed, {"campaign", "mission"})
+
+
+def drawable(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield missions, robots and pipes, and files of them and of charts."""
+    yield from _shipped([*library.missions(), *library.pipes()], typed)
+    yield from robots(context, typed)
+    yield from _files(typed, lambda path: _is(path, {"mission", "pipe", "robot", "chart"}))
+
+
+def scripts(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield files with triggers, or with a course of events."""
+    yield from _yaml(typed, {"trace script"})
+
+
+def twins(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield files with numbers of a simulated robot."""
+    yield from _yaml(typed, {"twin"})
+
+
+def checkable(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield YAML files, and folders."""
+    yield from _files(typed, lambda path: path.suffix in library.SUFFIXES)
+
+
+def files(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield all files, and folders."""
+    yield from _files(typed, lambda path: True)
+
+
+def folders(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield folders."""
+    yield from _files(typed, lambda path: False)
+
+
+def recordings(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield recordings of the working folder, and the newest of the folder for recordings."""
+    yield from _files(typed, lambda path: path.suffix == RECORDING)
+    from pirate_sm.cli.settings import values
+
+    runs = values()["runs"]
+    if not typed and runs.value and not runs.refused:
+        names = (each.name for each in _entries(Path(runs.value)) if each.name.endswith(RECORDING))
+        for name in sorted(names, reverse=True)[:MOST_RUNS]:  # they begin with the time
+            yield f"{runs.value}/{name}", ""
+
+
+def recordings_or_tables(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield recordings, and tables in CSV files."""
+    yield from recordings(context, typed)
+    yield from _files(typed, lambda path: path.suffix == ".csv")
+
+
+def charts_in_scxml(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield files in SCXML."""
+    yield from _files(typed, lambda path: path.suffix in {".scxml", ".xml"})
+
+
+def _shipped(paths: Iterable[Path], typed: str) -> Iterator[Candidate]:
+    for path in paths:
+        if path.stem.startswith(typed):
+            yield path.stem, about_file(path)
+
+
+def _yaml(typed: str, kinds: Collection[str]) -> Iterator[Candidate]:
+    return _files(typed, lambda path: _is(path, kinds))
+
+
+def _files(typed: str, fits: Callable[[Path], bool]) -> Iterator[Candidate]:
+    """Yield files and folders whose path begins so; a ``~`` stays as it is."""
+    folder, slash, name = typed.rpartition("/")
+    inside = Path(f"{folder}{slash}" or ".").expanduser()
+    for each in _entries(inside):
+        if not each.name.startswith(name) or (each.name[0] == "." and not name):
+            continue
+        path = inside / each.name
+        if each.is_dir():
+            yield f"{folder}{slash}{each.name}/", ""
+        elif fits(path):
+            yield f"{folder}{slash}{each.name}", about_file(path)
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    """Return what is in a folder, sorted by name; nothing if it cannot be read."""
+    try:
+        with os.scandir(folder) as found:
+            return sorted(islice(found, MOST_FILES), key=lambda each: each.name)
+    except OSError:
+        return []
+
+
+def _is(path: Path, kinds: Collection[str]) -> bool:
+    from pirate_sm.checking.file_kinds import kind_of
+
+    return path.suffix in library.SUFFIXES and kind_of(path) in kinds
