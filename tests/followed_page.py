@@ -8,9 +8,13 @@ from typing import NamedTuple
 
 ORDER = re.compile(
     r"([Ii]n|New file|[Ss]ave this as|At the end of)\s`([^`]+)`"
-    r"(?:, (before|after|in place of) (`+) ?(.+?)\4)?:\n"
+    r"(?:, (before|after|in place of|replace the line|insert below the line)"
+    r"(?: that begins with)? (`+) ?(.+?)\4(?: with)?)?:\n"
 )
 """The end of the paragraph before a block of code: where the block goes."""
+
+BELOW = {"after", "insert below the line"}
+ABOVE = {"before"}
 
 BLOCK = re.compile(r"^( *)```(\w+)\n(.*?)^ *```$", re.MULTILINE | re.DOTALL)
 
@@ -88,6 +92,6 @@ def apply(edit: Edit, folder: Path) -> None:
     lines = file.read_text("utf-8").splitlines(keepends=True)
     found = [at for at, line in enumerate(lines) if line.strip().startswith(edit.anchor)]
     assert len(found) == 1, f"{edit.file}: {len(found)} lines begin with `{edit.anchor}`"
-    first = found[0] + (edit.how == "after")
-    lines[first : found[0] + (edit.how != "before")] = [edit.text]
+    first = found[0] + (edit.how in BELOW)
+    lines[first : found[0] + (edit.how not in ABOVE)] = [edit.text]
     file.write_text("".join(lines), encoding="utf-8")

@@ -13,6 +13,7 @@ import pytest
 
 import pirate_sm
 from pirate_sm.cli import stored_help
+from website.built_site import near
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
@@ -25,6 +26,24 @@ _CODE = re.compile(r"^ *```.*?^ *```", re.MULTILINE | re.DOTALL)
 def test_a_link_leads_somewhere(page):
     links = _LINK.findall(_CODE.sub("", page.read_text("utf-8")))
     assert [link for link in links if not (page.parent / link).exists()] == []
+
+
+def test_the_links_of_the_pages_alone_lead_from_the_tutorial_to_every_page():
+    """Viewers of repositories show no navigation, and a folder as a list of its files."""
+    leads = {
+        str(page): {
+            str((page.parent / link).resolve())
+            for link in _LINK.findall(_CODE.sub("", page.read_text("utf-8")))
+        }
+        for page in PAGES
+    }
+    folders = {link for links in leads.values() for link in links if Path(link).is_dir()}
+    leads |= {folder: {str(page) for page in Path(folder).glob("*.md")} for folder in folders}
+
+    found = near(leads, str(ROOT / "docs" / "tutorial" / "index.md"))
+
+    docs = {str(page) for page in PAGES if page.is_relative_to(ROOT / "docs")}
+    assert sorted(docs - found) == []
 
 
 def test_the_readme_fits_on_two_screens():

@@ -15,8 +15,16 @@ from conformance.installed import install
 from followed_page import Command, Edit, apply, steps
 from typer.testing import CliRunner
 
+from pirate_sm.backends.serial.link.link_plan import LinkPlan
+from pirate_sm.bay.switches import Switches
+from pirate_sm.bay.texts import message_texts
+from pirate_sm.bay.virtual import VirtualBay
+from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.cli.entry import commands, only_run
 from pirate_sm.detectors.registry import DETECTORS
+from pirate_sm.loading import library
+from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.wiring import BACKENDS
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -34,13 +42,15 @@ class Reader:
     process in the background) is left to a shell. ``pip install`` only copies the package.
 
     Attributes:
-        in_real_time: Whether missions over a link are run so; otherwise with the same driver and
-            the same emulated robot in virtual time.
+        in_real_time: Whether what a link leads to is run so; otherwise with the same driver and
+            the same emulated robot in virtual time. The bay that a guide starts then ends as soon
+            as it is ready.
     """
 
     in_real_time = False
 
-    def __init__(self, folder: Path) -> None:
+    def __init__(self, folder: Path, patch: pytest.MonkeyPatch) -> None:
+        self._patch = patch
         self.folder = folder / "work"
         self.folder.mkdir()
         self.site = folder / "site"
@@ -58,7 +68,7 @@ class Reader:
             apply(step, self.folder)
             return
         exits, printed = self.run(step.line)
-        if exits != step.exits and step.line.startswith("pirate doctor"):
+        if self.in_real_time and exits != step.exits and step.line.startswith("pirate doctor"):
             exits, printed = self.run(step.line)  # a busy machine's emulation may be too slow
         assert exits == step.exits, f"$ {step.line}\n{printed}"
         shown = "".join(f"{line.rstrip()}\n" for line in printed.strip("\n").splitlines())
@@ -76,6 +86,7 @@ class Reader:
             return 0, self._behind(line.removesuffix("&"))
         if not self.in_real_time:
             line = re.sub("--backend serial --port bay", "--backend bay", line)
+            self._patch.setattr("pirate_sm.cli.robot_connection.guarded_port", self._port)
         program, *arguments = shlex.split(line)
         if program in PROGRAMS and not {"|", ">", "||"} & set(arguments):
             result = CliRunner().invoke(
@@ -108,7 +119,18 @@ class Reader:
         process = subprocess.Popen(["bash", "-c", f"exec {line}"], **self._where)
         self.behind.append(process)
         assert process.stdout is not None
-        return process.stdout.readline()
+        ready = process.stdout.readline()
+        if "pirate bay" in line and not self.in_real_time:
+            process.terminate()
+        return ready
+
+    def _port(self, plan: LinkPlan, url: str, baud: int | None, stay_s: float) -> VirtualPort:
+        """Return a port to a bay of its own, in place of the one that a guide has started."""
+        assert url == "bay"
+        loaded = load_robot(self.folder / "my_pirate")
+        texts = message_texts(loaded.folder, loaded.profile)
+        bay = VirtualBay(loaded.profile, load_pipe(library.pipes()[0])[0], texts, Switches())
+        return VirtualPort(bay, plan.serial.heartbeat_within, plan.wanted)
 
 
 def _pattern(line: str) -> str:
@@ -120,7 +142,7 @@ def _pattern(line: str) -> str:
 
 @pytest.fixture
 def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Reader]:
-    someone = Reader(tmp_path)
+    someone = Reader(tmp_path, monkeypatch)
     monkeypatch.chdir(someone.folder)
     monkeypatch.syspath_prepend(str(someone.site))
     yield someone

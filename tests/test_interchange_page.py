@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 
-import pytest
 from followed_page import BLOCK
-from test_changing import ROOT, run
+from test_how_to import ROOT, Reader, reader
+
+__all__ = ["reader"]
 
 PAGE = ROOT / "docs" / "interchange.md"
 
@@ -24,9 +24,8 @@ WRONG = """\
 """
 
 
-def test_the_page_does_what_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.chdir(tmp_path)
-    (tmp_path / "wrong.scxml").write_text(WRONG, encoding="utf-8")
+def test_the_page_does_what_it_says(reader: Reader) -> None:
+    (reader.folder / "wrong.scxml").write_text(WRONG, encoding="utf-8")
     printed, ran = "", {"sh": 0, "text": 0, "python": 0}
     for _, kind, code in BLOCK.findall(PAGE.read_text("utf-8")):
         ran[kind] += 1
@@ -36,9 +35,9 @@ def test_the_page_does_what_it_says(tmp_path: Path, monkeypatch: pytest.MonkeyPa
             printed = ""
             for line in code.splitlines():
                 command, _, exits = line.partition(" # exit ")
-                result = run(command, tmp_path, ROOT)
-                assert result.returncode == int(exits or 0), f"{command}\n{result.stdout}"
-                printed += result.stdout
+                exited, shown = reader.run(command)
+                assert exited == int(exits or 0), f"{command}\n{shown}"
+                printed += shown
         else:
             lines = {re.sub(r"\s+", " ", each).strip() for each in printed.splitlines()}
             assert lines.issuperset(code.splitlines()), printed

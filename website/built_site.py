@@ -70,8 +70,7 @@ def faults(site: Path) -> Iterator[str]:
         for target in sorted(targets):
             if not (site / target).is_file():
                 yield f"{name}: leads to {target}, which is not there"
-    near = _near(leads)
-    for name in sorted(pages.keys() - near):
+    for name in sorted(pages.keys() - near(leads, TUTORIAL)):
         yield f"{name}: more than {CLICKS} clicks from the tutorial"
 
 
@@ -89,12 +88,12 @@ def _targets(page: str, seen: _Seen) -> Iterator[str]:
             yield os.path.normpath(Path(page).parent / path)
 
 
-def _near(leads: Mapping[str, set[str]]) -> set[str]:
-    """Return the pages that are few clicks from the tutorial."""
-    near = {TUTORIAL}
+def near(leads: Mapping[str, set[str]], first: str) -> set[str]:
+    """Return the pages that are few clicks from the first one."""
+    found = {first}
     for _ in range(CLICKS):
-        near |= {target for page in near for target in leads.get(page, ())}
-    return near
+        found |= {target for page in found for target in leads.get(page, ())}
+    return found
 
 
 def main(folder: str) -> int:
