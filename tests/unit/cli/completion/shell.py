@@ -8,6 +8,7 @@ import pty
 import re
 import select
 import struct
+import subprocess
 import sys
 import termios
 import time
@@ -25,6 +26,12 @@ USUAL = {
     "zsh": "PS1='> '; bindkey -e; unsetopt beep",
     "fish": "function fish_prompt; echo -n '> '; end",
 }
+ON_TERMINAL = (
+    "import fcntl, os, sys, termios; fcntl.ioctl(0, termios.TIOCSCTTY, 0); "
+    "os.execvp(sys.argv[1], sys.argv[1:])"
+)
+"""Makes the terminal that of the session, as a fork could not beside threads."""
+
 TO_START, DROP = "\x01", "\x15"
 SIGNS = re.compile(r"\x1b\[[0-9;?>=]*[a-zA-Z]|\x1b[()][A-Z0-9]|\x1b\][^\x07]*\x07|\x1b[=>]")
 WORDS = re.compile(r"<pirate(?:-run)?>(?:<[^>]*>)*")
@@ -35,17 +42,24 @@ class Shell:
 
     def __init__(self, name: str, folder: Path) -> None:
         self.shown = ""
-        self.pid, self._fd = pty.fork()
-        if self.pid == 0:
-            os.chdir(folder)
-            environment = {
+        self.folder = folder
+        self._fd, its_own = pty.openpty()
+        self._process = subprocess.Popen(
+            [sys.executable, "-c", ON_TERMINAL, *STARTED[name]],
+            stdin=its_own,
+            stdout=its_own,
+            stderr=its_own,
+            start_new_session=True,
+            cwd=folder,
+            env={
                 "PATH": f"{Path(sys.executable).parent}:{os.environ['PATH']}",
                 "PYTHONPATH": str(ROOT),
                 "HOME": str(folder),
                 "TERM": "xterm",
                 "LANG": "C.UTF-8",
-            }
-            os.execvpe(STARTED[name][0], STARTED[name], environment)
+            },
+        )
+        os.close(its_own)
         fcntl.ioctl(self._fd, termios.TIOCSWINSZ, struct.pack("HHHH", 60, 200, 0, 0))
         self._type(f"{USUAL[name]}; pirate completion {name} > .script; source .script\n")
         self._read_until_done()
@@ -86,4 +100,4 @@ class Shell:
 
     def end(self) -> None:
         os.close(self._fd)
-        os.waitpid(self.pid, 0)
+        self._process.wait(timeout=60)
