@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.options.values import read_settings
-from pirate_sm.cli.output.files import write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Graph
 from pirate_sm.drawing.graph.highlight import Stop, highlight
@@ -55,13 +55,35 @@ def draw_graph(options: GraphOptions) -> int:
         LoadError: The files have errors.
         UsageError: There is no such mission, robot or chart, or no such node to mark.
     """
-    kind = options.format or _BY_SUFFIX.get(options.output.suffix if options.output else "", "")
-    text = _scxml(options) if kind == _SCXML else WRITERS[kind or "mermaid"](_marked(options))
+    kind = options.format or _kind(options.output)
+    if options.output is not None:
+        script = [options.counterexample] if options.counterexample is not None else []
+        inputs = [_found(options.file), *script]
+        refuse_losses([options.output], inputs=inputs, overwrite=options.overwrite)
+    text = _scxml(options) if kind == _SCXML else WRITERS[kind](_marked(options))
     if options.output is None:
         sys.stdout.write(text)
         return 0
     write_file(options.output, text)
     return 0
+
+
+def _kind(output: Path | None) -> str:
+    """Return the format that the ending of a name stands for.
+
+    Raises:
+        UsageError: It stands for none.
+    """
+    if output is None or not output.suffix:
+        return "mermaid"
+    kind = _BY_SUFFIX.get(output.suffix.lower())
+    if kind is None:
+        known = ", ".join(_BY_SUFFIX)
+        raise UsageError(
+            f"'{output}': no drawing ends in '{output.suffix}'; possible are {known}, "
+            "or say the --format"
+        )
+    return kind
 
 
 def _marked(options: GraphOptions) -> Graph:

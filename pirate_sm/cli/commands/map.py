@@ -22,7 +22,9 @@ def write_map(options: MapOptions) -> int:
     """
     first_wheel_m = read_length("--start-at", options.start_at)
     if options.output is not None:
-        refuse_losses([options.output])
+        refuse_losses(
+            [options.output], inputs=[Path(options.recording)], overwrite=options.overwrite
+        )
     with opened_recording(options.recording) as recording:
         made = mapped(recording)
     recorded = Path(options.recording)

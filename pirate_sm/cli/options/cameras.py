@@ -93,4 +93,5 @@ class LookOptions:
         Path | None,
         typer.Option("--output", "-o", metavar="OUT", help="Write the picture: .png or .jpg."),
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False

@@ -180,3 +180,6 @@ Recording = Annotated[str, typer.Argument(metavar="RUN.mcap", help="A recording.
 Output = Annotated[
     Path | None, typer.Option("--output", "-o", metavar="OUT", help="Write to this file.")
 ]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Write over files that may be somebody's work.")
+]

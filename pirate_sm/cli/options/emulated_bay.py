@@ -33,6 +33,7 @@ class BayOptions:
     log: Annotated[
         Path | None, typer.Option(metavar="FILE", help="JSON Lines of arrays and restarts.")
     ] = None
+    overwrite: common.Overwrite = False
     loss: Annotated[
         str | None, typer.Option(metavar="SHARE", help="Frames lost each way, such as 20%.")
     ] = None

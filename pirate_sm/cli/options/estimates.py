@@ -66,6 +66,7 @@ class FitOptions:
     csv: Annotated[
         Path | None, typer.Option(metavar="OUT.csv", help="A table of what was found.")
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 
@@ -96,4 +97,5 @@ class ExperimentOptions:
     csv: Annotated[Path | None, typer.Option(metavar="OUT.csv", help="A table of every row.")] = (
         None
     )
+    overwrite: common.Overwrite = False
     debug: common.Debug = False

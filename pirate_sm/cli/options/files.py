@@ -84,6 +84,7 @@ class GraphOptions:
         typer.Option("--format", help="As the name of the output ends, else mermaid."),
     ] = None
     output: common.Output = None
+    overwrite: common.Overwrite = False
     path: Annotated[
         str | None,
         typer.Option("--highlight", metavar="A,B,C", help="Phases or states to mark, in order."),
@@ -111,6 +112,7 @@ class ImportOptions:
 
     file: Annotated[Path, typer.Argument(metavar="FILE.scxml", help="A statechart in SCXML 1.0.")]
     output: common.Output = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 
@@ -160,6 +162,7 @@ class RobotOptions:
         False
     )
     output: common.Output = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 

@@ -88,6 +88,7 @@ class ExportOptions:
     plotjuggler: Annotated[
         str | None, typer.Option(metavar="FILE", help="A layout for PlotJuggler, for this robot.")
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 
@@ -105,6 +106,7 @@ class MapOptions:
 
     recording: common.Recording
     output: common.Output = None
+    overwrite: common.Overwrite = False
     start_at: Annotated[
         str | None,
         typer.Option(

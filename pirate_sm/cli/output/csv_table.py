@@ -22,3 +22,8 @@ def write_csv(place: Path, header: Sequence[str], rows: Iterable[Sequence[object
     for row in rows:
         writer.writerow(["" if each != each else each for each in row])  # noqa: PLR0124
     write_file(place, text.getvalue())
+
+
+def csv_line(header: Sequence[str]) -> str:
+    """Return the first line of a table."""
+    return ",".join(header)
