@@ -127,6 +127,10 @@ def _app(**more: Any) -> typer.Typer:
     )
 
 
+_MOVE = ("run", "console")
+"""The commands that move a robot."""
+
+
 def _single(name: str) -> typer.Typer:
     """Return an app with one command; its options are imported, its work is not."""
     options_at, work_at = COMMANDS[name]
@@ -144,7 +148,7 @@ def _single(name: str) -> typer.Typer:
             chosen = options(**with_settings(name, given, is_given))
             return int(_work(work_at)(chosen))
 
-        raise typer.Exit(guarded(work, given["debug"]))
+        raise typer.Exit(guarded(work, given["debug"], moves=name in _MOVE))
 
     taken = signature(options, eval_str=True)
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)

@@ -17,14 +17,21 @@ _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """Exceptions from writing to a standard output that is closed or full."""
 
 
-def guarded(work: Callable[[], int], debug: bool) -> int:
-    """Do the work and return its exit code; print its exceptions on standard error."""
+def guarded(work: Callable[[], int], debug: bool, *, moves: bool = False) -> int:
+    """Do the work and return its exit code; print its exceptions on standard error.
+
+    Args:
+        work: The work of a command.
+        debug: Whether tracebacks are printed.
+        moves: Whether the command moves a robot; while it does, the run handles Ctrl-C itself.
+    """
     try:
         code = work()
         sys.stdout.flush()
         return code
     except KeyboardInterrupt as interrupted:
-        say(str(interrupted) or "interrupted")
+        usual = "interrupted, nothing has moved" if moves else "interrupted"
+        say(str(interrupted) or usual)
         return INTERRUPTED
     except BrokenPipeError:
         silence_stdout()

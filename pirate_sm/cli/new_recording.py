@@ -54,8 +54,12 @@ def begin_recording(place: RecordingPlace, header: RunHeader) -> tuple[Recording
         return requested_recording(path, header), path
     for number in count(2):
         try:
+            path.parent.mkdir(parents=True, exist_ok=True)
             return new_recording(path, header), path
         except FileExistsError:
+            if not path.parent.is_dir():
+                say(f"warning: nothing is recorded: {shown(path)}: its folder is a file")
+                return None, path
             path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
         except OSError as error:
             if place.runs is not None:

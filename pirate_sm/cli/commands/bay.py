@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.emulated_bay import BayOptions
+from pirate_sm.cli.output.files import refuse_losses
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -50,6 +51,8 @@ def run_bay(options: BayOptions) -> int:
         from pirate_sm.simulation.xpbd.kinematic import is_compiled
     except ModuleNotFoundError as error:
         raise without_messages(error) from None
+    if options.log is not None:
+        refuse_losses([options.log], overwrite=options.overwrite)
     switches = _switches(options)
     at = _setting(options)
     texts = message_texts(at.folder, at.profile)

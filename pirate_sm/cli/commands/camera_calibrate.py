@@ -45,7 +45,7 @@ def calibrate_camera(options: CalibrateCameraOptions) -> int:
     print(f"{len(found)} boards, off by {result.rms_px:.2f} px (rms)")
     print(lens_line(result.lens))
     if options.write:
-        write_file(path, with_lens(path, result.lens), edited=True)
+        write_file(path, with_lens(path, result.lens))
         print(visible(f"written into {path}; the camera must be surveyed with this lens"))
     return 0
 

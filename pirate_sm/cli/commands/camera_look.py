@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from glob import glob
 from math import degrees
 from pathlib import Path
 
@@ -28,8 +29,11 @@ def look(options: LookOptions) -> int:
         UsageError: The camera is not calibrated or surveyed, or gives no picture, or the picture
             cannot be written.
     """
-    refuse_losses([options.output] if options.output else [])
     camera, path = find_camera(options.camera)
+    if options.output:
+        # Path.glob takes no absolute pattern.
+        inputs = [path, *map(Path, glob(options.images or ""))]  # noqa: PTH207
+        refuse_losses([options.output], inputs=inputs, overwrite=options.overwrite)
     eye = eye_of(camera)
     frame = one_picture(camera, path, options.images, options.robot, options.pipe)
     sighting = eye.see(frame, 0.0)

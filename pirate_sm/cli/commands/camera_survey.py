@@ -41,7 +41,7 @@ def survey_camera(options: SurveyOptions) -> int:
     print(f"{len(found.each_px)} known places, off by {found.rms_px:.2f} px (rms)")
     print(pose_line(found.pose))
     if options.write:
-        write_file(path, with_pose(path, found.pose), edited=True)
+        write_file(path, with_pose(path, found.pose))
         print(visible(f"written into {path}"))
     return 0
 

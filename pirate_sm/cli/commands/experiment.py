@@ -10,7 +10,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.options.estimates import ExperimentOptions
-from pirate_sm.cli.output.csv_table import write_csv
+from pirate_sm.cli.output.csv_table import csv_line, write_csv
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.visible import visible
@@ -34,7 +34,8 @@ def run_experiment(options: ExperimentOptions) -> int:
     """
     # On a busy machine its threads wait for each other far longer than small matrices take.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    refuse_losses([each for each in (options.output, options.csv) if each])
+    places = [each for each in (options.output, options.csv) if each]
+    refuse_losses(places, tables=[csv_line(_HEADER)], overwrite=options.overwrite)
     from pirate_sm.experiments.experiment_files import chosen, load_experiments
     from pirate_sm.experiments.thesis_rows import compared
     from pirate_sm.loading import library

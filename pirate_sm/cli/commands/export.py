@@ -44,7 +44,10 @@ def run_export(options: ExportOptions) -> int:
         )
     if "" in places:
         raise UsageError("a folder or a file has a name: '' is none")
-    refuse_losses(map(Path, places))
+    # Folders and recordings of viewers have to be new: what writes them says so.
+    refuse_losses(map(Path, places), inputs=[Path(options.recording)], overwrite=True)
+    texts = filter(None, (options.urdf, options.lichtblick, options.plotjuggler))
+    refuse_losses(map(Path, texts), overwrite=options.overwrite)
     writers = dict(_writers(options))
     written: list[str] = []
     recorded = opened_recording(options.recording)

@@ -7,11 +7,12 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from pirate_sm.cli.commands.fit_robot import ROBOT_HEADER, fit_robot
 from pirate_sm.cli.options.estimates import FitOptions
 from pirate_sm.cli.options.values import read_length, read_slip_speed
-from pirate_sm.cli.output.csv_table import write_csv
+from pirate_sm.cli.output.csv_table import csv_line, write_csv
 from pirate_sm.cli.output.estimate_text import estimate_text
-from pirate_sm.cli.output.files import refuse_losses, refuse_written, write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import UsageError
 from pirate_sm.visible import visible
@@ -34,12 +35,8 @@ def run_fit(options: FitOptions) -> int:
     """
     # On a busy machine its threads wait for each other far longer than small matrices take.
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-    refuse_losses([each for each in (options.output, options.csv, options.write) if each])
-    if options.robot and options.write:
-        refuse_written(options.write)
+    _refuse_losses(options)
     if options.robot:
-        from pirate_sm.cli.commands.fit_robot import fit_robot
-
         return fit_robot(options)
     from pirate_sm.fitting.columns import read_measured
 
@@ -62,6 +59,19 @@ def run_fit(options: FitOptions) -> int:
     return (
         0 if any(each.static.known or each.kinetic.known for each in curves.values()) else NOTHING
     )
+
+
+def _refuse_losses(options: FitOptions) -> None:
+    """Refuse to write over other files; a pipe file is changed in place, which is meant."""
+    runs = list(map(Path, options.runs))
+    places = [each for each in (options.output, options.csv) if each]
+    tables = [csv_line(_HEADER), csv_line(ROBOT_HEADER)]
+    if options.write is not None and options.robot:
+        places.append(options.write)
+    elif options.write is not None:
+        refuse_losses([*places, options.write], inputs=runs, tables=tables, overwrite=True)
+        runs.append(options.write)
+    refuse_losses(places, inputs=runs, tables=tables, overwrite=options.overwrite)
 
 
 def _signals(options: FitOptions, measured: Measured) -> SlipSignals:
@@ -174,5 +184,5 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
     if place is None:
         print(f"for a pipe file (medians of the wheels): {friction_line(static, kinetic)}")
         return
-    write_file(place, pipe_with_friction(place, static, kinetic), edited=True)
+    write_file(place, pipe_with_friction(place, static, kinetic))
     print(visible(f"{place}: {friction_line(static, kinetic)}"))

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from pirate_sm.model.profile import Profile
 
 NOTHING = 1
+ROBOT_HEADER = ("motor", "number", "unit", "value", "low", "high", "reason")
 
 
 def fit_robot(options: FitOptions) -> int:
@@ -43,8 +44,7 @@ def fit_robot(options: FitOptions) -> int:
     if options.csv:
         rows = [(n.motor, n.key, n.unit, n.estimate.value, n.estimate.low, n.estimate.high,
                  n.estimate.reason) for n in numbers]  # fmt: skip
-        header = ("motor", "number", "unit", "value", "low", "high", "reason")
-        write_csv(options.csv, header, rows)
+        write_csv(options.csv, ROBOT_HEADER, rows)
     if options.write:
         source = ", ".join(Path(run).name for run in options.runs)
         write_file(options.write, twin_text(profile, numbers, source))

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.options.values import read_settings
-from pirate_sm.cli.output.files import write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Graph
 from pirate_sm.drawing.graph.highlight import Stop, highlight
@@ -41,9 +41,6 @@ _BY_SUFFIX = {
     ".scxml": _SCXML,
 }
 
-_HEAD = 30
-"""How a drawing begins, but for its names, whatever it shows."""
-
 
 class _Chart(NamedTuple):
     outline: ChartOutline
@@ -58,29 +55,35 @@ def draw_graph(options: GraphOptions) -> int:
         LoadError: The files have errors.
         UsageError: There is no such mission, robot or chart, or no such node to mark.
     """
-    kind = options.format or _kind_by(options.output)
+    kind = options.format or _kind(options.output)
+    if options.output is not None:
+        script = [options.counterexample] if options.counterexample is not None else []
+        inputs = [_found(options.file), *script]
+        refuse_losses([options.output], inputs=inputs, overwrite=options.overwrite)
     text = _scxml(options) if kind == _SCXML else WRITERS[kind](_marked(options))
     if options.output is None:
         sys.stdout.write(text)
         return 0
-    write_file(options.output, text, head=_HEAD)
+    write_file(options.output, text)
     return 0
 
 
-def _kind_by(output: Path | None) -> str:
-    """Return the format that the ending of the file asks for; Mermaid without one.
+def _kind(output: Path | None) -> str:
+    """Return the format that the ending of a name stands for.
 
     Raises:
-        UsageError: Its ending is that of none.
+        UsageError: It stands for none.
     """
-    if output is None or not output.suffix or (output.exists() and not output.is_file()):
-        return "mermaid"  # among others for a pipe or a device
-    if output.suffix.lower() not in _BY_SUFFIX:
+    if output is None or not output.suffix:
+        return "mermaid"
+    kind = _BY_SUFFIX.get(output.suffix.lower())
+    if kind is None:
+        known = ", ".join(_BY_SUFFIX)
         raise UsageError(
-            f"'{output}' does not say which format: name a file that ends in "
-            f"{', '.join(_BY_SUFFIX)}, or give --format"
+            f"'{output}': no drawing ends in '{output.suffix}'; possible are {known}, "
+            "or say the --format"
         )
-    return _BY_SUFFIX[output.suffix.lower()]
+    return kind
 
 
 def _marked(options: GraphOptions) -> Graph:

@@ -5,8 +5,7 @@ from __future__ import annotations
 import sys
 
 from pirate_sm.cli.options.files import ImportOptions
-from pirate_sm.cli.output.files import write_file
-from pirate_sm.errors import UsageError
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.interchange.chart_text import chart_text
 from pirate_sm.interchange.scxml_chart_reader import read_chart
 from pirate_sm.loading.chart.exploration import compile_chart
@@ -22,11 +21,11 @@ def import_chart(options: ImportOptions) -> int:
         LoadError: The SCXML cannot be read, or is no chart of the supported kind.
         UsageError: The chart cannot be written.
     """
+    if options.output is not None:
+        refuse_losses([options.output], inputs=[options.file], overwrite=options.overwrite)
     name = shown(options.file)
     text = read_text(options.file, name, "SCXML")
     document, outline = read_chart(text, name, options.file.stem)
-    if options.output is not None and options.output.resolve() == options.file.resolve():
-        raise UsageError(f"'{options.output}' is the SCXML itself: the chart needs its own file")
     table = compile_chart(document, outline, Problems(document))
     chart = chart_text(document.data, options.file.name)
     if options.output is None:

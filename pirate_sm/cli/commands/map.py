@@ -8,7 +8,7 @@ from pathlib import Path
 from pirate_sm.cli.opened_recording import opened_recording
 from pirate_sm.cli.options.recordings import MapOptions
 from pirate_sm.cli.options.values import read_length
-from pirate_sm.cli.output.files import refuse_losses, refuse_written, write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.mapping.map_recording import mapped
 from pirate_sm.mapping.pipe_text import pipe_text
 
@@ -22,8 +22,9 @@ def write_map(options: MapOptions) -> int:
     """
     first_wheel_m = read_length("--start-at", options.start_at)
     if options.output is not None:
-        refuse_losses([options.output])
-        refuse_written(options.output)
+        refuse_losses(
+            [options.output], inputs=[Path(options.recording)], overwrite=options.overwrite
+        )
     with opened_recording(options.recording) as recording:
         made = mapped(recording)
     recorded = Path(options.recording)

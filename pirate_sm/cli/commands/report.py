@@ -11,7 +11,13 @@ from pirate_sm import __version__
 from pirate_sm.campaign.store import RECORDINGS, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
-from pirate_sm.cli.output.files import begins, is_page, is_recording, write_file
+from pirate_sm.cli.output.files import (
+    GENERATOR,
+    HEAD,
+    begins,
+    is_recording,
+    write_file,
+)
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.recording.read.reader import Recording, read_recording
@@ -22,8 +28,6 @@ from pirate_sm.report.run_list_page import index_html
 from pirate_sm.visible import visible
 
 _INDEX = "index.html"
-_HEAD = 2_000
-"""The part of a page that names its recording, bytes."""
 
 
 def write_reports(options: ReportOptions) -> int:
@@ -132,7 +136,7 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
 
 def _is_fresh(page: Path, recording: Recording) -> bool:
     """Return whether this version of the program made the page of this very recording."""
-    head = begins(page, _HEAD).decode(errors="replace")
+    head = begins(page, HEAD).decode(errors="replace")
     made_by = f'content="pirate-sm {__version__}"' in head
     return made_by and f'<meta name="recording" content="{recording.sha256}">' in head
 
@@ -147,7 +151,7 @@ def _refuse_foreign(*places: Path) -> None:
     for place in places:
         if is_recording(place):
             problems.append(f"'{place}' is a recording: no page is written over it")
-        elif begins(place, 1) and not is_page(place):
+        elif (head := begins(place, HEAD)) and GENERATOR not in head:
             problems.append(
                 f"'{place}' is no page that this program made, so it stays: "
                 "move it away, or name another file with --output"

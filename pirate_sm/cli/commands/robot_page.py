@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 
 from pirate_sm.cli.options.files import RobotOptions
-from pirate_sm.cli.output.files import write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.drawing.robot.robot_page import robot_page
 from pirate_sm.drawing.robot.written_page import html as as_html
 from pirate_sm.drawing.robot.written_page import markdown
@@ -24,6 +24,8 @@ def write_page(options: RobotOptions) -> int:
     """
     name, output = options.name, options.output
     folder = library.robots()[0] if name is None else library.find_robot(name, Path.cwd())
+    if output is not None:
+        refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
     loaded = load_robot(folder)
     blocks = robot_page(loaded)
     note = f"Written by `pirate robot {loaded.profile.robot}` from the robot's profile and chart."

@@ -123,4 +123,5 @@ class LookOptions:
             help="Write the picture: .png or .jpg.",
         ),
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False

@@ -242,3 +242,6 @@ Output = Annotated[
         help="Write to this file.",
     ),
 ]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Write over files that may be somebody's work.")
+]

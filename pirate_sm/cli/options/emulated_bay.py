@@ -53,6 +53,7 @@ class BayOptions:
             help="JSON Lines of arrays and restarts.",
         ),
     ] = None
+    overwrite: common.Overwrite = False
     loss: Annotated[
         str | None, typer.Option(metavar="SHARE", help="Frames lost each way, such as 20%.")
     ] = None

@@ -95,6 +95,7 @@ class FitOptions:
             metavar="OUT.csv", autocompletion=named_files.files, help="A table of what was found."
         ),
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 
@@ -139,4 +140,5 @@ class ExperimentOptions:
             metavar="OUT.csv", autocompletion=named_files.files, help="A table of every row."
         ),
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False

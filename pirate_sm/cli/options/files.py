@@ -98,6 +98,7 @@ class GraphOptions:
         typer.Option("--format", help="As the name of the output ends, else mermaid."),
     ] = None
     output: common.Output = None
+    overwrite: common.Overwrite = False
     path: Annotated[
         str | None,
         typer.Option(
@@ -141,6 +142,7 @@ class ImportOptions:
         ),
     ]
     output: common.Output = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 
@@ -211,6 +213,7 @@ class RobotOptions:
         False
     )
     output: common.Output = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 

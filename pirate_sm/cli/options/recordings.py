@@ -139,6 +139,7 @@ class ExportOptions:
             help="A layout for PlotJuggler, for this robot.",
         ),
     ] = None
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 
@@ -156,6 +157,7 @@ class MapOptions:
 
     recording: common.Recording
     output: common.Output = None
+    overwrite: common.Overwrite = False
     start_at: Annotated[
         str | None,
         typer.Option(

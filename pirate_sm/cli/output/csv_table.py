@@ -21,4 +21,9 @@ def write_csv(place: Path, header: Sequence[str], rows: Iterable[Sequence[object
     writer.writerow(header)
     for row in rows:
         writer.writerow(["" if each != each else each for each in row])  # noqa: PLR0124
-    write_file(place, text.getvalue(), head=len(text.getvalue().splitlines()[0]))
+    write_file(place, text.getvalue())
+
+
+def csv_line(header: Sequence[str]) -> str:
+    """Return the first line of a table."""
+    return ",".join(header)

@@ -1,49 +1,98 @@
-"""Writes the output files of a command, and never writes over what somebody else has written."""
+"""Writes the output files of a command, without overwriting what a person has written."""
 
 from __future__ import annotations
 
 import os
-import re
-import stat
-import tempfile
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
 
-_YAML = (".yaml", ".yml")
-
-_GENERATOR = '<meta name="generator" content="pirate-sm '
+GENERATOR = b'<meta name="generator" content="pirate-sm '
 """The line that identifies a page of any version of this program."""
 
-_PAGE_HEAD = 2_000
-"""The part of a page that contains the name of its generator."""
+HEAD = 20_000
+"""The part of a file in which a mark of this program is sought, bytes [decided]."""
 
-_HEAD = 120
-"""So much of a file says what it is."""
+_MARKS: dict[str, tuple[bytes, ...]] = {
+    ".html": (GENERATOR,),
+    ".md": (b" from the robot's profile and chart. -->",),
+    ".svg": (b'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img"',),
+    ".log": (b"",),
+    **dict.fromkeys((".dot", ".gv"), (b"labelloc=t, labeljust=l, fontname=monospace]",)),
+    **dict.fromkeys((".mmd", ".mermaid"), (b'---\ntitle: "',)),
+}
+"""What identifies a file of this program that nobody edits, by its ending.
 
-_SURELY = 20
-"""What stands in quotes may be this many times as long as the rest."""
+YAML, SCXML, URDF and layouts are not here: people go on writing in these.
+"""
 
 
-def refuse_losses(places: Iterable[Path]) -> None:
-    """Refuse to overwrite a recording, or to write twice to one file.
+def refuse_losses(
+    places: Iterable[Path],
+    *,
+    inputs: Iterable[Path] = (),
+    tables: Iterable[str] = (),
+    overwrite: bool = False,
+) -> None:
+    """Refuse to write over a file that may be the only one of its kind.
+
+    A file that this program made and nobody edits, such as a drawing, is written over.
 
     Args:
         places: The files to write.
+        inputs: What the command reads: files, or folders with all that is in them. These are
+            never written over, whatever their names are (links to them are the same file).
+        tables: First lines of the tables that the command writes.
+        overwrite: Whether the user agrees to lose other files.
 
     Raises:
-        UsageError: A file is a recording or is named twice; the message lists all.
+        UsageError: A file is a recording, an input, somebody's work, or is named twice; the
+            message lists all.
     """
     places = list(places)
     whole = [place.resolve() for place in places]
-    recordings = filter(is_recording, dict.fromkeys(places))
-    problems = [f"'{place}' is a recording: nothing is written over it" for place in recordings]
+    read = _files(inputs)
+    problems = []
+    for place in dict.fromkeys(places):
+        if is_recording(place):
+            problems.append(f"'{place}' is a recording: nothing is written over it")
+        elif any(_is_same(place, each) for each in read):
+            problems.append(f"'{place}' is read by this command: name another file to write")
+        elif not overwrite and place.is_file() and not is_made(place, tables):
+            problems.append(
+                f"'{place}' exists and may be somebody's work, so it stays: "
+                "name another file, or lose this one with --overwrite"
+            )
     twice = [place for number, place in enumerate(places) if whole[number] in whole[:number]]
     problems += [f"'{place}' is named twice: each file needs its own name" for place in twice]
     if problems:
         raise UsageError("\n".join(problems))
+
+
+def is_made(place: Path, tables: Iterable[str] = ()) -> bool:
+    """Return whether this program made the file and nobody edits such files; also if empty."""
+    head = begins(place, HEAD)
+    suffix = place.suffix.lower()
+    first = head.partition(b"\n")[0].decode(errors="replace")
+    if not head or (suffix == ".csv" and first in tables):
+        return True
+    return any(mark in head for mark in _MARKS.get(suffix, ()))
+
+
+def _files(inputs: Iterable[Path]) -> list[Path]:
+    """Return the files, and those in the folders."""
+    found: list[Path] = []
+    for each in inputs:
+        found += each.rglob("*") if each.is_dir() else [each]
+    return found
+
+
+def _is_same(place: Path, other: Path) -> bool:
+    with suppress(OSError, ValueError):
+        return place.samefile(other)
+    return False
 
 
 def is_recording(place: Path) -> bool:
@@ -62,92 +111,48 @@ def begins(place: Path, size: int) -> bytes:
     return b""
 
 
-def refuse_written(place: Path) -> None:
-    """Refuse a new YAML file where there is a file already: people write and edit those.
+def write_file(place: Path, text: str) -> None:
+    """Write the text to the file: all of it, or nothing.
 
     Raises:
-        UsageError: There is such a file.
+        UsageError: It cannot be written; what was there before stays.
     """
-    if place.is_file() and place.stat().st_size:
-        raise UsageError(f"'{place}' exists, and it stays: move it away, or name another file")
+    write_bytes(place, text.encode("utf-8"))
 
 
-def is_page(place: Path) -> bool:
-    """Return whether there is a page that any version of this program made."""
-    return _GENERATOR in begins(place, _PAGE_HEAD).decode(errors="replace")
+def write_bytes(place: Path, content: bytes) -> None:
+    """Write the content to the file: all of it, or nothing.
 
-
-def write_file(place: Path, text: str, *, edited: bool = False, head: int = _HEAD) -> None:
-    """Write the text to the file, whole or not at all.
-
-    A file that exists is replaced only if it begins as the new one does, so that a drawing can be
-    drawn again; a page, if this program made it. A YAML file is never replaced.
-
-    Args:
-        place: The file.
-        text: What it is to contain.
-        edited: Whether the text is that of the file, with something changed in it.
-        head: How many characters must be alike, but for what stands in quotes.
+    It is written beside the file and then takes its place; a link stays a link. What is no file,
+    such as a terminal or a pipe, is written to directly.
 
     Raises:
-        UsageError: It cannot be written, or there is a file that was not written by this command.
+        UsageError: It cannot be written; what was there before stays.
     """
-    if not edited:
-        _refuse_another(place, text, head)
     try:
-        _replace(place, text)
-    except OSError as error:
-        raise UsageError(f"'{place}' cannot be written: {error.strerror}") from None
+        whole = place.resolve()
+        if not whole.parent.exists():
+            raise UsageError(f"'{place}' cannot be written: there is no folder '{place.parent}'")
+        if whole.exists() and not whole.is_file():
+            whole.write_bytes(content)
+        else:
+            _replace(whole, content)
+    except (OSError, RuntimeError) as error:  # RuntimeError: a link that leads to itself
+        why = error.strerror if isinstance(error, OSError) else str(error)
+        raise UsageError(f"'{place}' cannot be written: {why}") from None
 
 
-def _refuse_another(place: Path, text: str, head: int) -> None:
-    if place.suffix in _YAML:
-        refuse_written(place)
-        return
-    old = begins(place, _SURELY * head).decode(errors="replace")
-    if _GENERATOR in text[:_PAGE_HEAD]:
-        alike = is_page(place)
-    else:
-        alike = _unquoted(text, head).startswith(_unquoted(old, head))
-    if old.strip() and not alike:
-        raise UsageError(
-            f"'{place}' exists and contains something else, so it stays: move it away, or name "
-            "another file"
-        )
-
-
-def _unquoted(text: str, head: int) -> str:
-    """Return the beginning of a text, without what stands in quotes."""
-    return re.sub(r"\"[^\"]*\"", "", text)[:head]
-
-
-def _replace(place: Path, text: str) -> None:
-    """Write a file beside the place and move it there; a device or a pipe is written as it is.
-
-    Raises:
-        OSError: It cannot be written; an old file is as it was.
-    """
-    place = place.resolve()  # a link stays one
-    if place.exists() and not place.is_file():
-        with place.open("w", encoding="utf-8") as file:
-            file.write(text)
-        return
-    handle, beside = tempfile.mkstemp(prefix=f".{place.name}.", dir=place.parent)
+def _replace(place: Path, content: bytes) -> None:
+    if place.exists():
+        place.open("r+b").close()  # a file that is read-only stays
+    part = place.with_name(f".{place.name[:200]}.{os.getpid()}.part")
     try:
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            file.write(text)
-        Path(beside).chmod(_mode(place))
-        Path(beside).replace(place)
-    except BaseException:
-        with suppress(OSError):
-            Path(beside).unlink()
-        raise
-
-
-def _mode(place: Path) -> int:
-    """Return the permissions of the file, or those of a new one."""
-    with suppress(OSError):
-        return stat.S_IMODE(place.stat().st_mode)
-    mask = os.umask(0)
-    os.umask(mask)
-    return 0o666 & ~mask
+        with part.open("xb") as file:
+            file.write(content)
+            file.flush()
+            os.fsync(file.fileno())
+        if place.exists():
+            part.chmod(place.stat().st_mode & 0o7777)
+        part.replace(place)
+    finally:
+        part.unlink(missing_ok=True)

@@ -6,6 +6,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 from typing import NamedTuple, TypeAlias, assert_never
 
+from pirate_sm import __version__
 from pirate_sm.drawing.graph.graph import Graph
 from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.drawing.text_formats.mermaid import mermaid
@@ -88,6 +89,7 @@ def html(blocks: Sequence[Block]) -> str:
         [
             "<!DOCTYPE html>",
             '<html lang="en"><head><meta charset="utf-8">',
+            f'<meta name="generator" content="pirate-sm {escape(__version__)}">',
             '<meta name="viewport" content="width=device-width, initial-scale=1">',
             f"<title>{_text(title)}</title><style>{_STYLE}</style></head><body>",
             *(_html(block) for block in blocks),

@@ -8,6 +8,7 @@ it in an unknown state.
 
 from __future__ import annotations
 
+import errno
 import json
 import os
 import sys
@@ -44,7 +45,7 @@ class DiskFile:
     """A new file whose bytes are on the disk when ``write`` returns.
 
     Args:
-        path: Path of the file; a missing folder is made.
+        path: Path of the file; its folder has to exist.
 
     Raises:
         FileExistsError: The file exists already; it does not change.
@@ -52,10 +53,10 @@ class DiskFile:
     """
 
     def __init__(self, path: Path) -> None:
-        try:
-            path.parent.mkdir(parents=True, exist_ok=True)
-        except FileExistsError as error:  # the folder's name is that of a file
-            raise NotADirectoryError(error.errno, "its folder is a file") from None
+        if not path.parent.exists():
+            raise FileNotFoundError(errno.ENOENT, f"there is no folder '{path.parent}'")
+        if not path.parent.is_dir():
+            raise NotADirectoryError(errno.ENOTDIR, "its folder is a file")
         self._file = path.open("xb", buffering=0)
         self._sync_folder(path.parent)
 

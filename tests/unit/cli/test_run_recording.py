@@ -78,9 +78,9 @@ def test_a_file_that_was_asked_for_is_written_though_the_environment_says_none(
     here: Path, pirate_run: Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("PIRATE_SM_RUNS", "")
-    pirate_run(*TRACE, "--record", "there/it.mcap")
+    pirate_run(*TRACE, "--record", "it.mcap")
 
-    assert read_recording(here / "there" / "it.mcap").complete
+    assert read_recording(here / "it.mcap").complete
 
 
 def test_a_recording_is_never_overwritten(here: Path, pirate_run: Run) -> None:
@@ -203,7 +203,7 @@ def test_a_file_whose_beginning_cannot_be_written_is_not_left_behind(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     monkeypatch.setattr(DiskFile, "write", full)
-    result = pirate_run(*TRACE, *(("--record", "kept/a.mcap") if asked else ()))
+    result = pirate_run(*TRACE, *(("--record", "a.mcap") if asked else ()))
 
     assert result.exit_code == (2 if asked else 0)
     assert "No space left on device" in result.stderr
@@ -230,3 +230,13 @@ def test_looking_on_without_the_extra_says_what_to_install(
 
     assert result.exit_code == 2
     assert "pip install 'pirate-sm[live]'" in result.stderr
+
+
+def test_a_recording_named_by_hand_makes_no_folder(pirate_run: Run, tmp_path: Path) -> None:
+    folder = tmp_path / "mistyped"
+
+    result = pirate_run(*TRACE, "--record", folder / "a.mcap")
+
+    assert result.exit_code == 2
+    assert f"there is no folder '{folder}'; nothing has moved" in result.stderr
+    assert not folder.exists()

@@ -209,3 +209,31 @@ def test_a_pipe_is_drawn_by_name_or_file(pirate: Any, tmp_path: Path) -> None:
     result = pirate("graph", faulty)
     assert result.exit_code == 2
     assert "begins and ends with a straight" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["a.svg", "a.gv", "a.mmd"])
+@pytest.mark.parametrize("what", ["climb", NEWT])
+def test_a_drawing_is_drawn_again_at_will(
+    pirate: Any, what: Any, name: str, tmp_path: Path
+) -> None:
+    for _ in range(2):
+        done = pirate("graph", what, "-o", tmp_path / name)
+        assert (done.exit_code, done.stderr) == (0, "")
+
+
+@pytest.mark.parametrize("given", [(), ("--format", "svg", "--overwrite")])
+def test_a_mission_is_not_drawn_over_itself(
+    pirate: Any, given: tuple[str, ...], tmp_path: Path
+) -> None:
+    assert pirate("graph", "climb", "-o", tmp_path / "a.yaml").exit_code == 2
+    mission = tmp_path / "first.yaml"
+    mission.write_text("mission: first\n", "utf-8")
+    done = pirate("graph", mission, "-o", mission, *given)
+    assert (done.exit_code, mission.read_text("utf-8")) == (2, "mission: first\n")
+
+
+def test_an_unknown_ending_is_refused_with_the_possible_ones(pirate: Any, tmp_path: Path) -> None:
+    done = pirate("graph", "climb", "-o", tmp_path / "a.bmp")
+    assert done.exit_code == 2
+    assert "no drawing ends in '.bmp'; possible are .svg, .dot" in done.stderr
+    assert not (tmp_path / "a.bmp").exists()

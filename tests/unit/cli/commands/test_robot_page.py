@@ -52,3 +52,15 @@ def test_no_text_of_a_file_commands_the_terminal(pirate: Any, tmp_path: Path) ->
 
     assert "\\u202eNewt\\u200b" in result.stdout
     assert "\u202e" not in result.stdout
+
+
+@pytest.mark.parametrize("form", [(), ("--html",)])
+def test_a_page_is_written_again_but_not_over_a_persons(
+    pirate: Any, form: tuple[str, ...], tmp_path: Path
+) -> None:
+    place = tmp_path / ("page.html" if form else "page.md")
+    for _ in range(2):
+        assert pirate("robot", NEWT, *form, "-o", place).exit_code == 0
+    place.write_text("# Mine\n", "utf-8")
+    assert pirate("robot", NEWT, *form, "-o", place).exit_code == 2
+    assert place.read_text("utf-8") == "# Mine\n"

@@ -1,116 +1,85 @@
-"""What a command writes never takes the place of what somebody else wrote."""
-
 from __future__ import annotations
 
 import os
+import stat
 from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.output.files import write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.errors import UsageError
 
-STYLE = ".drawing text { font-family: monospace; font-size: 12px; fill: #222; stroke: none; }"
-DRAWING = f'<svg xmlns="x" width="1">\n<style>\n{STYLE}\n</style>\n<text>a</text></svg>\n'
-PAGE = '<!doctype html>\n<meta name="generator" content="pirate-sm 0.2.0">\n<title>a</title>\n'
+MISSION = "mission: mine\n"
 
 
-@pytest.mark.parametrize(
-    ("old", "new"),
-    [
-        (DRAWING, DRAWING.replace(">a<", ">another<").replace('"1"', '"2000"')),
-        (PAGE, PAGE.replace("0.2.0", "0.3.0").replace(">a<", ">b<")),
-        ("", DRAWING),
-    ],
-    ids=["drawing", "page", "empty"],
-)
-def test_what_a_command_has_written_is_written_again(tmp_path: Path, old: str, new: str) -> None:
-    place = tmp_path / "it.svg"
-    place.write_text(old)
-
-    write_file(place, new)
-
-    assert place.read_text() == new
-
-
-@pytest.mark.parametrize(
-    ("name", "old", "new"),
-    [
-        ("first.yaml", "mission: first\n", DRAWING),
-        ("pipe.yaml", "# made by a map\npipe: a\n", "# made by a map\npipe: a\n"),
-        ("pipe.yml", "pipe: a\n", "pipe: b\n"),
-        ("mine.svg", '<svg xmlns="x" id="mine">\n</svg>\n', DRAWING),
-        ("mine.svg", "\ufeff" + DRAWING, DRAWING),
-        ("index.html", "<!doctype html>\n<title>mine</title>\n", PAGE),
-        ("data.bin", "\0\1\2", DRAWING),
-    ],
-)
-def test_anything_else_stays_as_it_is(tmp_path: Path, name: str, old: str, new: str) -> None:
-    place = tmp_path / name
-    place.write_text(old)
-
-    with pytest.raises(UsageError, match=f"{name}' exists.*stays: move it away"):
-        write_file(place, new)
-
-    assert place.read_text() == old
+def test_a_file_that_a_person_wrote_stays(tmp_path: Path) -> None:
+    place = tmp_path / "mine.yaml"
+    place.write_text(MISSION, "utf-8")
+    with pytest.raises(UsageError, match=r"mine\.yaml' exists .* --overwrite"):
+        refuse_losses([place])
+    refuse_losses([place], overwrite=True)
 
 
 @pytest.mark.parametrize("link", [Path.symlink_to, Path.hardlink_to])
-def test_a_link_to_an_input_is_that_input(tmp_path: Path, link: object) -> None:
-    mission, drawing = tmp_path / "first.yaml", tmp_path / "first.svg"
-    mission.write_text("mission: first\n")
-    assert callable(link)
-    link(drawing, mission)
+def test_an_input_stays_whatever_its_name_is(link, tmp_path: Path) -> None:
+    robot = tmp_path / "robot"
+    robot.mkdir()
+    source, place = robot / "chart.yaml", tmp_path / "picture.svg"
+    source.write_text(MISSION, "utf-8")
+    link(place, source)
+    for read in (source, robot):
+        with pytest.raises(UsageError, match=r"picture\.svg' is read by this command"):
+            refuse_losses([place], inputs=[read], overwrite=True)
 
-    with pytest.raises(UsageError, match="stays"):
-        write_file(drawing, DRAWING)
 
-    assert mission.read_text() == "mission: first\n"
+@pytest.mark.parametrize(
+    ("name", "text", "free"),
+    [
+        ("empty.svg", "", True),
+        ("table.csv", "wheel,what\n1,2\n", True),
+        ("table.csv", "time,mine\n1,2\n", False),
+        ("wheel.yaml", "wheel,what\n", False),
+        ("picture.svg", '<svg xmlns="http://www.w3.org/2000/svg"><path d=""/></svg>', False),
+        ("page.html", "<!doctype html><p>mine", False),
+    ],
+)
+def test_a_file_of_another_make_stays(name: str, text: str, free: bool, tmp_path: Path) -> None:
+    place = tmp_path / name
+    place.write_text(text, "utf-8")
+    if free:
+        refuse_losses([place], tables=["wheel,what"])
+        return
+    with pytest.raises(UsageError, match="exists"):
+        refuse_losses([place], tables=["wheel,what"])
 
 
-def test_an_edited_file_keeps_its_permissions_and_its_link(tmp_path: Path) -> None:
-    place, link = tmp_path / "pipe.yaml", tmp_path / "link.yaml"
-    place.write_text("pipe: a\n")
+def test_a_link_stays_a_link_and_the_mode_of_the_file_stays(tmp_path: Path) -> None:
+    place, link = tmp_path / "a.svg", tmp_path / "b.svg"
+    place.write_text("before", "utf-8")
     place.chmod(0o640)
     link.symlink_to(place)
-
-    write_file(link, "pipe: b\n", edited=True)
-
-    assert (place.read_text(), place.stat().st_mode & 0o777) == ("pipe: b\n", 0o640)
-    assert link.is_symlink()
-
-
-def test_a_new_file_has_the_usual_permissions(tmp_path: Path) -> None:
-    (tmp_path / "usual").touch()
-
-    write_file(tmp_path / "new.svg", DRAWING)
-
-    assert (tmp_path / "new.svg").stat().st_mode == (tmp_path / "usual").stat().st_mode
+    write_file(link, "after")
+    assert (link.is_symlink(), place.read_text("utf-8")) == (True, "after")
+    assert stat.S_IMODE(place.stat().st_mode) == 0o640
+    assert sorted(each.name for each in tmp_path.iterdir()) == ["a.svg", "b.svg"]
 
 
-def test_where_a_file_cannot_be_written_the_old_one_stays(
+def test_what_cannot_be_written_whole_leaves_the_old_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    place = tmp_path / "it.svg"
-    place.write_text(DRAWING)
+    place = tmp_path / "a.svg"
+    place.write_text("before", "utf-8")
 
-    def full(*_: object, **__: object) -> int:
+    def full(_handle: int) -> None:
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(os, "fdopen", full)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(UsageError, match="cannot be written: No space left on device"):
-        write_file(place, DRAWING.replace(">a<", ">b<"))
+        write_file(place, "after")
+    assert place.read_text("utf-8") == "before"
+    assert [each.name for each in tmp_path.iterdir()] == ["a.svg"]
 
-    assert [each.name for each in tmp_path.iterdir()] == ["it.svg"]
-    assert place.read_text() == DRAWING
 
-
-def test_a_pipe_is_written_to(tmp_path: Path) -> None:
-    place = tmp_path / "pipe"
-    os.mkfifo(place)
-    reader = os.open(place, os.O_RDONLY | os.O_NONBLOCK)
-
-    write_file(place, DRAWING)
-
-    assert os.read(reader, 1000).decode() == DRAWING
-    os.close(reader)
+def test_a_pipe_is_written_to_directly() -> None:
+    write_file(Path(os.devnull), "anything")
+    assert Path(os.devnull).is_char_device()

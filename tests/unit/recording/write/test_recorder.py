@@ -198,7 +198,7 @@ def test_a_fault_of_the_side_channel_ends_nothing_else(tmp_path: Path) -> None:
 
 
 def test_a_file_is_never_overwritten(tmp_path: Path) -> None:
-    path = tmp_path / "deep" / "run.mcap"
+    path = tmp_path / "run.mcap"
     DiskFile(path).close()
 
     with pytest.raises(FileExistsError):
