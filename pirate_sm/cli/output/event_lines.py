@@ -39,6 +39,7 @@ class Lines:
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Write the latest effects, and flush them."""
+        self._observed.note(effects)
         for effect in effects:
             if isinstance(effect, Ended):
                 there = self._observed
@@ -47,6 +48,8 @@ class Lines:
                     self._out.write(f"{there.prepared.loaded.mission.mission}: {visible(text)}\n")
                 else:
                     self._write(now_s, "end", text)
+                    if left := there.left():
+                        self._write(now_s, "robot", left)
             elif self._quiet:
                 if isinstance(effect, Answered) and effect.level == "warning":
                     say(f"warning: {effect.message}")

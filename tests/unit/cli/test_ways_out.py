@@ -61,6 +61,23 @@ def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: in
     assert err == ""
 
 
+@pytest.mark.parametrize("signals", [1, 2])
+def test_the_last_line_says_in_what_state_the_robot_is_left(start: Start, signals: int) -> None:
+    process = start(*DRIVES, "--plain")
+    assert process.stdout is not None
+    for text in process.stdout:
+        if "waits " in text:
+            break
+    for _ in range(signals):
+        process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+
+    end, left = out.splitlines()[-2:]
+    assert "stopped after" in end
+    assert end.count("interrupted") == 1
+    assert "wheels set to zero; nose clamped (without sensors); tail clamped" in left
+
+
 def test_two_signals_end_it_as_well(start: Start) -> None:
     process = start(*DRIVES, "--json")
     read_until_it_drives(process)
