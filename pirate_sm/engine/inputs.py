@@ -113,10 +113,6 @@ def outside_number(moment: Moment, state: EngineState, event: OutsideNumber) -> 
     return state._replace(sensing=sensing)
 
 
-REFUSED = "the backend has"
-"""How the message of a run begins to say that setpoints were not taken."""
-
-
 def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> EngineState:
     """Apply the result of an array; a rejected stop or loop array is a fault."""
     flight = state.robot.flight
@@ -130,7 +126,7 @@ def submitted(moment: Moment, state: EngineState, event: SubmitResult) -> Engine
         return state
     if event.status in {"rejected", "superseded"} and flight.purpose != "gate":
         # Only a command may be refused. Without any other array the state would be wrong.
-        message = f"{REFUSED} {event.status} setpoints: {event.reason or 'no reason'}"
+        message = f"the backend has {event.status} setpoints: {event.reason or 'no reason'}"
         state = _refused(moment, state, message)
     return state
 

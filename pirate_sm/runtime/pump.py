@@ -387,6 +387,6 @@ class Pump:
 def described(error: BaseException | None) -> str:
     """Return one line about an error: only its message if that is meant for people."""
     if isinstance(error, KeyboardInterrupt):
-        return "Ctrl-C"
+        return "interrupted by Ctrl-C"
     text = " ".join(str(error).split())
     return text if isinstance(error, BackendError) else f"{type(error).__name__}: {text}"

@@ -21,7 +21,7 @@ class Stop(NamedTuple):
 
 
 BY_SIGNAL = {
-    signal.SIGINT: Stop("Ctrl-C", 130),
+    signal.SIGINT: Stop("interrupted by Ctrl-C", 130),
     signal.SIGTERM: Stop("asked to terminate (SIGTERM)", 143),
     signal.SIGHUP: Stop("the terminal has gone (SIGHUP)", 129),
     signal.SIGQUIT: Stop("asked to quit (SIGQUIT)", 131),

@@ -142,7 +142,9 @@ def summary(
     if odometry_m is not None:
         ways.append(f"odometer {odometry_m:z.2f} m")
     way = f" ({', '.join(ways)})" if ways else ""
-    return f"{ended.outcome} after {now_s:.1f} s{way}: {ended.message}"
+    # The message says by what a run was interrupted.
+    outcome = "stopped" if ended.outcome == "interrupted" else ended.outcome
+    return f"{outcome} after {now_s:.1f} s{way}: {ended.message}"
 
 
 UNCONFIRMED = "the robot has not confirmed that it stopped"

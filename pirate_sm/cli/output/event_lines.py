@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, TextIO
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.engine.inputs import REFUSED
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.simulation import SIMULATORS
@@ -19,7 +18,6 @@ from pirate_sm.wiring import Order
 
 if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
-    from pirate_sm.engine.state import EngineState
 
 
 class Lines:
@@ -41,16 +39,17 @@ class Lines:
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Write the latest effects, and flush them."""
+        self._observed.note(effects)
         for effect in effects:
             if isinstance(effect, Ended):
                 there = self._observed
                 text = summary(effect, now_s, there.distance_m(), there.odometry_m())
-                if effect.outcome == "interrupted":
-                    text += _left_in(there.state, effect)
                 if self._quiet:
                     self._out.write(f"{there.prepared.loaded.mission.mission}: {visible(text)}\n")
                 else:
                     self._write(now_s, "end", text)
+                    if left := there.left():
+                        self._write(now_s, "robot", left)
             elif self._quiet:
                 if isinstance(effect, Answered) and effect.level == "warning":
                     say(f"warning: {effect.message}")
@@ -61,17 +60,6 @@ class Lines:
 
     def _write(self, now_s: float, topic: str, text: str) -> None:
         self._out.write(f"{now_s:9.3f}  {topic:<9}  {visible(text)}\n")
-
-
-def _left_in(state: EngineState | None, ended: Ended) -> str:
-    """Return what an interrupted run has done with the robot, as far as that is certain."""
-    if state is None or not state.robot.sent:
-        return "; nothing was sent to the robot"
-    ending = state.mission.ending
-    certain = ending is not None and ending.message == ended.message
-    if not certain or state.robot.flight is not None or REFUSED in ended.message:
-        return ""  # the message says what is uncertain
-    return "; the robot has accepted the safe setpoints: wheels stopped, clamps held"
 
 
 class SaysWhyItWaits:

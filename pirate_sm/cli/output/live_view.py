@@ -77,7 +77,8 @@ class View:
         with suppress(OSError):  # the terminal may have gone, and the run stopped for it
             conclusion = self._conclusion()
             # Keep room for it and for the shell's prompt, so that nothing scrolls away.
-            self._spare += -(-len(conclusion.plain) // self._console.width)
+            lines = conclusion.plain.splitlines()
+            self._spare += sum(-(-len(each) // self._console.width) for each in lines)
             self._live.stop()
             self._console.print(conclusion, soft_wrap=True)
 
@@ -86,7 +87,10 @@ class View:
         if ended is None:
             return Text()
         text = summary(ended, there.now_s, there.distance_m(), there.odometry_m())
-        return line((f"{self._scene.mission}: {text}", panels.OUTCOME.get(ended.outcome, BAD)))
+        style = panels.OUTCOME.get(ended.outcome, BAD)
+        conclusion = line((f"{self._scene.mission}: {text}", style))
+        left = there.left()
+        return conclusion.append("\n").append(line((left, style))) if left else conclusion
 
     def begin(self) -> None:
         """Print the notices above the view."""
@@ -96,6 +100,7 @@ class View:
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Note the effects for the next frame."""
         self._memory.see(effects, now_s)
+        self._observed.note(effects)
         if self._memory.ended is not None and self._live.is_started:
             self._live.refresh()  # it may be the last one for a while
 

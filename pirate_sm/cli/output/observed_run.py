@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan
 from typing import TYPE_CHECKING
 
+from pirate_sm.model.effects import Effect, Ended, Setpoints
 from pirate_sm.model.true_position import Truth
+from pirate_sm.showing.left_state import left_state
 from pirate_sm.wiring import Prepared
 
 if TYPE_CHECKING:
@@ -20,6 +23,8 @@ class ObservedRun:
         self.prepared = prepared
         self.robot = prepared.loaded.robot
         self.run: MissionRun | None = None
+        self._sent: tuple[float, ...] = ()
+        self._ended: Ended | None = None
 
     @property
     def now_s(self) -> float:
@@ -34,6 +39,23 @@ class ObservedRun:
     def truth(self) -> Truth | None:
         """Return the robot's true position, if it is known."""
         return self.prepared.truth() if self.prepared.truth else None
+
+    def note(self, effects: Sequence[Effect]) -> None:
+        """Note what was sent last, and the end."""
+        for effect in effects:
+            if isinstance(effect, Setpoints):
+                self._sent = effect.values
+            elif isinstance(effect, Ended):
+                self._ended = effect
+
+    def left(self) -> str:
+        """Return in what state a run that did not succeed left the robot; empty otherwise."""
+        ended, state, link = self._ended, self.state, self.prepared.link
+        if ended is None or ended.outcome == "succeeded" or state is None:
+            return ""
+        heard = link is None or link().stopped
+        nominal = self.prepared.engine.nominal
+        return left_state(self.robot, state, self._sent, nominal=nominal, heard=heard)
 
     def odometry_m(self) -> float | None:
         """Return the distance that the wheels have rolled, m, if it is measured."""

@@ -129,7 +129,7 @@ def test_however_the_block_is_left_the_wheels_stop(
             pirate_sm.BackendError,
             "the trace backend failed: OSError: gone",
         ),
-        (KeyboardInterrupt(), KeyboardInterrupt, "Ctrl-C"),
+        (KeyboardInterrupt(), KeyboardInterrupt, "interrupted by Ctrl-C"),
     ],
 )
 def test_a_step_that_breaks_sends_the_safe_array_and_closes(

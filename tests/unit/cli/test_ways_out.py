@@ -42,22 +42,6 @@ def clamps(line: dict[str, Any]) -> list[float]:
     return [line["values"][index] for index in (2, 4)]
 
 
-def test_after_ctrl_c_the_last_line_says_how_the_robot_is_left(start: Start) -> None:
-    process = start(*DRIVES)
-    assert process.stdout is not None
-    for text in process.stdout:
-        if "waits" in text:
-            break
-    process.send_signal(signal.SIGINT)
-    out, _ = process.communicate(timeout=60)
-
-    last = out.splitlines()[-1]
-    assert last.count("interrupted") == 1
-    assert last.endswith(
-        "Ctrl-C; the robot has accepted the safe setpoints: wheels stopped, clamps held"
-    )
-
-
 @pytest.mark.parametrize("number", list(BY_SIGNAL))
 def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: int) -> None:
     process = start(*DRIVES, "--json")
@@ -75,6 +59,23 @@ def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: in
     assert after[-1]["outcome"] == "interrupted"
     assert process.returncode == 128 + number
     assert err == ""
+
+
+@pytest.mark.parametrize("signals", [1, 2])
+def test_the_last_line_says_in_what_state_the_robot_is_left(start: Start, signals: int) -> None:
+    process = start(*DRIVES, "--plain")
+    assert process.stdout is not None
+    for text in process.stdout:
+        if "waits " in text:
+            break
+    for _ in range(signals):
+        process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+
+    end, left = out.splitlines()[-2:]
+    assert "stopped after" in end
+    assert end.count("interrupted") == 1
+    assert "wheels set to zero; nose clamped (without sensors); tail clamped" in left
 
 
 def test_two_signals_end_it_as_well(start: Start) -> None:

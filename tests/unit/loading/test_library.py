@@ -131,3 +131,12 @@ def test_any_name_is_found_or_refused(name):
         for beside in (None, ROOT / "sequences"):
             with suppress(UsageError):
                 assert isinstance(find(name, beside), Path)
+
+
+def test_a_name_that_lacks_only_the_ending_of_a_file_here_is_recognised(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "first.yaml").touch()
+    with pytest.raises(UsageError, match=r"there is no mission 'first'; did you mean 'first.yaml'"):
+        library.find_mission("first")

@@ -16,7 +16,7 @@ from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop, StopRequests
 
 SAFE = (0.0, 0.5)
 MOVING = (1.0, 0.5)
-CTRL_C = Stop("Ctrl-C", 130)
+CTRL_C = Stop("interrupted by Ctrl-C", 130)
 
 
 class FakeEngine:

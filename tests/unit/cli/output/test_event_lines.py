@@ -19,18 +19,18 @@ def test_it_is_said_once_for_what_a_stop_waits(capsys: pytest.CaptureFixture[str
 
     waits.pulse(1.0)
     assert capsys.readouterr().err == ""
-    requests.ask(Stop("Ctrl-C", 130))
+    requests.ask(Stop("interrupted by Ctrl-C", 130))
     waits.pulse(1.1)
     waits.pulse(1.2)
     assert capsys.readouterr().err == (
-        "Ctrl-C: stopping waits for the link, given up in 8 s: "
+        "interrupted by Ctrl-C: stopping waits for the link, given up in 8 s: "
         "nothing comes from the robot; a second signal ends at once\n"
     )
 
 
 def test_a_stop_that_waits_for_no_link_says_nothing(capsys: pytest.CaptureFixture[str]) -> None:
     requests = StopRequests()
-    requests.ask(Stop("Ctrl-C", 130))
+    requests.ask(Stop("interrupted by Ctrl-C", 130))
 
     SaysWhyItWaits(lambda: WELL, requests).pulse(1.0)
 
