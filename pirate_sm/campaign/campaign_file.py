@@ -31,14 +31,13 @@ from pirate_sm.model.campaign import (
     CampaignMission,
     DefectSet,
     Expectation,
-    LineFaults,
-    StartJitter,
     TrueEnd,
     Value,
     ValueRange,
     Values,
 )
 from pirate_sm.model.fidelity import USUAL
+from pirate_sm.model.variations import LineFaults, StartJitter
 from pirate_sm.units import format_quantity
 from pirate_sm.wiring import Order, load, prepare
 
