@@ -29,8 +29,9 @@ from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.problems import Path as Keys
 from pirate_sm.loading.yaml.document import Document, parse_document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
-from pirate_sm.model.campaign import Campaign, Expectation, StartJitter, TrueEnd
+from pirate_sm.model.campaign import Campaign, Expectation, TrueEnd
 from pirate_sm.model.fidelity import USUAL
+from pirate_sm.model.variations import StartJitter
 from pirate_sm.wiring import Order, load, prepare
 
 MOST_CELLS = 10_000

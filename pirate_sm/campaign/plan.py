@@ -9,8 +9,9 @@ from typing import Any
 
 from pydantic_core import to_jsonable_python
 
-from pirate_sm.model.campaign import Expectation, LineFaults, StoppingRule, TrueEnd
+from pirate_sm.model.campaign import Expectation, StoppingRule, TrueEnd
 from pirate_sm.model.fidelity import USUAL
+from pirate_sm.model.variations import LineFaults
 from pirate_sm.wiring import Order
 
 FORMAT = 1

@@ -15,9 +15,9 @@ from pirate_sm.cli.options.values import read_duration, read_length, read_pairs,
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import trace_script as loading
 from pirate_sm.loading.yaml.document import read_document
-from pirate_sm.model.campaign import LineFaults, StartJitter
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.model.trace_script import Happening
+from pirate_sm.model.variations import LineFaults, StartJitter
 from pirate_sm.runtime.trigger_script import Firing
 from pirate_sm.spelling import meant
 from pirate_sm.wiring import Order

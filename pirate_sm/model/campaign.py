@@ -12,7 +12,6 @@ from pirate_sm.model.base import AlsoWritten, Format, Frozen, Name
 from pirate_sm.model.fidelity import Fidelity
 from pirate_sm.model.quantities import (
     AnyQuantity,
-    Duration,
     Flag,
     Length,
     Ratio,
@@ -20,6 +19,7 @@ from pirate_sm.model.quantities import (
     quantity_fault,
     range_fault,
 )
+from pirate_sm.model.variations import LineFaults, StartJitter
 from pirate_sm.units import DIMENSIONLESS, QuantityError, read_quantity
 
 MOST_SEEDS = 10**9
@@ -152,40 +152,6 @@ class ValueRange(Frozen):
 
 
 Values: TypeAlias = ValueRange | Annotated[tuple[Value, ...], Field(min_length=1)] | Value
-
-
-class StartJitter(Frozen):
-    """How far each run may differ from the files; drawn uniformly within plus and minus.
-
-    Attributes:
-        start: Of the robot's place along the pipe.
-        friction: Of all friction coefficients, as a share.
-        diameter: Of all inner diameters.
-    """
-
-    start: Annotated[Length, Field(ge=0)] = 0.0
-    friction: Annotated[Ratio, Field(ge=0, lt=1)] = 0.0
-    diameter: Annotated[Length, Field(ge=0)] = 0.0
-
-
-class LineFaults(Frozen):
-    """Faults of the serial line and of the controller, for the backend ``bay``.
-
-    Attributes:
-        loss_in: Share of frames lost on their way to the robot.
-        loss_out: Share of frames lost on their way back.
-        corruption: Share of bytes changed, in either direction.
-        delay: Added to every frame.
-        jitter: Up to this much more, drawn for each frame.
-        reset_every: Mean time between restarts of the controller.
-    """
-
-    loss_in: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
-    loss_out: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
-    corruption: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
-    delay: Annotated[Duration, Field(ge=0)] = 0.0
-    jitter: Annotated[Duration, Field(ge=0)] = 0.0
-    reset_every: Annotated[Duration, Field(ge=0)] = 0.0
 
 
 class StoppingRule(Frozen):

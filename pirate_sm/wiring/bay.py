@@ -7,7 +7,7 @@ from pirate_sm.detectors.registry import Places
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot.twin_file import simulated_profile
-from pirate_sm.model.campaign import LineFaults
+from pirate_sm.model.variations import LineFaults
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.backend_links import Holder
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from pirate_sm.errors import Hint
-from pirate_sm.model.campaign import LineFaults
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.trace_script import Happening
+from pirate_sm.model.variations import LineFaults
 from pirate_sm.runtime.trigger_script import Firing
 
 USE_TRACE = Hint(": use --backend trace", ": use backend='trace'")
