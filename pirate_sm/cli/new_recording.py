@@ -54,12 +54,9 @@ def begin_recording(place: RecordingPlace, header: RunHeader) -> tuple[Recording
         return requested_recording(path, header), path
     for number in count(2):
         try:
-            path.parent.mkdir(parents=True, exist_ok=True)
+            _make_folder(path.parent)
             return new_recording(path, header), path
         except FileExistsError:
-            if not path.parent.is_dir():
-                say(f"warning: nothing is recorded: {shown(path)}: its folder is a file")
-                return None, path
             path = path.with_stem(f"{path.stem.partition('~')[0]}~{number}")
         except OSError as error:
             if place.runs is not None:
@@ -70,3 +67,10 @@ def begin_recording(place: RecordingPlace, header: RunHeader) -> tuple[Recording
             say(f"warning: nothing is recorded: {problem}")
             return None, path
     raise AssertionError("numbers do not end")
+
+
+def _make_folder(folder: Path) -> None:
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except FileExistsError as error:
+        raise NotADirectoryError(error.errno, "its folder is a file") from None

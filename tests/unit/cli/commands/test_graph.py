@@ -43,7 +43,7 @@ def test_an_ending_of_no_format_is_refused(pirate: Any, tmp_path: Path) -> None:
     result = pirate("graph", "climb", "-o", tmp_path / "a.bmp")
 
     assert result.exit_code == 2
-    assert "name a file that ends in .svg, .dot" in result.stderr
+    assert "possible are .svg, .dot" in result.stderr
     assert not (tmp_path / "a.bmp").exists()
 
 
@@ -61,7 +61,7 @@ def test_a_drawing_takes_the_place_of_no_mission(
     assert mission.read_text() == before
 
 
-@pytest.mark.parametrize("name", ["a.svg", "a.dot", "a.mmd", "a.scxml"])
+@pytest.mark.parametrize("name", ["a.svg", "a.dot", "a.mmd"])
 def test_a_drawing_is_drawn_again(pirate: Any, tmp_path: Path, name: str) -> None:
     for mission in ("climb", "mitre_bend"):
         assert pirate("graph", mission, "-o", tmp_path / name).exit_code == 0
