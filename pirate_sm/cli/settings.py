@@ -6,17 +6,14 @@
 from __future__ import annotations
 
 import os
-import re
 from collections.abc import Callable, Collection, Iterator, Mapping
-from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
-from pirate_sm.palette import THEMES, USUAL
+from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS, Value
 
 if TYPE_CHECKING:
     from pirate_sm.errors import PirateError
-    from pirate_sm.loading.problems import Place, Problem
 
 PROJECT_FILE = "pirate.toml"
 USER_FILE = "config.toml"
@@ -26,73 +23,10 @@ RUNS_VARIABLE = "PIRATE_SM_RUNS"
 SIMULATED = ("bay", "physics", "sim", "trace")
 """Backends that reach nothing outside this program. [decided]"""
 
-BUILT_IN = "built in"
-
-
-@dataclass(frozen=True)
-class Setting:
-    """What a file may set.
-
-    Attributes:
-        about: One line about it.
-        usual: Its value without any file; empty: there is none.
-        names: Returns the valid names; None: any text.
-        only_user: Whether a project's file may not set it at all.
-    """
-
-    about: str
-    usual: str = ""
-    names: Callable[[], Collection[str]] | None = None
-    only_user: bool = False
-
-
-def _backends() -> Collection[str]:
-    from pirate_sm.backends import known
-    from pirate_sm.registry import points_of
-
-    return sorted({*known.ABOUT, *(point.name for point in points_of(known.GROUP))})
-
-
-SETTINGS: Mapping[str, Setting] = {
-    "robot": Setting("the robot where neither a mission nor an option names one"),
-    "backend": Setting("what runs a mission, and the console", "sim", _backends),
-    "port": Setting("the port of the real robot"),
-    "runs": Setting("the folder for recordings", "runs"),
-    "theme": Setting("the console's colours", USUAL, lambda: THEMES),
-    "trusted": Setting("folders whose pirate.toml may reach a robot", only_user=True),
-}
-
 ROBOT_BY_OPTION = frozenset({"doctor", "calibrate", "bay", "camera calibrate", "camera survey"})
 """Commands whose option ``--robot`` says which robot it is, in place of the first one shipped."""
 
 RUNNING = frozenset({"run", "console"})
-
-
-class Value(NamedTuple):
-    """A setting in force.
-
-    Attributes:
-        value: Its value; for ``trusted`` the folders.
-        source: Where it comes from: ``FILE:LINE``, a variable, or ``built in``.
-        refused: Why it must not be used; empty if it may.
-        project: Whether a project's file sets it.
-        place: Where a file sets it; None: no file does.
-        excerpt: That line of the file.
-    """
-
-    value: Any
-    source: str
-    refused: str = ""
-    project: bool = False
-    place: Place | None = None
-    excerpt: str = ""
-
-    def problem(self, code: str, message: str, expected: str = "") -> Problem:
-        """Return a problem with this value, at its place."""
-        from pirate_sm.loading.problems import Place, Problem
-
-        place = self.place or Place(self.source)
-        return Problem(code, place, message, expected, excerpt=self.excerpt)
 
 
 def user_file() -> Path:
@@ -279,12 +213,3 @@ def _is_recorded(command: str, given: Mapping[str, Any]) -> bool:
 
 def _simulates(options: Mapping[str, Any]) -> bool:
     return options.get("backend") in SIMULATED
-
-
-def place_of(text: str, name: str) -> tuple[int, int, int]:
-    """Return line, column and the column of the value of a key or table in a TOML text."""
-    pattern = rf"""^\s*\[*\s*["']?({re.escape(name)})["']?\s*([.=\]]\s*)"""
-    for number, line in enumerate(text.splitlines(), 1):
-        if match := re.match(pattern, line):
-            return number, match.start(1) + 1, match.end(2) + 1
-    return 0, 0, 0

@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.cli.settings import SETTINGS, Value, place_of
+from pirate_sm.cli.known_settings import SETTINGS, Value
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.library import is_path
 from pirate_sm.loading.problems import LoadError, Place, Problem
@@ -64,7 +64,7 @@ def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str,
         return {}
     values = {}
     for key, value in content.items():
-        line, at_key, at_value = place_of(text, key)
+        line, at_key, at_value = _place_of(text, key)
         fault = _fault(key, value, is_project=is_project)
         if fault is not None:
             problems.append(
@@ -158,3 +158,12 @@ def _placed(key: str, value: Any, folder: Path, *, is_project: bool) -> Any:
         value = str(Path(value).expanduser())
     path = key == "runs" or (key == "robot" and is_path(value))
     return str(folder / value) if is_project and value and path else value
+
+
+def _place_of(text: str, name: str) -> tuple[int, int, int]:
+    """Return line, column and the column of the value of a key or table in a TOML text."""
+    pattern = rf"""^\s*\[*\s*["']?({re.escape(name)})["']?\s*([.=\]]\s*)"""
+    for number, line in enumerate(text.splitlines(), 1):
+        if match := re.match(pattern, line):
+            return number, match.start(1) + 1, match.end(2) + 1
+    return 0, 0, 0

@@ -7,6 +7,7 @@ from typing import Any
 
 from pirate_sm.cli import settings
 from pirate_sm.cli.commands.list import print_table
+from pirate_sm.cli.known_settings import SETTINGS, Value
 from pirate_sm.cli.options.settings import ConfigOptions
 from pirate_sm.visible import visible
 
@@ -34,14 +35,13 @@ def show_settings(options: ConfigOptions) -> int:
         _print_json({"settings": listed, "files": paths})
         return 0
     rows = [
-        (name, _text(each), _source(each), settings.SETTINGS[name].about)
-        for name, each in found.items()
+        (name, _text(each), _source(each), SETTINGS[name].about) for name, each in found.items()
     ]
     print_table("settings", rows)
     return 0
 
 
-def _for_programs(each: settings.Value) -> dict[str, Any]:
+def _for_programs(each: Value) -> dict[str, Any]:
     return {"value": each.value or None, "source": each.source, "refused": each.refused or None}
 
 
@@ -49,10 +49,10 @@ def _print_json(content: dict[str, Any]) -> None:
     print(json.dumps({"format": FORMAT, **content}, ensure_ascii=True))
 
 
-def _text(value: settings.Value) -> str:
+def _text(value: Value) -> str:
     listed = value.value if isinstance(value.value, tuple) else (value.value,)
     return ", ".join(map(str, listed)) or "-"
 
 
-def _source(value: settings.Value) -> str:
+def _source(value: Value) -> str:
     return f"{value.source} (not used: it {value.refused})" if value.refused else value.source
