@@ -33,6 +33,7 @@ LEVEL = "{}"
 TILTED, TILTED_BACK = "{roll: 28 deg}", "{roll: -28 deg}"
 UP, DOWN = "{roll: 90 deg}", "{roll: -90 deg}"
 CLIMBING, DESCENDING = "{pitch: 90 deg}", "{pitch: -90 deg}"
+LYING = {"": LEVEL, ", up": UP, ", climbing": CLIMBING}
 
 
 @dataclass(frozen=True)
@@ -70,6 +71,12 @@ def tee(take: str, roll: str = "0 deg", branch: str = "120 mm") -> str:
     return f"{{straight: 1 m}}, {of}, {{straight: 1 m}}"
 
 
+def elbow(angle_deg: int, radius_mm: int) -> str:
+    """Return the segments of a pipe with an elbow."""
+    bend = f"{{elbow: {angle_deg} deg, radius: {radius_mm} mm}}"
+    return f"{{straight: 1 m}}, {bend}, {{straight: 1 m}}"
+
+
 def reducer(length: str, to: str) -> str:
     """Return the segments of a pipe with a reducer."""
     return f"{{straight: 1 m}}, {{reducer: {length}, to: {to}}}, {{straight: 1.2 m}}"
@@ -100,9 +107,20 @@ ROWS = (
     Row("mitre, down", MITRE, DOWN, bars="mitre_90_down"),
     Row("mitre, climbing", MITRE, CLIMBING, bars="mitre_90_from_below"),
     Row("mitre, descending", MITRE, DESCENDING, bars="mitre_90_from_above"),
+    *(
+        Row(f"mitre of {angle} deg{way}", MITRE.replace("90", str(angle)), frame)
+        for angle in (30, 45, 60, 75)
+        for way, frame in LYING.items()
+    ),
     Row("elbow", ELBOW, mission=ROUND),
     Row("elbow, up", ELBOW, UP, ROUND),
     Row("elbow, down", ELBOW, DOWN, ROUND),
+    *(
+        Row(f"elbow of {angle} deg, {radius} mm{way}", elbow(angle, radius), frame, ROUND)
+        for angle in (45, 90)
+        for radius in (120, 240, 300)
+        for way, frame in LYING.items()
+    ),
     Row("tee, in", tee("branch"), mission=BRANCH),
     Row("tee, in, up", tee("branch"), UP, BRANCH),
     Row("tee, in, down", tee("branch"), DOWN, BRANCH),

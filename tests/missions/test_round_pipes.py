@@ -13,6 +13,7 @@ from pirate_sm.wiring import Order
 
 PASSED = (
     *("mitre", "mitre, tilted up", "tee, in", "tee, in, down", "tee, in 110 mm"),
+    *("mitre of 45 deg", "mitre of 75 deg, climbing", "elbow of 45 deg, 300 mm"),
     *("mitre, up", "tee, in, up", "two planes, up", "house"),
     *("tee, on, square", "120 to 105 mm", "110 to 120 mm", "step to 110 mm", "step to 120 mm"),
 )
