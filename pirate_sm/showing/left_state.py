@@ -2,39 +2,44 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import confirmed_at
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot.robot_state import DECLARED, Mark, at_rest_in, confirmed_parts
+from pirate_sm.engine.robot.sensor_verdict import verdict
 from pirate_sm.engine.state import EngineState
 
 
 def left_state(
-    robot: RobotSpec, state: EngineState, sent: tuple[float, ...], *, nominal: bool, heard: bool
+    engine: Engine, state: EngineState, sent: tuple[float, ...], *, accepted: bool
 ) -> str:
     """Return in what state a run has left the robot: its wheels and what holds it.
 
     Args:
-        robot: The robot.
+        engine: The engine of the run.
         state: The engine's state at the end.
         sent: The last array that was sent; empty if none was.
-        nominal: Whether there are no sensors.
-        heard: Whether the robot has confirmed the last array, as far as its link can.
+        accepted: Whether the robot has accepted that array.
     """
+    robot = engine.robot
     if not sent:
         return "nothing was sent: the robot is as it was"
     stopped = not any(sent[slot] for slot in robot.safe_zero)
     wheels = "wheels set to zero" if stopped else "the wheels may TURN: no safe array was sent"
-    if not heard:
+    if not accepted:
         wheels = f"{wheels}, NOT confirmed by the robot"
-    here, marks = state.robot.configuration, state.robot.marks
-    confirmed = confirmed_at(robot, here, marks)
     held = [
-        f"{robot.parts[part]} clamped ({_by_what(part in confirmed, nominal=nominal)})"
-        for part in sorted(robot.held[here])
+        f"{robot.parts[part]} clamped ({_by_what(engine, state, part)})"
+        for part in sorted(robot.held[state.robot.configuration])
     ]
     return "; ".join([wheels, *(held or ["no part is clamped"])])
 
 
-def _by_what(confirmed: bool, *, nominal: bool) -> str:
-    if nominal:
+def _by_what(engine: Engine, state: EngineState, part: int) -> str:
+    """Return what shows that a part is clamped, at the end and not only when it was clamped."""
+    if engine.nominal:
         return "without sensors"
-    return "confirmed by sensors" if confirmed else "NOT confirmed by sensors"
+    robot, body = engine.robot, state.robot
+    if part not in confirmed_parts(robot, body):
+        return "NOT confirmed by sensors"
+    rest, mark = at_rest_in(robot, body.configuration).values, Mark("part", part, DECLARED)
+    seen = verdict(robot, rest, body, mark, state.sensing.numbers, engine.program.diameter_m)
+    return "confirmed by sensors" if seen.agrees else "confirmed before, NOT seen by sensors now"

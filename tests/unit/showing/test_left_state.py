@@ -1,36 +1,69 @@
 from __future__ import annotations
 
+import io
+
 import pytest
 
+from pirate_sm.cli.output.event_lines import Lines
+from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.engine.robot.robot_state import DENIED, Mark
+from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.left_state import left_state
 from pirate_sm.wiring import Order, prepare
 
 
 @pytest.fixture(scope="module")
 def held():
-    engine = prepare(Order("mitre_bend", backend="trace")).engine
+    engine = prepare(Order("mitre_bend", backend="sim")).engine
     state, _ = engine.start(0.0)
-    robot = engine.robot
-    here = next(index for index, parts in enumerate(robot.held) if len(parts) == 2)
-    return robot, state._replace(robot=state.robot._replace(configuration=here, marks=frozenset()))
+    here = next(index for index, parts in enumerate(engine.robot.held) if len(parts) == 2)
+    return engine, state._replace(robot=state.robot._replace(configuration=here, marks=frozenset()))
 
 
 def test_what_holds_and_what_is_not_confirmed_is_named(held) -> None:
-    robot, state = held
-    sent = (0.0,) * len(robot.slots)
-    mark = Mark("part", min(robot.held[state.robot.configuration]), DENIED)
+    engine, state = held
+    sent = (0.0,) * len(engine.robot.slots)
+    mark = Mark("part", min(engine.robot.held[state.robot.configuration]), DENIED)
     doubted = state._replace(robot=state.robot._replace(marks=frozenset({mark})))
 
-    said = left_state(robot, doubted, sent, nominal=False, heard=False)
-
-    assert said.startswith("wheels set to zero, NOT confirmed by the robot; ")
-    assert said.count("NOT confirmed by sensors") == 1
-    assert said.count("(confirmed by sensors)") == 1
+    assert left_state(engine, doubted, sent, accepted=False) == (
+        "wheels set to zero, NOT confirmed by the robot; front clamped (NOT confirmed by sensors); "
+        "rear clamped (confirmed before, NOT seen by sensors now)"
+    )
 
 
 def test_wheels_that_may_turn_and_a_robot_that_was_left_alone_are_named(held) -> None:
-    robot, state = held
-    turning = (1.0,) * len(robot.slots)
-    assert "may TURN" in left_state(robot, state, turning, nominal=True, heard=True)
-    assert left_state(robot, state, (), nominal=True, heard=True).startswith("nothing was sent")
+    engine, state = held
+    turning = (1.0,) * len(engine.robot.slots)
+    assert "may TURN" in left_state(engine, state, turning, accepted=True)
+    assert left_state(engine, state, (), accepted=True).startswith("nothing was sent")
+
+
+def last_line(mission: str, **order) -> str:
+    """Return the last line of a run."""
+    prepared = prepare(Order(mission, **order))
+    out, observed = io.StringIO(), ObservedRun(prepared)
+    observed.run = MissionRun(
+        prepared.engine,
+        prepared.backend,
+        observers=[Lines(out, observed)],
+        companions=prepared.companions,
+        factor=float("inf"),
+    )
+    observed.run.execute()
+    return out.getvalue().splitlines()[-1]
+
+
+@pytest.mark.parametrize("backend", ["sim", "bay"])
+def test_a_robot_that_is_silent_at_the_end_confirms_nothing(backend: str) -> None:
+    """Its clamps were confirmed while it reported."""
+    said = last_line("climb", backend=backend, defects=("bay_silent",))
+
+    assert said.count("(confirmed before, NOT seen by sensors now)") == 2
+    assert "wheels set to zero, NOT confirmed by the robot" in said
+
+
+def test_a_clamp_that_sensors_show_at_the_end_is_confirmed() -> None:
+    said = last_line("mitre_bend", backend="sim", defects=("gamma_2_sticks",))
+
+    assert said.endswith("wheels set to zero; rear clamped (confirmed by sensors)")
