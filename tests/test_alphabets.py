@@ -12,7 +12,6 @@ from collections import defaultdict
 from pathlib import Path
 from typing import NamedTuple
 
-import pytest
 from mypy import api
 
 ROOT = Path(__file__).parents[1]
@@ -176,8 +175,6 @@ def missed(scratch: Path) -> dict[str, set[str]]:
     return found
 
 
-# It checks the whole package from nothing, which takes minutes on a busy machine.
-@pytest.mark.timeout(400)
 def test_the_type_checker_names_every_place_that_a_new_member_needs(tmp_path: Path) -> None:
     found = missed(tmp_path)
 

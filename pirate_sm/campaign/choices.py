@@ -58,7 +58,7 @@ class Choices:
     def column(
         self, order: Order, pipe: str | None, detector: str | None, *, many_defects: bool
     ) -> str:
-        """Return in words what tells a cell from the others of its mission."""
+        """Return in words what distinguishes a cell from the others of its mission."""
         named = self.entry.name is not None
         parts = [str(pipe)] if pipe and (self._varies("pipe") or not named) else []
         parts += [f"{n} {v}" for n, v in order.settings.items() if self._varies("set", n)]

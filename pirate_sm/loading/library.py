@@ -157,12 +157,12 @@ def _find_file(
             if _is_file(folder / f"{name}{suffix}"):
                 return folder / f"{name}{suffix}"
     shipped = {path.stem: path for path in known}
-    if name not in shipped and (near := _file_nearby(name, folders or [Path()])) is not None:
+    if name not in shipped and (near := file_nearby(name, folders or [Path()])) is not None:
         raise UsageError(f"there is no {kind} '{_cut(name)}'; did you mean '{near}'?")
     return _by_name(kind, name, shipped)
 
 
-def _file_nearby(name: str, folders: Iterable[Path]) -> Path | None:
+def file_nearby(name: str, folders: Iterable[Path]) -> Path | None:
     """Return a file in these folders that the name is meant for without its ending."""
     places = (folder / f"{name}{suffix}" for folder in folders for suffix in SUFFIXES)
     return next(filter(_is_file, places), None)

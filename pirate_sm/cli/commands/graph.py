@@ -181,7 +181,8 @@ def _found(what: str) -> Path:
     known |= {mission.stem: mission for mission in library.missions()}
     if what in known:
         return known[what]
-    hint = meant(what, sorted(known))
+    near = library.file_nearby(what, [Path()])
+    hint = f"did you mean '{near}'?" if near is not None else meant(what, sorted(known))
     raise UsageError(f"there is no mission, robot, pipe or file '{what}'; {hint}")
 
 

@@ -34,7 +34,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
 
 LONGEST_LINE = 100_000
-"""So many signs of the names in a table are read."""
+"""The most characters that are read of the first line of a table."""
 
 _NUMBER = re.compile(r"_\d+(?=_|$)")
 

@@ -17,10 +17,10 @@ from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
 
 MOST_FILES = 1000
-"""So many files of a folder are looked at."""
+"""The most files of a folder that are read."""
 
 MOST_RUNS = 20
-"""So many recordings of the folder for them are offered, beside those of the working folder."""
+"""The most recordings that are offered from the folder for recordings; the newest ones."""
 
 
 def missions(context: typer.Context, typed: str) -> Iterator[Candidate]:

@@ -201,7 +201,7 @@ def test_a_campaign_needs_its_format(tmp_path: Path) -> None:
         read_campaign(file)
 
 
-def test_so_many_cells_are_refused_that_nobody_could_wait_for_them(tmp_path: Path) -> None:
+def test_too_many_cells_are_refused(tmp_path: Path) -> None:
     many = "{from: 10 s, to: 509 s, by: 1 s}"
     missions = f"[{{mission: turn, set: {{a: {many}, b: {many}}}}}]"
     (tmp_path / "turn.yaml").write_text(

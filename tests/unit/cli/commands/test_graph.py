@@ -61,6 +61,15 @@ def test_a_drawing_takes_the_place_of_no_mission(
     assert mission.read_text() == before
 
 
+def test_a_file_is_named_that_lacks_only_its_ending(
+    pirate: Any, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "first.yaml").write_text("format: 1\n", "utf-8")
+
+    assert "did you mean 'first.yaml'?" in pirate("graph", "first").stderr
+
+
 @pytest.mark.parametrize("name", ["a.svg", "a.dot", "a.mmd"])
 def test_a_drawing_is_drawn_again(pirate: Any, tmp_path: Path, name: str) -> None:
     for mission in ("climb", "mitre_bend"):

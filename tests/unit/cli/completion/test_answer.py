@@ -32,12 +32,12 @@ MISSION = "mission: mine\nrobot: pirate_ii\nstart: a\ndescription: of my own\nph
 
 
 def answer(line: str, shell: str = "zsh", command: Any = PIRATE) -> str:
-    told = {
+    asked = {
         "PIRATE_SM_COMPLETE": shell,
         "PIRATE_SM_LINE": line,
         "PIRATE_SM_BREAKS": BREAKS,
     }
-    return answered(command, told)
+    return answered(command, asked)
 
 
 def values(line: str, command: Any = PIRATE) -> list[str]:
@@ -321,14 +321,14 @@ def test_a_command_line_runs_even_if_the_variable_is_set(
 ) -> None:
     monkeypatch.setenv(entry.ASKING, "bash")
     monkeypatch.setattr(sys, "argv", ["pirate", "config", "path"])
-    monkeypatch.setattr(sys, "stdout", told := io.TextIOWrapper(io.BytesIO(), "utf-8"))
+    monkeypatch.setattr(sys, "stdout", printed := io.TextIOWrapper(io.BytesIO(), "utf-8"))
 
     with pytest.raises(SystemExit) as end:
         entry.main()
 
     assert end.value.code == 0
-    told.seek(0)
-    assert told.read().endswith("config.toml\n")
+    printed.seek(0)
+    assert printed.read().endswith("config.toml\n")
 
 
 def test_no_option_that_takes_a_name_or_a_file_is_left_out() -> None:

@@ -123,11 +123,11 @@ def test_the_part_that_does_not_hold_comes_into_the_plane(
 
 
 def test_from_where_the_roll_joint_stands_it_takes_the_nearer_way(drive):
-    robot = Robot(drive, "rear", -95.0)
+    robot = Robot(drive, "rear", -99.5)
     robot.phi = math.radians(60)
     robot.stand(0.2)
     robot.level()
-    assert robot.sent_deg == pytest.approx(95.0, abs=0.1)
+    assert robot.sent_deg == pytest.approx(99.5, abs=0.1)
 
 
 def test_a_holder_that_gives_way_is_corrected_once(drive):
