@@ -36,6 +36,7 @@ class Line:
         self._damage_in = Corruption(switches.corruption, chances[2])
         self._damage_out = Corruption(switches.corruption, chances[3])
         self._delay_s, self._jitter_s = switches.delay_s, switches.jitter_s
+        self._cut_s = switches.cut_at_s
         self._late_in, self._late_out = chances[4], chances[5]
 
     @property
@@ -50,7 +51,8 @@ class Line:
 
     def receive(self, data: bytes, now_s: float) -> None:
         """Take bytes that the host has written in one call."""
-        self._inlet.send(self._damage_in.damage(data), now_s + self._late(self._late_in))
+        if now_s < self._cut_s:
+            self._inlet.send(self._damage_in.damage(data), now_s + self._late(self._late_in))
 
     def read(self, now_s: float) -> tuple[list[tuple[int, float]], bool]:
         """Return the waiting bytes with their times of arrival, and whether others were lost."""
@@ -65,7 +67,7 @@ class Line:
         """Put the frame on the line; return when the firmware's write returns."""
         data = encode(*frame)
         start, done = self._outlet.write(len(data), now_s)
-        if self.connected and self._loss_out.arrives(frame.topic):
+        if self.connected and now_s < self._cut_s and self._loss_out.arrives(frame.topic):
             late = self._late(self._late_out)
             self._outlet.send(self._damage_out.damage(data), start + late)
         return done

@@ -32,6 +32,7 @@ class Switches:
         corruption: Share of bytes changed, in either direction.
         delay_s: Added delay of every frame, in either direction.
         jitter_s: Up to this much more delay, drawn uniformly per frame; the order stays.
+        cut_at_s: When the line is cut for good, so that nothing passes either way.
         reset_at_s: When the firmware restarts.
         reset_every_s: Mean time between further restarts, 0 for none.
         hang_at_s: When the firmware hangs.
@@ -63,6 +64,7 @@ class Switches:
     corruption: float = 0.0
     delay_s: float = 0.0
     jitter_s: float = 0.0
+    cut_at_s: float = math.inf
     reset_at_s: tuple[float, ...] = ()
     reset_every_s: float = 0.0
     hang_at_s: float = math.inf

@@ -34,6 +34,7 @@ class LineFaults(Frozen):
         delay: Added to every frame.
         jitter: Up to this much more, drawn for each frame.
         reset_every: Mean time between restarts of the controller.
+        cut_after: When the line is cut for good, after the start of the controller; 0 for never.
     """
 
     loss_in: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
@@ -42,3 +43,4 @@ class LineFaults(Frozen):
     delay: Annotated[Duration, Field(ge=0)] = 0.0
     jitter: Annotated[Duration, Field(ge=0)] = 0.0
     reset_every: Annotated[Duration, Field(ge=0)] = 0.0
+    cut_after: Annotated[Duration, Field(ge=0)] = 0.0

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from math import inf
+
 from pirate_sm.backends import known
 from pirate_sm.detectors.registry import Places
 from pirate_sm.errors import UsageError, not_installed
@@ -58,6 +60,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             corruption=line.corruption,
             delay_s=line.delay,
             jitter_s=line.jitter,
+            cut_at_s=line.cut_after or inf,
             reset_every_s=line.reset_every,
             defects=order.defects,
         ),

@@ -63,7 +63,7 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
     """
     header = end.recording.header
     order = _order(header, again)
-    loaded = _with_folder(end.loaded, header)
+    loaded = with_folder(end.loaded, header)
     if order.backend == "serial":
         _check_calibration(loaded, header)
     if order.backend in ("sim", "physics"):
@@ -190,7 +190,7 @@ def recorded_order(header: RunHeader) -> Order:
         raise RecordingError("the options in the recording are not those of a run") from None
 
 
-def _with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
+def with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
     """Return the mission with the robot's own folder, which has the definitions of its messages."""
     profile = next(file for file in header.files if file.role == "profile")
     shipped = profile.path.startswith("shipped:")

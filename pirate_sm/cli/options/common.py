@@ -145,9 +145,15 @@ LineFault = Annotated[
         "--line",
         metavar="NAME=VALUE",
         autocompletion=candidates.words(
-            "loss_in=", "loss_out=", "corruption=", "delay=", "jitter=", "reset_every="
+            "loss_in=",
+            "loss_out=",
+            "corruption=",
+            "delay=",
+            "jitter=",
+            "reset_every=",
+            "cut_after=",
         ),
-        help="Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every.",
+        help="Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every, cut_after.",
     ),
 ]
 View = Annotated[

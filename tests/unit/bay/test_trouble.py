@@ -56,6 +56,18 @@ def test_lost_on_the_way_out(make: MakeBay) -> None:
     assert states / (62.5 * (host.now_s - began)) == pytest.approx(0.8, abs=0.02)
 
 
+def test_nothing_passes_a_line_that_is_cut(make: MakeBay) -> None:
+    host = connected(make, cut_at_s=10.0)
+    drive(host, 1, 1000)
+    host.listen(10.1 - host.now_s)
+    heard = len(host.heard)
+    drive(host, 2, -1000)
+    host.listen(5.0)
+
+    assert [each.setpoint_id for each in host.events("applied")][-1] == 1
+    assert len(host.heard) - heard <= 1  # what had left the controller before
+
+
 def test_never_two_in_a_row(make: MakeBay) -> None:
     host = connected(make, loss_in=0.3, loss_out=0.3, never_two=True)
     send_many(host, 300)
