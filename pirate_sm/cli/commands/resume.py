@@ -8,11 +8,11 @@ from datetime import UTC, datetime
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.cli.commands.run import Manner, run_prepared
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
 from pirate_sm.cli.output.resume_report import Facts, report_lines
+from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.cli.stop_checks import StoppedError, stopper
 from pirate_sm.engine.mission.program import HERE
 from pirate_sm.engine.resuming.entry import FAILURE
