@@ -265,8 +265,7 @@ def _reach(
     elif not isnan(since_s):
         since_s = nan
     if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
-        reason = motion.blind or why_late(moment.robot, state, motion, sensing)
-        reason = f"{reason}: {why_not}" if why_not else reason
+        reason = motion.blind or why_late(moment.robot, state, motion, sensing, why_not)
         return fail(moment, state, reason), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
@@ -306,7 +305,8 @@ def _level(
         return send_if_new(moment, state, turning, tuple(values), state.loops), None
     reason = found.failed if found is not None else ""
     if free and has_come(now_s, motion.deadline_s):
-        reason = reason or why_late(robot, state, motion, sensing)
+        gravity = "the direction of gravity is unknown, or changes" if resting else ""
+        reason = reason or why_late(robot, state, motion, sensing, gravity)
     if reason:
         return fail(moment, state, reason), Finished(False, reason)
     return state, None
