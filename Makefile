@@ -8,12 +8,13 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel test test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery wheel test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
 	@echo "make gallery ten scenes at full speed, and runs/demo/index.html with their reports"
 	@echo "make test    style, types, layers and tests"
+	@echo "make test-thorough  every mission, guide and scene to its end, and more examples of each property"
 	@echo "make test-browser  a report's page in the Chromium that is installed"
 	@echo "make test-cluster  campaigns on a Dask cluster of processes, some of which are killed"
 	@echo "make test-built  the simulator's machine code, and the package as it is installed"
@@ -56,6 +57,12 @@ gallery: $(VENV)/.ready-dev
 test: check
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
+# What the default tests take a few of: every shipped mission, every guide and scene to its end, and
+# more examples of each property.
+test-thorough: $(VENV)/.ready-dev
+	PYTHONDONTWRITEBYTECODE= HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n auto --maxprocesses 4 \
+	    --dist worksteal -m "(thorough or hypothesis) and not slow and not browser"
+
 test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser
 
@@ -94,7 +101,7 @@ format: $(VENV)/.ready-dev
 	$(BIN)/ruff format
 
 golden: $(VENV)/.ready-dev
-	GOLDEN=write $(BIN)/python -m pytest --quiet tests/golden
+	GOLDEN=write $(BIN)/python -m pytest --quiet -m "not slow and not browser" tests/golden
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/showing
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k draws tests/test_tutorial.py
 

@@ -14,7 +14,9 @@ import pytest
 from hypothesis import settings
 
 # The same examples on every machine and no wall clock; HYPOTHESIS_PROFILE=explore draws new ones.
-settings.register_profile("repeatable", derandomize=True, database=None, deadline=None)
+same = {"derandomize": True, "database": None, "deadline": None}
+settings.register_profile("repeatable", max_examples=40, **same)
+settings.register_profile("thorough", max_examples=200, **same)
 settings.register_profile("explore", max_examples=2_000, deadline=None)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 

@@ -12,6 +12,7 @@ from collections import defaultdict
 from pathlib import Path
 from typing import NamedTuple
 
+import pytest
 from mypy import api
 
 ROOT = Path(__file__).parents[1]
@@ -175,6 +176,7 @@ def missed(scratch: Path) -> dict[str, set[str]]:
     return found
 
 
+@pytest.mark.thorough
 def test_the_type_checker_names_every_place_that_a_new_member_needs(tmp_path: Path) -> None:
     found = missed(tmp_path)
 

@@ -92,6 +92,7 @@ def copied(folder: Path) -> Path:
     return folder
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", recipes())
 def test_a_recipe_works_as_it_is_written(name: str, tmp_path: Path) -> None:
     recipe, folder = recipes()[name], copied(tmp_path)

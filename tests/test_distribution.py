@@ -12,6 +12,7 @@ from typing import Any
 
 import pytest
 import yaml
+from representative import thorough_but
 from typer.testing import CliRunner
 
 from pirate_sm import __version__
@@ -71,7 +72,10 @@ def campaign(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.parametrize(("extra", "package"), NEEDING)
+@pytest.mark.parametrize(
+    ("extra", "package"),
+    thorough_but([("campaign", "distributed"), ("gym", "gymnasium"), ("vision", "cv2")], NEEDING),
+)
 def test_what_needs_a_missing_extra_names_what_installs_it(
     extra: str, package: str, tmp_path: Path, recording: Path, campaign: Path
 ) -> None:

@@ -154,6 +154,7 @@ def reader(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Reader]:
 
 
 @pytest.mark.timeout(300)  # some wait for an emulated robot in real time
+@pytest.mark.thorough
 @pytest.mark.parametrize("page", GUIDES, ids=lambda page: page.stem)
 def test_a_guide_works_as_it_is_written(page: Path, reader: Reader) -> None:
     for step in steps(page.read_text("utf-8")):

@@ -10,6 +10,7 @@ from dataclasses import replace
 from random import Random
 
 import pytest
+from representative import thorough_but
 
 from agreement.robots import NEWT
 from benchmarks.gliding import Stepping, Taken
@@ -79,7 +80,7 @@ def test_commands_of_an_operator(mission: str, seed: int) -> None:
     assert taken > 0
 
 
-@pytest.mark.parametrize("threads", [1, 2, 5])
+@pytest.mark.parametrize("threads", thorough_but([2], [1, 2, 5]))
 def test_many_sessions_at_once(threads: int) -> None:
     seeds = range(4)
     alone = [course("take_elbow", seed, glides=True)[0] for seed in seeds]

@@ -58,10 +58,14 @@ def too_faint(me: Operator) -> list[str]:
 @pytest.mark.parametrize(
     ("size", "opens"),
     [
-        ((160, 48), lambda me: ()),
-        ((80, 24), lambda me: ("question_mark", "m", "ctrl+p", me.app.letters["Reset"])),
+        pytest.param((160, 48), lambda me: (), id="screens"),
+        pytest.param(
+            (80, 24),
+            lambda me: ("question_mark", "m", "ctrl+p", me.app.letters["Reset"]),
+            id="dialogs",
+            marks=pytest.mark.thorough,
+        ),
     ],
-    ids=["screens", "dialogs"],
 )
 def test_everything_can_be_read_in_every_theme(
     size: tuple[int, int], opens: Callable[[Operator], tuple[str, ...]]

@@ -31,6 +31,7 @@ def shown(notebook: Any) -> list[Any]:
     return [cell.get("outputs", []) for cell in notebook.cells]
 
 
+@pytest.mark.thorough
 # The client asks the event loop and its sockets in ways that newer Pythons warn about.
 @pytest.mark.filterwarnings("ignore::DeprecationWarning")
 @pytest.mark.parametrize("file", NOTEBOOKS, ids=lambda file: file.stem)

@@ -35,6 +35,7 @@ def recording(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
+@pytest.mark.thorough
 def test_one_seed_gives_one_run(recording: Path) -> None:
     again = pirate_sm.run("mitre_bend", detector=f"vision:{SMALL}", seed=2)
 

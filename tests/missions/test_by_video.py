@@ -65,7 +65,11 @@ def as_h264(path: Path, frames: Frames) -> None:
 
 
 @pytest.mark.parametrize(
-    ("name", "encode"), [("seen.avi", as_mjpg), ("seen.mp4", as_h264)], ids=["mjpg", "h264"]
+    ("name", "encode"),
+    [
+        pytest.param("seen.avi", as_mjpg, id="mjpg"),
+        pytest.param("seen.mp4", as_h264, id="h264", marks=pytest.mark.thorough),
+    ],
 )
 def test_a_video_gives_the_same_words(
     watched: tuple[pirate_sm.Run, Frames],

@@ -2,17 +2,25 @@
 
 from __future__ import annotations
 
+from importlib import import_module
+from typing import Any
+
 import pytest
-from scipy import stats
 
 from pirate_sm.campaign.intervals import fisher_exact, wilson
+
+
+@pytest.fixture(scope="module")
+def stats() -> Any:
+    """SciPy's statistics, which take a second to import."""
+    return import_module("scipy.stats")
 
 
 @pytest.mark.parametrize(
     ("passed", "runs"), [(0, 1), (1, 1), (0, 40), (40, 40), (991, 1000), (17, 23), (5, 10**6)]
 )
 @pytest.mark.parametrize("confidence", [0.9, 0.95, 0.999])
-def test_wilsons_interval(passed: int, runs: int, confidence: float) -> None:
+def test_wilsons_interval(stats: Any, passed: int, runs: int, confidence: float) -> None:
     expected = stats.binomtest(passed, runs).proportion_ci(confidence, method="wilson")
 
     assert wilson(passed, runs, confidence) == pytest.approx(tuple(expected), abs=1e-9)
@@ -35,7 +43,7 @@ def test_without_runs_nothing_is_known() -> None:
         (99_000, 100_000, 98_800, 100_000),
     ],
 )
-def test_fishers_exact_test(table: tuple[int, int, int, int]) -> None:
+def test_fishers_exact_test(stats: Any, table: tuple[int, int, int, int]) -> None:
     a, n, b, m = table
     expected = stats.fisher_exact([[a, n - a], [b, m - b]]).pvalue
 

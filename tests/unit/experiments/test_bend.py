@@ -24,6 +24,7 @@ def test_the_bend_is_passed_by_commands_and_by_sequences(setup: BendSetup) -> No
     assert values["2b.over_2a"] == pytest.approx(1, abs=0.2)
 
 
+@pytest.mark.thorough
 def test_a_part_is_repeated_by_what_a_camera_sees(
     setup: BendSetup, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -11,6 +11,8 @@ from pirate_sm.loading.robot.loader import load_robot
 ROBOT = Path(__file__).parents[3] / "hardware_profiles" / "pirate_ii"
 WHEELS = ("wheel_1", "wheel_2", "wheel_5", "wheel_6")
 
+pytestmark = pytest.mark.thorough
+
 
 @pytest.fixture(scope="module")
 def result() -> ExperimentResult:

@@ -60,6 +60,7 @@ def test_an_unknown_level_of_noise_is_refused() -> None:
         repeat_traction(PROFILE, SETUP, ("3a",), noise="loud")
 
 
+@pytest.mark.thorough
 def test_runs_by_the_engines_own_loops_are_compared_with_their_partners_too() -> None:
     assert SHIPPED.loops is not None
     loops = SHIPPED.loops.model_copy(update={"backend": "sim"})

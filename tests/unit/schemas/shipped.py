@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from functools import cache
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,11 @@ OF_NEWT = [
     ("panel", NEWT / "pedals.yaml"),
 ]
 
-VALIDATORS = {kind: jsonschema.Draft7Validator(make()) for kind, make in KINDS.items()}
+
+@cache
+def validator(kind: str) -> jsonschema.Draft7Validator:
+    """Return the validator of the schema of a kind of file."""
+    return jsonschema.Draft7Validator(KINDS[kind]())
 
 
 def data_of(path: Path) -> Any:

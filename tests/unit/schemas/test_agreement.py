@@ -24,7 +24,7 @@ from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import PipeFile
 from pirate_sm.model.profile import Profile
 
-from .shipped import OF_NEWT, SHIPPED, VALIDATORS, complaints, data_of
+from .shipped import OF_NEWT, SHIPPED, complaints, data_of, validator
 
 MODELS: dict[str, type[BaseModel]] = {"mission": Mission, "pipe": PipeFile, "profile": Profile}
 FILES = [(kind, data_of(path)) for kind, path in [*SHIPPED, *OF_NEWT]]
@@ -107,7 +107,7 @@ def refusals(model: type[BaseModel], data: Any) -> list[ErrorDetails]:
 
 def agree(kind: str, data: Any) -> None:
     refused = refusals(MODELS[kind], data)
-    said = complaints(VALIDATORS[kind], data)
+    said = complaints(validator(kind), data)
     if not refused:
         assert said == []
     elif not all(beyond_a_schema(error) for error in refused):
@@ -139,7 +139,7 @@ def test_parser_and_schema_agree_on_charts(case: tuple[str, Any]) -> None:
         for each in problems.errors
         if each.code not in referring and not each.message.startswith("a state of ")
     ]
-    said = complaints(VALIDATORS["chart"], data)
+    said = complaints(validator("chart"), data)
     if not problems.errors:
         assert said == []
     elif shape:

@@ -19,11 +19,11 @@ from .shipped import (
     ROOT,
     SHIPPED,
     TEMPLATES,
-    VALIDATORS,
     committed,
     complaints,
     data_of,
     named,
+    validator,
 )
 
 COMMITTED = [
@@ -56,7 +56,7 @@ def test_every_key_has_a_hover_text(path: Path) -> None:
 
 @pytest.mark.parametrize(("kind", "path"), [*SHIPPED, *OF_NEWT], ids=named)
 def test_a_shipped_file_fits_its_schema(kind: str, path: Path) -> None:
-    assert complaints(VALIDATORS[kind], data_of(path)) == []
+    assert complaints(validator(kind), data_of(path)) == []
 
 
 @pytest.mark.parametrize(("kind", "path"), SHIPPED, ids=named)

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from representative import thorough_but
 from typer.testing import Result
 
 from pirate_sm.cli.commands import demo
@@ -53,7 +54,7 @@ def test_there_are_ten_scenes_and_each_is_listed(pirate: Callable[..., Result]) 
 
 
 @pytest.mark.timeout(300)  # on a busy machine
-@pytest.mark.parametrize("name", SCENES)
+@pytest.mark.parametrize("name", thorough_but({"bend", "lost_cable", "refused"}, SCENES))
 def test_a_scene_ends_as_its_file_says(
     pirate: Callable[..., Result], tmp_path: Path, name: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -69,6 +70,7 @@ def test_a_scene_ends_as_its_file_says(
     assert len([*(tmp_path / name).glob("*.mcap")]) == len([*(tmp_path / name).glob("*.html")]) - 1
 
 
+@pytest.mark.thorough
 def test_what_a_scene_prints_can_be_run_again(
     pirate: Callable[..., Result], own: Callable[..., Path], tmp_path: Path
 ) -> None:

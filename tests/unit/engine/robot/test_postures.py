@@ -140,9 +140,7 @@ def test_half_the_angle_that_the_apex_had_before_is_not_the_posture(drive):
     assert driver.array["rotate"] == 0.0
     assert driver.array["bend_3"] == pytest.approx(-0.5)
     show(driver, 21.0)
-    assert driver.last_status.reason.endswith(
-        "within 20 s: gamma_3 is -42.0 deg, not at -58.0 deg"
-    )
+    assert driver.last_status.reason.endswith("within 20 s: gamma_3 is -42.0 deg, not at -58.0 deg")
 
 
 @pytest.mark.parametrize("apex", [APEX + math.radians(5), math.nan])

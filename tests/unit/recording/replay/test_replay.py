@@ -9,6 +9,7 @@ from math import nan
 
 import pytest
 from recording_runs import ROOT, record, record_serial
+from representative import MISSIONS, thorough_but
 
 from pirate_sm.bay.switches import Switches
 from pirate_sm.loading.mission import load_mission
@@ -24,8 +25,11 @@ from pirate_sm.wiring import Order
 SHIPPED = sorted(path.stem for path in (ROOT / "sequences").glob("*.yaml"))
 SHORT = [name for name in SHIPPED if not name.startswith("exp_1") and name != "exp_2a_commands"]
 # They differ in their control, and last two minutes each; exp_3d does all that exp_3b and c do.
-ALIKE = {"exp_3b", "exp_3c"}
-SHORT = [pytest.param(name, marks=pytest.mark.slow) if name in ALIKE else name for name in SHORT]
+ALIKE = ["exp_3b", "exp_3c"]
+SHORT = [
+    *thorough_but(MISSIONS, [name for name in SHORT if name not in ALIKE]),
+    *(pytest.param(name, marks=pytest.mark.slow) for name in ALIKE),
+]
 
 
 @pytest.fixture(scope="module")
@@ -34,7 +38,7 @@ def bend(tmp_path_factory):
     return record(path, Order("mitre_bend", seed=5, check=False))
 
 
-@pytest.mark.parametrize("name", SHIPPED)
+@pytest.mark.parametrize("name", thorough_but(MISSIONS, SHIPPED))
 def test_every_shipped_mission_comes_out_the_same_in_a_trace(name, tmp_path):
     recording = record(tmp_path / "run.mcap", Order(name, backend="trace"))
 
