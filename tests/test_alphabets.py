@@ -105,6 +105,7 @@ ALPHABETS = {
             "checking/robot/profile_numbers.py",
             "engine/gliding/criterion_trees.py",
             "engine/robot/done.py",
+            "engine/robot/not_done.py",
         ),
     ),
     "way to see a state": Alphabet(
