@@ -22,7 +22,7 @@ help:
 	@echo "make test-pty the conformance suite and the guide to a real robot in real time, over a pseudo-terminal"
 	@echo "make bench   speed and memory, side by side"
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
-	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory"
+	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory; and one that is disturbed beside one left alone"
 	@echo "make space   how often each fitting of a round pipe is passed, by 100 seeds each"
 	@echo "make maps    how far maps of driven pipes are from these, by 10 seeds each"
 	@echo "make align   how level a part comes that is turned by the accelerometer, from twelve rolls, and the mission level"
@@ -158,6 +158,7 @@ defects: $(VENV)/.ready-campaign
 
 campaigns: $(VENV)/.ready-campaign
 	$(BIN)/python -m benchmarks.campaigns
+	$(BIN)/python -m benchmarks.campaign_kills
 
 soak: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.soak

@@ -24,7 +24,6 @@ from __future__ import annotations
 
 import argparse
 import os
-import subprocess
 import sys
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
@@ -36,6 +35,7 @@ from typing import NamedTuple
 
 from distributed import Client
 
+from benchmarks.dask_cluster import Cluster
 from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.chunk import Chunk, Row, Sent
 from pirate_sm.campaign.conductor import Conductor
@@ -99,22 +99,13 @@ def _bends(runs: int) -> Plan:
 @contextmanager
 def _cluster(workers: int) -> Iterator[tuple[str, int]]:
     """Yield the address of a scheduler with so many workers, and the scheduler's process."""
-    with ExitStack() as stack, TemporaryDirectory() as folder:
-        file = Path(folder) / "scheduler.json"
-        dask = (sys.executable, "-m", "dask")
-        own = ("--scheduler-file", str(file), "--no-dashboard")
-        commands = [(*dask, "scheduler", "--host", "127.0.0.1", "--port", "0", "--no-show", *own)]
-        thread = ("--nthreads", "1", "--host", "127.0.0.1", "--no-dashboard")
-        commands += [(*dask, "worker", "--scheduler-file", str(file), *thread)] * workers
-        quiet = subprocess.DEVNULL
-        started = [subprocess.Popen(each, stdout=quiet, stderr=quiet) for each in commands]
-        for each in started:
-            stack.callback(each.wait)
-            stack.callback(each.terminate)
-        with Client(scheduler_file=str(file), timeout=30) as client:
+    with ExitStack() as stack:
+        cluster = Cluster(stack)
+        for _ in range(workers):
+            cluster.add_worker()
+        with Client(cluster.address, timeout=30) as client:
             client.wait_for_workers(workers, timeout=60)
-            address = str(client.scheduler.address)
-        yield address, started[0].pid
+        yield cluster.address, cluster.scheduler.pid
 
 
 def _measure(plan: Plan, workers: int) -> Measured:

@@ -20,7 +20,9 @@ from pirate_sm.model.campaign import StoppingRule
 _MOST_SEEDS = 100
 """The most seeds that are kept for each cause."""
 
-_MEASURED = re.compile(r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|mm|m|deg|Nm|mNm|%|Hz|V|A)\b)")
+_MEASURED = re.compile(
+    r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|mm|m|deg|rad/s|Nm|mNm|%|Hz|V|A|mA)\b)"
+)
 """Numbers in a message that differ from run to run."""
 
 

@@ -106,5 +106,5 @@ def _broken(outcome: Outcome) -> Iterable[str]:
         yield "left the pipe"
     elif outcome.held_before and not outcome.held_at_end:
         yield "let go: no part is held at the end"
-    elif outcome.held_at_end and _torque_nm(outcome) < GRIPPED_NM:
+    elif outcome.held_before and _torque_nm(outcome) < GRIPPED_NM:
         yield "let go: no joint bears a torque at the end"

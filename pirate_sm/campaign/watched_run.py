@@ -38,6 +38,7 @@ class Notes:
     Attributes:
         word: What the detector said last.
         travel: Which way the wheels were driven last: 1 forward, -1 backward.
+        held: Whether a part has held, confirmed.
         late_m: For each word that was reported, how far its wheel was beyond the word's point.
     """
 
@@ -45,20 +46,26 @@ class Notes:
     beyond_m: Callable[[str, int], float]
     word: str = ""
     travel: int = 0
+    held: bool = False
     states: list[tuple[str, ...]] = field(default_factory=list)
     faults: list[str] = field(default_factory=list)
     late_m: list[tuple[str, float]] = field(default_factory=list)
 
-    def holds(self, states: tuple[str, ...]) -> bool:
-        """Return whether a part is clamped in these states."""
-        configuration = self.robot.table.index_of(states)
-        return configuration is not None and bool(self.robot.held[configuration])
+    def _holds(self, change: StateChange) -> bool:
+        """Return whether a part is clamped in these states, confirmed."""
+        configuration = self.robot.table.index_of(change.states)
+        if configuration is None:
+            return False
+        doubted = {self.robot.regions.index(region) for region in change.unconfirmed}
+        held = self.robot.held[configuration]
+        return any(not doubted & self.robot.part_regions[part] for part in held)
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Note states, faults and words."""
         for effect in effects:
             if isinstance(effect, StateChange):
                 self.states.append(effect.states)
+                self.held |= self._holds(effect)
             elif isinstance(effect, Fault):
                 self.faults.append(f"{effect.code} ({effect.handling})")
             elif isinstance(effect, Detected):
@@ -79,7 +86,7 @@ class Outcome:
         arcs_m: Where each wheel ended along the pipe.
         stopped: Whether the last setpoints that were sent had every wheel at zero.
         torques: What each bend joint bears, Nm.
-        held_before: Whether a part was clamped at any time, by the engine.
+        held_before: Whether a clamp was confirmed at any time, by the engine.
         held_at_end: Whether a part is clamped, by the engine.
         slid_m: How far a wheel is carried in two seconds, once the robot has settled after the end;
             NaN where that was not looked at.
@@ -180,7 +187,7 @@ def finished(
         all(state.robot.latest[slot] == 0 for slot in engine.robot.safe_zero),
         tuple(notes.states),
         tuple(notes.faults),
-        any(map(notes.holds, notes.states)),
+        notes.held,
         bool(engine.robot.held[state.robot.configuration]),
         real.torques_nm,
         _slid_m(prepared.backend, truth, result.now_s) if looked_at else nan,

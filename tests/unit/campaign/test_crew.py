@@ -6,18 +6,17 @@ The workers are killed, the connection is cut and the client is killed; the tabl
 from __future__ import annotations
 
 import os
-import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import replace
 from pathlib import Path
-from threading import Event, Thread
+from threading import Event
 
 import pytest
 
+from benchmarks.dask_cluster import Cluster, Relay, kill
 from pirate_sm.campaign import crew as crews
 from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.conductor import Conductor, Progress
@@ -38,7 +37,6 @@ jitter: {friction: 20 %}
 seeds: 0..119
 """
 PIRATE = (sys.executable, "-c", "from pirate_sm.cli.start import main; main()")
-LISTENING = "Scheduler at:"
 
 
 @pytest.fixture(scope="module")
@@ -71,54 +69,6 @@ def table(
     return as_text(result_of(plan, conductor.results, store.recordings))
 
 
-@contextmanager
-def started(*words: str) -> Iterator[subprocess.Popen[str]]:
-    """A process of the Dask command line, in a session of its own; killed with its children."""
-    process = subprocess.Popen(
-        [sys.executable, "-m", "dask", *words],
-        stdout=subprocess.DEVNULL,
-        stderr=subprocess.PIPE,
-        text=True,
-        start_new_session=True,
-    )
-    try:
-        yield process
-    finally:
-        os.killpg(process.pid, signal.SIGKILL)
-        process.wait()
-        assert process.stderr is not None
-        process.stderr.close()
-
-
-def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        return int(found.getsockname()[1])
-
-
-class Cluster:
-    """A scheduler and its workers, each a process."""
-
-    def __init__(self, stack: ExitStack) -> None:
-        self.address = f"tcp://127.0.0.1:{free_port()}"
-        port = self.address.rpartition(":")[2]
-        wanted = ("--host", "127.0.0.1", "--port", port, "--no-dashboard", "--no-show")
-        self._stack = stack
-        scheduler = stack.enter_context(started("scheduler", *wanted))
-        assert scheduler.stderr is not None
-        for line in scheduler.stderr:
-            if LISTENING in line:
-                break
-        Thread(target=scheduler.stderr.read, daemon=True).start()
-
-    def add_worker(self) -> subprocess.Popen[str]:
-        words = ("worker", self.address, "--nthreads", "1", "--no-nanny", "--no-dashboard")
-        worker = self._stack.enter_context(started(*words, "--host", "127.0.0.1"))
-        assert worker.stderr is not None
-        Thread(target=worker.stderr.read, daemon=True).start()
-        return worker
-
-
 @pytest.fixture
 def cluster() -> Iterator[Cluster]:
     with ExitStack() as stack:
@@ -133,13 +83,13 @@ def test_the_table_is_the_same_on_a_cluster_with_workers_that_die_and_come(
     doomed = [cluster.add_worker() for _ in range(2)]
     due = [60, 140, 220, 300]
 
-    def kill(progress: Progress) -> None:
+    def kill_when_due(progress: Progress) -> None:
         if due and progress.done >= due[0]:
             due.pop(0)
-            os.killpg(doomed.pop(0).pid, signal.SIGKILL)
+            kill(doomed.pop(0))
             doomed.append(cluster.add_worker())
 
-    assert table(plan, tmp_path / "results", cluster.address, show=kill) == expected
+    assert table(plan, tmp_path / "results", cluster.address, show=kill_when_due) == expected
     assert due == []
 
 
@@ -264,49 +214,3 @@ def test_a_scheduler_that_is_not_there_is_reported(
     monkeypatch.setattr(crews, "_NO_ANSWER_S", 0.2)
     with pytest.raises(UsageError, match="no Dask scheduler answers at"), connected(plan, address):
         pass
-
-
-class Relay:
-    """Passes a scheduler's connections on, until it cuts them."""
-
-    def __init__(self, to: str) -> None:
-        host, _, port = to.removeprefix("tcp://").rpartition(":")
-        self._to = host, int(port)
-        self._listening = socket.create_server(("127.0.0.1", 0))
-        self.address = f"tcp://127.0.0.1:{self._listening.getsockname()[1]}"
-        self._open: list[socket.socket] = []
-
-    def __enter__(self) -> Relay:
-        Thread(target=self._serve, daemon=True).start()
-        return self
-
-    def __exit__(self, *error: object) -> None:
-        self._listening.close()
-        self.cut()
-
-    def cut(self) -> None:
-        for each in self._open:
-            try:
-                each.shutdown(socket.SHUT_RDWR)
-            except OSError:
-                continue
-
-    def _serve(self) -> None:
-        while True:
-            try:
-                near, _ = self._listening.accept()
-                far = socket.create_connection(self._to)
-            except OSError:
-                return
-            self._open += [near, far]
-            for one, other in ((near, far), (far, near)):
-                Thread(target=_pass_on, args=(one, other), daemon=True).start()
-
-
-def _pass_on(one: socket.socket, other: socket.socket) -> None:
-    try:
-        while data := one.recv(1 << 16):
-            other.sendall(data)
-        other.shutdown(socket.SHUT_RDWR)
-    except OSError:
-        return

@@ -8,9 +8,11 @@ from typing import Any
 
 import pytest
 
+from benchmarks.campaign import run
 from pirate_sm.campaign.verdict import judge
 from pirate_sm.campaign.watched_run import Outcome
 from pirate_sm.model.campaign import TrueEnd
+from pirate_sm.wiring import Order
 
 STATES = (("Free", "Off"), ("Free", "On"), ("Fixed", "On"), ("Driving", "On"), ("Fixed", "On"))
 HELD = Outcome(
@@ -72,3 +74,18 @@ def test_a_robot_that_says_it_holds_and_does_not(change: dict[str, Any], unsafe:
 
 def test_a_run_that_has_clamped_nothing_yet_has_not_let_go():
     assert judge(replace(HELD, held_before=False, held_at_end=False), TrueEnd()).unsafe == ""
+
+
+def test_a_clamp_that_has_never_held_is_not_let_go() -> None:
+    never = replace(HELD, held_before=False, held_at_end=True, torques=(0.0,) * 6)
+
+    assert judge(never, TrueEnd()).unsafe == ""
+
+
+def test_a_run_that_fails_in_its_first_clamp_has_not_let_go() -> None:
+    order = Order("mitre_bend", seed=25, defects=("gamma_2_drops",), friction_jitter=0.2)
+    outcome = run(replace(order, start_jitter_m=0.02))
+
+    assert outcome.outcome == "fault"
+    assert outcome.states[-1][2] == "FrontClampedRearRelaxed"
+    assert judge(outcome, TrueEnd()).unsafe == ""
