@@ -103,6 +103,7 @@ ALPHABETS = {
         (
             "checking/robot/profile_numbers.py",
             "engine/gliding/criterion_trees.py",
+            "engine/robot/unmet_conditions.py",
             "engine/robot/done.py",
         ),
     ),

@@ -26,6 +26,7 @@ from pirate_sm.engine.robot.robot_state import (
     posture_of,
     states_of,
 )
+from pirate_sm.engine.robot.unmet_conditions import seekers_away
 from pirate_sm.engine.sensing.known_signals import Sensing
 
 
@@ -125,33 +126,7 @@ def is_done(
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
     if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
         return False
-    return not _away(robot, state, motion, sensing)
-
-
-def _away(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> list[str]:
-    """Return the names of the joints that have not reached their angles in the posture."""
-    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
-    if posture is None:
-        return []
-    names, numbers = robot.vocabulary.numbers, sensing.numbers
-    return [
-        names[loop.angle]
-        for loop in state.seekers
-        if not (
-            loop.arrived(numbers)
-            or abs(loop.target_rad - numbers[loop.angle]) <= posture.within_rad
-        )
-    ]
-
-
-def why_late(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> str:
-    """Return the reason of a timeout: what was not done in time."""
-    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
-    if posture is None:
-        return f"not done within {motion.timeout_s:g} s"
-    away = _away(robot, state, motion, sensing)
-    what = f"{', '.join(away)} not at the angle" if away else "its criterion was not met"
-    return f"not in the posture '{posture.name}' within {motion.timeout_s:g} s: {what}"
+    return not seekers_away(robot, state, motion, sensing.numbers)
 
 
 def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numbers:
