@@ -276,6 +276,11 @@ def format_quantity(value: float, dimension: Dimension) -> str:
     return f"{value!r} {unit}".strip()
 
 
+def unit_of(dimension: Dimension) -> str:
+    """Return the SI unit of displayed values of a dimension; empty if it has none."""
+    return format_quantity(1.0, dimension).partition(" ")[2]
+
+
 def describe(dimension: Dimension) -> str:
     """Return the dimension in words, with its article: `a length`."""
     return _KNOWN[dimension][0] if dimension in _KNOWN else f"a quantity in {dimension}"

@@ -104,8 +104,8 @@ ALPHABETS = {
         (
             "checking/robot/profile_numbers.py",
             "engine/gliding/criterion_trees.py",
+            "engine/robot/unmet_conditions.py",
             "engine/robot/done.py",
-            "engine/robot/not_done.py",
         ),
     ),
     "way to see a state": Alphabet(

@@ -21,7 +21,7 @@ _MOST_SEEDS = 100
 """The most seeds that are kept for each cause."""
 
 _MEASURED = re.compile(
-    r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|mm|m|deg|rad/s|Nm|mNm|%|Hz|V|A|mA)\b)"
+    r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|ms|mm|m|deg|rad/s|Nm|mNm|%|Hz|V|A|mA)\b)"
 )
 """Numbers in a message that differ from run to run."""
 

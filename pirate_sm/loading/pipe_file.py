@@ -55,6 +55,11 @@ def reach(profile: Profile) -> tuple[float, float]:
 def check_fit(pipe: Pipe, profile: Profile, document: Document, problems: Problems) -> None:
     """Report why a pipe cannot be built, or why the robot cannot clamp in it."""
     check_pipe(pipe, document, problems)
+    check_reach(pipe, profile, document, problems)
+
+
+def check_reach(pipe: Pipe, profile: Profile, document: Document, problems: Problems) -> None:
+    """Report the inner diameters of a pipe in which the robot cannot clamp."""
     at, about = part_of(document), problems.about(document)
     least, largest = reach(profile)
     for path, diameter_m in dict(_diameters(pipe)).items():

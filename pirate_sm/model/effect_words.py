@@ -66,7 +66,11 @@ def field_words(thing: Any) -> str:
         return "the passing of time"
     name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(thing).__name__).lower()
     fields = zip(thing._fields, thing, strict=True)
-    said = [f"{field.replace('_', ' ')} {_value(value)}" for field, value in fields if value != ""]
+    said = [
+        f"{field.replace('_', ' ')} {_value(value)}"
+        for field, value in fields
+        if value != "" and (field, value) != ("unmet", ())
+    ]
     return with_reason(name, ", ".join(said))
 
 

@@ -8,6 +8,8 @@ from __future__ import annotations
 from math import degrees, isnan, nan
 from typing import Literal, NamedTuple, TypeAlias
 
+from pirate_sm.model.unmet import Unmet
+
 CommandState: TypeAlias = Literal["sent", "accepted", "refused", "done", "failed", "skipped"]
 Outcome: TypeAlias = Literal["succeeded", "failed", "interrupted", "fault"]
 
@@ -33,12 +35,15 @@ class CommandStatus(NamedTuple):
         status: The new status.
         reason: Why it was refused or failed, or why it counts as done; may be empty.
         place: Its place in the mission file, ``file:line:col``; empty for an operator's command.
+        unmet: What a failed command has awaited, and what the sensors showed instead. The reason
+            says the same where these conditions are why it failed.
     """
 
     name: str
     status: CommandState
     reason: str = ""
     place: str = ""
+    unmet: tuple[Unmet, ...] = ()
 
 
 class StateChange(NamedTuple):

@@ -11,9 +11,9 @@ from __future__ import annotations
 from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 8
+ALPHABET_VERSION = 9
 
-READABLE_ALPHABETS = (5, 6, 7, 8)
+READABLE_ALPHABETS = (5, 6, 7, 8, 9)
 """Recordings of these are read: 6 has an event more than 5."""
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]

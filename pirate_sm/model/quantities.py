@@ -182,7 +182,7 @@ def _bounds(schema: JsonSchemaValue) -> dict[str, float]:
 
 def _limits(bounds: Mapping[str, float], dimension: Dimension) -> str:
     """Return the limits as text, each after a comma."""
-    unit = units.format_quantity(1.0, dimension).partition(" ")[2]
+    unit = units.unit_of(dimension)
     shown = {name: f"{limit:g} {unit}" if limit else "0" for name, limit in bounds.items()}
     return "".join(f", {_LIMITS[name]} {limit.strip()}" for name, limit in shown.items())
 

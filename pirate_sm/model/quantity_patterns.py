@@ -40,7 +40,7 @@ def written(dimension: Dimension, bounds: Mapping[str, Any]) -> Schema:
         name + _suffix(bounds),
         quantity_pattern(dimension, bounds),
         units.expectation(dimension),
-        units.format_quantity(1.0, dimension).partition(" ")[2],
+        units.unit_of(dimension),
     )
 
 

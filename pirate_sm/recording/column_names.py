@@ -7,7 +7,7 @@ from functools import cache
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions import NumberType
-from pirate_sm.units import DIMENSIONLESS, Dimension, format_quantity
+from pirate_sm.units import DIMENSIONLESS, Dimension, unit_of
 
 
 @cache
@@ -15,12 +15,6 @@ def with_unit(name: str, dimension: Dimension) -> str:
     """Return the name with the SI unit of its dimension; alone if it has none."""
     unit = unit_of(dimension).replace("/", "_per_").replace("^", "").replace("*", "_")
     return f"{name}_{unit}" if unit else name
-
-
-@cache
-def unit_of(dimension: Dimension) -> str:
-    """Return the SI unit of a dimension; empty if it has none."""
-    return format_quantity(1.0, dimension).partition(" ")[2]
 
 
 def signal_units(robot: RobotSpec) -> dict[str, str]:

@@ -27,6 +27,8 @@ class Wishes:
     Attributes:
         robot: Name or path of a robot.
         pipe: Name or path of a pipe.
+        usual_robot: Name or path of the robot of pipes that no mission here uses; None for the
+            first one shipped.
         settings: Parameter values, for every mission that has the parameters.
         keep_going: Whether a fault of this program becomes a finding.
         counterexamples: The folder for counterexamples; None to write none.
@@ -38,6 +40,7 @@ class Wishes:
 
     robot: str | None = None
     pipe: str | None = None
+    usual_robot: str | None = None
     settings: Mapping[str, str] = field(default_factory=dict)
     keep_going: bool = True
     counterexamples: Path | None = None

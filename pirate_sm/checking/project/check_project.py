@@ -25,7 +25,7 @@ from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
-from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.pipe_file import check_reach, load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.robot import load_robot
@@ -35,6 +35,7 @@ from pirate_sm.loading.trace_script import read_script
 from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.twin import Twin
 
 
@@ -79,6 +80,8 @@ class _Check:
         self._set: set[str] = set()  # settings used by some mission
         self._unset: dict[str, tuple[Finding, ...]] = {}  # parameters of missions, by their files
         self._called: set[str] | None = set()  # files that others use; None: not all are known
+        self._pipes: dict[str, tuple[CheckTarget, Pipe, Document]] = {}  # by their files
+        self._used: set[str] = set()  # files that missions or campaigns were checked with
         self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
 
@@ -109,6 +112,9 @@ class _Check:
         unused = self._wishes.settings.keys() - self._set
         if unused:
             raise UsageError(f"no mission here has a parameter '{min(unused)}'")
+        for name, (target, pipe, document) in self._pipes.items():
+            if name not in self._used:
+                self.findings += map(finding_of, self._reached(target.path, pipe, document).all)
         for name in {each.place.file for each in self.findings} | {f.name for f in self._files}:
             self._read(name)
         for name, found in self._unset.items():
@@ -139,12 +145,26 @@ class _Check:
         self.findings += map(finding_of, problems.all)
 
     def pipe(self, target: CheckTarget) -> None:
-        """Check a pipe on its own; whether a robot fits is checked with its missions."""
+        """Check that a pipe can be built; whether a robot fits follows once its missions are known.
+
+        A mission is checked with its own robot. A pipe without one is checked with the usual one.
+        """
         pipe, document = load_pipe(target.path)
         self._keep([document])
         problems = Problems(document)
         check_pipe(pipe, document, problems)
         self.findings += map(finding_of, problems.all)
+        if not problems.errors:
+            self._pipes[document.name] = target, pipe, document
+
+    def _reached(self, path: Path, pipe: Pipe, document: Document) -> Problems:
+        """Return the diameters of a pipe that the usual robot cannot clamp."""
+        problems = Problems(document)
+        wanted = self._wishes.robot or self._wishes.usual_robot
+        folder = self._robot_of(path, wanted or library.robots()[0].name)
+        with suppress(LoadError):  # reported for the robot
+            check_reach(pipe, load_robot(folder).profile, document, problems)
+        return problems
 
     def mission(self, target: CheckTarget) -> None:
         """Check a mission with its robot, its pipe and the missions that it calls."""
@@ -153,6 +173,7 @@ class _Check:
             target.path, robot=self._wishes.robot, pipe=self._wishes.pipe, settings=settings
         )
         self._keep(checked.documents)
+        self._used |= {each.name for each in checked.documents}
         self.findings += checked.findings
         self._remember(checked, shown(target.path), settings)
         if self._examples:
@@ -225,6 +246,7 @@ class _Check:
             return
         documents, findings = self._wishes.campaign(target.path)
         self._keep(documents)
+        self._used |= {each.name for each in documents}
         self.findings += findings
 
     def twin(self, target: CheckTarget) -> None:

@@ -12,6 +12,7 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.text import text_report
+from pirate_sm.cli import settings
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
@@ -49,6 +50,7 @@ def run_check(options: CheckOptions) -> int:
     asked = Wishes(
         robot=options.robot,
         pipe=options.pipe,
+        usual_robot=settings.values()["robot"].value or None,
         settings=read_settings(options.settings),
         keep_going=not options.debug,
         counterexamples=None if options.counterexamples is None else Path(options.counterexamples),

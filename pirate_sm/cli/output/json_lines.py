@@ -12,6 +12,7 @@ from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.model import effects as fx
 from pirate_sm.model.effect_words import question_words, trigger_reason
 from pirate_sm.model.events import ALPHABET_VERSION
+from pirate_sm.model.unmet import Unmet
 from pirate_sm.runtime.first_choice import Answered
 
 FORMAT = 1
@@ -113,13 +114,29 @@ def _number(value: float | None) -> float | None:
     return round(value, _DIGITS) if value is not None and isfinite(value) else None
 
 
+def _command(effect: fx.CommandStatus) -> dict[str, Any]:
+    """Return what a command's line says; only that of a failed one has ``unmet``."""
+    said = {**effect._asdict(), "place": effect.place or None}
+    del said["unmet"]
+    if effect.status == "failed":
+        said["unmet"] = [_unmet(each) for each in effect.unmet]
+    return said
+
+
+def _unmet(it: Unmet) -> dict[str, Any]:
+    return {
+        name: _number(value) if isinstance(value, float) else value
+        for name, value in it._asdict().items()
+    }
+
+
 def _object(effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
     """Return the type of an effect's line and what it says, where that is in the effect alone."""
     match effect:
         case fx.Setpoints(setpoint_id, values):
             return "setpoints", {"id": setpoint_id, "values": [_number(each) for each in values]}
         case fx.CommandStatus():
-            return "command", {**effect._asdict(), "place": effect.place or None}
+            return "command", _command(effect)
         case fx.PhaseChange(phase):
             return "phase", {"phase": phase, "status": "entered"}
         case fx.WaitArmed(phase, triggers, conditions, deadline_s):

@@ -10,12 +10,10 @@ from collections.abc import Mapping
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
-from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
 from pirate_sm.engine.robot.done import holds
-from pirate_sm.engine.robot.not_done import lacking, not_at_their_angles
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,
@@ -24,11 +22,11 @@ from pirate_sm.engine.robot.robot_state import (
     Motion,
     Numbers,
     RobotState,
-    criterion_of,
     known_values,
     posture_of,
     states_of,
 )
+from pirate_sm.engine.robot.unmet_conditions import seekers_away
 from pirate_sm.engine.sensing.known_signals import Sensing
 
 
@@ -128,49 +126,7 @@ def is_done(
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
     if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
         return False
-    return not _away(robot, state, motion, sensing)
-
-
-def _away(
-    robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing
-) -> tuple[PositionLoop, ...]:
-    """Return the loops whose joints have not reached their angles in the posture."""
-    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
-    if posture is None:
-        return ()
-    numbers = sensing.numbers
-    return tuple(
-        loop
-        for loop in state.seekers
-        if not (
-            loop.arrived(numbers)
-            or abs(loop.target_rad - numbers[loop.angle]) <= posture.within_rad
-        )
-    )
-
-
-def why_late(
-    robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing, why_not: str = ""
-) -> str:
-    """Return the reason of a timeout: what was not done in time, and what it lacks.
-
-    Args:
-        robot: The robot.
-        state: Its state.
-        motion: The command under way.
-        sensing: What is known now.
-        why_not: Why it is not done although its criterion may be met; empty if that is all.
-    """
-    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
-    done = criterion_of(robot, motion)
-    lacks = why_not or lacking(robot, done, sensing, state.values, state.loops)
-    what = "not done"
-    if posture is not None:
-        what = f"not in the posture '{posture.name}'"
-        if away := _away(robot, state, motion, sensing):
-            lacks = not_at_their_angles(robot, sensing, away)
-    late = f"{what} within {motion.timeout_s:g} s"
-    return f"{late}: {lacks}" if lacks else late
+    return not seekers_away(robot, state, motion, sensing.numbers)
 
 
 def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numbers:

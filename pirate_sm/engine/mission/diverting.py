@@ -6,9 +6,11 @@ from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end_by_fault, withdraw
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.unmet_conditions import unmet_conditions
 from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Fault
+from pirate_sm.model.unmet import with_unmet
 
 
 def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
@@ -43,7 +45,8 @@ def divert(moment: Moment, state: EngineState) -> EngineState:
         withdraw(moment, state)
         if robot.motion is not None:
             reason = f"interrupted by {mission.cause}"
-            robot = commands.fail(moment, robot, reason)
+            unmet = unmet_conditions(moment, robot, state.sensing)
+            robot = commands.fail(moment, robot, with_unmet(reason, unmet), unmet)
         robot = commands.doubt(moment.robot, robot)
         moment.emit(robot_state.state_change(moment.robot, robot))
         robot = commands.stop(moment, robot, state.sensing)

@@ -6,8 +6,10 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.program import Question
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.unmet_conditions import unmet_conditions
 from pirate_sm.engine.state import Ending, EngineState
 from pirate_sm.model.effects import Ask, CommandStatus, Ended, Fault, Outcome
+from pirate_sm.model.unmet import with_unmet
 
 SAFE_STOP_LIMIT_S = 2.0
 """How long the run waits for the safe array's confirmation before it ends without it."""
@@ -45,7 +47,9 @@ def end(
     if robot.motion is not None:
         motion = robot.motion
         command = moment.robot.commands[motion.command].name
-        moment.emit(CommandStatus(command, "failed", "the mission ended", motion.place))
+        unmet = unmet_conditions(moment, robot, state.sensing)
+        reason = with_unmet("the mission ended", unmet)
+        moment.emit(CommandStatus(command, "failed", reason, motion.place, unmet))
         robot = commands.doubt_grip(moment.robot, robot)._replace(motion=None)
     if not robot.sent and _may_stay(moment, state):
         moment.emit(Ended(outcome, message, name))

@@ -20,7 +20,6 @@ from pirate_sm.engine.control.stages import (
     stage_array,
     switched_array,
     unknown_angle,
-    why_late,
     without_loops,
 )
 from pirate_sm.engine.deadlines import has_come
@@ -46,9 +45,11 @@ from pirate_sm.engine.robot.robot_state import (
     safe_values,
     state_change,
 )
+from pirate_sm.engine.robot.unmet_conditions import unmet_conditions, why_late
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.model.effects import CommandStatus, Log
 from pirate_sm.model.events import SubmitResult
+from pirate_sm.model.unmet import Unmet
 
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 
@@ -67,7 +68,8 @@ def begin(
     """
     spec = moment.robot.commands[command]
     target = moment.robot.table.follow(state.configuration, command)
-    motion = Motion(command, target, spec.timeout_s if timeout_s is None else timeout_s, place)
+    limit_s = spec.timeout_s if timeout_s is None else timeout_s
+    motion = Motion(command, target, limit_s, place, origin=sensing.numbers)
     posture = spec.posture(target)
     regions, stage = touched(moment.robot, state.configuration, state.marks, command)
     if posture is not None:
@@ -150,18 +152,26 @@ def watch(
     return _reach(moment, state, motion, sensing, denied)
 
 
-def fail(moment: Moment, state: RobotState, reason: str) -> RobotState:
+def fail(
+    moment: Moment, state: RobotState, reason: str, unmet: tuple[Unmet, ...] = ()
+) -> RobotState:
     """End the command under way as failed; its states stay unconfirmed.
 
     Its position loops stop; the loops of states continue. If the command had to reach a posture
     first, the joints of held parts may have moved, so these parts are unconfirmed until they are
     clamped again.
+
+    Args:
+        moment: When it is, and what happens.
+        state: The robot's state.
+        reason: Why it failed.
+        unmet: The conditions that it still awaited.
     """
     motion = state.motion
     if motion is None:
         return state
     name = moment.robot.commands[motion.command].name
-    moment.emit(CommandStatus(name, "failed", reason, motion.place))
+    moment.emit(CommandStatus(name, "failed", reason, motion.place, unmet))
     return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
@@ -265,8 +275,10 @@ def _reach(
     elif not isnan(since_s):
         since_s = nan
     if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
-        reason = motion.blind or why_late(moment.robot, state, motion, sensing, why_not)
-        return fail(moment, state, reason), Finished(False, reason)
+        unmet = unmet_conditions(moment, state, sensing)
+        reason = motion.blind or why_late(moment, state, motion, unmet, sensing)
+        reason = f"{reason}: {why_not}" if why_not else reason
+        return fail(moment, state, reason, unmet), Finished(False, reason)
     if since_s is not motion.since_s:
         state = state._replace(motion=motion._replace(since_s=since_s))
     if free and seekers:
@@ -304,11 +316,13 @@ def _level(
         values[after.slot] = found.setpoint_rad
         return send_if_new(moment, state, turning, tuple(values), state.loops), None
     reason = found.failed if found is not None else ""
+    unmet: tuple[Unmet, ...] = ()
     if free and has_come(now_s, motion.deadline_s):
-        gravity = "the direction of gravity is unknown, or changes" if resting else ""
-        reason = reason or why_late(robot, state, motion, sensing, gravity)
+        unmet = unmet_conditions(moment, state, sensing)
+        late = why_late(moment, state, motion, unmet, sensing)
+        reason = reason or (late if unmet else f"{late}: {levelling.NOT_MEASURED}")
     if reason:
-        return fail(moment, state, reason), Finished(False, reason)
+        return fail(moment, state, reason, unmet), Finished(False, reason)
     return state, None
 
 
@@ -344,7 +358,7 @@ def _complete(
             moment.robot, resting, motion, sensing, regions, motion.stage + 1
         )
         if motion.stage == POSTURE or any(ends_with_command(each) for each in loops):
-            later = motion._replace(stage=motion.stage + 1, since_s=nan)
+            later = motion._replace(stage=motion.stage + 1, since_s=nan, origin=sensing.numbers)
             return send_if_new(moment, state, later, values, loops), None
         state = send_if_new(moment, state, None, values, loops)
     else:

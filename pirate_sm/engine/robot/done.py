@@ -32,15 +32,11 @@ def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops:
             return True
         case StalledSpec():
             return all(abs(numbers[rate]) < criterion.still for rate in criterion.rates) and all(
-                _bears(torque, criterion.torque, numbers, loops) for torque in criterion.torques
+                bears(torque, criterion.torque, numbers, loops) for torque in criterion.torques
             )
         case ReachedSpec():
             return all(
-                loop.arrived(numbers)
-                or (
-                    abs(numbers[loop.rate]) < criterion.still
-                    and loop.pushes(numbers, setpoints, criterion.loaded)
-                )
+                loop.arrived(numbers) or pushed_to_rest(criterion, loop, numbers, setpoints)
                 for loop in loops
                 if isinstance(loop, PositionLoop)
             )
@@ -61,12 +57,28 @@ def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops:
             return all(abs(numbers[signal]) < criterion.limit for signal in criterion.signals)
 
 
-def _bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:
-    """Whether a joint bears a torque: that of its torque loop, else at least this one."""
+def pushed_to_rest(
+    criterion: ReachedSpec, loop: PositionLoop, numbers: Numbers, setpoints: Numbers
+) -> bool:
+    """Return whether a joint is pushed and stands still."""
+    resting = abs(numbers[loop.rate]) < criterion.still
+    return resting and loop.pushes(numbers, setpoints, criterion.loaded)
+
+
+def bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:
+    """Return whether a joint bears a torque: that of its torque loop, else at least this one."""
+    loop = torque_loop(torque, loops)
+    if loop is not None:
+        return loop.target_nm == 0 or loop.settled(numbers)
+    return abs(numbers[torque]) > least_nm
+
+
+def torque_loop(torque: int, loops: Loops) -> TorqueLoop | None:
+    """Return the loop that keeps the torque with this number index; None without one."""
     for loop in loops:
         if isinstance(loop, TorqueLoop) and loop.spec.torque == torque:
-            return loop.target_nm == 0 or loop.settled(numbers)
-    return abs(numbers[torque]) > least_nm
+            return loop
+    return None
 
 
 def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
@@ -107,3 +119,22 @@ def in_words(
             return "the angle is at its setpoint"
         case BelowSpec():
             return "near zero"
+
+
+def not_done(criterion: CriterionSpec) -> str:
+    """Return what a command that is not done lacks, in words."""
+    match criterion:
+        case AcceptedSpec():
+            return "its setpoints are not accepted"
+        case StalledSpec():
+            return "the joints do not stand still under torque"
+        case ReachedSpec():
+            return "not every joint is at its angle or stopped by the wall"
+        case TurningSpec():
+            return "no driven wheel turns"
+        case StoppedSpec():
+            return "the wheels are not seen to stand still"
+        case AlignedSpec():
+            return "the angle is not at its setpoint"
+        case BelowSpec():
+            return "the signals are not near zero"

@@ -38,6 +38,8 @@ uncertain [decided]."""
 _STILL_RAD = 0.01
 """A roll joint that moves farther than this is not at rest; noise of its sensor is 0.05 deg."""
 
+NOT_MEASURED = "the accelerometer does not show a robot at rest, whose plane could be measured"
+
 
 class Verdict(NamedTuple):
     """What follows from a measurement: exactly one of these.

@@ -112,6 +112,7 @@ class Motion(NamedTuple):
         blind: Why it cannot be done at all, such as a posture that needs an unknown angle; else
             empty.
         levelling: What a command that levels a part has measured; None for others.
+        origin: Signals when its present stage began; empty where they were not kept.
     """
 
     command: int
@@ -124,6 +125,7 @@ class Motion(NamedTuple):
     stage: int = 0
     blind: str = ""
     levelling: Levelling | None = None
+    origin: Numbers = ()
 
 
 class Finished(NamedTuple):

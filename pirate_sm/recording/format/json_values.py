@@ -9,7 +9,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from math import inf, nan
-from typing import Any, Literal, TypeAlias, TypeVar, get_args, get_origin
+from typing import Any, Literal, TypeAlias, TypeVar, get_args, get_origin, get_type_hints
+
+from pirate_sm.model.unmet import Unmet
 
 JsonSchema: TypeAlias = dict[str, Any]
 T = TypeVar("T")
@@ -81,6 +83,13 @@ def _pairs(words: str, decode: Callable[[Any], Any]) -> JsonKind:
     )
 
 
+def _record(kind: type[T], values: list[Any]) -> T:
+    """Return the named tuple with these JSON values in the order of its fields."""
+    hints = get_type_hints(kind)
+    fields = zip(hints.items(), values, strict=True)
+    return kind(*[kind_of(hint).decode(value) for (_, hint), value in fields])
+
+
 _NUMBER = 'number, null where unknown, "inf" or "-inf" where infinite'
 
 NUMBER = JsonKind(_NUMBER, number_from_json, number_to_json)
@@ -105,6 +114,13 @@ _KINDS: dict[Any, JsonKind] = {
         _NUMBERS_BY_NAME.words,
         _NUMBERS_BY_NAME.decode,
         lambda pairs: [[name, number_to_json(value)] for name, value in pairs],
+    ),
+    tuple[Unmet, ...]: JsonKind(
+        f"array of unmet conditions, each an array of {', '.join(Unmet._fields)}",
+        lambda rows: tuple([_record(Unmet, row) for row in rows]),
+        lambda rows: [
+            [number_to_json(each) if type(each) is float else each for each in row] for row in rows
+        ],
     ),
     tuple[tuple[str, str | None], ...]: _pairs("text, null where unknown", _word),
 }

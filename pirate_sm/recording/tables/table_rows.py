@@ -32,6 +32,9 @@ TABLES = (
 TIME = "time_s"
 """The first column of every table."""
 
+_COMMAND = fx.CommandStatus._fields[:-1]
+"""The columns of commands; the reason says what was not met."""
+
 
 class TableRow(NamedTuple):
     """One row of a table.
@@ -53,7 +56,7 @@ def headers(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
         SIGNALS: signal_names(robot),
         "setpoints": ("setpoint_id", *slot_names(robot)),
         STATES: (*robot.regions, "unconfirmed", CONTROL),
-        "commands": fx.CommandStatus._fields,
+        "commands": _COMMAND,
         "phases": fx.PhaseChange._fields,
         "waits": ("phase", "trigger", "condition", "deadline_s"),
         "triggers": fx.TriggerFired._fields,
@@ -123,7 +126,7 @@ def _rows(effect: fx.Effect) -> tuple[str, Iterable[tuple[Any, ...]]]:  # noqa: 
         case fx.Ask(question):
             return "questions", [(question, choice_words(effect))]
         case fx.CommandStatus():
-            return "commands", [effect]
+            return "commands", [effect[: len(_COMMAND)]]
         case fx.PhaseChange():
             return "phases", [effect]
         case fx.TriggerFired():

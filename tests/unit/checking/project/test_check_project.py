@@ -199,6 +199,54 @@ def test_names_are_looked_at_although_another_phase_has_no_shape() -> None:
     ]
 
 
+@pytest.mark.parametrize("wrong", ["40 mm", "200 mm"])
+def test_a_pipe_alone_is_checked_for_the_reach_of_the_usual_robot(wrong: str) -> None:
+    pipe = write("p.yaml", PIPE.replace("120 mm", wrong))
+
+    (found,) = check_paths([pipe]).findings
+
+    assert (found.code, str(found.place)) == ("pipe.reach", "p.yaml:3:11")
+    assert found.message == f"pirate_ii cannot clamp an inner diameter of {wrong}"
+
+
+def test_every_diameter_of_a_pipe_alone_counts() -> None:
+    pipe = write(
+        "p.yaml",
+        """\
+format: 1
+pipe: p
+section: round
+diameter: 120 mm
+segments: [{straight: 1 m}, {reducer: 100 mm, to: 40 mm}, {straight: 1 m}]
+""",
+    )
+
+    assert told(check_paths([pipe])) == [("pipe.reach", "p.yaml:5:51")]
+
+
+def test_the_robot_of_a_pipe_alone_is_the_named_one_then_the_one_beside_it_then_the_usual(
+    tmp_path: Path,
+) -> None:
+    pipe = write("p.yaml", PIPE)  # the newt is too small for it
+    shutil.copytree(NEWT, tmp_path / "newt")
+    beside = write("newt/p.yaml", PIPE)
+
+    assert told(check_paths([pipe])) == []
+    assert codes(beside) == ["pipe.reach"]
+    for wishes in (Wishes(robot=str(NEWT)), Wishes(usual_robot=str(NEWT))):
+        assert [each.code for each in check_paths([pipe], wishes).findings] == ["pipe.reach"]
+    assert check_paths([pipe], Wishes(robot="pirate_ii", usual_robot=str(NEWT))).findings == ()
+
+
+def test_a_pipe_that_a_mission_uses_is_checked_with_its_robot_only(tmp_path: Path) -> None:
+    shutil.copytree(NEWT, tmp_path / "newt")
+    mission = MISSION.replace("start:", "pipe: p.yaml\nstart:")
+    write("m.yaml", mission)
+    write("p.yaml", PIPE)
+
+    assert check_paths(["."], Wishes(usual_robot=str(NEWT))).findings == ()
+
+
 def test_an_unknown_robot_or_pipe_is_refused() -> None:
     write("m.yaml")
     for wishes in (Wishes(robot="pirate_3"), Wishes(pipe="straight_13")):

@@ -22,6 +22,7 @@ RUNS = {
     "defect": (NEWT / "patrol.yaml", "--defect", "hind_wheel_dead"),
     "fails": (NEWT / "patrol.yaml", "--backend", "trace", "--fire", "within"),
     "refused": (EXAMPLES / "on_failure_phase.yaml", "--backend", "trace"),
+    "unmet": ("mitre_bend", "--defect", "gamma_2_sticks_at_zero"),
     "mirrored": (EXAMPLES / "polarity.yaml", "--backend", "trace"),
     "no pipe": (NEWT / "take_hold.yaml", "--backend", "trace"),
 }
@@ -46,6 +47,18 @@ def test_every_line_holds_to_the_schema(
     assert times == sorted(times)
     assert [line["type"] for line in lines].index("start") == 0
     assert [line["type"] for line in lines].index("end") == len(lines) - 1
+
+
+def test_a_failed_command_has_the_limits_that_it_awaited(pirate_run: Any) -> None:
+    result = pirate_run("mitre_bend", "--defect", "gamma_2_sticks_at_zero", "--json")
+    failed = [line for line in map(json.loads, result.stdout.splitlines()) if "unmet" in line]
+
+    assert {line["status"] for line in failed} == {"failed"}
+    bent = next(line for line in failed if line["name"] == "BendInto")
+    assert [each["signal"] for each in bent["unmet"]] == ["gamma_2"]
+    assert bent["unmet"][0]["value"] is None
+    assert bent["unmet"][0]["unknown"] == "implausible"
+    assert "gamma_2 should be between -48 and -42 deg" in bent["reason"]
 
 
 def test_the_schema_knows_every_type_that_is_written_and_no_other() -> None:

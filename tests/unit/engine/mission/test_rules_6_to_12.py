@@ -315,7 +315,7 @@ ends: {e: {succeed: ok}, failed: {fail: "Because {cause}"}}
     message = driver.ended.message
     assert message.startswith("Because ClampFront (")
     assert "m.yaml:6:19" in message
-    assert "not done within 2 s: " in message
+    assert "not done within 2 s because " in message
 
 
 # --- 12. Numbers carry units
