@@ -24,12 +24,15 @@ class Kind(StrEnum):
     EXPERIMENT = "experiment"
     TWIN = "twin"
     CAMPAIGN = "campaign"
+    SCENE = "scene"
     UNREADABLE = "unreadable file"
     OTHER = "other file"
 
 
 _TELLING = (
     (Kind.CAMPAIGN, {"campaign"}),
+    (Kind.SCENE, {"scene", "steps"}),
+    (Kind.SCENE, {"scene", "title"}),
     (Kind.MISSION, {"phases"}),
     (Kind.MISSION, {"mission", "start"}),
     (Kind.MISSION, {"mission", "robot"}),

@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.scene import Scene, SceneStep
 
@@ -24,6 +24,22 @@ def load_scene(path: Path) -> Scene:
     Raises:
         LoadError: The file has faults; holds all of them.
     """
+    scene, _, problems = _read(path)
+    problems.raise_errors()
+    return scene
+
+
+def check_scene(path: Path) -> tuple[Document, Problems]:
+    """Return the file of a scene, and what is wrong with it.
+
+    Raises:
+        LoadError: It cannot be read, or does not have the keys of a scene.
+    """
+    _, document, problems = _read(path)
+    return document, problems
+
+
+def _read(path: Path) -> tuple[Scene, Document, Problems]:
     document = read_document(path, shown(path))
     scene = validate(document, Scene)
     problems = Problems(document)
@@ -32,8 +48,7 @@ def load_scene(path: Path) -> Scene:
         problems.add("scene.name", ("scene",), message, expected=path.stem)
     for number, step in enumerate(scene.steps):
         _check(step, problems, ("steps", number))
-    problems.raise_errors()
-    return scene
+    return scene, document, problems
 
 
 def _check(step: SceneStep, problems: Problems, at: tuple[str | int, ...]) -> None:

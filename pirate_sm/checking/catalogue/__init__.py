@@ -26,6 +26,7 @@ _FILES = (
     "robot_sense",
     "pipes",
     "panels",
+    "scenes",
     "campaigns",
     "form",
     "project",

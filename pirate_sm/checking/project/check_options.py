@@ -13,8 +13,8 @@ from pirate_sm.checking.mission.rehearsal import Rehearse
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
 
-CheckExperiment: TypeAlias = Callable[[Path], tuple[Document, Problems]]
-"""Returns the file of an experiment and what is wrong with it, or raises a `LoadError`."""
+CheckForm: TypeAlias = Callable[[Path], tuple[Document, Problems]]
+"""Returns a file and what is wrong with it, or raises a `LoadError`."""
 
 CheckCampaign: TypeAlias = Callable[[Path], tuple[Sequence[Document], Sequence[Finding]]]
 """Returns the files of a campaign and what is wrong with them, or raises a `LoadError`."""
@@ -35,7 +35,7 @@ class Wishes:
         rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.
         experiment: Checks the file of an experiment; None if experiments are not checked.
-            Likewise ``campaign``.
+            Likewise ``campaign`` and ``scene``.
     """
 
     robot: str | None = None
@@ -46,8 +46,9 @@ class Wishes:
     counterexamples: Path | None = None
     rehearse: Rehearse | None = None
     outside: bool = False
-    experiment: CheckExperiment | None = None
+    experiment: CheckForm | None = None
     campaign: CheckCampaign | None = None
+    scene: CheckForm | None = None
 
 
 Progress = Callable[[int, int, str], None]

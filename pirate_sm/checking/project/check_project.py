@@ -13,7 +13,7 @@ from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
-from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
+from pirate_sm.checking.project.check_options import CheckForm, Progress, Wishes, run_options
 from pirate_sm.checking.project.find_files import CheckTarget, find_targets
 from pirate_sm.checking.project.unique_findings import each_once
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
@@ -90,7 +90,11 @@ class _Check:
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
             return  # checked with its robot
-        others = {Kind.EXPERIMENT: self._wishes.experiment, Kind.CAMPAIGN: self._wishes.campaign}
+        others: dict[Kind, object] = {
+            Kind.EXPERIMENT: self._wishes.experiment,
+            Kind.CAMPAIGN: self._wishes.campaign,
+            Kind.SCENE: self._wishes.scene,
+        }
         if others.get(target.kind, True) is None and not target.named:
             return
         if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
@@ -230,11 +234,19 @@ class _Check:
 
     def experiment(self, target: CheckTarget) -> None:
         """Check an experiment: its keys and units, and what it names."""
-        if self._wishes.experiment is None:
-            message = "experiments are checked by the command `pirate check`"
+        self._form(self._wishes.experiment, target)
+
+    def scene(self, target: CheckTarget) -> None:
+        """Check a scene of the gallery: its keys, its name, and its command lines."""
+        self._form(self._wishes.scene, target)
+
+    def _form(self, check: CheckForm | None, target: CheckTarget) -> None:
+        """Check a file of a kind that a layer above knows."""
+        if check is None:
+            message = f"{target.kind}s are checked by the command `pirate check`"
             self._add("check.kind", shown(target.path), message)
             return
-        document, problems = self._wishes.experiment(target.path)
+        document, problems = check(target.path)
         self._keep([document])
         self.findings += map(finding_of, problems.all)
 
@@ -278,7 +290,7 @@ class _Check:
             self._document(target)
         message = (
             "this is no robot, mission, pipe, camera, calibration, panel, trace script, experiment,"
-            " twin or campaign"
+            " twin, campaign or scene"
         )
         self._add("check.kind", shown(target.path), message)
 
@@ -327,6 +339,7 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.EXPERIMENT: _Check.experiment,
     Kind.TWIN: _Check.twin,
     Kind.CAMPAIGN: _Check.campaign,
+    Kind.SCENE: _Check.scene,
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,
 }

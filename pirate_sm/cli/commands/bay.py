@@ -71,6 +71,7 @@ def run_bay(options: BayOptions) -> int:
 
 def _log(path: Path) -> TextIO:
     try:
+        # It grows while the bay runs and can be read meanwhile, so no other file takes its place.
         return path.open("w", encoding="utf-8")
     except OSError as error:
         raise UsageError(f"'{path}' cannot be written: {error.strerror}") from None

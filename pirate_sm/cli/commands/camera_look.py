@@ -9,7 +9,7 @@ from pathlib import Path
 
 from pirate_sm.cli.commands.camera_pictures import find_camera, one_picture
 from pirate_sm.cli.options.cameras import LookOptions
-from pirate_sm.cli.output.files import refuse_losses
+from pirate_sm.cli.output.files import refuse_losses, write_bytes
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import Camera, RobotTags
 from pirate_sm.model.sighting import Sighting
@@ -60,5 +60,7 @@ def _lines(camera: Camera, sighting: Sighting) -> Iterator[str]:
 def _write(place: Path, frame: object) -> None:
     if place.suffix.lower() not in (".png", ".jpg", ".jpeg"):
         raise UsageError(f"'{place}': expected a name that ends in .png or .jpg")
-    if not place.parent.is_dir() or not cv2.imwrite(str(place), frame):
-        raise UsageError(f"'{place}' cannot be written")
+    made, content = cv2.imencode(place.suffix, frame)
+    if not made:
+        raise UsageError(f"'{place}' cannot be written: the picture has no such form")
+    write_bytes(place, content.tobytes())

@@ -6,6 +6,7 @@ import json
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
+from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 
@@ -41,6 +42,7 @@ def run_campaign(options: CampaignOptions) -> int:
     """
     if options.scheduler is not None and options.workers is not None:
         raise UsageError("--scheduler and --workers exclude each other: that cluster has its own")
+    _refuse_without_packages()
     seeds = None if options.seeds is None else range(options.seeds)
     plan = _chosen(read_campaign(_file(options.campaign), seeds, check=options.check), options)
     with _results(plan, options) as store:
@@ -48,6 +50,17 @@ def run_campaign(options: CampaignOptions) -> int:
     for line in _rendered(result, options.format):
         print(line)
     return AS_EXPECTED if result.good else BELOW
+
+
+def _refuse_without_packages() -> None:
+    """Refuse before missions are checked, which takes long.
+
+    Raises:
+        UsageError: A package is missing that campaigns need.
+    """
+    for module in ("pyarrow", "distributed"):
+        if find_spec(module) is None:
+            raise not_installed("a campaign", module, "campaign")
 
 
 def _file(name: str) -> Path:
@@ -68,10 +81,6 @@ def _chosen(plan: Plan, options: CampaignOptions) -> Plan:
 @contextmanager
 def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
     """Yield the store of the results, which is closed when the block ends."""
-    try:
-        import pyarrow  # noqa: F401 - the store needs it
-    except ModuleNotFoundError:
-        raise not_installed("a campaign", "pyarrow", "campaign") from None
     folder = options.output or _usual_folder(plan.name)
     store = Store(folder)
     if is_store(folder):

@@ -19,6 +19,7 @@ from pirate_sm.cli.output.encoding import writable
 from pirate_sm.cli.output.terminal import is_terminal, shows_colour
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
+from pirate_sm.gallery.scene_file import check_scene
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.visible import visible
@@ -58,6 +59,7 @@ def run_check(options: CheckOptions) -> int:
         outside=options.outside,
         experiment=check_experiment,
         campaign=_check_campaign,
+        scene=check_scene,
     )
     progress = _Progress() if is_terminal(sys.stderr) else None
     try:

@@ -8,6 +8,7 @@ from pathlib import Path
 from pirate_sm.campaign.store import is_store
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
+from pirate_sm.errors import UsageError
 from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.replay.compare import Comparison, compare, compared_run
@@ -25,10 +26,12 @@ def run_compare(options: CompareOptions) -> int:
 
     Raises:
         RecordingError: One of the recordings cannot be read.
-        UsageError: The results of a campaign cannot be read.
+        UsageError: The results of a campaign cannot be read, or these two cannot be compared.
     """
-    if is_store(Path(options.first)) and is_store(Path(options.second)):
-        return _compare_campaigns(Path(options.first), Path(options.second))
+    first, second = Path(options.first), Path(options.second)
+    if is_store(first) and is_store(second):
+        return _compare_campaigns(first, second)
+    _refuse_folders(first, second)
     courses, vocabularies, headers = [], [], []
     for name, path in (("A", options.first), ("B", options.second)):
         with opened_recording(path) as recording, recorded_mission(recording.header) as loaded:
@@ -41,6 +44,22 @@ def run_compare(options: CompareOptions) -> int:
     for line in [*lines, *_deviations(result, vocabularies[0])]:
         print_visible(line)
     return DIFFERENT if result.parted is not None else SAME
+
+
+def _refuse_folders(*places: Path) -> None:
+    """Refuse folders, as recordings are files.
+
+    Raises:
+        UsageError: There is one; the message says what is in it, and what is expected.
+    """
+    problems = [
+        f"'{place}' is a folder with{'' if is_store(place) else 'out'} results of a campaign"
+        for place in places
+        if place.is_dir()
+    ]
+    if problems:
+        wanted = "two recordings of runs (.mcap), or two folders with results of campaigns"
+        raise UsageError(f"{'; '.join(problems)}: name {wanted}")
 
 
 def _compare_campaigns(first: Path, second: Path) -> int:

@@ -36,6 +36,9 @@ from pirate_sm.loading.file_names import PROFILE_FILE
 LONGEST_LINE = 100_000
 """The most characters that are read of the first line of a table."""
 
+_CONDITIONS = ("when", "operator", "after")
+"""The keys of a trigger that say when it fires."""
+
 _NUMBER = re.compile(r"_\d+(?=_|$)")
 
 
@@ -65,6 +68,47 @@ def phases_of_missions(context: typer.Context, typed: str) -> Iterator[Candidate
         return
     for phase, about in described(read(library.find_mission(name)).get("phases")):
         yield f"{name}:{phase}", about
+
+
+def triggers(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the triggers of the mission and of those that it calls, and time limits."""
+    path = _mission_path(context)
+    if path is not None:
+        yield from dict(_triggers(path, set())).items()
+        yield "within", "the time limit of a wait"
+
+
+def _triggers(path: Path, seen: set[Path]) -> Iterator[Candidate]:
+    """Yield the named triggers of a mission, each with its condition."""
+    if path in seen:
+        return
+    seen.add(path)
+    for step in _mappings(read(path).get("phases")):
+        for each in items(step, "wait"):
+            trigger = mapping(each)
+            if name := line(trigger.get("name") or trigger.get("go")):
+                yield name, next((line(trigger[k]) for k in _CONDITIONS if k in trigger), "")
+        if isinstance(called := step.get("call"), str):
+            with suppress(UsageError):
+                yield from _triggers(library.find_mission(called, path.resolve().parent), seen)
+
+
+def _mappings(found: Any) -> Iterator[Mapping[Any, Any]]:
+    """Yield all mappings in data, from outside to inside."""
+    if isinstance(found, dict):
+        yield found
+        found = list(found.values())
+    for each in found if isinstance(found, list) else ():
+        yield from _mappings(each)
+
+
+def cells(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the cells of the campaign, by the names of its missions."""
+    path = Path(context.params["campaign"]).expanduser()
+    for each in items(read(path), "missions"):
+        entry = mapping(each)
+        mission = line(each) or line(entry.get("mission"))
+        yield line(entry.get("name")) or Path(mission).stem, mission
 
 
 def parameters(context: typer.Context, typed: str) -> Iterator[Candidate]:

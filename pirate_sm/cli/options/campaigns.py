@@ -8,7 +8,7 @@ from typing import Annotated, Literal
 
 import typer
 
-from pirate_sm.cli.completion import named_files
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 
 _MOST_SEEDS = 10**9
@@ -43,7 +43,12 @@ class CampaignOptions:
     ] = None
     cells: Annotated[
         list[str] | None,
-        typer.Option("--cell", metavar="NAME", help="Only the cells of this name. Repeatable."),
+        typer.Option(
+            "--cell",
+            metavar="NAME",
+            autocompletion=candidates.cells,
+            help="Only the cells of this name. Repeatable.",
+        ),
     ] = None
     workers: Annotated[
         int | None,

@@ -86,6 +86,7 @@ class RunOptions:
         list[str] | None,
         typer.Option(
             metavar="TRIGGER[=SECONDS]",
+            autocompletion=candidates.triggers,
             help="In a trace: the trigger that a wait takes. Repeatable, in order.",
         ),
     ] = None

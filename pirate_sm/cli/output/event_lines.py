@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 class Lines:
-    """Writes a line for each event; if quiet, only how the run ended."""
+    """Writes a line for each event; if quiet, only how it ended and left the robot."""
 
     def __init__(self, out: TextIO, observed: ObservedRun, *, quiet: bool = False) -> None:
         self._out = out
@@ -44,11 +44,14 @@ class Lines:
             if isinstance(effect, Ended):
                 there = self._observed
                 text = summary(effect, now_s, there.distance_m(), there.odometry_m())
+                left = there.left()
                 if self._quiet:
-                    self._out.write(f"{there.prepared.loaded.mission.mission}: {visible(text)}\n")
+                    mission = there.prepared.loaded.mission.mission
+                    for said in filter(None, (text, left)):
+                        self._out.write(f"{mission}: {visible(said)}\n")
                 else:
                     self._write(now_s, "end", text)
-                    if left := there.left():
+                    if left:
                         self._write(now_s, "robot", left)
             elif self._quiet:
                 if isinstance(effect, Answered) and effect.level == "warning":

@@ -80,6 +80,19 @@ def test_the_last_line_says_in_what_state_the_robot_is_left(start: Start, signal
     assert "wheels set to zero; nose clamped (without sensors); tail clamped" in confirmed
 
 
+def test_a_quiet_run_that_failed_says_how_it_ended_and_in_what_state_the_robot_is_left(
+    pirate_run: Any,
+) -> None:
+    ways = ("--backend", "trace", "--quiet", "--no-record")
+    failed = pirate_run(NEWT / "patrol.yaml", *ways, "--fire", "within")
+    succeeded = pirate_run(NEWT / "patrol.yaml", *ways)
+
+    ended, left = failed.stdout.splitlines()
+    assert ended.startswith("patrol: failed after")
+    assert left.startswith("patrol: wheels set to zero; nose clamped")
+    assert succeeded.stdout.count("\n") == 1
+
+
 def test_two_signals_end_it_as_well(start: Start) -> None:
     process = start(*DRIVES, "--json")
     read_until_it_drives(process)

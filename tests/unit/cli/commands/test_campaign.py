@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -50,6 +51,23 @@ def filled(file: Path, tmp_path: Path) -> Any:
         return tmp_path / name
 
     return fill
+
+
+@pytest.mark.parametrize("module", ["pyarrow", "distributed"])
+def test_a_missing_package_is_named_before_the_missions_are_checked(
+    pirate: Any, file: Path, monkeypatch: pytest.MonkeyPatch, module: str
+) -> None:
+    def checked(*_: Any, **__: Any) -> None:
+        raise AssertionError("the missions were checked")
+
+    monkeypatch.setattr("pirate_sm.cli.commands.campaign.read_campaign", checked)
+    monkeypatch.setitem(sys.modules, module, None)
+
+    result = pirate("campaign", file)
+
+    assert result.exit_code == 2
+    assert f"needs {module}, which is not installed" in result.stderr
+    assert "pirate-sm[campaign]" in result.stderr
 
 
 def test_a_campaign_that_is_complete_prints_its_table_again(

@@ -304,6 +304,27 @@ def test_experiments_and_twins_are_checked_with_their_robot(pirate: Any, tmp_pat
     assert "1 robot, 1 chart, 3 experiments, 1 twin checked" in result.stdout
 
 
+def test_scenes_are_checked(pirate: Any, tmp_path: Path) -> None:
+    scene = tmp_path / "stiff.yaml"
+    scene.write_text(
+        "format: 1\nscene: soft\ntitle: A stiff joint\nlook_at: The joint\n"
+        "steps:\n  - command: run mitre_bend --record {oout}/run.mcap\n"
+        "  - {command: run climb, expect: {ended: succeeded}}\n"
+        "  - command: run 'climb\n",
+        encoding="utf-8",
+    )
+
+    result = pirate("check", scene)
+
+    assert result.exit_code == 1
+    assert "stiff.yaml:2:8: error [scene.name]" in result.stdout
+    assert "stiff.yaml:6:14: error [scene.folder]" in result.stdout
+    assert "stiff.yaml:7:15: error [scene.record]" in result.stdout
+    assert "stiff.yaml:8:14: error [scene.command]" in result.stdout
+    assert "1 scene checked" in result.stdout
+    assert pirate("check", *(ROOT / "demos").glob("*.yaml")).exit_code == 0
+
+
 def test_a_twin_of_no_robot_is_told(pirate: Any, tmp_path: Path) -> None:
     twin = tmp_path / "twin.yaml"
     twin.write_text("format: 1\nrobot: pirate_i\nmotors: {}\n", encoding="utf-8")

@@ -31,6 +31,19 @@ def test_seeds_and_options_that_differ_are_named_before_anything_else(
     assert lines[6] == ""
 
 
+def test_folders_without_results_are_refused_with_what_is_expected(
+    pirate: Any, run: Any, tmp_path: Path
+) -> None:
+    empty = tmp_path / "empty"
+    empty.mkdir()
+
+    for one, other in ((empty, empty), (run("one"), empty)):
+        result = pirate("compare", one, other)
+        assert result.exit_code == 2
+        assert f"'{empty}' is a folder without results of a campaign" in result.stderr
+        assert "name two recordings of runs (.mcap), or two folders with results" in result.stderr
+
+
 def test_runs_that_were_made_alike_say_so(pirate: Any, run: Any) -> None:
     one, other = run("one"), run("other")
 

@@ -86,6 +86,10 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("pirate run --seed ", []),
         ("pirate run mitre_bend ", []),
         ("pirate run -- mitre_bend_o", ["mitre_bend_other_side"]),
+        ("pirate run mitre_bend --fire p", ["prepare", "pass"]),
+        ("pirate run exp_2b_detector --fire prep", ["prepare"]),  # of the mission that it calls
+        ("pirate run mitre_bend --fire wi", ["within"]),
+        (f"pirate campaign {ROOT}/campaigns/bend_physics.yaml --cell 45", ["45 deg"]),
         ("pirate console --theme li", ["light"]),
         ("pirate demo be", ["bend"]),
         ("pirate list mi", ["missions"]),
