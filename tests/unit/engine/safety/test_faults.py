@@ -109,7 +109,7 @@ def test_a_command_under_way_is_interrupted_and_stays_unconfirmed(drive):
 
     driver.give(STUCK)
     assert driver.statuses[-1] == ("ClampRear", "failed")
-    assert driver.last_status.reason == "interrupted by robot.stuck: it does not move"
+    assert driver.last_status.reason.startswith("interrupted by robot.stuck: it does not move; ")
     assert driver.phases == ["a"]
     driver.accept()
     driver.until_done("Brake")  # the clamp that was to fix the rear wheels is not confirmed
