@@ -63,12 +63,18 @@ class StartPose:
         bends_rad: Angle of the joint at each wheel.
         motors_rad: Motor-side angle of each of these joints; the difference winds up the spring.
         roll_rad: Roll of the whole robot against the plane of the pipe.
+        rolls_rad: Angle of the roll joint, then the rolls of the parts ahead and behind against the
+            pipe where they are, of a robot that is in the middle of a run; empty for one that
+            begins, which lies straight.
+        roll_motor_rad: Motor-side angle of the roll joint of such a robot.
     """
 
     places: tuple[Vector, ...]
     bends_rad: tuple[float, ...]
     motors_rad: tuple[float, ...]
     roll_rad: float = 0.0
+    rolls_rad: tuple[float, ...] = ()
+    roll_motor_rad: float = 0.0
 
 
 class Physics(Protocol):

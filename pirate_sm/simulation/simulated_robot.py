@@ -23,7 +23,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.model.trail import Stood
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.simulation.acting_defect import Incident
-from pirate_sm.simulation.actuators import SlotRoute, routes_of
+from pirate_sm.simulation.actuators import ROLL, SlotRoute, routes_of
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.defects import AtWork, named, put_to_work
 from pirate_sm.simulation.electronics import Electronics
@@ -124,11 +124,16 @@ class SimulatedRobot:
         if put_back is not None:
             start_values = put_back.values
         self._start_duties = _joint_duties(chain, routes, start_values)
+        self._roll_target_rad = 0.0
         rng = np.random.default_rng(seed)
         duties = self._start_duties
         around = surroundings_of(profile, chain, pipe, duties=duties, jitter=jitter, rng=rng)
         if put_back is not None:
-            around = replace(around, pose=standing_again(chain, profile, put_back))
+            target = next(
+                (v for r, v in zip(routes, put_back.values, strict=True) if r.motor == ROLL), 0.0
+            )
+            around = replace(around, pose=standing_again(chain, profile, put_back, target))
+            self._roll_target_rad = target
         self._route, self._chain = around.route, chain
         self._flat = around.route.section == "bars"
         self._axes = 2 if self._flat else 3
@@ -151,7 +156,8 @@ class SimulatedRobot:
         self._start_m = self._middle()
 
     def hold(self) -> None:
-        """Drive the joints with the duties of the start pose."""
+        """Drive the joints with the duties of the start pose, the roll joint to its target."""
+        self.physics.turn_roll_to(self._roll_target_rad)
         for motor, duty in self._start_duties.items():
             self.physics.duties[motor] = duty
 

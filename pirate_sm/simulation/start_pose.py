@@ -11,10 +11,13 @@ from pirate_sm.errors import UsageError
 from pirate_sm.geometry.clamping import span_m
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector, dot
+from pirate_sm.geometry.space import Frame, Vector, dot
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
+
+_TURNED_RAD = math.radians(5)
+"""A roll joint that is nearer to its target has come to it; its spring gives way by 2 deg [D]."""
 
 _LEAST_PULL = 0.01
 """Share of its weight below which a robot is not pulled to any side of an upright pipe."""
@@ -88,15 +91,35 @@ class Standing(Protocol):
     def at_s(self) -> float:
         """Time since the run began."""
 
+    @property
+    def rolls_rad(self) -> tuple[float, ...]:
+        """Angle of the roll joint, and the rolls of the parts ahead and behind."""
 
-def standing_again(chain: ChainBody, profile: Profile, it: Standing) -> StartPose:
-    """Return the pose of a robot that is put back where it stood in a plane."""
+
+def standing_again(
+    chain: ChainBody, profile: Profile, it: Standing, roll_target_rad: float
+) -> StartPose:
+    """Return the pose of a robot that is put back where it stood.
+
+    Nobody measures where the motor of the roll joint is. It is not driven back, so it is at its
+    target unless the joint was still turning when the recording was cut off.
+
+    Args:
+        chain: The robot's body.
+        profile: Its profile.
+        it: How it stood.
+        roll_target_rad: Setpoint of the roll joint.
+    """
     bends, motors = [0.0] * chain.nodes, [0.0] * chain.nodes
     for joint, bend, torque in zip(profile.body.joints, it.bends_rad, it.torques_nm, strict=True):
         wheel = chain.joint_index[joint.name]
         bends[wheel] = bend
         motors[wheel] = bend + torque / chain.joints[wheel].stiffness_nm_rad
-    return StartPose(it.places_m, tuple(bends), tuple(motors))
+    angle = it.rolls_rad[0]
+    arrived = abs(roll_target_rad - angle) <= _TURNED_RAD
+    motor = roll_target_rad if arrived else angle
+    rolls, places = it.rolls_rad, it.places_m
+    return StartPose(places, tuple(bends), tuple(motors), rolls_rad=rolls, roll_motor_rad=motor)
 
 
 def lying(pose: StartPose, chain: ChainBody, route: Route) -> tuple[Vector, ...]:
@@ -118,9 +141,37 @@ def lying(pose: StartPose, chain: ChainBody, route: Route) -> tuple[Vector, ...]
     return tuple((x + dx, y + dy, z + dz) for x, y, z in places)
 
 
-def normal_of(pose: StartPose, route: Route) -> Vector:
-    """Return the unit normal of the robot's plane in a round pipe."""
-    return _piece_of(pose, route).frame.rolled(pose.roll_rad).normal
+def normals_of(pose: StartPose, route: Route, link: int) -> tuple[Vector, Vector]:
+    """Return the unit normals of the planes of the parts ahead and behind in a round pipe.
+
+    Args:
+        pose: The pose.
+        route: The way through the pipe.
+        link: Index of the link with the roll joint, which belongs to both parts.
+    """
+    if not pose.rolls_rad:
+        normal = _piece_of(pose, route).frame.rolled(pose.roll_rad).normal
+        return normal, normal
+    ahead, behind = pose.places[link], pose.places[link + 1]
+    (ax, ay, az), (bx, by, bz) = ahead, behind
+    along = (ax - bx, ay - by, az - bz)
+    front, rear = (
+        _normal_at(route.frame_at(route.arc_of(place)).rolled(roll), along)
+        for place, roll in zip((ahead, behind), pose.rolls_rad[1:], strict=True)
+    )
+    return front, rear
+
+
+def _normal_at(frame: Frame, along: Vector) -> Vector:
+    """Return the unit vector square to a link whose roll about the frame's axis is the frame's.
+
+    The roll of a part is that of its normal across the pipe's axis. The normal may lean along the
+    axis, because the link does.
+    """
+    share = dot(frame.normal, along) / dot(frame.ahead, along)
+    x, y, z = (n - share * a for n, a in zip(frame.normal, frame.ahead, strict=True))
+    size = math.sqrt(x * x + y * y + z * z)
+    return x / size, y / size, z / size
 
 
 def _piece_of(pose: StartPose, route: Route) -> Piece:

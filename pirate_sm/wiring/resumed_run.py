@@ -15,11 +15,17 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.resuming.dark_way import DarkWay
 from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.resuming.resumption import Resumption
+from pirate_sm.engine.robot.robot_state import known_values
+from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.extended_file import read_extended
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot.calibration_files import newest_calibration
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.model.true_position import InSpace
 from pirate_sm.wiring import Order, Prepared, prepare
 from pirate_sm.wiring.prepared import Say
 from pirate_sm.wiring.run_order import PutBack
@@ -30,6 +36,9 @@ if TYPE_CHECKING:
 
 COUNTING = ("odometry", "vision")
 """Detectors that count from where the robot is said to be."""
+
+_EXTENDED = ("profile", "chart")
+"""The roles of files that may extend another one; a recording holds them complete."""
 
 COMMITTED_S = 0.5
 """What may be missing at the end of a recording, s: two intervals between writings."""
@@ -206,10 +215,10 @@ def edited(header: RunHeader) -> tuple[str, ...]:
         shipped = file.path.startswith("shipped:")
         path = library.shipped() / file.path.removeprefix("shipped:") if shipped else file.path
         try:
-            text = Path(path).read_text(encoding="utf-8")
-        except (OSError, ValueError):
+            now = read_extended(Path(path)) if file.role in _EXTENDED else read_document(path)
+        except LoadError:
             continue
-        if text != file.text:
+        if now.complete_text != file.text:
             found.append(
                 f"{shown(Path(path))} has changed since; the {file.role} of the recording counts"
             )
@@ -243,18 +252,41 @@ def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
     joints = profile.body.joints
     bends = {joint.name: known.get(joint.name, nan) for joint in joints}
     torques = {joint.name: known.get(joint.torque or "", nan) for joint in joints}
-    if loaded.pipe is not None and loaded.pipe.section != "bars":
+    in_space = loaded.pipe is not None and loaded.pipe.section != "bars"
+    if in_space and header.backend != "sim":
         raise RecordingError(
-            "a simulated robot in a round pipe cannot be put back: its recording does not hold "
-            "how its parts were about to roll; run the mission again"
+            f"a robot of the backend {header.backend} cannot be put back in a round pipe; run the "
+            "mission again"
         )
     if placed is None or not placed.known or any(map(isnan, (*bends.values(), *torques.values()))):
         raise RecordingError("where the simulated robot was is not in the recording")
+    beside = placed.space if in_space else InSpace((), _rolls_in_plane(loaded, last, known))
+    if beside is None:
+        raise RecordingError("where the simulated robot was in space is not in the recording")
     body = hypotheses(loaded.robot, loaded.program, last)[0].body
+    z_m = beside.z_m or (0.0,) * len(placed.wheels)
     return PutBack(
-        tuple((x, y, 0.0) for x, y in placed.wheels),
+        tuple((x, y, z) for (x, y), z in zip(placed.wheels, z_m, strict=True)),
         tuple(bends.values()),
         tuple(torques.values()),
-        tuple(0.0 if isnan(value) else value for value in body.values),
+        known_values(body.values, last.sensing.numbers, loaded.robot),
         end.last_s - end.began_s,
+        beside.rolls_rad,
     )
+
+
+def _rolls_in_plane(
+    loaded: LoadedMission, last: EngineState, known: Mapping[str, float]
+) -> tuple[float, ...]:
+    """Return the angle of the roll joint, and the rolls of the parts ahead and behind.
+
+    A part that holds stays as the robot was at its start; the other one has turned.
+    """
+    body, robot = loaded.loaded_robot.profile.body, loaded.robot
+    joint = next((link.roll for link in body.links if link.roll is not None), None)
+    angle = known.get(joint, nan) if joint is not None else 0.0
+    angle = 0.0 if isnan(angle) else angle
+    held = {robot.parts[part] for part in robot.held[last.robot.configuration]}
+    behind_holds = body.wheels[-1].part in held
+    start = loaded.pipe.roll if loaded.pipe is not None else 0.0
+    return (angle, start + angle, start) if behind_holds else (angle, start, start - angle)

@@ -23,6 +23,8 @@ class PutBack(NamedTuple):
         bends_rad: Angle of each driven joint of the body; ``torques_nm`` what its spring bears.
         values: The setpoints that hold it.
         at_s: Time since the run began.
+        rolls_rad: The angle of the roll joint, and the rolls of the parts ahead and behind against
+            the pipe where they are.
     """
 
     places_m: tuple[tuple[float, float, float], ...]
@@ -30,6 +32,7 @@ class PutBack(NamedTuple):
     torques_nm: tuple[float, ...]
     values: tuple[float, ...]
     at_s: float
+    rolls_rad: tuple[float, ...]
 
 
 @dataclass(frozen=True)

@@ -68,7 +68,7 @@ class RollInPlane:
             dtype=np.intp,
         )
         model.actuator_biasprm[self._drags, 2] = -self._masses[:, None] / _STOPS_IN_S
-        self._rolls = [0.0, pose.roll_rad, pose.roll_rad]
+        self._rolls = list(pose.rolls_rad or (0.0, pose.roll_rad, pose.roll_rad))
         self._target_rad = 0.0
 
     def turn_to(self, angle_rad: float) -> None:

@@ -75,7 +75,7 @@ class World(ChainWorld):
         self.state.position[:] = [place[:2] for place in pose.places]
         self.state.bend[:] = pose.bends_rad
         self.state.motor[:] = pose.motors_rad
-        self.state.roll[1:] = pose.roll_rad
+        self.state.roll[:] = pose.rolls_rad or (0.0, pose.roll_rad, pose.roll_rad)
         self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
         # This fills in the quantities of the start pose; hardly any time passes.
         kernel.advance(*self._arrays, 1)

@@ -41,9 +41,19 @@ class SpaceState:
         self.normals = self.array[last : last + kernel.R_RATE].reshape(2, 3)
         self.roll = self.array[last + kernel.R_ANGLE :]
 
-    def take(self, pose: StartPose, places: Sequence[Vector], normal: Vector) -> None:
-        """Put the chain into a pose whose wheels are at these places, in the plane of `normal`."""
+    def take(
+        self, pose: StartPose, places: Sequence[Vector], normals: tuple[Vector, Vector]
+    ) -> None:
+        """Put the chain into a pose whose wheels are at these places.
+
+        Args:
+            pose: The pose.
+            places: Centre of each wheel, m.
+            normals: Of the planes of the parts ahead of and behind the roll joint.
+        """
         self.position[:] = places
-        self.normals[:] = normal
+        self.normals[:] = normals
+        if pose.rolls_rad:
+            self.roll[:] = (pose.rolls_rad[0], pose.roll_motor_rad)
         self.bend[:] = pose.bends_rad
         self.motor[:] = pose.motors_rad

@@ -15,7 +15,7 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
-from pirate_sm.simulation.start_pose import lying, normal_of
+from pirate_sm.simulation.start_pose import lying, normals_of
 from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
 from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
@@ -75,7 +75,9 @@ class SpaceWorld(ChainWorld):
             *shape_of(route),
             *(self._world, self.quantities),
         )
-        self.state.take(pose, lying(pose, chain, route), normal_of(pose, route))
+        places = pose.places if pose.rolls_rad else lying(pose, chain, route)
+        link = int(self._world[kernel.ROLL_LINK])
+        self.state.take(pose, places, normals_of(pose, route, link))
         self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
         # This fills in the quantities of the start pose; hardly any time passes.
         kernel.advance(*self._arrays, 1)

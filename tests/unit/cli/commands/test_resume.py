@@ -152,3 +152,39 @@ def test_a_run_that_was_resumed_can_be_resumed_again(
     assert result.exit_code == 0, result.stderr
     chain = read_recording(Path("end.mcap")).header.resumed
     assert [each.name for each in chain] == ["cut.mcap", "again.mcap"]
+
+
+@pytest.mark.parametrize(("mission", "cut_s"), [("take_elbow", 5.0), ("house_connection", 30.0)])
+def test_a_robot_in_round_pipes_is_put_back_and_goes_on_to_the_same_end(
+    mission: str, cut_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    record_cut_off(Path("cut.mcap"), Order(mission), cut_s)
+
+    result = resume("cut.mcap", "--accept", "--plain", "--speed", "max", "--no-record")
+
+    assert result.exit_code == 0, result.stderr
+    assert "succeeded" in result.stdout
+
+
+def test_nobody_is_asked_about_a_robot_that_extends_another_and_has_not_changed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    record_cut_off(Path("cut.mcap"), Order("level"), 6.5)
+
+    result = resume("cut.mcap", "--look")
+
+    assert "has changed since" not in result.stdout + result.stderr
+
+
+def test_a_robot_of_another_physics_is_not_put_back_in_a_round_pipe(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    record_cut_off(Path("cut.mcap"), Order("turn_left", backend="physics"), 2.0)
+
+    result = resume("cut.mcap", "--look")
+
+    assert result.exit_code == 2
+    assert "a robot of the backend physics cannot be put back in a round pipe" in result.stderr

@@ -1,0 +1,29 @@
+"""A robot in space is put back in the planes in which its parts lay."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.start_pose import normals_of
+from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.wiring import Order, prepare
+
+
+@pytest.mark.parametrize("mission", ["take_branch", "two_bends_up"])
+def test_the_normals_of_the_parts_follow_from_places_and_rolls(mission: str) -> None:
+    prepared = prepare(Order(mission, check=False))
+    MissionRun(prepared.engine, prepared.backend, companions=prepared.companions).execute()
+    physics: Any = vars(prepared.backend)["robot"].physics
+    places, rolls = tuple(physics.places()), tuple(physics.rolls())
+    still = (0.0,) * len(places)
+
+    pose = StartPose(places, still, still, rolls_rad=rolls)
+    link = int(physics._world[kernel.ROLL_LINK])
+    found = normals_of(pose, prepared.loaded.pipe.route(), link)
+
+    for normal, true in zip(found, physics.state.normals, strict=True):
+        assert normal == pytest.approx(tuple(true), abs=1e-6)
