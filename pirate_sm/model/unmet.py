@@ -59,7 +59,7 @@ class Unmet(NamedTuple):
 
 def unmet_words(unmet: Sequence[Unmet]) -> str:
     """Return what was awaited and what the sensors show instead."""
-    return "; ".join(f"{_awaited(each)}, {_shown(each)}" for each in unmet)
+    return "; ".join(f"{_awaited(each)}, {shown_words(each)}" for each in unmet)
 
 
 def with_unmet(reason: str, unmet: Sequence[Unmet]) -> str:
@@ -101,7 +101,8 @@ def _range(it: Unmet) -> str:
     return f"between {least} and {_quantity(it.most, it.unit)}{sign}"
 
 
-def _shown(it: Unmet) -> str:
+def shown_words(it: Unmet, *, with_change: bool = True) -> str:
+    """Return what the signal shows, how old that is, and by how much it has changed."""
     match it.unknown:
         case "silent" if isinf(it.age_s):
             return "has never had a value"
@@ -113,7 +114,8 @@ def _shown(it: Unmet) -> str:
             return "has no value"
         case "":
             age = "" if isnan(it.age_s) else f" ({_time(it.age_s)} old)"
-            return f"shows {_quantity(it.value, it.unit)}{age} and {_changed(it)}"
+            changed = f" and {_changed(it)}" if with_change else ""
+            return f"shows {_quantity(it.value, it.unit)}{age}{changed}"
 
 
 def _changed(it: Unmet) -> str:
