@@ -46,6 +46,11 @@ class Unmet(NamedTuple):
     board: str = ""
 
     @property
+    def still_moves(self) -> bool:
+        """Return whether the signal is a rate or a speed that should be smaller."""
+        return self.unit.endswith("/s") and not self.unknown and not isinf(self.most - self.least)
+
+    @property
     def hardly_moved(self) -> bool:
         """Return whether the signal has not come nearer to its limits by more than noise."""
         now, began = self.value, self.value - self.change
@@ -77,10 +82,15 @@ def advice(unmet: Sequence[Unmet], command: str) -> str:
         names = _listed([each.signal for each in unknown])
         where = f" of {boards}" if boards else ""
         return f"check the sensor of {names} and the cable{where}, then repeat {command}"
+    moving = [each.signal for each in unmet if each.still_moves]
+    if moving:
+        return (
+            f"it still moves ({', '.join(moving)}): give {command} more time, or see what moves it"
+        )
     resting = [each.signal for each in unmet if each.hardly_moved]
     if resting:
         why = f"see why {_listed(resting)} did not come nearer"
-        return f"{why} (a blocked joint, a motor without power), then repeat {command}"
+        return f"{why} (something blocks it, or its motor has no power), then repeat {command}"
     names = _listed([each.signal for each in unmet])
     return f"see what stops {names}, or give {command} more time, then repeat it"
 

@@ -58,3 +58,13 @@ def test_the_advice_follows_from_what_is_seen():
         "see what stops theta_2, or give Bend more time, then repeat it"
     )
     assert advice([], "Bend") == ""
+
+
+def test_a_joint_that_still_moves_is_not_blocked():
+    moving = Unmet("rate_2", "rad/s", -0.07, 0.07, False, -0.6, 0.02, -0.6)
+    slow = Unmet("wheel_3_speed", "rad/s", 0.5, inf, False, 0.0, 0.02, 0.0)
+
+    assert advice([BENT._replace(change=0.0), moving], "Bend") == (
+        "it still moves (rate_2): give Bend more time, or see what moves it"
+    )
+    assert advice([slow], "Bend").startswith("see why wheel_3_speed did not come nearer")
