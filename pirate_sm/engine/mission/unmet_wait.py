@@ -8,7 +8,7 @@ from pirate_sm.engine.mission.program import TriggerSpec, Wait
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot.unmet_conditions import Limit, unmet_of
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.unmet import shown_words
+from pirate_sm.model.unmet_words import shown_words
 
 
 def unmet_wait(moment: Moment, state: EngineState, it: Wait) -> str:

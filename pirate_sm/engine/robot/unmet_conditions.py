@@ -38,7 +38,8 @@ from pirate_sm.engine.robot.robot_state import (
 )
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.expressions import NumberType
-from pirate_sm.model.unmet import Unknown, Unmet, advice, unmet_words
+from pirate_sm.model.unmet import Unknown, Unmet
+from pirate_sm.model.unmet_words import advice, unmet_words
 from pirate_sm.units import unit_of
 
 
