@@ -10,7 +10,7 @@ from pirate_sm.engine.robot.unmet_conditions import unmet_conditions
 from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Fault
-from pirate_sm.model.unmet import with_unmet
+from pirate_sm.model.unmet_words import with_unmet
 
 
 def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:

@@ -9,7 +9,7 @@ from pirate_sm.engine.robot import commands, robot_state
 from pirate_sm.engine.robot.unmet_conditions import unmet_conditions
 from pirate_sm.engine.state import Ending, EngineState
 from pirate_sm.model.effects import Ask, CommandStatus, Ended, Fault, Outcome
-from pirate_sm.model.unmet import with_unmet
+from pirate_sm.model.unmet_words import with_unmet
 
 SAFE_STOP_LIMIT_S = 2.0
 """How long the run waits for the safe array's confirmation before it ends without it."""

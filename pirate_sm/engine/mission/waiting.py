@@ -7,6 +7,7 @@ from math import inf, isnan, nan
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.going_on import fail, go, moved
 from pirate_sm.engine.mission.program import Question, SwitchControl, TriggerSpec, Wait
+from pirate_sm.engine.mission.unmet_wait import unmet_wait
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.sensing.known_signals import with_changes
 from pirate_sm.engine.state import EngineState, MissionState, Words
@@ -60,6 +61,8 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
         return go(state, trigger.go)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
+        if awaited := unmet_wait(moment, state, it):
+            cause = f"{cause}: it awaited {awaited}"
         moment.emit(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
         if it.fails:
             return fail(moment, state, cause, it.within)

@@ -38,7 +38,8 @@ from pirate_sm.engine.robot.robot_state import (
 )
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.expressions import NumberType
-from pirate_sm.model.unmet import Unknown, Unmet, advice, unmet_words
+from pirate_sm.model.unmet import Unknown, Unmet
+from pirate_sm.model.unmet_words import advice, unmet_words
 from pirate_sm.units import unit_of
 
 
@@ -66,7 +67,8 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
     ]
     limits += unmet_limits(done, sensing.numbers, state.values, state.loops)
     return tuple(
-        _unmet(robot, motion, each, sensing, moment.now_s) for each in dict.fromkeys(limits)
+        unmet_of(robot, motion.origin, each, sensing, moment.now_s)
+        for each in dict.fromkeys(limits)
     )
 
 
@@ -174,9 +176,20 @@ def _near(signal: int, target: float, within: float) -> Limit:
     return Limit(signal, target - within, target + within)
 
 
-def _unmet(robot: RobotSpec, motion: Motion, limit: Limit, sensing: Sensing, now_s: float) -> Unmet:
+def unmet_of(
+    robot: RobotSpec, origin: Numbers, limit: Limit, sensing: Sensing, now_s: float
+) -> Unmet:
+    """Return a limit with what its signal shows.
+
+    Args:
+        robot: The robot.
+        origin: Signals from which changes are counted; empty where they were not kept.
+        limit: The limit.
+        sensing: What is known now.
+        now_s: The time.
+    """
     signal = limit.signal
-    value = _same(sensing.numbers[signal])
+    value = _same(sensing.shown[signal])
     board = next((it for it in robot.boards.values() if signal in it.number_set), None)
     age_s = nan if board is None else now_s - sensing.heard_s[board.position]
     unknown: Unknown = ""
@@ -195,7 +208,7 @@ def _unmet(robot: RobotSpec, motion: Motion, limit: Limit, sensing: Sensing, now
         limit.magnitude,
         value,
         age_s,
-        _same(value - motion.origin[signal]) if motion.origin else nan,
+        _same(value - origin[signal]) if origin else nan,
         unknown,
         "" if board is None else f"board {board.id} ({board.module})",
     )

@@ -20,6 +20,7 @@ SOURCES = [
     *sorted((PACKAGE / "loading").rglob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
     PACKAGE / "experiments" / "check_experiment.py",
+    PACKAGE / "gallery" / "scene_file.py",
     PACKAGE / "campaign" / "campaign_file.py",
     PACKAGE / "campaign" / "named_parts.py",
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),

@@ -301,7 +301,10 @@ ends: {e: {succeed: ok}, late: {fail: "{cause}"}}
     driver.run(armed + 5.0)
 
     assert driver.fired == ["within"]
-    assert "lasted longer than 5 s" in driver.state.mission.ending.message
+    message = driver.state.mission.ending.message
+    assert message.endswith(
+        "lasted longer than 5 s: it awaited 'detector == close' (detector is unknown)"
+    )
 
 
 def test_rule_5_a_trigger_does_not_fire_before_the_wait_is_armed(drive):

@@ -67,7 +67,8 @@ def test_a_wait_that_runs_out_fails_like_any_step(drive):
     assert driver.ended.outcome == "failed"
     assert driver.ended.end == "bad"
     assert "the wait of a" in driver.ended.message
-    assert "lasted longer than 5 s" in driver.ended.message
+    assert "lasted longer than 5 s: it awaited 'change(theta_1) >= " in driver.ended.message
+    assert "(theta_1 shows 0 deg (0 ms old) and was unknown before)" in driver.ended.message
     fired = driver.of(fx.TriggerFired)[-1]
     assert (fired.trigger, fired.go) == ("within", "fail")
 

@@ -4,7 +4,8 @@ from math import inf, nan, radians
 
 import pytest
 
-from pirate_sm.model.unmet import Unmet, advice, unmet_words
+from pirate_sm.model.unmet import Unmet
+from pirate_sm.model.unmet_words import advice, unmet_words
 
 BENT = Unmet("theta_2", "rad", radians(20), radians(28), False, radians(12), 0.02, radians(3))
 SILENT = BENT._replace(value=nan, age_s=1.2, change=nan, unknown="silent", board="board 3 (front)")
@@ -58,3 +59,13 @@ def test_the_advice_follows_from_what_is_seen():
         "see what stops theta_2, or give Bend more time, then repeat it"
     )
     assert advice([], "Bend") == ""
+
+
+def test_a_joint_that_still_moves_is_not_blocked():
+    moving = Unmet("rate_2", "rad/s", -0.07, 0.07, False, -0.6, 0.02, -0.6)
+    slow = Unmet("wheel_3_speed", "rad/s", 0.5, inf, False, 0.0, 0.02, 0.0)
+
+    assert advice([BENT._replace(change=0.0), moving], "Bend") == (
+        "it still moves (rate_2): give Bend more time, or see what moves it"
+    )
+    assert advice([slow], "Bend").startswith("see why wheel_3_speed did not come nearer")
