@@ -161,17 +161,22 @@ def test_text_of_a_file_cannot_control_the_terminal(pirate: Any, here: Path) -> 
         assert not {"\x1b", "\x07"} & set(result.output)
 
 
-def test_a_name_that_is_no_text_is_shown_all_the_same(here: Path) -> None:
+def test_a_name_that_is_no_text_is_shown_all_the_same(pirate: Any, here: Path) -> None:
     (here / b"m\xff.yaml".decode("utf-8", "surrogateescape")).write_text("mission: 1\nphases: 2\n")
 
     for form in ("text", "json", "github", "sarif", "junit"):
-        code = "from pirate_sm.cli.entry import main; main()"
-        ran = subprocess.run(
-            [sys.executable, "-c", code, "check", ".", "--format", form],
-            capture_output=True, check=False, env={"PYTHONPATH": str(ROOT), "PYTHONUTF8": "1"},
-        )  # fmt: skip
-        assert (ran.returncode, ran.stderr) == (1, b""), form
-        ran.stdout.decode("utf-8")
+        result = pirate("check", ".", "--format", form)
+        assert (result.exit_code, result.stderr) == (1, ""), form
+        assert isinstance(result.exception, SystemExit), form
+        result.stdout_bytes.decode("utf-8")
+
+    code = "from pirate_sm.cli.entry import main; main()"
+    ran = subprocess.run(
+        [sys.executable, "-c", code, "check", "."],
+        capture_output=True, check=False, env={"PYTHONPATH": str(ROOT), "PYTHONUTF8": "1"},
+    )  # fmt: skip
+    assert (ran.returncode, ran.stderr) == (1, b"")
+    ran.stdout.decode("utf-8")
 
 
 def test_a_fault_of_the_check_is_a_finding_or_with_debug_a_traceback(
