@@ -12,6 +12,7 @@ from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
 from pirate_sm.cli.output.resume_report import Facts, report_lines
+from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.cli.stop_checks import StoppedError, stopper
 from pirate_sm.engine.mission.program import HERE
@@ -25,7 +26,7 @@ from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.resume_offer import Offer, Said, Seen, offer, see
 from pirate_sm.wiring.resumed_run import Again, driven_s, prepare_again, with_resumption
 
-CAN, CANNOT = 0, 1
+CAN, CANNOT, LEFT = 0, 1, 2
 
 _MEANT_FOR = {
     *("resume", "look", "at", "accept", "states", "start_at", "port", "baud", "guard_for"),
@@ -176,6 +177,7 @@ class ResumeDialog:
                 return resumed, Resuming(found.it, seen.look.now_s, seen.look.newest)
             if answer not in ("l", "r"):
                 say("left as it is: nothing has moved")
+                self.code = LEFT
                 return None
 
     def _close(self) -> None:
@@ -210,7 +212,7 @@ class ResumeDialog:
                 raise UsageError(f"--accept is not enough: {'; '.join(found.doubts)}")
             raise UsageError("it can go on: agree to it on a terminal, or with --accept")
         print(_QUESTION, end="", file=sys.stderr, flush=True)
-        return sys.stdin.readline().strip().lower()[:1]
+        return answered_line(self._stopper).strip().lower()[:1]
 
 
 def _dark_s(end: EndOfRun) -> float:

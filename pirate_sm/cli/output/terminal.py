@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import os
+import select
 import sys
+from collections.abc import Callable
 
 from pirate_sm.errors import UsageError
 
@@ -37,3 +39,22 @@ def agree(question: str, nobody: str) -> None:
     print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
     if sys.stdin.readline().strip().lower() not in {"y", "yes"}:
         raise UsageError("nothing has moved")
+
+
+def answered_line(check: Callable[[], None]) -> str:
+    """Return the line that the user types at the terminal; empty if the terminal is gone.
+
+    A read would wait on through a signal, so its request to stop would not be seen.
+
+    Args:
+        check: Is called ten times a second while nothing is typed; may raise, to end the wait.
+    """
+    terminal = sys.stdin.fileno()
+    while not select.select([terminal], [], [], 0.1)[0]:
+        check()
+    try:
+        typed = os.read(terminal, 4096)  # a terminal gives one line at a time
+    except OSError:
+        typed = b""
+    check()
+    return typed.decode("utf-8", "replace")

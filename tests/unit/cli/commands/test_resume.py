@@ -16,6 +16,8 @@ from pirate_sm.recording.write import recorder
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import record_cut_off
 
+from ..terminals import on_a_terminal, once
+
 ROOT = Path(__file__).parents[4]
 CUT_S = 6.0
 
@@ -188,3 +190,22 @@ def test_a_robot_of_another_physics_is_not_put_back_in_a_round_pipe(
 
     assert result.exit_code == 2
     assert "a robot of the backend physics cannot be put back in a round pipe" in result.stderr
+
+
+@pytest.mark.parametrize(("key", "code"), [("\x03", 130), ("\r", 2), ("\x04", 2)])
+def test_a_person_leaves_the_robot_as_it_is(cut: Path, key: str, code: int) -> None:
+    ended, shown, same = on_a_terminal(
+        ("--resume", str(cut.resolve()), "--no-record"), once("leave [enter]? ", key)
+    )
+
+    assert (ended, same) == (code, True)
+    assert "nothing has moved" in shown
+    assert "Traceback" not in shown
+
+
+def test_a_person_agrees(cut: Path) -> None:
+    options = ("--resume", str(cut.resolve()), "--no-record", "--plain", "--speed", "max")
+    ended, shown, _ = on_a_terminal(options, once("leave [enter]? ", "g\r"))
+
+    assert ended == 0
+    assert "succeeded" in shown

@@ -1,16 +1,8 @@
 from __future__ import annotations
 
-import fcntl
 import io
 import os
-import pty
 import re
-import select
-import signal
-import subprocess
-import sys
-import termios
-from collections.abc import Callable
 from typing import Any
 
 import pytest
@@ -26,6 +18,7 @@ from pirate_sm.showing.canvas import Canvas
 from pirate_sm.wiring import Order, prepare
 
 from ..conftest import NEWT, ROOT
+from ..terminals import on_a_terminal, once
 
 SIZES = [(80, 23), (120, 39), (60, 15), (20, 5), (200, 60)]
 BRAILLE = "".join(chr(0x2800 + bits) for bits in range(1, 256))
@@ -181,49 +174,6 @@ def test_the_view_is_as_in_the_documents(size: tuple[int, int]) -> None:
         file.write_text(found, encoding="utf-8")
 
     assert found == file.read_text(encoding="utf-8")
-
-
-def _take_the_terminal() -> None:
-    """Ctrl-C on it reaches this process, whatever the tests were started to ignore."""
-    fcntl.ioctl(0, termios.TIOCSCTTY, 0)
-    signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-def on_a_terminal(
-    arguments: tuple[str, ...], reply: Callable[[str], str], size: tuple[int, int] = (80, 24)
-) -> tuple[int, str, bool]:
-    """Exit code, everything shown, and whether the terminal was left as it was found."""
-    ours, theirs = pty.openpty()
-    termios.tcsetwinsize(theirs, (size[1], size[0]))
-    before = termios.tcgetattr(theirs)
-    code = "from pirate_sm.cli.entry import run_main; run_main()"
-    environment = {**os.environ, "TERM": "xterm-256color", "PYTHONPATH": str(ROOT)}
-    for name in ("COLUMNS", "LINES", "NO_COLOR"):
-        environment.pop(name, None)
-    process = subprocess.Popen(
-        [sys.executable, "-c", code, *arguments],
-        stdin=theirs, stdout=theirs, stderr=theirs, cwd=ROOT, env=environment,
-        start_new_session=True, preexec_fn=_take_the_terminal,  # noqa: PLW1509 - no threads here
-    )  # fmt: skip
-    shown = ""
-    while True:
-        ready, _, _ = select.select([ours], [], [], 0.05)
-        if ready:
-            shown += os.read(ours, 65536).decode("utf-8", errors="replace")
-            if answer := reply(shown):
-                os.write(ours, answer.encode())
-        elif process.poll() is not None:
-            break
-    same = termios.tcgetattr(theirs) == before
-    os.close(ours)
-    os.close(theirs)
-    return process.wait(), shown, same
-
-
-def once(prompt: str, key: str) -> Callable[[str], str]:
-    """Presses the key when the prompt is seen for the first time."""
-    left = [key]
-    return lambda shown: left.pop() if left and prompt in shown else ""
 
 
 ASK = ("docs/examples/ask.yaml", "--backend", "trace", "--speed", "max")
