@@ -67,6 +67,7 @@ def prepare(
         hint = Hint(": use --backend physics", ": use backend='physics'")
         raise UsageError(f"the backend {order.backend} has no viewer", hint=hint)
     _refuse_fidelity(order)
+    _refuse_port(order)
     loaded = loaded or load(order)
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise
@@ -99,9 +100,9 @@ def _refuse_fidelity(order: Order) -> None:
     Raises:
         UsageError: There is no such fidelity, or the backend has only one.
     """
-    known = get_args(Fidelity)
-    if order.fidelity not in known:
-        expected = " or ".join(known)
+    levels = get_args(Fidelity)
+    if order.fidelity not in levels:
+        expected = " or ".join(levels)
         raise UsageError(f"fidelity: expected {expected}, got {order.fidelity!r}")
     if order.fidelity != USUAL and order.backend != "sim":
         raise UsageError(
@@ -110,6 +111,25 @@ def _refuse_fidelity(order: Order) -> None:
             hint=Hint(
                 ": use --backend sim, or leave out --fidelity",
                 ": use backend='sim', or leave out fidelity",
+            ),
+        )
+
+
+def _refuse_port(order: Order) -> None:
+    """Refuse a port for one of our backends that has none: its robot would not be the real one.
+
+    Raises:
+        UsageError: A port, or what belongs to it, is given.
+    """
+    given = {"port": order.port, "baud": order.baud, "guard-for": order.guard_for_s}
+    named = [name for name, value in given.items() if value is not None]
+    if named and order.backend in known.ABOUT and order.backend != "serial":
+        options = ", ".join(f"--{name}" for name in named)
+        raise UsageError(
+            f"the backend {order.backend} has no port: the real robot would not move",
+            hint=Hint(
+                f": use --backend serial, or leave out {options}",
+                f": use backend='serial', or leave out {options.replace('--', '')}",
             ),
         )
 

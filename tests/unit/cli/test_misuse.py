@@ -271,3 +271,14 @@ def test_the_version_is_told(pirate_run: Any, pirate: Any) -> None:
     for result in (pirate_run("--version"), pirate("--version")):
         assert result.exit_code == 0
         assert result.stdout.splitlines()[0] == f"pirate-sm {__version__}"
+
+
+@pytest.mark.parametrize("backend", [(), ("--backend", "trace"), ("--backend", "bay")])
+def test_a_port_is_refused_where_no_real_robot_would_move(
+    pirate: Callable[..., Any], backend: tuple[str, ...]
+) -> None:
+    result = pirate("run", "mitre_bend", *backend, "--port", "/dev/ttyACM0", "--baud", "9600")
+
+    assert result.exit_code == 2
+    assert "has no port: the real robot would not move" in result.stderr
+    assert "leave out --port, --baud" in result.stderr
