@@ -71,6 +71,7 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
         UsageError: An option does not fit, or the robot's calibration has changed.
     """
     header = end.recording.header
+    _check_place(end.loaded, again.start_at_m)
     order = _order(header, again)
     loaded = with_folder(end.loaded, header)
     if order.backend == "serial":
@@ -223,6 +224,22 @@ def edited(header: RunHeader) -> tuple[str, ...]:
                 f"{shown(Path(path))} has changed since; the {file.role} of the recording counts"
             )
     return tuple(found)
+
+
+def _check_place(loaded: LoadedMission, start_at_m: float | None) -> None:
+    """Refuse a place of the first wheel that is outside the pipe.
+
+    Raises:
+        UsageError: It is.
+    """
+    if start_at_m is None or loaded.pipe is None:
+        return
+    length_m = loaded.pipe.route().length_m
+    if not 0.0 <= start_at_m <= length_m:
+        raise UsageError(
+            f"--start-at: the first wheel cannot be at {start_at_m:g} m, the pipe goes from 0 to "
+            f"{length_m:g} m"
+        )
 
 
 def _check_calibration(loaded: LoadedMission, header: RunHeader) -> None:

@@ -209,3 +209,11 @@ def test_a_person_agrees(cut: Path) -> None:
 
     assert ended == 0
     assert "succeeded" in shown
+
+
+@pytest.mark.parametrize("place", ["-3 m", "99 m"])
+def test_a_wheel_outside_the_pipe_is_not_believed(cut: Path, place: str) -> None:
+    result = resume(cut, "--look", f"--start-at={place}")
+
+    assert result.exit_code == 2
+    assert "the pipe goes from 0 to" in result.stderr
