@@ -98,6 +98,7 @@ def simulate(
     sticks: bool,
     steps: int,
     out: Floats,
+    scratch: Floats,
 ) -> None:
     """Write place and speeds of the robot at each tick of its controller to `out`.
 
@@ -114,10 +115,11 @@ def simulate(
         steps: Steps of the physics in a tick.
         out: A row for each tick: x m, v m/s, then of each wheel the rim's speed m/s, the friction
             force N and the motor's force at the rim N; changed.
+        scratch: Memory, `(5, wheels)`, with zeros.
     """
     ticks, count = normals.shape
-    rim, motor = np.zeros(count), np.zeros(count)
-    force, slope, bristle = np.zeros(count), np.zeros(count), np.zeros(count)
+    rim, motor = scratch[0], scratch[1]
+    force, slope, bristle = scratch[2], scratch[3], scratch[4]
     mass, rotor, gain, tick_s = body[0], body[1], body[2], body[3]
     step_s = tick_s / steps
     x = v = 0.0

@@ -116,6 +116,7 @@ def run_traction(
         sticks,
         max(round(physics.tick / physics.step), 1),
         out,
+        np.zeros((5, len(body.wheels))),
     )
     rim, force, motor = np.split(out[:, 2:], 3, axis=1)
     return TractionRun(times_s, out[:, 0], out[:, 1], rim, rim + rim_noise, force, normal, motor)

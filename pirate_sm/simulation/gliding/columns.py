@@ -113,7 +113,8 @@ I_RADIUS_M, I_LINK, I_AHEAD, I_SIDE, I_UP, I_ROLL, I_LASTING_S = range(7)
 # Entries of `surveyed`; see `environment.Surveyed`: when the survey is due, the part that gives the
 # axis, whether a bend is announced, when the last force was felt, the diameter of the last
 # straight, how many forces are remembered; what was reported last (the segment as a number);
-# whether a word is valid; how many surveys have been made. Then come the remembered forces.
+# whether a word is valid; how many surveys have been made. Then come the remembered forces, and as
+# much memory as one of their axes takes. A second row is memory for the next survey.
 (
     E_DUE_S, E_PART, E_IN_BEND, E_FELT_S, E_STRAIGHT_M, E_FORCES, E_SEGMENT, E_ROLL, E_PITCH,
     E_DIAMETER_M, E_WORD, E_MADE,

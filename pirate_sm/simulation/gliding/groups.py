@@ -22,7 +22,7 @@ Task: TypeAlias = tuple[Floats, Ints, Floats, Floats, Floats, Floats]
 `watch`."""
 
 Posture: TypeAlias = tuple[Floats, Floats, Floats, Ints, Floats]
-"""`chain`, `parts`, `body`, the parts that are held, `surveyed`."""
+"""`chain`, `parts`, `body`, a row of the parts that are held and two of memory, `surveyed`."""
 
 Looker: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
 """`looker`, `points`; the bends, a row each: position and reach; the looks of the window and those

@@ -95,12 +95,12 @@ def _copy(some: Floats, to: Floats) -> None:
 def looks_round(now_s: float, numbers: Floats, posture: Posture) -> bool:
     """Survey the pipe if that is due; return whether there is nothing to report."""
     chain, parts, body, held, surveyed = posture
-    if now_s < surveyed[E_DUE_S]:
+    if now_s < surveyed[0, E_DUE_S]:
         return True
-    after = surveyed.copy()
-    if not survey(now_s, numbers, chain, parts, body, held, after):
+    _copy(surveyed[0], surveyed[1])
+    if not survey(now_s, numbers, chain, parts, body, held, surveyed[1]):
         return False
-    _copy(after, surveyed)
+    _copy(surveyed[1], surveyed[0])
     return True
 
 

@@ -31,22 +31,24 @@ class SurveyTables:
 
     def __init__(self, robot: RobotSpec) -> None:
         self._body = _body_tables(robot)
-        self._held: Ints = np.zeros(0, dtype=np.int64)
-        self._surveyed: Floats = np.zeros(col.SURVEY_ENTRIES + 3 * environment.SAMPLES)
-        self._forces: Floats = self._surveyed[col.SURVEY_ENTRIES :].reshape(-1, 3)
+        self._held: Ints = np.zeros((3, 0), dtype=np.int64)
+        samples = environment.SAMPLES
+        self._surveys: Floats = np.zeros((2, col.SURVEY_ENTRIES + (3 + 1) * samples))
+        self._surveyed = self._surveys[0]
+        self._forces: Floats = self._surveyed[col.SURVEY_ENTRIES : -samples].reshape(-1, 3)
         self._of: Watch | None = None
         self._last: Surveyed | None = None
 
     @property
     def arrays(self) -> tuple[Floats | Ints, ...]:
         """Return the arrays, in the order of the arguments of `surveying.survey`."""
-        return *self._body, self._held, self._surveyed
+        return *self._body, self._held, self._surveys
 
     def take(self, watch: Watch) -> None:
         """Take in what the survey remembers; what has come from here is there already."""
         surveyed, before = watch.surveyed, self._of
         if before is None or watch.held is not before.held:
-            self._held = np.array(watch.held, dtype=np.int64)
+            self._held = np.tile(np.array(watch.held, dtype=np.int64), (3, 1))
         if surveyed is not self._last:
             self._take(surveyed)
         # A report from outside replaces the robot's own for a time, which the engine sees to.

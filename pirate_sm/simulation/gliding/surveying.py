@@ -213,9 +213,8 @@ def _near(old: float, new: float, noise: float, turn: float) -> bool:
 
 
 @compiled
-def _looks_level(surveyed: Floats, forces: Floats) -> bool:
-    """Return whether roll and pitch are surely what was reported."""
-    sorted_ = np.empty(SAMPLES)
+def _looks_level(surveyed: Floats, forces: Floats, sorted_: Floats) -> bool:
+    """Return whether roll and pitch are surely what was reported; `sorted_` is memory."""
     count = int(surveyed[E_FORCES])
     roll, pitch = np.nan, np.nan
     if count >= LEAST_SAMPLES:
@@ -256,16 +255,17 @@ def survey(
 ) -> bool:
     """Survey the pipe; return whether there is surely nothing to report.
 
-    If there may be, `surveyed` has been changed and is of no use. `held` has the parts that count;
-    the other arrays are described in :mod:`pirate_sm.simulation.gliding.columns`.
+    If there may be, `surveyed` has been changed and is of no use. The first row of `held` has the
+    parts that count, the others are memory; the other arrays are described in
+    :mod:`pirate_sm.simulation.gliding.columns`.
     """
-    forces = surveyed[SURVEY_ENTRIES:].reshape(SAMPLES, 3)
-    walled = np.empty(held.shape[0], np.int64)
-    along = np.empty(held.shape[0], np.int64)
-    count = _walled(held, parts, numbers, walled)
+    end = SURVEY_ENTRIES + 3 * SAMPLES
+    forces = surveyed[SURVEY_ENTRIES:end].reshape(SAMPLES, 3)
+    walled, along = held[1], held[2]
+    count = _walled(held[0], parts, numbers, walled)
     if count > 2:  # the sum of more numbers depends on how it is made
         return False
-    segment = _segment(held, walled, count, surveyed, numbers, chain, parts, body)
+    segment = _segment(held[0], walled, count, surveyed, numbers, chain, parts, body)
     if segment == STRAIGHT and count == 2 and _steps(walled, parts, numbers):
         return False
     lying = _along(walled, count, surveyed[E_STRAIGHT_M], parts, numbers, along)
@@ -290,4 +290,4 @@ def survey(
     surveyed[E_MADE] += 1.0
     same = segment == int(surveyed[E_SEGMENT])
     same = same and _near(surveyed[E_DIAMETER_M], diameter_m, NOISE_M, 0.0)
-    return same and _looks_level(surveyed, forces)
+    return same and _looks_level(surveyed, forces, surveyed[end:])

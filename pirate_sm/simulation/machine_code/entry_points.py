@@ -104,14 +104,17 @@ def _argument(place: str, text: str) -> Argument:
     return Argument(kind, int(dimensions))
 
 
-_BARS = "Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, int"
-_ROUND = "Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, int"
+_SCRATCH = "Floats1, Ints1, int"
+_BARS = f"Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, {_SCRATCH}"
+_ROUND = (
+    f"Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, {_SCRATCH}"
+)
 _PASSING = "Floats1, Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1"
 _GLIDING = (
     f"{_PASSING}, Ints2, Floats2, "
     "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
     "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
-    "Ints1, Floats1, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
+    "Ints2, Floats2, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
     "Floats2, Floats2, Floats2, Floats1, Floats2"
 )
 """What a physics takes, what cycles take besides to pass, and what gliding takes."""
@@ -131,7 +134,7 @@ ENTRY_POINTS = (
     ),
     entry_point(
         "pirate_sm.experiments.reduced.kernel:simulate",
-        "Floats2, Floats1, Floats2, Floats2, Floats2, bool, int, Floats2",
+        "Floats2, Floats1, Floats2, Floats2, Floats2, bool, int, Floats2, Floats2",
     ),
 )
 

@@ -66,7 +66,7 @@ def _why(printed: str) -> str:
     missing = sorted(set(re.findall(r"undefined symbol: (\S+)", printed)))
     if missing:
         return (
-            f"a function needs more of numba's runtime than support.c has ({', '.join(missing)}); "
+            f"a function needs more of numba than support.c has ({', '.join(missing)}); "
             "compute in loops what it computes with whole arrays or slices"
         )
     lines = printed.strip().splitlines() or ["no message"]

@@ -4,7 +4,8 @@
 
 Each entry point gets a C function in front: `int f(int64 *arrays, numbers ..., void *result)`.
 `arrays` holds the address and the shape of each array in order. The function returns 0 unless it
-failed. `support.c` takes the place of numba's runtime.
+failed. Nothing of numba's runtime is needed, as no function gets memory of its own; `support.c`
+takes the place of a C function of numba's.
 """
 
 from __future__ import annotations
@@ -23,7 +24,6 @@ from numba.core import types
 from numba.core.compiler import Flags, compile_extra
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
-from numba.core.runtime import nrtdynmod
 from numba.np.arrayobj import populate_array
 
 from pirate_sm.simulation.machine_code.builder import SOURCES
@@ -44,7 +44,6 @@ def write_object_file(into: Path) -> None:
     context = cpu_target.target_context.with_aot_codegen("pirate_sm", cpu_name="")
     with global_compiler_lock:
         library = context.codegen().create_library("pirate_sm")
-        library.add_ir_module(nrtdynmod.create_nrt_module(context)[0])
         compiled = [_compile(entry, context, library) for entry in ENTRY_POINTS]
         library.add_ir_module(_fronts(compiled, context, library))
         library.finalize()
@@ -59,7 +58,9 @@ def _compile(entry: EntryPoint, context: Any, library: Any) -> Any:
         for kind, dims in entry.arguments
     )
     flags = Flags()
-    flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = flags.nrt = True
+    flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
+    # No function gets memory of its own: numba would count who uses each array, with locks.
+    flags.nrt = False
     flags.error_model = "numpy"
     function = getattr(importlib.import_module(entry.module), entry.name).py_func
     typing, result = cpu_target.typing_context, _NUMBERS[entry.result]

@@ -19,6 +19,8 @@ def glide(
     legs: Floats,
     world: Floats,
     quantities: Floats,
+    memory: Floats,
+    marks: Ints,
     steps: int,
     rolls: Floats,
     arcs: Floats,
@@ -65,7 +67,7 @@ def glide(
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
 
-    The first eight arguments are those of :func:`~pirate_sm.simulation.xpbd.kernel.advance`; the
+    The first ten arguments are those of :func:`~pirate_sm.simulation.xpbd.kernel.advance`; the
     others are in :mod:`~pirate_sm.simulation.gliding.groups` and `columns.py`.
     """
     electronics = sources, counts, rng, forced
@@ -77,7 +79,7 @@ def glide(
     centres = state[: 2 * arcs.shape[0]]
     stand(centres, rolls, clock[T_CYCLES], trail)
     while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
-        advance(state, command, wheel_rows, walls, legs, world, quantities, steps)
+        advance(state, command, wheel_rows, walls, legs, world, quantities, memory, marks, steps)
         stand(centres, rolls, clock[T_CYCLES], trail)
         place = quantities, rolls, arcs, around
         scratch = fresh, stack
@@ -96,6 +98,8 @@ def pass_cycles(
     legs: Floats,
     world: Floats,
     quantities: Floats,
+    memory: Floats,
+    marks: Ints,
     steps: int,
     rolls: Floats,
     arcs: Floats,
@@ -112,6 +116,6 @@ def pass_cycles(
     """
     place = quantities, rolls, arcs, around
     while may_pass(span, around):
-        advance(state, command, wheel_rows, walls, legs, world, quantities, steps)
+        advance(state, command, wheel_rows, walls, legs, world, quantities, memory, marks, steps)
         if not passes_on(place, turns, sources, counts, rng, span):
             break

@@ -70,7 +70,7 @@ class World(ChainWorld):
         self._legs = leg_rows(route)
         self._arrays = (
             *(self.state.array, self.duties, self.body, wall_rows(route), self._legs),
-            *(self._world, self.quantities),
+            *(self._world, self.quantities, *kernel.scratch_arrays(n)),
         )
         self.state.position[:] = [place[:2] for place in pose.places]
         self.state.bend[:] = pose.bends_rad

@@ -21,6 +21,8 @@ def glide(
     legs: Floats,
     world: Floats,
     quantities: Floats,
+    memory: Floats,
+    marks: Ints,
     steps: int,
     rolls: Floats,
     arcs: Floats,
@@ -67,7 +69,7 @@ def glide(
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
 
-    The first ten arguments are those of :func:`~pirate_sm.simulation.xpbd.space.kernel.advance`;
+    The first twelve arguments are those of :func:`~pirate_sm.simulation.xpbd.space.kernel.advance`;
     the others are in :mod:`~pirate_sm.simulation.gliding.groups` and `columns.py`.
     """
     electronics = sources, counts, rng, forced
@@ -80,7 +82,18 @@ def glide(
     stand(centres, rolls, clock[T_CYCLES], trail)
     while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
         advance(
-            state, command, wheel_rows, solids, edges, edge_points, legs, world, quantities, steps
+            state,
+            command,
+            wheel_rows,
+            solids,
+            edges,
+            edge_points,
+            legs,
+            world,
+            quantities,
+            memory,
+            marks,
+            steps,
         )
         stand(centres, rolls, clock[T_CYCLES], trail)
         place = quantities, rolls, arcs, around
@@ -102,6 +115,8 @@ def pass_cycles(
     legs: Floats,
     world: Floats,
     quantities: Floats,
+    memory: Floats,
+    marks: Ints,
     steps: int,
     rolls: Floats,
     arcs: Floats,
@@ -119,7 +134,18 @@ def pass_cycles(
     place = quantities, rolls, arcs, around
     while may_pass(span, around):
         advance(
-            state, command, wheel_rows, solids, edges, edge_points, legs, world, quantities, steps
+            state,
+            command,
+            wheel_rows,
+            solids,
+            edges,
+            edge_points,
+            legs,
+            world,
+            quantities,
+            memory,
+            marks,
+            steps,
         )
         if not passes_on(place, turns, sources, counts, rng, span):
             break

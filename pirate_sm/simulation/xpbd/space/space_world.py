@@ -70,10 +70,12 @@ class SpaceWorld(ChainWorld):
         self._steps = max(1, round(cycle_s / STEP_S))
         self._world = _constants(chain, cycle_s / self._steps, ITERATIONS[fidelity])
         self.turn_gravity(route.up)
+        shape = shape_of(route)
         self._arrays = (
             *(self.state.array, self.duties, self.body),
-            *shape_of(route),
+            *shape,
             *(self._world, self.quantities),
+            *kernel.scratch_arrays(n, len(shape.solids), len(shape.edges)),
         )
         places = pose.places if pose.rolls_rad else lying(pose, chain, route)
         link = int(self._world[kernel.ROLL_LINK])

@@ -37,7 +37,7 @@ def test_a_c_library_that_numba_is_not_made_for_counts_as_another_system(
         (
             "error: undefined symbol: PyErr_SetString\n    note: referenced by f\n"
             "error: undefined symbol: NRT_Free\n",
-            r"more of numba's runtime than support.c has \(NRT_Free, PyErr_SetString\)",
+            r"more of numba than support.c has \(NRT_Free, PyErr_SetString\)",
         ),
         ("No module named ziglang\n", "zig did not link it: No module named ziglang"),
         ("", "zig did not link it: no message"),
