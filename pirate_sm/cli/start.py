@@ -8,6 +8,7 @@ is not collected meanwhile either, because all that is loaded stays (see `entry.
 from __future__ import annotations
 
 import gc
+import os
 import signal
 import sys
 from collections.abc import Callable, Iterator
@@ -21,7 +22,7 @@ def main() -> None:
     with _ctrl_c_without_traceback():
         if print_stored_help(sys.argv):
             return
-        gc.disable()
+        _prepare()
         from pirate_sm.cli import entry
     _end(entry.main)
 
@@ -31,9 +32,20 @@ def run_main() -> None:
     with _ctrl_c_without_traceback():
         if print_stored_help(sys.argv):
             return
-        gc.disable()
+        _prepare()
         from pirate_sm.cli import entry
     _end(entry.run_main)
+
+
+def _prepare() -> None:
+    """Set what must be set before anything is loaded.
+
+    NumPy's OpenBLAS starts a thread for each processor, which waits busily for matrices: a tenth of
+    the processor time of a short mission on two processors. No matrix here is large, and on a busy
+    machine these threads wait for each other far longer than the matrices take.
+    """
+    gc.disable()
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 
 @contextmanager

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from pathlib import Path
 from textwrap import wrap
@@ -32,8 +31,6 @@ def run_experiment(options: ExperimentOptions) -> int:
         LoadError: A file of the robot, of an experiment or of a mission cannot be used.
         UsageError: There is no such experiment, or the simulator is not installed.
     """
-    # On a busy machine its threads wait for each other far longer than small matrices take.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     places = [each for each in (options.output, options.csv) if each]
     refuse_losses(places, tables=[csv_line(_HEADER)], overwrite=options.overwrite)
     from pirate_sm.experiments.experiment_files import chosen, load_experiments

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -33,8 +32,6 @@ def run_fit(options: FitOptions) -> int:
         RecordingError: A recording cannot be read.
         UsageError: A signal is missing, an option does not fit, or a file cannot be written.
     """
-    # On a busy machine its threads wait for each other far longer than small matrices take.
-    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _refuse_losses(options)
     if options.robot:
         return fit_robot(options)

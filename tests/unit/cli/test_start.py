@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import signal
 import subprocess
 import sys
@@ -59,3 +60,24 @@ main()
     )
 
     assert told.stdout == "True True\n"
+
+
+@pytest.mark.parametrize(("given", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
+def test_numpy_starts_no_threads_unless_they_are_asked_for(
+    given: dict[str, str], threads: str
+) -> None:
+    code = """
+import os, sys
+import pirate_sm.cli.commands.list as work
+work.list_things = lambda options: print(os.environ["OPENBLAS_NUM_THREADS"]) or 0
+sys.argv = ["pirate", "list"]
+from pirate_sm.cli.start import main
+main()
+"""
+    rest = {name: each for name, each in os.environ.items() if name != "OPENBLAS_NUM_THREADS"}
+    printed = subprocess.run(
+        [sys.executable, "-c", code],
+        capture_output=True, text=True, check=True, cwd=ROOT, env=rest | given,
+    )  # fmt: skip
+
+    assert printed.stdout == f"{threads}\n"
