@@ -42,10 +42,12 @@ def _prepare() -> None:
 
     NumPy's OpenBLAS starts a thread for each processor, which waits busily for matrices: a tenth of
     the processor time of a short mission on two processors. No matrix here is large, and on a busy
-    machine these threads wait for each other far longer than the matrices take.
+    machine these threads wait for each other far longer than the matrices take. Pydantic looks
+    through all that is installed for plugins, which could change how files are checked.
     """
     gc.disable()
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+    os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
 @contextmanager
