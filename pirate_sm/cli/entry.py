@@ -16,6 +16,7 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
+from pirate_sm.cli import start
 from pirate_sm.cli.options.common import Version
 from pirate_sm.cli.output.encoding import degrade
 
@@ -127,8 +128,8 @@ def _app(**more: Any) -> typer.Typer:
     )
 
 
-_MOVE = ("run", "console")
-"""The commands that move a robot."""
+_MOVE = ("run", "console", "doctor", "calibrate")
+"""The commands that are connected to a robot; while they are, they catch signals themselves."""
 
 
 def _single(name: str) -> typer.Typer:
@@ -146,9 +147,10 @@ def _single(name: str) -> typer.Typer:
 
         def work() -> int:
             chosen = options(**with_settings(name, given, is_given))
+            start.answer_ctrl_c(moves=name in _MOVE)
             return int(_work(work_at)(chosen))
 
-        raise typer.Exit(guarded(work, given["debug"], moves=name in _MOVE))
+        raise typer.Exit(guarded(work, given["debug"]))
 
     taken = signature(options, eval_str=True)
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)

@@ -8,6 +8,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 
+from pirate_sm.cli.start import was_interrupted
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST
@@ -17,38 +18,41 @@ _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """Exceptions from writing to a standard output that is closed or full."""
 
 
-def guarded(work: Callable[[], int], debug: bool, *, moves: bool = False) -> int:
+def guarded(work: Callable[[], int], debug: bool) -> int:
     """Do the work and return its exit code; print its exceptions on standard error.
 
     Args:
         work: The work of a command.
         debug: Whether tracebacks are printed.
-        moves: Whether the command moves a robot; while it does, the run handles Ctrl-C itself.
     """
     try:
         code = work()
         sys.stdout.flush()
-        return code
+        return INTERRUPTED if code and was_interrupted() else code
     except KeyboardInterrupt as interrupted:
-        usual = "interrupted, nothing has moved" if moves else "interrupted"
-        say(str(interrupted) or usual)
+        say(str(interrupted) or "interrupted")
         return INTERRUPTED
-    except BrokenPipeError:
+    except Exception as error:
+        if was_interrupted():  # the interrupt has become this error
+            say("interrupted")
+            return INTERRUPTED
+        return _reported(error, debug)
+
+
+def _reported(error: Exception, debug: bool) -> int:
+    """Print an error in words for its kind; return the exit code."""
+    if isinstance(error, BrokenPipeError):
         silence_stdout()
         return OUTPUT_LOST
-    except OSError as error:
-        if error.errno not in _LOST:
-            say_bug(error, debug)
-            return BUG
+    if isinstance(error, OSError) and error.errno in _LOST:
         return output_lost(error)
-    except PirateError as error:
+    if isinstance(error, PirateError):
         if debug:
             show_traceback(error)
         say(error.for_terminal)
         return error.exit_code
-    except Exception as error:
-        say_bug(error, debug)
-        return BUG
+    say_bug(error, debug)
+    return BUG
 
 
 def say(message: str) -> None:

@@ -1,8 +1,8 @@
-"""Starts the commands `pirate` and `pirate-run`, without a traceback for an early Ctrl-C.
+"""Starts the commands `pirate` and `pirate-run`, and says what Ctrl-C does until they work.
 
-Loading the command line takes some tenths of a second. Until it can answer Ctrl-C with a sentence,
-the system's own handling ends the process without a traceback. Nothing has moved by then. Garbage
-is not collected meanwhile either, because all that is loaded stays (see `entry.py`).
+Loading the command line takes some tenths of a second. Until it has been read, the system's own
+handling of Ctrl-C ends the process. Garbage is not collected meanwhile, because all that is loaded
+stays (see `entry.py`).
 """
 
 from __future__ import annotations
@@ -11,29 +11,31 @@ import gc
 import os
 import signal
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
+from contextlib import suppress
 
 from pirate_sm.cli.stored_help import print_stored_help
 
 
 def main() -> None:
     """Run the command line of `pirate`, and end the process."""
-    with _ctrl_c_without_traceback():
-        if print_stored_help(sys.argv):
-            return
-        _prepare()
-        from pirate_sm.cli import entry
+    _leave_ctrl_c_to_the_system()
+    if print_stored_help(sys.argv):
+        return
+    _prepare()
+    from pirate_sm.cli import entry
+
     _end(entry.main)
 
 
 def run_main() -> None:
     """Run the mission on the command line of `pirate-run`, and end the process."""
-    with _ctrl_c_without_traceback():
-        if print_stored_help(sys.argv):
-            return
-        _prepare()
-        from pirate_sm.cli import entry
+    _leave_ctrl_c_to_the_system()
+    if print_stored_help(sys.argv):
+        return
+    _prepare()
+    from pirate_sm.cli import entry
+
     _end(entry.run_main)
 
 
@@ -50,14 +52,46 @@ def _prepare() -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
-@contextmanager
-def _ctrl_c_without_traceback() -> Iterator[None]:
+def _leave_ctrl_c_to_the_system() -> None:
     """Let Ctrl-C end the process at once; one that was ignored from the start stays ignored."""
-    before = signal.getsignal(signal.SIGINT)
-    if before is signal.default_int_handler:
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, signal.SIG_DFL)
-    yield
-    signal.signal(signal.SIGINT, before)
+
+
+def answer_ctrl_c(*, moves: bool) -> None:
+    """Say what Ctrl-C does from now on, if it has been left to the system so far.
+
+    A command that moves a robot is ended at once until it catches signals itself. A
+    KeyboardInterrupt would be lost in compiled code, as in Pydantic's while it checks a file: then
+    the command would go on, or find faults that are not there.
+
+    Args:
+        moves: Whether the command moves a robot; the others get a KeyboardInterrupt.
+    """
+    if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
+        signal.signal(signal.SIGINT, _leave if moves else _interrupt)
+
+
+_interrupts: list[int] = []
+
+
+def was_interrupted() -> bool:
+    """Return whether Ctrl-C has come in a command that does not move a robot."""
+    return bool(_interrupts)
+
+
+def _interrupt(number: int, _frame: object) -> None:
+    """Interrupt the command; it is noted, as compiled code can turn this into another error."""
+    _interrupts.append(number)
+    raise KeyboardInterrupt
+
+
+def _leave(number: int, _frame: object) -> None:
+    """End the process; nothing has been connected that would have to be closed."""
+    with suppress(Exception):  # the signal may have come in the middle of writing
+        sys.stdout.flush()
+        print("interrupted, nothing has moved", file=sys.stderr, flush=True)
+    os._exit(128 + number)  # as a shell shows it
 
 
 def _end(command: Callable[[], None]) -> None:

@@ -72,7 +72,7 @@ class CaughtSignals:
     Args:
         requests: Receives the requests.
         ends_process: Whether the process ends after this. If so, later signals are ignored after
-            a request to stop, instead of being handled as before.
+            a request to stop; without one, they are handled as before, but Ctrl-C as usual.
         now: Reads a monotonic clock, s.
     """
 
@@ -102,6 +102,8 @@ class CaughtSignals:
         self._over = True
         if self._ends_process and self._requests.stop is not None:
             return
+        if self._ends_process and signal.SIGINT in self._before:
+            self._before[signal.SIGINT] = signal.default_int_handler
         for number, before in self._before.items():
             signal.signal(number, before)  # type: ignore[arg-type]
 

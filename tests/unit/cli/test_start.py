@@ -36,6 +36,44 @@ run_main()
     assert result.stderr == ""
 
 
+@pytest.mark.parametrize(
+    ("command", "becomes", "says"),
+    [
+        ("run", "raise", "interrupted, nothing has moved\n"),
+        ("run", "raise RuntimeError", "interrupted, nothing has moved\n"),
+        ("run", "pass", "interrupted, nothing has moved\n"),
+        ("check", "raise", "interrupted\n"),
+        ("check", "raise RuntimeError", "interrupted\n"),
+    ],
+)
+def test_ctrl_c_while_a_file_is_read_ends_the_command(
+    command: str, becomes: str, says: str
+) -> None:
+    """Compiled code that checks a file may turn the exception into another one, or drop it."""
+    code = f"""
+import signal
+import pirate_sm.loading.yaml.document as document
+read = document.read_document
+def interrupted(*given, **more):
+    try:
+        signal.raise_signal(signal.SIGINT)
+    except KeyboardInterrupt:
+        {becomes}
+    return read(*given, **more)
+document.read_document = interrupted
+from pirate_sm.cli.start import main
+main()
+"""
+    result = subprocess.run(
+        [sys.executable, "-c", code, command, str(NEWT / "patrol.yaml")],
+        capture_output=True, text=True, check=False, timeout=60,
+        env={"PYTHONPATH": str(ROOT), "PATH": ""},
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+
+    assert (result.returncode, result.stdout, result.stderr) == (130, "", says)
+
+
 def test_ctrl_c_is_ignored_once_the_command_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
     before = signal.getsignal(signal.SIGINT)
     monkeypatch.setattr("pirate_sm.cli.entry.main", lambda: None)
