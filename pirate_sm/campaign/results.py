@@ -103,7 +103,8 @@ class CellResult:
             return ""
         return (
             f"not complete: no result for {self.without_result:,} of {self.of:,} seeds, the first "
-            f"is {self.first_without}; runs of the seeds after it do not count; --resume goes on"
+            f"is {self.first_without}; later ones do not count until the campaign's command with "
+            "--resume has run it"
         )
 
     @property

@@ -79,7 +79,7 @@ def test_what_is_missing_of_a_cell_is_said_and_is_not_as_expected(tmp_path: Path
     read = without_runs(tmp_path)
     page, text = page_of(read, "recordings"), as_text(read)
 
-    said = "not complete: no result for 57 of 60 seeds, the first is 2; runs of the seeds after it"
+    said = "not complete: no result for 57 of 60 seeds, the first is 2; later ones do not count"
     assert said in page
     assert said in text
     assert "2 runs of 2 cells: 2 not complete\n" in text
