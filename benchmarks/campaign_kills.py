@@ -80,13 +80,13 @@ def _command(file: Path, folder: Path, *more: str) -> list[str]:
 
 
 def _finished(file: Path, folder: Path, *more: str) -> str:
-    """Run the campaign, or go on with it, to its end; return what it prints."""
+    """Run the campaign, or go on with it, to its end; return what it prints, without the folder."""
     done = subprocess.run(
         _command(file, folder, *more), capture_output=True, text=True, check=False
     )
     if done.returncode not in ENDED:
         raise SystemExit(f"exit code {done.returncode}: {done.stderr}")
-    return done.stdout
+    return done.stdout.replace(str(folder), "FOLDER")
 
 
 def _disturb(file: Path, folder: Path, drawn: Random, every_s: float) -> Counter[str]:

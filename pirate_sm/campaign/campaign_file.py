@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import pickle
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
@@ -29,6 +30,7 @@ from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.problems import Path as Keys
 from pirate_sm.loading.yaml.document import Document, parse_document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
+from pirate_sm.model.base import LONGEST_NAME
 from pirate_sm.model.campaign import Campaign, Expectation, TrueEnd
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.variations import StartJitter
@@ -65,7 +67,7 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
     if seeds is None:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
     text = json.dumps(
-        {"format": 1, "campaign": "runs", "missions": [{"mission": str(path.resolve())}]}
+        {"format": 1, "campaign": _name(path), "missions": [{"mission": str(path.resolve())}]}
     )
     return _Reading(parse_document(text, shown(path)), Path(), seeds).plan(check=check)
 
@@ -92,6 +94,12 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
             by = document.place_of(reading.places[same]), "this campaign runs it so"
             findings += [replace(each, related=(*each.related, by)) for each in error.findings]
     return documents, findings
+
+
+def _name(mission: Path) -> str:
+    """Return the name of the campaign of one mission: that of its file, as a name may be."""
+    plain = re.sub(r"[^A-Za-z0-9_]", "_", mission.stem)
+    return (plain if plain[:1].isalpha() else f"mission_{plain}")[:LONGEST_NAME]
 
 
 def _what(kind: Kind) -> str:

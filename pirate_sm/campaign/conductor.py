@@ -10,8 +10,8 @@ from typing import NamedTuple
 
 from pirate_sm.campaign.chunk import CHUNK, Chunk, Row
 from pirate_sm.campaign.crew import Crew
-from pirate_sm.campaign.plan import Cell, Plan, plan_of
-from pirate_sm.campaign.store import Store
+from pirate_sm.campaign.plan import FORMAT, Cell, Plan, plan_of
+from pirate_sm.campaign.store import DamagedMarkError, Store
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.errors import UsageError
 
@@ -31,19 +31,56 @@ class Progress(NamedTuple):
     of: int
 
 
-def stored_tallies(folder: Path) -> tuple[Plan, list[Tally]]:
-    """Return the plan and the counts of the campaign whose results are in a folder.
+class Stored(NamedTuple):
+    """What is in a folder of results.
+
+    Attributes:
+        plan: The campaign, without its missions.
+        tallies: The counts of its cells that count.
+        damaged: What is wrong with files of results that cannot be read, and what to do.
+    """
+
+    plan: Plan
+    tallies: list[Tally]
+    damaged: tuple[str, ...]
+
+
+def stored_plan(store: Store) -> Plan:
+    """Return the plan of the campaign whose results are in a store.
+
+    Raises:
+        UsageError: There are none, or another version of the format.
+        DamagedMarkError: The description of the campaign is damaged.
+    """
+    mark = store.mark()
+    version, name = mark.get("format"), mark.get("campaign")
+    if version is None:
+        raise DamagedMarkError(store.folder, "`format` is missing", name)
+    if version != FORMAT:
+        raise UsageError(
+            f"the results in '{store.folder}' have format {version!r}, and this version reads "
+            f"{FORMAT}: use the version of this program that wrote them"
+        )
+    try:
+        return plan_of(mark)
+    except ValueError as error:
+        raise DamagedMarkError(store.folder, str(error), name) from None
+
+
+def stored(folder: Path) -> Stored:
+    """Return the campaign whose results are in a folder, with its counts.
 
     Raises:
         UsageError: There are none, or this version cannot read them.
     """
     store = Store(folder)
-    try:
-        plan = plan_of(store.mark())
-    except (KeyError, TypeError, ValueError) as error:
-        why = f"{type(error).__name__}: {error}"
-        raise UsageError(f"the results in '{folder}' cannot be read: {why}") from None
-    return plan, Conductor(plan, store).results
+    plan = stored_plan(store)
+    tallies = Conductor(plan, store).results
+    todo = (
+        "its runs do not count; the campaign's command with --resume repeats those that are missing"
+    )
+    damaged = tuple(f"'{file}' is damaged ({why}): {todo}" for file, why in store.damaged.items())
+    return Stored(plan, tallies, damaged)
 
 
 class Conductor:

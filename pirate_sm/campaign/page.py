@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from html import escape
 from urllib.parse import quote
 
@@ -20,18 +20,18 @@ _STYLE = """<style>
 _MOST_SEEDS = 20
 
 
-def page_of(result: CampaignResult, recordings: str) -> str:
+def page_of(result: CampaignResult, recordings: str, damaged: Sequence[str] = ()) -> str:
     """Return the page: a map of all cells, and each cell with its interval and its causes.
 
     Args:
         result: The result.
         recordings: The folder of the recordings, as seen from the page.
+        damaged: What is wrong with files of results that cannot be read.
     """
-    runs = sum(cell.runs for cell in result.cells)
-    below = sum(not cell.good for cell in result.cells)
     lines = [
-        f"{runs:,} runs with {result.version}; intervals of {result.confidence:.0%} (Wilson). "
-        f"{below or 'No'} of {len(result.cells)} cells not as expected.",
+        f"{result.summary}. Run with {result.version}; intervals of {result.confidence:.0%} "
+        "(Wilson).",
+        *damaged,
         *(f"{name}: not run, a cell before it is not as expected" for name in result.left_out),
     ]
     sections = [
@@ -58,15 +58,16 @@ def _map(result: CampaignResult) -> Iterator[str]:
 def _field(cell: CellResult | None) -> str:
     if cell is None:
         return "<td></td>"
+    link = f'<a href="#{_id(cell)}">'
+    if cell.share is None:
+        return f'<td title="{escape(cell.name)}">{link}no runs</a></td>'
     bad = "" if cell.good else ' class="bad"'
     hue = f"background: color-mix(in srgb, var(--good-box) {100 * cell.share:.0f}%, var(--bad-box))"
     interval = f"{cell.least:.1%} – {cell.most:.1%}"
     text = (
         f"{cell.share:.1%}<small>{cell.passed:,} of {cell.runs:,}</small><small>{interval}</small>"
     )
-    return (
-        f'<td{bad} style="{hue}" title="{escape(cell.name)}"><a href="#{_id(cell)}">{text}</a></td>'
-    )
+    return f'<td{bad} style="{hue}" title="{escape(cell.name)}">{link}{text}</a></td>'
 
 
 def _id(cell: CellResult) -> str:
@@ -76,12 +77,14 @@ def _id(cell: CellResult) -> str:
 def _section(cell: CellResult, recordings: str) -> FigureSection:
     times = "/".join(f"{each:.1f}" for each in cell.times_s)
     lines = [
-        f"{cell.passed:,} of {cell.runs:,} passed ({cell.least:.1%} to {cell.most:.1%}); "
-        f"{cell.held:,} passed or were held, {cell.false:,} falsely said to have succeeded, "
-        f"{cell.unsafe:,} were not safe, {cell.bugs:,} met a fault in this program.",
+        f"{cell.summary}; {cell.held:,} passed or were held, "
+        f"{cell.false:,} falsely said to have succeeded, {cell.unsafe:,} were not safe, "
+        f"{cell.bugs:,} met a fault in this program.",
         f"Expected: {cell.expected}.",
         *([f"Missed: {', '.join(cell.missed)}."] if cell.missed else []),
     ]
+    if cell.incomplete:
+        lines.append(f"{cell.incomplete}.")
     if times:
         lines.append(f"Mission time of those that passed, least/median/most: {times} s.")
     anchor = f'<a id="{_id(cell)}"></a>'
@@ -106,7 +109,8 @@ def _causes(cell: CellResult, recordings: str) -> Iterator[str]:
 
 def _seeds(cause: CauseResult) -> str:
     more = ", …" if cause.count > _MOST_SEEDS else ""
-    return ", ".join(map(str, cause.seeds[:_MOST_SEEDS])) + more
+    numbers = f"; numbers of seed {cause.seeds[0]}" if cause.varies else ""
+    return ", ".join(map(str, cause.seeds[:_MOST_SEEDS])) + more + numbers
 
 
 def _link(cause: CauseResult, recordings: str) -> str:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from pydantic import BaseModel, Field, ValidationError
 from pydantic_core import to_jsonable_python
 
 from pirate_sm.model.campaign import Expectation, StoppingRule, TrueEnd
@@ -68,6 +69,29 @@ class Plan:
     missions: Mapping[str, bytes]
 
 
+class _SeedRange(BaseModel):
+    first: int = Field(alias="from")
+    last: int = Field(alias="to")
+
+
+class _MarkedCell(BaseModel):
+    row: str
+    column: str
+    key: str
+    seeds: _SeedRange | list[int]
+    order: Order
+    end: TrueEnd
+    expect: Expectation
+
+
+class _Mark(BaseModel):
+    campaign: str
+    version: str
+    confidence: float = Field(gt=0, lt=1)
+    stop: StoppingRule
+    cells: list[_MarkedCell]
+
+
 def mark_of(plan: Plan) -> dict[str, Any]:
     """Return what a reader of results needs of a plan, as plain data."""
     cells = [
@@ -96,25 +120,34 @@ def plan_of(mark: Mapping[str, Any]) -> Plan:
     """Return the plan of a mark, without its missions: it cannot be run.
 
     Raises:
-        KeyError: Something is missing in the mark; likewise TypeError and ValueError.
+        ValueError: The mark is damaged; the text says what is wrong with it.
     """
-    if mark["format"] != FORMAT:
-        raise ValueError(f"expected format {FORMAT}, got {mark['format']!r}")
+    try:
+        read = _Mark.model_validate(mark)
+    except ValidationError as error:
+        raise ValueError("; ".join(_faults_of(error))) from None
     cells = [
         Cell(
-            each["row"],
-            each["column"],
-            _order(each["order"]),
-            _seeds(each["seeds"]),
-            TrueEnd(**each["end"]),
-            Expectation(**each["expect"]),
-            each["key"],
+            each.row,
+            each.column,
+            each.order,
+            _seeds(each.seeds),
+            each.end,
+            each.expect,
+            each.key,
             "",
         )
-        for each in mark["cells"]
+        for each in read.cells
     ]
-    stop = StoppingRule(**mark["stop"])
-    return Plan(mark["campaign"], mark["version"], tuple(cells), mark["confidence"], stop, {})
+    return Plan(read.campaign, read.version, tuple(cells), read.confidence, read.stop, {})
+
+
+def _faults_of(error: ValidationError) -> Iterator[str]:
+    """Yield what is wrong with a mark, with the place in it, at most three faults."""
+    for each in error.errors(include_url=False)[:3]:
+        place = ".".join(map(str, each["loc"]))
+        missing = each["type"] == "missing"
+        yield f"`{place}` is missing" if missing else f"`{place}`: {each['msg']}"
 
 
 def _plain_seeds(seeds: Sequence[int]) -> dict[str, int] | list[int]:
@@ -123,16 +156,10 @@ def _plain_seeds(seeds: Sequence[int]) -> dict[str, int] | list[int]:
     return list(seeds)
 
 
-def _seeds(plain: dict[str, int] | list[int]) -> Sequence[int]:
-    if isinstance(plain, dict):
-        return range(plain["from"], plain["to"] + 1)
-    return tuple(plain)
-
-
-def _order(plain: dict[str, Any]) -> Order:
-    line = plain["line"]
-    several = {"defects": tuple(plain["defects"]), "firings": (), "course": ()}
-    return Order(**{**plain, **several, "line": None if line is None else LineFaults(**line)})
+def _seeds(marked: _SeedRange | list[int]) -> Sequence[int]:
+    if isinstance(marked, _SeedRange):
+        return range(marked.first, marked.last + 1)
+    return tuple(marked)
 
 
 def command_of(order: Order, seed: int) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Iterator, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -10,6 +11,7 @@ from typing import Any
 
 from pirate_sm.campaign.plan import Plan, command_of
 from pirate_sm.campaign.recorded_run import recording_name
+from pirate_sm.campaign.store import RECORDINGS
 from pirate_sm.campaign.tally import Cause, Tally
 from pirate_sm.model.campaign import Expectation
 
@@ -23,15 +25,17 @@ class CauseResult:
 
     Attributes:
         verdict: ``failed``, ``false``, ``bug`` or ``unsafe``.
-        why: The reason.
+        why: The reason, as the first of these runs gives it.
+        varies: Whether the numbers in the reason are others in other runs.
         count: How many runs.
         seeds: The first of their seeds.
         command: Repeats the first of them.
-        recording: Path of its recording, from the folder of the results; empty if there is none.
+        recording: Path of its recording; empty if there is none.
     """
 
     verdict: str
     why: str
+    varies: bool
     count: int
     seeds: tuple[int, ...]
     command: str
@@ -47,7 +51,10 @@ class CellResult:
         runs: How many runs count.
         of: How many seeds it has.
         passed: How many passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``.
-        least: Least share of the interval of its success; likewise ``most``.
+        without_result: How many seeds have no result though they are needed, as the campaign was
+            interrupted or results are damaged; ``first_without`` is the first of them. The runs of
+            the seeds after that do not count.
+        least: Least share of the interval of its success; likewise ``most``. None without runs.
         times_s: Least, median and most mission time of the runs that passed; empty if none did.
         farthest_short_m: How far a wheel was short of where the detector's last word says, at most.
         deepest_m: How deep a wheel or link was in a wall, at most.
@@ -66,8 +73,10 @@ class CellResult:
     false: int
     unsafe: int
     bugs: int
-    least: float
-    most: float
+    without_result: int
+    first_without: int | None
+    least: float | None
+    most: float | None
     times_s: tuple[float, ...]
     farthest_short_m: float | None
     deepest_m: float | None
@@ -76,13 +85,31 @@ class CellResult:
     causes: tuple[CauseResult, ...]
 
     @property
-    def share(self) -> float:
-        """The share that passed; 0 without runs."""
-        return self.passed / self.runs if self.runs else 0.0
+    def share(self) -> float | None:
+        """The share that passed; None without runs."""
+        return self.passed / self.runs if self.runs else None
+
+    @property
+    def summary(self) -> str:
+        """How many runs passed, with the interval of their share."""
+        if self.least is None or self.most is None:
+            return "no runs"
+        return f"{self.passed:,} of {self.runs:,} passed, {self.least:.1%} to {self.most:.1%}"
+
+    @property
+    def incomplete(self) -> str:
+        """What is missing of the cell; empty if nothing is."""
+        if not self.without_result:
+            return ""
+        return (
+            f"not complete: no result for {self.without_result:,} of {self.of:,} seeds, the first "
+            f"is {self.first_without}; later ones do not count until the campaign's command with "
+            "--resume has run it"
+        )
 
     @property
     def good(self) -> bool:
-        """Whether the cell is as expected, and this program has raised no exception."""
+        """Whether nothing speaks against the cell: no missed expectation, no exception."""
         return not self.missed and not self.bugs
 
 
@@ -92,6 +119,7 @@ class CampaignResult:
 
     Attributes:
         name: Name of the campaign.
+        results: The folder of its results.
         version: Of the code that has run it.
         confidence: Of the intervals.
         cells: The cells that count.
@@ -99,6 +127,7 @@ class CampaignResult:
     """
 
     name: str
+    results: str
     version: str
     confidence: float
     cells: tuple[CellResult, ...]
@@ -106,29 +135,41 @@ class CampaignResult:
 
     @property
     def good(self) -> bool:
-        """Whether every cell is good."""
-        return all(cell.good for cell in self.cells)
+        """Whether every cell is complete and good."""
+        return all(cell.good and not cell.without_result for cell in self.cells)
+
+    @property
+    def summary(self) -> str:
+        """How many runs there are, and how many cells are not as expected or not complete."""
+        runs = sum(cell.runs for cell in self.cells)
+        below = sum(not cell.good for cell in self.cells)
+        short = sum(bool(cell.without_result) for cell in self.cells)
+        cells = "1 cell" if len(self.cells) == 1 else f"{len(self.cells)} cells"
+        found = [f"{below} not as expected"] if below else []
+        found += [f"{short} not complete"] if short else []
+        return f"{runs:,} runs of {cells}: {', '.join(found) or 'as expected'}"
 
     def as_data(self) -> dict[str, Any]:
         """Return the result as plain data."""
         return {"good": self.good, **asdict(self)}
 
 
-def result_of(plan: Plan, tallies: Sequence[Tally], recordings: Path) -> CampaignResult:
+def result_of(plan: Plan, tallies: Sequence[Tally], folder: Path) -> CampaignResult:
     """Return the result of a campaign.
 
     Args:
         plan: The campaign.
         tallies: The counts of the cells that count, in the order of the plan.
-        recordings: The folder of its recordings.
+        folder: The folder of its results.
     """
-    cells = tuple(_cell(tally, recordings) for tally in tallies)
+    cells = tuple(_cell(tally, folder / RECORDINGS) for tally in tallies)
     left_out = tuple(cell.name for cell in plan.cells[len(cells) :])
-    return CampaignResult(plan.name, plan.version, plan.confidence, cells, left_out)
+    return CampaignResult(plan.name, str(folder), plan.version, plan.confidence, cells, left_out)
 
 
 def _cell(tally: Tally, recordings: Path) -> CellResult:
     cell, times_s = tally.cell, tally.times_s
+    least, most = tally.interval if tally.runs else (None, None)
     found = sorted(tally.causes.values(), key=_frequent)
     found += sorted(tally.unsafe_causes.values(), key=_frequent)
     return CellResult(
@@ -142,7 +183,10 @@ def _cell(tally: Tally, recordings: Path) -> CellResult:
         tally.false,
         tally.unsafe,
         tally.bugs,
-        *tally.interval,
+        tally.without_result,
+        cell.seeds[tally.runs] if tally.without_result else None,
+        least,
+        most,
         (min(times_s), median(times_s), max(times_s)) if times_s else (),
         tally.farthest_short_m,
         tally.deepest_m if tally.deepest_m >= 0.0 else None,
@@ -162,10 +206,11 @@ def _cause(tally: Tally, cause: Cause, recordings: Path) -> CauseResult:
     return CauseResult(
         cause.verdict,
         cause.why,
+        cause.varies,
         cause.count,
         tuple(cause.seeds),
         command_of(tally.cell.order, seed),
-        f"{recordings.name}/{place.name}" if place.exists() else "",
+        str(place) if place.exists() else "",
     )
 
 
@@ -184,6 +229,10 @@ def _lines(result: CampaignResult) -> Iterator[str]:
     interval = f"{result.confidence:.0%} interval"
     yield f"{'':{width}}  {'passed':>20}  {interval:>16}  mission time, least/median/most"
     for cell in result.cells:
+        if cell.share is None:
+            yield f"{cell.name:{width}}  {'no runs':>20}"
+            yield f"    {cell.incomplete}"
+            continue
         shares = f"{cell.least:.1%} to {cell.most:.1%}"
         times = "/".join(f"{each:.1f}" for each in cell.times_s)
         count = f"{cell.passed:,} of {cell.runs:,}"
@@ -192,20 +241,21 @@ def _lines(result: CampaignResult) -> Iterator[str]:
             f"{cell.name:{width}}  {count:>13} {cell.share:6.1%}  {shares:>16}"
             f"  {times + ' s' if times else '-'}{missed}"
         )
+        if cell.incomplete:
+            yield f"    {cell.incomplete}"
         for cause in cell.causes:
             yield from _cause_lines(cause)
     for name in result.left_out:
         yield f"{name}: not run, a cell before it is not as expected"
-    runs = sum(cell.runs for cell in result.cells)
-    below = sum(not cell.good for cell in result.cells)
-    cells = "1 cell" if len(result.cells) == 1 else f"{len(result.cells)} cells"
-    yield f"{runs:,} runs of {cells}: {f'{below} not as expected' if below else 'as expected'}"
+    yield result.summary
+    yield f"results in {shlex.quote(result.results)}"
 
 
 def _cause_lines(cause: CauseResult) -> Iterator[str]:
     shown = ", ".join(map(str, cause.seeds[:_MOST_SEEDS]))
     more = ", …" if cause.count > _MOST_SEEDS else ""
-    yield f"    {cause.count:5,} × {cause.verdict}: {cause.why} (seeds {shown}{more})"
+    numbers = f"; numbers of seed {cause.seeds[0]}" if cause.varies else ""
+    yield f"    {cause.count:5,} × {cause.verdict}: {cause.why} (seeds {shown}{more}{numbers})"
     yield f"            {cause.command}"
     if cause.recording:
-        yield f"            recorded in {cause.recording}"
+        yield f"            recorded in {shlex.quote(cause.recording)}"

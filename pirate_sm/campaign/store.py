@@ -2,8 +2,8 @@
 
 A file is written under another name, synchronised and renamed, so it is whole or not there. As soon
 as there are 64 files of one level they are merged into one of the next: that is there before they
-are deleted. What is in two files counts once. A file that cannot be read is ignored: its runs are
-repeated.
+are deleted. What is in two files counts once. A file that is damaged is named and kept, and its
+runs are repeated.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import fcntl
 import json
 import os
+import shlex
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from functools import partial
@@ -29,6 +30,9 @@ MARK = "campaign.json"
 
 _RESULTS, _PART, _LOCK, RECORDINGS = "results", ".part", "lock", "recordings"
 
+_DAMAGED = ".damaged"
+"""Ending of a file that was damaged, once its runs are to be repeated."""
+
 _FLUSH_S = 2.0
 """At most so much work is lost when the client is killed."""
 
@@ -43,12 +47,32 @@ def is_store(place: Path) -> bool:
     return (place / MARK).is_file()
 
 
+class DamagedMarkError(UsageError):
+    """Raised if the file that describes a campaign is damaged; its results may be whole.
+
+    Attributes:
+        problem: The message without what to do.
+        campaign: Name of the campaign, if it can be read.
+    """
+
+    def __init__(self, folder: Path, why: str, campaign: object = None) -> None:
+        self.campaign = campaign if isinstance(campaign, str) else None
+        self.problem = f"'{folder / MARK}' is damaged ({why})"
+        super().__init__(
+            f"{self.problem}: the campaign's command with --resume and "
+            f"--output {shlex.quote(str(folder))} writes it anew, and keeps the results"
+        )
+
+
 class Store:
     """The results of a campaign in a folder.
 
     Args:
         folder: The folder.
         clock: The wall clock, s.
+
+    Attributes:
+        damaged: The files of results that could not be read so far, and why.
     """
 
     def __init__(self, folder: Path, clock: Callable[[], float] = monotonic) -> None:
@@ -58,6 +82,7 @@ class Store:
         self._due_s = clock() + _FLUSH_S
         self._numbers: dict[int, int] = {}
         self._lock: TextIO | None = None
+        self.damaged: dict[Path, str] = {}
 
     @property
     def recordings(self) -> Path:
@@ -118,18 +143,49 @@ class Store:
 
         Raises:
             UsageError: There are no results of a campaign here.
+            DamagedMarkError: What was written is damaged.
         """
         try:
             found = json.loads((self.folder / MARK).read_text("utf-8"))
-        except (OSError, ValueError):
-            found = None
+        except (FileNotFoundError, NotADirectoryError):
+            raise UsageError(f"there are no results of a campaign in '{self.folder}'") from None
+        except OSError as error:
+            why = error.strerror or str(error)
+            raise UsageError(f"'{self.folder / MARK}' cannot be read: {why}") from None
+        except (ValueError, RecursionError) as error:
+            raise DamagedMarkError(self.folder, f"it is no JSON ({error})") from None
         if not isinstance(found, dict):
-            raise UsageError(f"there are no results of a campaign in '{self.folder}'")
+            raise DamagedMarkError(self.folder, "it describes no campaign")
         return found
 
     def read(self) -> Iterator[list[Row]]:
-        """Yield the rows of each file, in the order in which the files were written."""
-        yield from map(_rows_of, self._files())
+        """Yield the rows of each file, in the order in which the files were written.
+
+        Files that cannot be read are in :attr:`damaged` then.
+        """
+        for file in self._files():
+            rows = self._rows_of(file)
+            if rows is not None:
+                yield rows
+
+    def set_aside(self) -> None:
+        """Rename the files that are damaged, as their runs are to be repeated.
+
+        Raises:
+            UsageError: They cannot be renamed.
+        """
+        with _writing(self.folder / _RESULTS):
+            for file in self.damaged:
+                file.replace(file.with_name(file.name + _DAMAGED))
+        self.damaged.clear()
+
+    def _rows_of(self, file: Path) -> list[Row] | None:
+        """Return the rows in a file; None if it is damaged."""
+        try:
+            return _rows_in(file)
+        except _DamagedError as error:
+            self.damaged[file] = str(error)
+            return None
 
     def add(self, rows: Sequence[Row]) -> None:
         """Add rows; every two seconds they are written to a file.
@@ -154,9 +210,10 @@ class Store:
 
     def _merge(self, level: int) -> None:
         """Merge all files of a level into one of the next."""
-        files = self._files(level)
-        self._write([row for file in files for row in _rows_of(file)], level + 1)
-        for file in files:
+        read = {file: self._rows_of(file) for file in self._files(level)}
+        whole = {file: rows for file, rows in read.items() if rows is not None}
+        self._write([row for rows in whole.values() for row in rows], level + 1)
+        for file in whole:
             with suppress(OSError):
                 file.unlink()
 
@@ -175,7 +232,9 @@ class Store:
         )
         name = f"{level}-{self._numbers[level]:08d}.parquet"
         with _writing(folder):
-            write = partial(parquet.write_table, _table(rows), compression="zstd")
+            write = partial(
+                parquet.write_table, _table(rows), compression="zstd", write_page_checksum=True
+            )
             _replace(folder / name, write)
         if len(files) + 1 >= _MOST_FILES:
             self._merge(level)
@@ -223,14 +282,26 @@ def _table(rows: Sequence[Row]) -> ArrowTable:
     return pyarrow.table(dict(zip(Row._fields, columns, strict=True)), schema=schema)
 
 
-def _rows_of(file: Path) -> list[Row]:
-    """Return the rows in a file; none if it cannot be read."""
+class _DamagedError(Exception):
+    """Raised for a file of results that cannot be read; its text says why."""
+
+
+def _rows_in(file: Path) -> list[Row]:
+    """Return the rows in a file.
+
+    Raises:
+        _DamagedError: It cannot be read.
+    """
     import pyarrow
     from pyarrow import parquet
 
     try:
-        table = parquet.ParquetFile(file).read()
+        with parquet.ParquetFile(file, page_checksum_verification=True) as opened:
+            table = opened.read()
         columns = [table.column(name).to_pylist() for name in Row._fields]
-    except (OSError, KeyError, pyarrow.ArrowException):
-        return []
+    except KeyError as error:
+        raise _DamagedError(f"its columns are those of another version ({error})") from None
+    except (OSError, ValueError, pyarrow.ArrowException) as error:
+        why = (getattr(error, "strerror", None) or str(error)).partition("\n")[0]
+        raise _DamagedError(why) from None
     return [Row(*values) for values in zip(*columns, strict=True)]

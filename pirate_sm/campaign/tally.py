@@ -32,13 +32,15 @@ class Cause:
 
     Attributes:
         verdict: What they were, in truth.
-        why: The reason, with … for numbers that differ from run to run.
+        why: The reason, as the first of these runs gives it.
+        varies: Whether the numbers in the reason are others in other runs.
         count: How many runs.
         seeds: The first of their seeds.
     """
 
     verdict: str
     why: str
+    varies: bool = False
     count: int = 0
     seeds: list[int] = field(default_factory=list)
 
@@ -125,6 +127,11 @@ class Tally:
         if self.decided:
             self._waiting.clear()
 
+    @property
+    def without_result(self) -> int:
+        """How many seeds have no result, of a cell that is not decided."""
+        return 0 if self.decided else len(self.cell.seeds) - self.runs - len(self._waiting)
+
     def missing(self, begin: int) -> Iterator[int]:
         """Yield the positions, from one on, of seeds that have no result."""
         for position in range(max(begin, self.runs), len(self.cell.seeds)):
@@ -169,7 +176,8 @@ class Tally:
 
 def _note(causes: dict[tuple[str, str], Cause], verdict: str, why: str, seed: int) -> None:
     alike = _MEASURED.sub("…", why)
-    cause = causes.setdefault((verdict, alike), Cause(verdict, alike))
+    cause = causes.setdefault((verdict, alike), Cause(verdict, why))
     cause.count += 1
+    cause.varies |= why != cause.why
     if len(cause.seeds) < _MOST_SEEDS:
         cause.seeds.append(seed)

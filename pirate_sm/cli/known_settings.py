@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from pirate_sm.palette import THEMES, USUAL
@@ -47,6 +48,14 @@ SETTINGS: Mapping[str, Setting] = {
     "theme": Setting("the console's colours", USUAL, lambda: THEMES),
     "trusted": Setting("folders whose pirate.toml may reach a robot", only_user=True),
 }
+
+
+def expanded(path: str) -> str:
+    """Return a path with the person's home in place of `~`; as it is if nobody has that home."""
+    try:
+        return str(Path(path).expanduser()) if path.startswith("~") else path
+    except RuntimeError:
+        return path
 
 
 class Value(NamedTuple):

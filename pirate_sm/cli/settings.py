@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS, Value
+from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS, Value, expanded
 
 if TYPE_CHECKING:
     from pirate_sm.errors import PirateError
@@ -43,7 +43,8 @@ def project_file() -> Path | None:
     except OSError:  # the working folder is gone
         return None
     files = (folder / PROJECT_FILE for folder in (here, *here.parents))
-    return next((file for file in files if file.is_file()), None)
+    # A folder or a broken link of this name is reported by whoever reads the file.
+    return next((file for file in files if os.path.lexists(file)), None)
 
 
 def values() -> dict[str, Value]:
@@ -55,7 +56,7 @@ def values() -> dict[str, Value]:
     user, project = user_file(), project_file()
     found = {name: Value(each.usual, BUILT_IN) for name, each in SETTINGS.items()}
     found["trusted"] = Value((), BUILT_IN)
-    if user.is_file() or project is not None:
+    if os.path.lexists(user) or project is not None:
         from pirate_sm.cli.settings_file import read_settings
 
         of_user, of_project = read_settings(user, project)
@@ -67,10 +68,14 @@ def values() -> dict[str, Value]:
                 )
                 for name, each in of_project.items()
             }
-    runs = os.environ.get(RUNS_VARIABLE)
-    if runs is not None:
-        found["runs"] = Value(runs, RUNS_VARIABLE)
-    return found
+    runs = _runs_of_environment()
+    return found if runs is None else found | {"runs": runs}
+
+
+def _runs_of_environment() -> Value | None:
+    """Return the folder for recordings that the environment names; None if it names none."""
+    given = os.environ.get(RUNS_VARIABLE)
+    return None if given is None else Value(expanded(given), RUNS_VARIABLE)
 
 
 def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
@@ -79,7 +84,7 @@ def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
     What comes with files of others must not reach a robot, nor write outside of its folder.
     """
     folder = project.parent.resolve()
-    if any(folder.is_relative_to(Path(each).expanduser().resolve()) for each in trusted.value):
+    if any(folder.is_relative_to(Path(expanded(each)).resolve()) for each in trusted.value):
         return ""
     if name == "port" or (name == "backend" and value not in SIMULATED):
         return "reaches a robot"
@@ -139,9 +144,9 @@ def runs() -> Value:
     Raises:
         LoadError: A file of settings has faults, or a project's may not set it.
     """
-    given = os.environ.get(RUNS_VARIABLE)
+    given = _runs_of_environment()
     if given is not None:
-        return Value(given, RUNS_VARIABLE)
+        return given
     found = values()
     used(["runs"], found)
     return found["runs"]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+import os
 import re
 import tomllib
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.cli.known_settings import SETTINGS, Value
+from pirate_sm.cli.known_settings import SETTINGS, Value, expanded
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.library import is_path
 from pirate_sm.loading.problems import LoadError, Place, Problem
@@ -39,7 +40,7 @@ def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], d
         LoadError: A file has faults; it lists those of both.
     """
     problems: list[Problem] = []
-    of_user = _read(user, problems, is_project=False) if user.is_file() else {}
+    of_user = _read(user, problems, is_project=False) if os.path.lexists(user) else {}
     of_project = _read(project, problems, is_project=True) if project is not None else {}
     if problems:
         raise LoadError(problems)
@@ -154,9 +155,8 @@ def _placed(key: str, value: Any, folder: Path, *, is_project: bool) -> Any:
     """Return the value; a path in a project's file begins at the folder of that file."""
     if key == "trusted":
         return tuple(value)
-    if key == "runs" and value:
-        value = str(Path(value).expanduser())
     path = key == "runs" or (key == "robot" and is_path(value))
+    value = expanded(value) if path else value
     return str(folder / value) if is_project and value and path else value
 
 

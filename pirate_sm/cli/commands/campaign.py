@@ -11,13 +11,13 @@ from pathlib import Path
 from time import monotonic
 
 from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.conductor import Conductor, Progress
+from pirate_sm.campaign.conductor import Conductor, Progress, stored_plan
 from pirate_sm.campaign.crew import connected
 from pirate_sm.campaign.junit import as_junit
 from pirate_sm.campaign.plan import Plan, mark_of
 from pirate_sm.campaign.recording_failures import failures, record_failures
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
-from pirate_sm.campaign.store import Store, is_store
+from pirate_sm.campaign.store import DamagedMarkError, Store, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS
 from pirate_sm.cli.options.campaigns import CampaignOptions
@@ -29,6 +29,8 @@ from pirate_sm.spelling import meant
 from pirate_sm.visible import visible
 
 AS_EXPECTED, BELOW = 0, 1
+
+_MOST_NAMES = 3
 
 
 def run_campaign(options: CampaignOptions) -> int:
@@ -89,9 +91,7 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
                 f"there are results in '{folder}' already: go on with them with --resume, or name "
                 "another folder with --output"
             )
-        before = store.mark().get("version")
-        if before != plan.version:
-            say(f"warning: results of another version, {before}, are in '{folder}': not used")
+        _refuse_another(plan, store)
     elif folder.exists() and not folder.is_dir():
         raise UsageError(f"'{folder}' is a file: name a folder for the results with --output")
     elif folder.exists() and any(folder.iterdir()):
@@ -108,6 +108,53 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
         ) from None
     finally:
         store.close()
+
+
+def _refuse_another(plan: Plan, store: Store) -> None:
+    """Refuse a folder with the results of another campaign, and say which of them do not count.
+
+    Raises:
+        UsageError: It is another one, or its format is that of another version.
+    """
+    try:
+        before = stored_plan(store)
+    except DamagedMarkError as error:
+        if error.campaign not in (None, plan.name):
+            raise _another(store, f"'{error.campaign}'", f"'{plan.name}'") from None
+        say(f"warning: {error.problem}: it is written anew")
+        return
+    if before.name != plan.name:
+        raise _another(store, *map(_described, (before, plan)))
+    if before.version != plan.version:
+        say(
+            f"warning: results of another version, {before.version}, are in '{store.folder}': "
+            "not used"
+        )
+        return
+    keys = {cell.name: cell.key for cell in before.cells}
+    changed = [cell.name for cell in plan.cells if keys.get(cell.name, cell.key) != cell.key]
+    if changed:
+        say(
+            f"warning: files or choices of cells have changed since the results in "
+            f"'{store.folder}', which are not used: {_named(changed)}"
+        )
+
+
+def _another(store: Store, before: str, now: str) -> UsageError:
+    return UsageError(
+        f"'{store.folder}' has the results of the campaign {before}, and this is {now}: "
+        "name another folder with --output"
+    )
+
+
+def _described(plan: Plan) -> str:
+    return f"'{plan.name}' ({_named([cell.name for cell in plan.cells])})"
+
+
+def _named(cells: Sequence[str]) -> str:
+    """Return the first names of some cells."""
+    more = f" and {len(cells) - _MOST_NAMES:,} more" if len(cells) > _MOST_NAMES else ""
+    return f"{', '.join(cells[:_MOST_NAMES])}{more}"
 
 
 def _usual_folder(name: str) -> Path:
@@ -130,6 +177,9 @@ def _usual_folder(name: str) -> Path:
 def _run(plan: Plan, store: Store, options: CampaignOptions) -> CampaignResult:
     """Run what has no result yet, record what failed, and return the result."""
     conductor = Conductor(plan, store)
+    for file, why in store.damaged.items():
+        say(f"warning: '{file}' is damaged ({why}): runs that are missing are repeated")
+    store.set_aside()
     if conductor.goes_on or failures(conductor.results, store, options.record):
         with (
             connected(plan, options.scheduler, options.workers) as crew,
@@ -137,7 +187,7 @@ def _run(plan: Plan, store: Store, options: CampaignOptions) -> CampaignResult:
         ):
             conductor.conduct(crew, show)
             record_failures(conductor.results, store, crew, options.record)
-    return result_of(plan, conductor.results, store.recordings)
+    return result_of(plan, conductor.results, store.folder)
 
 
 @contextmanager

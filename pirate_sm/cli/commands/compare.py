@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from pirate_sm.campaign.store import is_store
+from pirate_sm.cli.errors import say
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
 from pirate_sm.errors import UsageError
@@ -16,7 +17,7 @@ from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.setup_differences import unlike
 from pirate_sm.units import DIMENSIONLESS, format_quantity
 
-SAME, DIFFERENT = 0, 1
+SAME, DIFFERENT, UNREADABLE = 0, 1, 2
 
 _MOST_SIGNALS = 12
 
@@ -47,11 +48,14 @@ def run_compare(options: CompareOptions) -> int:
 
 
 def _refuse_folders(*places: Path) -> None:
-    """Refuse folders, as recordings are files.
+    """Refuse what does not exist, and folders, as recordings are files.
 
     Raises:
         UsageError: There is one; the message says what is in it, and what is expected.
     """
+    missing = [f"there is no '{place}'" for place in places if not place.exists()]
+    if missing:
+        raise UsageError("; ".join(missing))
     problems = [
         f"'{place}' is a folder with{'' if is_store(place) else 'out'} results of a campaign"
         for place in places
@@ -65,14 +69,19 @@ def _refuse_folders(*places: Path) -> None:
 def _compare_campaigns(first: Path, second: Path) -> int:
     from pirate_sm.campaign.comparing import compare as compare_campaigns
     from pirate_sm.campaign.comparing import comparison_text
-    from pirate_sm.campaign.conductor import stored_tallies
+    from pirate_sm.campaign.conductor import stored
 
-    plans, tallies = zip(*map(stored_tallies, (first, second)), strict=True)
-    for name, place, plan in zip("AB", (first, second), plans, strict=True):
-        print_visible(f"{name}: {plan.name} in {place}, with {plan.version}")
-    compared = compare_campaigns(*tallies)
+    both = stored(first), stored(second)
+    for name, place, each in zip("AB", (first, second), both, strict=True):
+        print_visible(f"{name}: {each.plan.name} in {place}, with {each.plan.version}")
+    compared = compare_campaigns(*(each.tallies for each in both))
     for line in comparison_text(compared).splitlines():
         print_visible(line)
+    damaged = [problem for each in both for problem in each.damaged]
+    for problem in damaged:
+        say(problem)
+    if damaged:
+        return UNREADABLE
     return DIFFERENT if compared.worse else SAME
 
 

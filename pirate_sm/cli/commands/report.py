@@ -27,6 +27,8 @@ from pirate_sm.report.run_list import ListedRun, listed, unreadable
 from pirate_sm.report.run_list_page import index_html
 from pirate_sm.visible import visible
 
+WRITTEN, UNREADABLE = 0, 1
+
 _INDEX = "index.html"
 
 
@@ -48,7 +50,7 @@ def write_reports(options: ReportOptions) -> int:
 
 def _write_campaign(folder: Path, output: Path | None) -> int:
     """Write the page of a campaign, in the folder of its results; return the exit code."""
-    from pirate_sm.campaign.conductor import stored_tallies
+    from pirate_sm.campaign.conductor import stored
     from pirate_sm.campaign.page import page_of
     from pirate_sm.campaign.results import result_of
 
@@ -57,8 +59,15 @@ def _write_campaign(folder: Path, output: Path | None) -> int:
     _refuse_foreign(place)
     recordings = folder / RECORDINGS
     link = Path(os.path.relpath(recordings.resolve(), place.resolve().parent))
-    _write(place, page_of(result_of(*stored_tallies(folder), recordings), link.as_posix()))
-    return 0
+    plan, tallies, damaged = stored(folder)
+    result = result_of(plan, tallies, folder)
+    _write(place, page_of(result, link.as_posix(), damaged))
+    for each in damaged:
+        say(each)
+    for cell in result.cells if damaged else ():
+        if cell.incomplete:
+            say(f"{cell.name}: {cell.incomplete}")
+    return UNREADABLE if damaged else WRITTEN
 
 
 def _recordings(place: Path) -> Iterator[Path]:
@@ -78,7 +87,7 @@ def _write_report(path: Path, place: Path) -> int:
     with progress(f"reading {visible(str(path))}") as watch:
         text = html(report_of(read_recording(path, watch)))
     _write(place, text)
-    return 0
+    return WRITTEN
 
 
 def _write_index(paths: Sequence[Path], index: Path) -> int:
@@ -91,10 +100,13 @@ def _write_index(paths: Sequence[Path], index: Path) -> int:
             raise UsageError(f"'{page}' would be the page of several recordings: list one folder")
     _refuse_foreign(index, *pages)
     runs = [_one(path, page, index) for path, page in zip(paths, pages, strict=True)]
-    if all(run.outcome == "unreadable" for run in runs):
+    lost = sum(run.outcome == "unreadable" for run in runs)
+    if lost == len(runs):
         raise RecordingError("none of the recordings can be read")
     _write(index, index_html(runs))
-    return 0
+    if lost:
+        say(f"{lost} of {len(runs)} recordings cannot be read")
+    return UNREADABLE if lost else WRITTEN
 
 
 def _page(path: Path, index: Path) -> Path:

@@ -20,8 +20,9 @@ class CampaignOptions:
     """Run missions many times and count successes.
 
     A success counts if the simulator's truth agrees. A campaign file says which missions, pipes,
-    defects and parameters; of a mission, --seeds says how often. Results are kept in a folder:
-    `pirate report FOLDER` writes a page of them, `pirate compare A B` says whether B is worse.
+    defects and parameters; of a mission, --seeds says how often. Results are kept in a folder,
+    which the last line names: `pirate report FOLDER` writes a page of them, `pirate compare A B`
+    says whether B is worse.
 
     Exit codes: 0 as expected, 1 a cell is not as expected or this program has a fault, 2 invalid
     files or arguments, or results cannot be kept, 3 the workers are lost, 130 interrupted.

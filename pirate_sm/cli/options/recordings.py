@@ -60,22 +60,20 @@ class CompareOptions:
     cell by cell with Fisher's exact test.
 
     Exit codes: 0 the same course, or B is not worse; 1 they part, or B is worse; 2 one cannot be
-    read.
+    read, or results of a campaign are damaged.
     """
 
     first: Annotated[
         str,
         typer.Argument(
-            metavar="A.mcap",
+            metavar="A",
             autocompletion=named_files.recordings,
-            help="A recording, or the folder of a campaign.",
+            help="A recording, or the folder of a campaign's results.",
         ),
     ]
     second: Annotated[
         str,
-        typer.Argument(
-            metavar="B.mcap", autocompletion=named_files.recordings, help="Another one."
-        ),
+        typer.Argument(metavar="B", autocompletion=named_files.recordings, help="Another one."),
     ]
     debug: common.Debug = False
 
@@ -176,15 +174,16 @@ class ReportOptions:
     Of a folder with the results of a campaign, index.html shows all cells and why runs failed.
     Pages that are newer than their recording are kept.
 
-    Exit codes: 0 written, 2 no recording can be read or a page not be written.
+    Exit codes: 0 written, 1 written, but a recording or results of the campaign cannot be read, 2
+    no recording can be read or a page not be written.
     """
 
     recordings: Annotated[
         list[str],
         typer.Argument(
-            metavar="RUN.mcap",
+            metavar="RUN.mcap|FOLDER",
             autocompletion=named_files.recordings,
-            help="A recording, several, or a folder of them.",
+            help="A recording, several, a folder of them, or the folder of a campaign's results.",
         ),
     ]
     output: Annotated[

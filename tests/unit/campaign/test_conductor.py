@@ -2,15 +2,16 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
 import pytest
 
 from pirate_sm.campaign.chunk import Chunk, Row
-from pirate_sm.campaign.conductor import Conductor, stored_tallies
+from pirate_sm.campaign.conductor import Conductor, stored
 from pirate_sm.campaign.plan import Plan, mark_of
 from pirate_sm.campaign.results import as_text, result_of
-from pirate_sm.campaign.store import Store
+from pirate_sm.campaign.store import DamagedMarkError, Store
 from pirate_sm.errors import UsageError
 from pirate_sm.model.campaign import Expectation, StoppingRule
 
@@ -25,7 +26,7 @@ def table(plan: Plan, folder: Path, crew: Hasty) -> str:
     conductor = Conductor(plan, store)
     conductor.conduct(crew)
     store.close()
-    return as_text(result_of(plan, conductor.results, store.recordings))
+    return as_text(result_of(plan, conductor.results, folder)).replace(str(folder), "FOLDER")
 
 
 @pytest.mark.parametrize("seed", range(5))
@@ -99,17 +100,51 @@ def test_a_campaign_ends_with_the_first_cell_that_is_not_as_expected(tmp_path: P
 
 def test_results_are_read_without_the_campaigns_files(tmp_path: Path) -> None:
     text = table(TWO, tmp_path, Hasty(1))
-    read, tallies = stored_tallies(tmp_path)
+    read, tallies, damaged = stored(tmp_path)
 
-    assert as_text(result_of(read, tallies, tmp_path / "recordings")) == text
+    assert not damaged
+    assert as_text(result_of(read, tallies, tmp_path)).replace(str(tmp_path), "FOLDER") == text
 
 
 def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
     with pytest.raises(UsageError, match="there are no results of a campaign"):
-        stored_tallies(tmp_path)
+        stored(tmp_path)
     (tmp_path / "campaign.json").write_text('{"format": 7}')
-    with pytest.raises(UsageError, match="cannot be read"):
-        stored_tallies(tmp_path)
+    with pytest.raises(UsageError, match="have format 7, and this version reads 1"):
+        stored(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "said"),
+    [
+        ("format", None, "`format` is missing"),
+        ("cells", None, "`cells` is missing"),
+        ("cells", 5, "`cells`: Input should be a valid list"),
+        ("cells", [{"row": []}], "`cells.0.row`: Input should be a valid string"),
+        ("confidence", "much", "`confidence`: Input should be a valid number"),
+        ("stop", {"halfwidth": 0.1}, "`stop.halfwidth`: Extra inputs are not permitted"),
+    ],
+)
+def test_a_damaged_description_is_named_with_what_is_wrong_and_what_to_do(
+    tmp_path: Path, key: str, value: object, said: str
+) -> None:
+    table(TWO, tmp_path, Hasty(1))
+    mark = {**mark_of(TWO), key: value}
+    if value is None:
+        del mark[key]
+    (tmp_path / "campaign.json").write_text(json.dumps(mark), "utf-8")
+
+    with pytest.raises(DamagedMarkError, match="writes it anew, and keeps the results") as caught:
+        stored(tmp_path)
+    assert f"campaign.json' is damaged ({said}" in str(caught.value)
+
+
+@pytest.mark.parametrize("content", [b"", b"[]", b"\xff", b"[" * 100_000, b'{"format": 1,'])
+def test_a_description_that_is_no_json_object_is_damaged(tmp_path: Path, content: bytes) -> None:
+    (tmp_path / "campaign.json").write_bytes(content)
+
+    with pytest.raises(DamagedMarkError, match=r"campaign.json' is damaged"):
+        stored(tmp_path)
 
 
 def test_a_bug_is_an_outcome_with_its_seed_and_a_command(tmp_path: Path) -> None:

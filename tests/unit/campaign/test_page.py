@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
@@ -10,11 +11,11 @@ from pirate_sm.campaign.junit import as_junit
 from pirate_sm.campaign.page import page_of
 from pirate_sm.campaign.plan import mark_of
 from pirate_sm.campaign.recorded_run import recording_name
-from pirate_sm.campaign.results import CampaignResult, result_of
+from pirate_sm.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.campaign.store import Store
 from pirate_sm.model.campaign import Expectation
 
-from .rows import Hasty, cell, plan
+from .rows import Hasty, cell, plan, row
 
 
 def result(folder: Path) -> CampaignResult:
@@ -26,7 +27,7 @@ def result(folder: Path) -> CampaignResult:
     store.close()
     first = conductor.tallies[0].causes["failed", "Holding"].seeds[0]
     store.keep(recording_name(conductor.tallies[0], first), b"recorded")
-    return result_of(wanted, conductor.results, store.recordings)
+    return result_of(wanted, conductor.results, folder)
 
 
 def test_the_page_loads_nothing_and_links_to_recordings(tmp_path: Path) -> None:
@@ -36,6 +37,7 @@ def test_the_page_loads_nothing_and_links_to_recordings(tmp_path: Path) -> None:
     assert "a <b>" not in page
     assert page.count('<td class="bad"') == 1
     assert page.count('href="recordings/a_b_key_a') == 1
+    assert "100 runs of 2 cells: 1 not as expected." in page
     assert "http" not in page.replace('http-equiv="Content', "")
 
 
@@ -46,3 +48,50 @@ def test_junit_has_a_failure_for_each_cell_below_its_expectation(tmp_path: Path)
     (failure,) = root.iter("failure")
     assert failure.attrib["message"] == "success"
     assert "pirate run mitre_bend --seed" in (failure.text or "")
+
+
+def without_runs(folder: Path) -> CampaignResult:
+    wanted = plan(cell("a", range(60)), cell("b", range(40)))
+    store = Store(folder)
+    store.begin(mark_of(wanted))
+    conductor = Conductor(wanted, store)
+    conductor.tallies[0].add(row("key_a", seed) for seed in (0, 1, 3))
+    store.close()
+    return result_of(wanted, conductor.results, folder)
+
+
+def test_a_cell_without_runs_has_no_share_in_any_form(tmp_path: Path) -> None:
+    read = without_runs(tmp_path)
+    page, text, data = page_of(read, "recordings"), as_text(read), read.as_data()
+
+    assert data["cells"][1]["least"] is None
+    assert data["cells"][1]["most"] is None
+    assert ">no runs</a>" in page
+    assert " 0.0%" not in page + text
+    assert text.splitlines()[3].split() == ["b", "no", "runs"]
+    suite = fromstring(as_junit(read))
+    (skipped,) = suite.iter("skipped")
+    assert skipped.attrib["message"] == "no runs"
+    assert [each.attrib["skipped"] for each in suite.iter("testsuite")] == ["1"]
+
+
+def test_what_is_missing_of_a_cell_is_said_and_is_not_as_expected(tmp_path: Path) -> None:
+    read = without_runs(tmp_path)
+    page, text = page_of(read, "recordings"), as_text(read)
+
+    said = "not complete: no result for 57 of 60 seeds, the first is 2; later ones do not count"
+    assert said in page
+    assert said in text
+    assert "2 runs of 2 cells: 2 not complete\n" in text
+    assert not read.good
+    assert read.as_data()["cells"][0]["first_without"] == 2
+
+
+def test_the_table_says_where_results_and_recordings_are_for_a_shell(tmp_path: Path) -> None:
+    folder = tmp_path / "my results"
+    text = as_text(result(folder))
+
+    assert text.splitlines()[-1] == f"results in '{folder}'"
+    (recorded,) = (line.strip() for line in text.splitlines() if "recorded in" in line)
+    (place,) = shlex.split(recorded.removeprefix("recorded in "))
+    assert Path(place).read_bytes() == b"recorded"

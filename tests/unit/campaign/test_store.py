@@ -9,7 +9,9 @@ from itertools import count
 from pathlib import Path
 from typing import Protocol
 
+import pyarrow
 import pytest
+from pyarrow import parquet
 
 from pirate_sm.campaign import store as stores
 from pirate_sm.campaign.chunk import Row
@@ -57,7 +59,7 @@ def test_rows_come_back_as_they_were(opened: Opened, tmp_path: Path) -> None:
     assert Store(tmp_path).mark() == {"campaign": "trial"}
 
 
-def test_a_torn_file_is_ignored(opened: Opened, tmp_path: Path) -> None:
+def test_a_torn_file_is_named_and_the_others_are_read(opened: Opened, tmp_path: Path) -> None:
     store = opened(tmp_path)
     for seeds in ((0, 1), (2, 3), (4, 5)):
         store.add(rows(*seeds))
@@ -67,10 +69,55 @@ def test_a_torn_file_is_ignored(opened: Opened, tmp_path: Path) -> None:
     (tmp_path / "results" / "0-99999999.parquet.part").write_bytes(b"PAR1")
 
     assert seeds_in(tmp_path) == [0, 1, 2, 3]
+    reading = Store(tmp_path)
+    assert len(list(reading.read())) == 2
+    assert list(reading.damaged) == [last]
+    assert "magic bytes" in reading.damaged[last]
     after = opened(tmp_path)
     after.add(rows(4, 5))
     assert seeds_in(tmp_path) == [0, 1, 2, 3, 4, 5]
     assert not list((tmp_path / "results").glob("*.part"))
+
+
+def test_a_file_with_a_changed_byte_is_damaged(opened: Opened, tmp_path: Path) -> None:
+    opened(tmp_path).add(rows(*range(50)))
+    (file,) = (tmp_path / "results").glob("*.parquet")
+    whole = file.read_bytes()
+    column = whole.index(b"\x28\xb5\x2f\xfd")  # the first page, compressed
+    for at in range(column, column + 20):
+        file.write_bytes(whole[:at] + bytes([whole[at] ^ 1]) + whole[at + 1 :])
+        reading = Store(tmp_path)
+        assert list(reading.read()) == []
+        assert list(reading.damaged) == [file]
+
+
+def test_a_damaged_file_outlives_the_merging_of_others_and_is_set_aside(
+    opened: Opened, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stores, "_MOST_FILES", 4)
+    store = opened(tmp_path)
+    store.add(rows(0))
+    (first,) = (tmp_path / "results").glob("*.parquet")
+    first.write_bytes(b"PAR1")
+    for seed in range(1, 5):
+        store.add(rows(seed))
+
+    assert first.read_bytes() == b"PAR1"
+    assert seeds_in(tmp_path) == [1, 2, 3, 4]
+    store.set_aside()
+    assert not first.exists()
+    assert first.with_name(f"{first.name}.damaged").read_bytes() == b"PAR1"
+    assert not store.damaged
+
+
+def test_results_with_columns_of_another_version_say_so(opened: Opened, tmp_path: Path) -> None:
+    opened(tmp_path)
+    file = tmp_path / "results" / "0-00000001.parquet"
+    parquet.write_table(pyarrow.table({"seed": [1]}), file)
+    reading = Store(tmp_path)
+
+    assert list(reading.read()) == []
+    assert "columns are those of another version" in reading.damaged[file]
 
 
 def test_many_files_become_few_and_nothing_is_lost(

@@ -119,3 +119,18 @@ def test_causes_that_differ_in_what_was_measured_alone_are_one() -> None:
         ]
     )
     assert [(each.count, each.seeds) for each in counted.causes.values()] == [(2, [0, 1]), (1, [2])]
+
+
+def test_a_cause_is_the_sentence_of_its_first_run_with_its_numbers() -> None:
+    counted = tally(seeds=(7, 3, 5))
+    counted.add(
+        [
+            row("key_bend", 3, "failed", "120 mm are too wide: gamma_2 showed 1.6 s"),
+            row("key_bend", 7, "failed", "120 mm are too wide: gamma_2 showed 12 s"),
+            row("key_bend", 5, "failed", "120 mm are too narrow"),
+        ]
+    )
+    assert [(each.why, each.varies) for each in counted.causes.values()] == [
+        ("120 mm are too wide: gamma_2 showed 12 s", True),
+        ("120 mm are too narrow", False),
+    ]

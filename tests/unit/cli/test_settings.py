@@ -263,3 +263,57 @@ def test_the_paths_are_said(user: Path, project: Path, pirate: Pirate) -> None:
     project.touch()
 
     assert pirate("config", "path").stdout == f"{user}\n{project}\n"
+
+
+@pytest.mark.parametrize("where", ["person", "environment"])
+def test_a_tilde_is_the_home_of_the_person(
+    where: str, user: Path, pirate: Pirate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(user.parent))
+    if where == "environment":
+        monkeypatch.setenv("PIRATE_SM_RUNS", "~/kept")
+    else:
+        user.write_text('runs = "~/kept"', "utf-8")
+
+    assert shown(pirate)["runs"]["value"] == str(user.parent / "kept")
+    assert pirate("run", str(NEWT / "patrol.yaml"), "--backend", "trace").exit_code == 0
+    assert len(list((user.parent / "kept").glob("*.mcap"))) == 1
+
+
+def test_a_robot_may_be_named_from_the_home_of_the_person(
+    user: Path, pirate: Pirate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", str(user.parent))
+    user.write_text('robot = "~/robots/newt"', "utf-8")
+
+    assert shown(pirate)["robot"]["value"] == str(user.parent / "robots" / "newt")
+
+
+def test_a_home_that_nobody_has_is_the_name_of_a_folder(
+    user: Path, project: Path, pirate: Pirate, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    user.write_text('trusted = ["~no.such.person"]\nruns = "~no.such.person/runs"', "utf-8")
+    project.write_text('port = "/dev/null"', "utf-8")
+
+    assert shown(pirate)["runs"]["value"] == "~no.such.person/runs"
+    monkeypatch.setenv("PIRATE_SM_RUNS", "~no.such.person")
+    assert shown(pirate)["runs"]["value"] == "~no.such.person"
+
+
+@pytest.mark.parametrize("where", ["project", "person"])
+@pytest.mark.parametrize("command", ["config", "run"])
+def test_a_folder_or_a_broken_link_in_place_of_a_file_of_settings_is_refused(
+    where: str, command: str, user: Path, project: Path, pirate: Pirate
+) -> None:
+    file = project if where == "project" else user
+    words = ("config",) if command == "config" else ("run", str(NEWT / "patrol.yaml"))
+    file.mkdir()
+    result = pirate(*words)
+    assert result.exit_code == 2
+    assert f"{file}: is a directory; a TOML file is expected" in result.stderr
+
+    file.rmdir()
+    file.symlink_to("nowhere")
+    result = pirate(*words)
+    assert result.exit_code == 2
+    assert f"{file}: there is no such file" in result.stderr

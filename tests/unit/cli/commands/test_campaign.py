@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import json
 import sys
+from collections.abc import Sequence
+from contextlib import nullcontext
+from html import unescape
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.crew import Done
 from pirate_sm.campaign.plan import mark_of
 from pirate_sm.campaign.store import Store
 from pirate_sm.experiments import needed_extras
+from pirate_sm.loading import library
 from pirate_sm.model.campaign import MOST_SEEDS
 
 TRIAL = """\
@@ -215,3 +221,149 @@ def test_two_campaigns_are_compared(pirate: Any, filled: Any) -> None:
     assert "B is worse than A" in worse.stdout
     assert "28 lost in B: seeds 2, 3, 4" in worse.stdout
     assert "B is not significantly worse than A" in same.stdout
+
+
+@pytest.fixture
+def damaged(filled: Any) -> Path:
+    """Results of all runs, of which one of two files is damaged: the second cell's."""
+    results: Path = filled("results", 5)
+    rows = [row for rows in Store(results).read() for row in rows]
+    (file,) = (results / "results").glob("*.parquet")
+    file.unlink()
+    store = Store(results, clock=count(0, 10).__next__)  # so late that all is written at once
+    store.add(rows[:75])
+    store.add(rows[75:])
+    (results / "results" / "0-00000002.parquet").write_bytes(b"PAR1")
+    return results
+
+
+def test_a_report_names_damaged_results_and_what_is_missing_in_the_table(
+    pirate: Any, damaged: Path
+) -> None:
+    result = pirate("report", damaged)
+    page = (damaged / "index.html").read_text("utf-8")
+
+    assert result.exit_code == 1
+    for said in (result.stderr, unescape(page)):
+        assert "0-00000002.parquet' is damaged (" in said
+        assert "its runs do not count; the campaign's command with --resume repeats those" in said
+        assert "no result for 45 of 60 seeds, the first is 15" in said
+    assert "enter: stale_repeats: not complete" in result.stderr
+    assert "75 runs of 2 cells: 1 not complete" in page
+
+
+def test_a_comparison_with_damaged_results_names_them(
+    pirate: Any, filled: Any, damaged: Path
+) -> None:
+    result = pirate("compare", filled("before", 5), damaged)
+
+    assert result.exit_code == 2
+    assert "0-00000002.parquet' is damaged (" in result.stderr
+
+
+def test_damaged_results_are_set_aside_and_their_runs_repeated(
+    pirate: Any, file: Path, damaged: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pirate_sm.cli.commands.campaign.connected", lambda *_: nullcontext(ALL))
+    result = pirate("campaign", file, "-o", damaged, "--resume", "--record", "none", "--no-check")
+
+    assert result.exit_code == 0, result.stderr
+    assert "warning: '" in result.stderr
+    assert "0-00000002.parquet' is damaged (" in result.stderr
+    assert "runs that are missing are repeated" in result.stderr
+    assert "55 of 60  91.7%" in result.stdout
+    assert f"results in {damaged}" in result.stdout
+    assert pirate("report", damaged).exit_code == 0
+
+
+class All:
+    """A crew whose every run passes."""
+
+    room = 8
+
+    def __init__(self) -> None:
+        self.chunks: list[Chunk] = []
+
+    def submit(self, chunk: Chunk) -> None:
+        self.chunks.append(chunk)
+
+    def wait(self, within_s: float) -> Sequence[Done]:
+        chunks, self.chunks = self.chunks, []
+        return [
+            Done(
+                each,
+                [
+                    Row(each.cell, seed, "succeeded", "passed", "", True, "", 9.0, 0.1, 0.0, 0.0)
+                    for seed in each.seeds
+                ],
+            )
+            for each in chunks
+        ]
+
+    def doing(self, work: object) -> All:
+        return self
+
+
+ALL = All()
+
+
+def test_a_damaged_description_is_written_anew_by_resume(
+    pirate: Any, file: Path, filled: Any
+) -> None:
+    results = filled("results", 5)
+    (results / "campaign.json").write_text('{"campaign": "trial"}', "utf-8")
+    for command in (("report", results), ("compare", results, results)):
+        result = pirate(*command)
+        assert result.exit_code == 2
+        assert "campaign.json' is damaged (`format` is missing)" in result.stderr
+        assert f"with --resume and --output {results} writes it anew" in result.stderr
+
+    words = ("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
+    result = pirate(*words)
+    assert result.exit_code == 0
+    assert "campaign.json' is damaged (`format` is missing): it is written anew" in result.stderr
+    assert pirate("report", results).exit_code == 0
+
+
+def test_results_of_another_campaign_are_not_gone_on_with(
+    pirate: Any, tmp_path: Path, filled: Any
+) -> None:
+    results = filled("results", 5)
+    other = tmp_path / "other.yaml"
+    other.write_text(TRIAL.replace("trial", "other").replace("name: enter", "name: go"), "utf-8")
+    before = (results / "campaign.json").read_bytes()
+    words = ("-o", results, "--resume", "--no-check")
+
+    result = pirate("campaign", other, *words)
+    assert result.exit_code == 2
+    assert (
+        f"'{results}' has the results of the campaign 'trial' (enter: no defect, "
+        "enter: stale_repeats), and this is 'other' (go: no defect, go: stale_repeats): "
+        "name another folder with --output"
+    ) in result.stderr
+    (results / "campaign.json").write_text('{"campaign": "trial"}', "utf-8")
+    assert "this is 'other'" in pirate("campaign", other, *words).stderr
+    (results / "campaign.json").write_bytes(before)
+    assert pirate("campaign", "enter_2d", "--seeds", "1", *words).exit_code == 2
+
+
+def test_results_that_do_not_count_any_more_are_named(
+    pirate: Any, file: Path, filled: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("pirate_sm.cli.commands.campaign.connected", lambda *_: nullcontext(ALL))
+    results = filled("results", 5)
+    file.write_text(TRIAL + "jitter: {start: 1 mm}\n", "utf-8")
+    result = pirate("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
+
+    assert result.exit_code == 0
+    assert "which are not used: enter: no defect, enter: stale_repeats" in result.stderr
+
+
+@pytest.mark.parametrize(
+    ("stem", "name"), [("patrol", "patrol"), ("my patrol-2", "my_patrol_2"), ("2d", "mission_2d")]
+)
+def test_a_campaign_of_one_mission_has_its_name(tmp_path: Path, stem: str, name: str) -> None:
+    mission = tmp_path / f"{stem}.yaml"
+    mission.write_text(library.find_mission("enter_2d").read_text("utf-8"), "utf-8")
+
+    assert read_campaign(mission, range(3), check=False).name == name

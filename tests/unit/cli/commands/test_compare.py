@@ -44,6 +44,19 @@ def test_folders_without_results_are_refused_with_what_is_expected(
         assert "name two recordings of runs (.mcap), or two folders with results" in result.stderr
 
 
+def test_a_place_that_does_not_exist_is_named_and_not_the_other_one(
+    pirate: Any, run: Any, tmp_path: Path
+) -> None:
+    missing, results = tmp_path / "missing", tmp_path / "results"
+    results.mkdir()
+    (results / "campaign.json").touch()
+
+    for one, other in ((missing, results), (results, missing), (run("one"), missing)):
+        result = pirate("compare", one, other)
+        assert result.exit_code == 2
+        assert result.stderr == f"there is no '{missing}'\n"
+
+
 def test_runs_that_were_made_alike_say_so(pirate: Any, run: Any) -> None:
     one, other = run("one"), run("other")
 

@@ -87,7 +87,8 @@ def folder(pirate_run: Any, run: Path, tmp_path: Path) -> Path:
 def test_of_a_folder_there_is_a_list_that_leads_to_each_report(pirate: Any, folder: Path) -> None:
     result = pirate("report", folder)
 
-    assert result.exit_code == 0
+    assert result.exit_code == 1
+    assert "1 of 3 recordings cannot be read" in result.stderr
     assert result.stdout.splitlines() == [
         str(folder / name) for name in ("other run.html", "run.html", "index.html")
     ]
