@@ -5,9 +5,9 @@ from __future__ import annotations
 import logging
 import signal
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, suppress
+from contextlib import ExitStack, contextmanager, suppress
+from multiprocessing import resource_tracker
 from queue import Empty, Queue
-from threading import current_thread, main_thread
 from time import monotonic
 from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, TypeAlias
 from uuid import uuid4
@@ -23,8 +23,12 @@ if TYPE_CHECKING:
 _NO_ANSWER_S = 10.0
 _NO_WORKERS_S = 60.0
 _COUNTED_EVERY_S = 5.0
+_ENDS_WITHIN_S = 10.0
 _AHEAD = 2
 """A worker has a chunk under way and one waiting."""
+
+MOST_EACH = 4
+"""The most workers that are started for each processor [decided]."""
 
 _DEATHS = 3
 """A run is to blame when so many tasks with it alone have lost their worker too often for Dask."""
@@ -180,6 +184,13 @@ def _same(sent: Sent) -> Sent:
     return sent
 
 
+def most_workers() -> int:
+    """Return how many workers are started on this machine at most."""
+    from dask.system import CPU_COUNT
+
+    return MOST_EACH * int(CPU_COUNT)
+
+
 @contextmanager
 def connected(
     plan: Plan, scheduler: str | None = None, workers: int | None = None
@@ -210,12 +221,8 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     # What befalls workers is said in our words, or mended without any.
     logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
     if scheduler is None:
-        with (
-            dask.config.set({"logging.distributed": "critical"}),
-            _started(workers) as cluster,
-            Client(cluster) as client,
-        ):
-            yield client
+        with dask.config.set({"logging.distributed": "critical"}), _started(workers) as cluster:
+            yield cluster.get_client()
         return
     try:
         client = Client(scheduler, timeout=_NO_ANSWER_S)
@@ -227,24 +234,56 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
         yield client
 
 
-def _started(workers: int | None) -> LocalCluster:
-    """Return a cluster of processes that do not hear Ctrl-C, which this process answers."""
+@contextmanager
+def _started(workers: int | None) -> Iterator[LocalCluster]:
+    """Yield a cluster of processes that do not hear Ctrl-C, which this process answers.
+
+    Ctrl-C while it starts or ends is answered afterwards, so that no process of it stays.
+
+    Raises:
+        UsageError: So many processes cannot be started.
+    """
     from distributed import LocalCluster
 
-    mine = current_thread() is main_thread()  # others may not touch signals
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN) if mine else None
+    with ExitStack() as stack:
+        with _signals_wait():
+            try:
+                cluster = LocalCluster(
+                    n_workers=workers,
+                    threads_per_worker=1,
+                    dashboard_address=None,
+                    # Without a dashboard too, a scheduler serves its state, at one usual port.
+                    scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
+                    silence_logs=logging.CRITICAL,
+                )
+            except (OSError, RuntimeError, TimeoutError) as error:
+                raise UsageError(
+                    f"the workers cannot be started ({str(error) or type(error).__name__}): try "
+                    "fewer with --workers"
+                ) from None
+            stack.callback(_end, cluster)
+        yield cluster
+
+
+def _end(cluster: LocalCluster) -> None:
+    """End the client and the processes of a cluster."""
+    with _signals_wait():
+        cluster.get_client().close()
+        cluster.close(_ENDS_WITHIN_S)
+
+
+@contextmanager
+def _signals_wait() -> Iterator[None]:
+    """Let signals that ask for an end wait, also in processes and threads that are started here.
+
+    Processes that are started later by these threads do not hear them either.
+    """
+    resource_tracker.ensure_running()  # starting later, it would let signals through again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
-        return LocalCluster(
-            n_workers=workers,
-            threads_per_worker=1,
-            dashboard_address=None,
-            # Without a dashboard too, a scheduler serves its state to others, at one usual port.
-            scheduler_kwargs={"dashboard_address": "127.0.0.1:0"},
-            silence_logs=logging.CRITICAL,
-        )
+        yield
     finally:
-        if mine:
-            signal.signal(signal.SIGINT, before)
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _refuse_others(client: Client, version: str, scheduler: str) -> None:

@@ -18,6 +18,10 @@ _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """Exceptions from writing to a standard output that is closed or full."""
 
 
+_FAULTS = range(1, 128)
+"""Exit codes of a command that was not stopped."""
+
+
 def guarded(work: Callable[[], int], debug: bool) -> int:
     """Do the work and return its exit code; print its exceptions on standard error.
 
@@ -28,7 +32,7 @@ def guarded(work: Callable[[], int], debug: bool) -> int:
     try:
         code = work()
         sys.stdout.flush()
-        return INTERRUPTED if code and was_interrupted() else code
+        return INTERRUPTED if code in _FAULTS and was_interrupted() else code
     except KeyboardInterrupt as interrupted:
         say(str(interrupted) or "interrupted")
         return INTERRUPTED

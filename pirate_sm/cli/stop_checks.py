@@ -8,7 +8,7 @@ from pirate_sm.runtime.stop_requests import Stop, StopRequests
 
 
 class StoppedError(Exception):
-    """Is raised while listening when a stop is requested."""
+    """Is raised to end a command when a stop is requested."""
 
     def __init__(self, stop: Stop) -> None:
         super().__init__(stop.reason)

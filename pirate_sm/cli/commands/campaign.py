@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import signal
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import replace
@@ -12,7 +13,7 @@ from time import monotonic
 
 from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.conductor import Conductor, Progress, stored_plan
-from pirate_sm.campaign.crew import connected
+from pirate_sm.campaign.crew import MOST_EACH, connected, most_workers
 from pirate_sm.campaign.junit import as_junit
 from pirate_sm.campaign.plan import Plan, mark_of
 from pirate_sm.campaign.recording_failures import failures, record_failures
@@ -23,8 +24,10 @@ from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.cli.settings import runs, unusable_runs
+from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
+from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
 from pirate_sm.spelling import meant
 from pirate_sm.visible import visible
 
@@ -45,10 +48,19 @@ def run_campaign(options: CampaignOptions) -> int:
     if options.scheduler is not None and options.workers is not None:
         raise UsageError("--scheduler and --workers exclude each other: that cluster has its own")
     _refuse_without_packages()
+    if options.workers is not None and options.workers > (most := most_workers()):
+        raise UsageError(
+            f"--workers {options.workers}: at most {most} are started on this machine, "
+            f"{MOST_EACH} for each processor; more only take memory"
+        )
     seeds = None if options.seeds is None else range(options.seeds)
     plan = _chosen(read_campaign(_file(options.campaign), seeds, check=options.check), options)
-    with _results(plan, options) as store:
-        result = _run(plan, store, options)
+    try:
+        with _results(plan, options) as store:
+            result = _run(plan, store, options)
+    except StoppedError as stopped:
+        say(str(stopped))
+        return stopped.exit_code
     for line in _rendered(result, options.format):
         print(line)
     return AS_EXPECTED if result.good else BELOW
@@ -100,14 +112,31 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
             "with --output"
         )
     store.begin(mark_of(plan))
+    stops: list[Stop] = []
     try:
-        yield store
+        with _terminated_as_by_ctrl_c(stops.append):
+            yield store
     except KeyboardInterrupt:
-        raise KeyboardInterrupt(
-            f"interrupted; results so far are in '{folder}': go on with --resume"
-        ) from None
+        stop = stops[0] if stops else BY_SIGNAL[signal.SIGINT]
+        reason = f"{stop.reason}; results so far are in '{folder}': go on with --resume"
+        raise StoppedError(stop._replace(reason=reason)) from None
     finally:
         store.close()
+
+
+@contextmanager
+def _terminated_as_by_ctrl_c(note: Callable[[Stop], None]) -> Iterator[None]:
+    """Let SIGTERM do what Ctrl-C does, so that the workers end and the results are kept."""
+
+    def terminate(number: int, _frame: object) -> None:
+        note(BY_SIGNAL[signal.Signals(number)])
+        signal.raise_signal(signal.SIGINT)
+
+    before = signal.signal(signal.SIGTERM, terminate)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGTERM, before)
 
 
 def _refuse_another(plan: Plan, store: Store) -> None:

@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
 import sys
 from collections.abc import Sequence
 from contextlib import nullcontext
@@ -21,6 +24,8 @@ from pirate_sm.campaign.store import Store
 from pirate_sm.experiments import needed_extras
 from pirate_sm.loading import library
 from pirate_sm.model.campaign import MOST_SEEDS
+
+from ..conftest import ROOT
 
 TRIAL = """\
 format: 1
@@ -126,6 +131,7 @@ def test_a_folder_of_something_else_is_not_written_to(
     [
         (["--cell", "leave"], "there is no cell 'leave'"),
         (["--workers", "2", "--scheduler", "tcp://a:1"], "exclude each other"),
+        (["--workers", "9999"], "4 for each processor; more only take memory"),
         (["--seeds", "0"], "expected at least 1"),
     ],
 )
@@ -367,3 +373,31 @@ def test_a_campaign_of_one_mission_has_its_name(tmp_path: Path, stem: str, name:
     mission.write_text(library.find_mission("enter_2d").read_text("utf-8"), "utf-8")
 
     assert read_campaign(mission, range(3), check=False).name == name
+
+
+@pytest.mark.parametrize(("name", "status"), [("SIGINT", 130), ("SIGTERM", 143)])
+def test_a_campaign_that_is_stopped_while_workers_start_ends_and_says_how_to_go_on(
+    name: str, status: int, tmp_path: Path
+) -> None:
+    code = f"""
+import signal
+import distributed
+class Slow(distributed.LocalCluster):
+    def __init__(self, *given, **more):
+        signal.raise_signal(signal.{name})
+        super().__init__(*given, **more)
+distributed.LocalCluster = Slow
+from pirate_sm.cli.start import main
+main()
+"""
+    words = ["campaign", "enter_2d", "--seeds", "50", "--workers", "1", "--no-check"]
+    ended = subprocess.run(
+        [sys.executable, "-c", code, *words, "-o", "results"],
+        cwd=tmp_path, env=dict(os.environ) | {"PYTHONPATH": str(ROOT)},
+        capture_output=True, text=True, check=False, timeout=60,
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+    )  # fmt: skip
+
+    assert (ended.returncode, ended.stdout) == (status, "")
+    assert ended.stderr.endswith("; results so far are in 'results': go on with --resume\n")
+    assert ended.stderr.count("\n") == 1
