@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.plans.resume_forecast import Forecast, forecast
 from pirate_sm.engine.mission.program import HERE
-from pirate_sm.engine.resuming.entry import Refused
+from pirate_sm.engine.resuming.entry import FAILURE, Refused
 from pirate_sm.engine.resuming.hypotheses import Hypothesis
 from pirate_sm.engine.resuming.reconciling import Reconciled, VerdictTable, reconcile, verdicts
 from pirate_sm.engine.resuming.resumption import Resumption, resumption
@@ -16,11 +16,12 @@ from pirate_sm.engine.resuming.unknowns import unknowns
 from pirate_sm.engine.robot.confirmation import declared_in
 from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED
 from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.replay.end_of_run import EndOfRun
 from pirate_sm.runtime.first_look import FirstLook, look
 from pirate_sm.spelling import meant
 from pirate_sm.wiring.prepared import Prepared, Say
-from pirate_sm.wiring.resumed_run import COUNTING, edited, said_way
+from pirate_sm.wiring.resumed_run import COUNTING, edited, lost, said_way
 
 _MOST_STOPS = 3
 """How often a stop is written and the robot looked at again before a person must help."""
@@ -70,7 +71,8 @@ class Offer(NamedTuple):
         unknown: What the mission depends on and nobody has seen; a person must agree to it.
         it: With what it goes on; None if it cannot.
         forecast: What can become of it, if that was explored.
-        edited: Which files have changed since the recording; a person must agree to that too.
+        changed: Which files are others than recorded, and what the recording has lost; a person
+            must agree to that too.
     """
 
     table: VerdictTable | None
@@ -78,7 +80,7 @@ class Offer(NamedTuple):
     unknown: tuple[str, ...] = ()
     it: Resumption | None = None
     forecast: Forecast | None = None
-    edited: tuple[str, ...] = ()
+    changed: tuple[str, ...] = ()
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -87,7 +89,29 @@ class Offer(NamedTuple):
         if self.refusals or expected is None:
             return self.refusals or ("nobody knows what would become of it",)
         expects = () if expected.word == "possible" else (f"it {expected.word}: {expected.why}",)
-        return (*self.edited, *self.unknown, *expects)
+        return (*self.changed, *self.unknown, *expects)
+
+
+def check_said(loaded: LoadedMission, said: Said) -> None:
+    """Check that phase, regions and states that the operator names are there.
+
+    Raises:
+        UsageError: Some are not.
+    """
+    robot, phases, wrong = loaded.robot, loaded.program.phases, []
+    if said.at not in (HERE, FAILURE, *phases):
+        known = (HERE, FAILURE, *phases)
+        wrong.append(f"--at: the mission has no phase '{said.at}': {meant(said.at, known)}")
+    for region, state in (said.states or {}).items():
+        if region not in robot.regions:
+            wrong.append(f"--state: no region '{region}': {meant(region, robot.regions)}")
+            continue
+        column = robot.regions.index(region)
+        known = tuple(dict.fromkeys(each[column] for each in robot.table.configurations))
+        if state not in known:
+            wrong.append(f"--state: {region} has no state '{state}': {meant(state, known)}")
+    if wrong:
+        raise UsageError("\n".join(wrong))
 
 
 def see(
@@ -131,7 +155,7 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     """Return with what the run would go on, or why it cannot.
 
     Raises:
-        UsageError: The operator has said a state that the robot does not have.
+        UsageError: The operator has said states that the robot cannot have at once.
     """
     loaded, shows = prepared.loaded, seen.shows
     table = _said_table(prepared, end, seen, said.states) if said.states else shows.chosen
@@ -150,10 +174,12 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     expected = forecast(
         loaded, it, frozenset(each.mark for each in table.verdicts if each.word == "confirmed")
     )
-    if expected.word == "impossible":
+    # Somebody who regrips wants the robot to hold, and knows that the mission fails after it.
+    if expected.word == "impossible" or (expected.word == "fails" and said.at != FAILURE):
         return Offer(table, (f"it cannot succeed: {expected.why}",), unknown, None, expected)
     it = it._replace(body=it.body._replace(next_id=seen.next_id))
-    return Offer(table, (), unknown, it, expected, edited(end.recording.header))
+    changed = (*lost(end.recording), *edited(end.recording.header))
+    return Offer(table, (), unknown, it, expected, changed)
 
 
 def _refusals(shows: Reconciled, table: VerdictTable | None, said: Said) -> tuple[str, ...]:
@@ -182,8 +208,6 @@ def _said_table(
     robot, body = prepared.loaded.robot, seen.shows.tables[0].hypothesis.body
     names = list(robot.table.configurations[body.configuration])
     for region, state in states.items():
-        if region not in robot.regions:
-            raise UsageError(f"--state: no region '{region}': {meant(region, robot.regions)}")
         names[robot.regions.index(region)] = state
     if tuple(names) not in robot.table.configurations:
         raise UsageError(f"--state: the robot cannot be in {', '.join(names)}")

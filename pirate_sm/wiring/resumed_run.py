@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from datetime import datetime
 from math import isnan, nan
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pydantic import TypeAdapter, ValidationError
@@ -31,7 +31,8 @@ from pirate_sm.wiring.prepared import Say
 from pirate_sm.wiring.run_order import PutBack
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.format.header import RunHeader
+    from pirate_sm.recording.format.header import RecordedFile, RunHeader
+    from pirate_sm.recording.read.reader import Recording
     from pirate_sm.recording.replay.end_of_run import EndOfRun
 
 COUNTING = ("odometry", "vision")
@@ -87,7 +88,8 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
         said_m = again.start_at_m
         order = replace(order, start_at_m=first_wheel_m(end) if said_m is None else said_m)
     prepared = prepare(order, loaded, say)
-    return replace(prepared, notices=(*edited(header), *prepared.notices))
+    notices = (*lost(end.recording), *edited(header), *_missing(header), *prepared.notices)
+    return replace(prepared, notices=notices)
 
 
 def first_wheel_m(end: EndOfRun) -> float | None:
@@ -203,27 +205,50 @@ def recorded_order(header: RunHeader) -> Order:
 def with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
     """Return the mission with the robot's own folder, which has the definitions of its messages."""
     profile = next(file for file in header.files if file.role == "profile")
-    shipped = profile.path.startswith("shipped:")
-    plain = PurePosixPath(profile.path.removeprefix("shipped:"))
-    path = library.shipped() / plain if shipped else Path(plain)
-    return replace(loaded, loaded_robot=replace(loaded.loaded_robot, folder=path.parent))
+    folder = _place_of(profile).parent
+    return replace(loaded, loaded_robot=replace(loaded.loaded_robot, folder=folder))
+
+
+def lost(recording: Recording) -> tuple[str, ...]:
+    """Return a notice about what a repaired recording lacks; none if that is what a crash costs."""
+    if not recording.lost:
+        return ()
+    until_s = recording.until_s
+    return (
+        f"the recording was damaged {recording.lost} and has been repaired: what the robot did "
+        f"after {until_s:.3f} s is unknown",
+    )
 
 
 def edited(header: RunHeader) -> tuple[str, ...]:
     """Return a notice about each file that has changed since the recording."""
     found = []
     for file in header.files:
-        shipped = file.path.startswith("shipped:")
-        path = library.shipped() / file.path.removeprefix("shipped:") if shipped else file.path
+        path = _place_of(file)
         try:
-            now = read_extended(Path(path)) if file.role in _EXTENDED else read_document(path)
+            now = read_extended(path) if file.role in _EXTENDED else read_document(path)
         except LoadError:
             continue
         if now.complete_text != file.text:
             found.append(
-                f"{shown(Path(path))} has changed since; the {file.role} of the recording counts"
+                f"{shown(path)} has changed since; the {file.role} of the recording counts"
             )
     return tuple(found)
+
+
+def _missing(header: RunHeader) -> tuple[str, ...]:
+    """Return a notice about each file that is not where it was; it may lie in another folder."""
+    return tuple(
+        f"{shown(path)} is not there any more; the {file.role} of the recording counts"
+        for file in header.files
+        if not (path := _place_of(file)).exists()
+    )
+
+
+def _place_of(file: RecordedFile) -> Path:
+    """Return where a file was when the run was recorded, seen from the present folder."""
+    inside = file.path.removeprefix("shipped:")
+    return Path(inside) if inside == file.path else library.shipped() / inside
 
 
 def _check_place(loaded: LoadedMission, start_at_m: float | None) -> None:

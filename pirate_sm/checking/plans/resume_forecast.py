@@ -18,7 +18,7 @@ from pirate_sm.engine.robot import confirmation
 from pirate_sm.engine.robot.robot_state import Mark
 from pirate_sm.loading.mission import LoadedMission
 
-Word = Literal["possible", "may hang", "impossible", "not explored"]
+Word = Literal["possible", "may hang", "fails", "impossible", "not explored"]
 
 
 class Forecast(NamedTuple):
@@ -27,7 +27,8 @@ class Forecast(NamedTuple):
     Attributes:
         word: ``possible``: an end that succeeds can be reached, and nothing stands in the way.
             ``may hang``: it can, but a wait may end by its time limit only, or not at all.
-            ``impossible``: it cannot. ``not explored``: there are too many possibilities.
+            ``fails``: it can only come to ends that fail. ``impossible``: it cannot go on.
+            ``not explored``: there are too many possibilities.
         why: Why it is not simply possible; else empty.
         course: A course of events that shows it, one sentence for each.
     """
@@ -59,7 +60,7 @@ def forecast(
     if not good and not found.complete:
         return Forecast("not explored", "there are too many possibilities")
     if not good:
-        return Forecast("impossible", "no path leads to an end that succeeds", _failing(book))
+        return Forecast("fails", "no path leads to an end that succeeds", _failing(book))
     return _hanging(loaded, it, program, found) or Forecast("possible")
 
 

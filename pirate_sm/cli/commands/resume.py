@@ -23,7 +23,7 @@ from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.resume_offer import Offer, Said, Seen, offer, see
+from pirate_sm.wiring.resume_offer import Offer, Said, Seen, check_said, offer, see
 from pirate_sm.wiring.resumed_run import Again, driven_s, prepare_again, with_resumption
 
 CAN, CANNOT, LEFT = 0, 1, 2
@@ -76,6 +76,7 @@ def resume_dialog(options: RunOptions | ConsoleOptions, requests: StopRequests) 
     )
     states = read_pairs("--state", options.states or (), "REGION=STATE")
     said = Said(options.at or HERE, states, again.start_at_m)
+    check_said(end.loaded, said)
     if isinstance(options, RunOptions):
         wishes = _Wishes(options.look, options.accept, options.json)
     else:
@@ -166,16 +167,19 @@ class ResumeDialog:
             if self._wishes.look:
                 self.code = CANNOT if found.it is None else CAN
                 return None
-            answer = self._answer(found)
-            said = self._said
-            if answer == "r":
-                said = replace(said, at=FAILURE)
-                found = offer(prepared, end, seen, said)
-                self._print(seen, found, said)
+            answer, said = self._answer(found), self._said
+            while answer == "r":
+                said = replace(self._said, at=FAILURE)
+                regrip = offer(prepared, end, seen, said)
+                self._print(seen, regrip, said)
+                if regrip.it is not None:
+                    found = regrip
+                    break
+                answer, said = self._ask(), self._said  # the reason was printed last
             if answer in ("g", "r") and found.it is not None:
                 resumed = with_resumption(prepared, end, found.it, said.words)
                 return resumed, Resuming(found.it, seen.look.now_s, seen.look.newest)
-            if answer not in ("l", "r"):
+            if answer != "l":
                 say("left as it is: nothing has moved")
                 self.code = LEFT
                 return None
@@ -211,6 +215,9 @@ class ResumeDialog:
             if self._wishes.accept:
                 raise UsageError(f"--accept is not enough: {'; '.join(found.doubts)}")
             raise UsageError("it can go on: agree to it on a terminal, or with --accept")
+        return self._ask()
+
+    def _ask(self) -> str:
         print(_QUESTION, end="", file=sys.stderr, flush=True)
         return answered_line(self._stopper).strip().lower()[:1]
 

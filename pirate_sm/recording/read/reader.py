@@ -80,6 +80,11 @@ class Recording:
         """Whether the run itself wrote the recording to its end."""
         return self.content.complete and REPAIRED not in self.content.metadata
 
+    @property
+    def lost(self) -> str:
+        """Return the damage after which a repair has left out the rest; empty if there was none."""
+        return self.content.metadata.get(REPAIRED, {}).get("damage", "")
+
     @cached_property
     def notices(self) -> tuple[str, ...]:
         """Return notices about a recording that is incomplete or has no index."""

@@ -87,7 +87,8 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
     torn_bytes = content.size - content.whole
     complete = recording.complete and not damage
     if not complete:
-        file.note(REPAIRED, {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes)})
+        said = {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes), "damage": damage}
+        file.note(REPAIRED, said)
     file.finish()
     until_s = copy.until_s - recording.origin_s if copy.steps else 0.0
     return Repaired(copy.steps, until_s, torn_bytes, damage, left_until_s, complete)

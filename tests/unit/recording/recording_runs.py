@@ -134,8 +134,11 @@ class _Memory:
         pass
 
 
-def record_cut_off(path: Path, order: Order, until_s: float) -> None:
-    """Run the mission until then, and keep what a file would hold if everything stopped there."""
+def record_cut_off(path: Path, order: Order, until_s: float, each_s: float = inf) -> None:
+    """Run the mission until then, and keep what a file would hold if everything stopped there.
+
+    A piece of the file is written each time that ``each_s`` have passed.
+    """
     prepared = prepare(order)
     header = run_header(prepared, inf, datetime.now(UTC))
     memory = _Memory()
@@ -144,8 +147,12 @@ def record_cut_off(path: Path, order: Order, until_s: float) -> None:
     pump = Pump(prepared.engine, prepared.backend, companions=companions, tap=kept.recorder)
     kept.follow(prepared, lambda: pump.state)
     pump.start()
+    kept.recorder.ahead_s, written_s = 60.0, 0.0
     while pump.now_s < until_s and pump.ended is None:
         pump.take(*pump.wait(until_s))
+        if pump.now_s >= written_s + each_s:
+            kept.recorder.secure()
+            written_s = pump.now_s
     kept.recorder.close()
     whole = bytes(memory.data)
     path.write_bytes(whole[: read_end(whole)])

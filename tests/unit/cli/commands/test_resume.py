@@ -10,7 +10,7 @@ import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
-from pirate_sm.cli.entry import only_run
+from pirate_sm.cli.entry import commands, only_run
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.write import recorder
 from pirate_sm.wiring import Order
@@ -93,24 +93,58 @@ def test_a_mission_that_was_edited_since_is_asked_about(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     mission = tmp_path / "mine.yaml"
-    shipped = (ROOT / "sequences/enter_3d.yaml").read_text("utf-8")
+    shipped = (ROOT / "sequences/enter_2d.yaml").read_text("utf-8")
     mission.write_text(shipped, "utf-8")
     record_cut_off(Path("cut.mcap"), Order(str(mission)), 2.0)
     assert resume("cut.mcap", "--look").exit_code == 0
     mission.write_text(shipped + "# a word more\n", "utf-8")
 
-    result = resume("cut.mcap", "--accept")
+    edited = resume("cut.mcap", "--accept")
+    mission.unlink()
+    gone = resume("cut.mcap", "--accept", "--speed", "max", "--no-record")
+
+    assert (edited.exit_code, gone.exit_code) == (2, 0)
+    assert "--accept is not enough: " in edited.stderr
+    assert "mine.yaml has changed since; the mission of the recording counts" in edited.stderr
+    assert "mine.yaml is not there any more; the mission of the recording counts" in gone.stderr
+
+
+def test_a_recording_that_was_damaged_and_repaired_is_asked_about(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    cut = Path("cut.mcap")
+    record_cut_off(cut, Order("mitre_bend"), CUT_S, 1.0)
+    damaged = bytearray(cut.read_bytes())
+    damaged[read_recording(cut).content.pieces[-2].at + 100] ^= 1
+    cut.write_bytes(damaged)
+    assert CliRunner().invoke(commands, ["repair", str(cut), "-o", "again.mcap"]).exit_code == 0
+
+    result = resume("again.mcap", "--accept")
 
     assert result.exit_code == 2
-    assert "--accept is not enough: " in result.stderr
-    assert "mine.yaml has changed since; the mission of the recording counts" in result.stderr
+    assert "--accept is not enough: the recording was damaged at byte" in result.stderr
+    assert "what the robot did after" in result.stderr
 
 
-def test_a_phase_and_a_state_must_exist(cut: Path) -> None:
-    assert "the mission has no phase nowhere" in resume(cut, "--at", "nowhere", "--accept").stderr
-    unknown = resume(cut, "--state", "FrontWheelState=Fixed", "--look")
-    assert unknown.exit_code == 2
-    assert "no region 'FrontWheelState'" in unknown.stderr
+def test_a_recording_that_was_only_cut_off_and_repaired_is_resumed_as_before(cut: Path) -> None:
+    assert CliRunner().invoke(commands, ["repair", str(cut), "-o", "again.mcap"]).exit_code == 0
+
+    assert resume("again.mcap", "--accept", "--speed", "max", "--no-record").exit_code == 0
+
+
+def test_a_phase_and_states_must_exist_which_is_said_before_anything_is_looked_at(
+    cut: Path,
+) -> None:
+    result = resume(
+        cut, "--at", "hlt", "--state", "FrontWheelState=Fixed", "--state", "BendingState=Reer"
+    )
+
+    assert (result.exit_code, result.stdout) == (2, "")
+    phase, region, state = result.stderr.splitlines()
+    assert phase == "--at: the mission has no phase 'hlt': did you mean 'halt'?"
+    assert region.startswith("--state: no region 'FrontWheelState': did you mean ")
+    assert state.startswith("--state: BendingState has no state 'Reer': ")
 
 
 def test_what_is_said_against_the_sensors_does_not_help(cut: Path) -> None:
@@ -209,6 +243,31 @@ def test_a_person_agrees(cut: Path) -> None:
 
     assert ended == 0
     assert "succeeded" in shown
+
+
+def test_a_person_can_regrip_although_the_mission_fails_after_it(cut: Path) -> None:
+    options = ("--resume", str(cut.resolve()), "--no-record", "--plain", "--speed", "max")
+    ended, shown, _ = on_a_terminal(options, once("leave [enter]? ", "r\r"))
+
+    assert "expected: fails: no path leads to an end that succeeds" in shown
+    assert ended == 1
+    assert "failed after" in shown
+
+
+def test_why_nobody_can_regrip_stays_to_be_read(tmp_path: Path) -> None:
+    path = tmp_path / "cut.mcap"
+    record_cut_off(path, Order("turn_left"), 1.0)
+
+    keys = ["\r", "r\r"]
+    options = ("--resume", str(path), "--no-record")
+    ended, shown, _ = on_a_terminal(
+        options,
+        lambda text: keys.pop() if text.count("leave [enter]? ") > 2 - len(keys) else "",
+    )
+
+    assert ended == 2
+    reason = shown.index("no `on_failure` handles a failure in")
+    assert shown.count("cut off at", reason) == 0
 
 
 @pytest.mark.parametrize("place", ["-3 m", "99 m"])
