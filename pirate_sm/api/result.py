@@ -21,6 +21,7 @@ from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import rerun_steps
 from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
+from pirate_sm.report import GENERATOR
 from pirate_sm.report.poses import Poses
 from pirate_sm.spelling import meant
 
@@ -43,13 +44,18 @@ class Page:
         return f"<Page of HTML: {len(self.html) // 1000} kB; write(FILE) keeps it>"
 
     def write(self, path: str | PathLike[str]) -> None:
-        """Write the page to a file.
+        """Write the page to a file; one with an earlier page is replaced.
 
         Raises:
-            UsageError: The file cannot be written.
+            UsageError: The file cannot be written, or it is something else than such a page.
         """
+        place = Path(path)
         try:
-            Path(path).write_text(self.html, encoding="utf-8")
+            if place.exists() and GENERATOR not in place.read_bytes():
+                raise UsageError(
+                    f"{path} exists and is no report, so it stays: name another file, or remove it"
+                )
+            place.write_text(self.html, encoding="utf-8")
         except OSError as error:
             raise UsageError(f"{path} cannot be written: {error.strerror}") from None
 

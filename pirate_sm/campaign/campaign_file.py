@@ -220,6 +220,7 @@ class _Reading:
             if seeds is None:
                 continue  # reported already
             end = choices.of("end") or TrueEnd()
+            self._check_end(end, loaded, choices)
             yield Cell(
                 choices.entry.name or Path(order.mission).stem,
                 choices.column(one, pipe, detector, many_defects=len(named.defects) > 1),
@@ -230,6 +231,15 @@ class _Reading:
                 _digest(one, loaded, end),
                 key,
             )
+
+    def _check_end(self, end: TrueEnd, loaded: LoadedMission, choices: Choices) -> None:
+        """Report an end that no robot can come to in this pipe."""
+        if loaded.pipe is None or end.beyond is None:
+            return
+        length_m = loaded.pipe.route().length_m
+        if end.beyond >= length_m:
+            message = f"beyond: {end.beyond:g} m is not in the pipe, which is {length_m:g} m long"
+            self.problems.add("campaign.run", choices.place("end"), message)
 
     def _fits(self, order: Order, loaded: LoadedMission, choices: Choices) -> bool:
         """Report if an order cannot be run; return whether it can."""
@@ -262,11 +272,15 @@ def _backends(choices: Choices) -> Sequence[str]:
 
 def _blamed(order: Order, loaded: LoadedMission, choices: Choices) -> Keys:
     """Return the place of the choice without which an order could be run, else of its mission."""
-    usual: dict[str, Any] = {"detector": None, "fidelity": USUAL, "twin": None, "backend": "sim"}
-    for key, value in usual.items():
+    usual: dict[str, dict[str, Any]] = {
+        **{"detector": {"detector": None}, "fidelity": {"fidelity": USUAL}},
+        **{"twin": {"twin": None}, "backend": {"backend": "sim"}},
+        "jitter": {"start_jitter_m": 0.0, "friction_jitter": 0.0, "diameter_jitter_m": 0.0},
+    }
+    for key, values in usual.items():
         if choices.of(key) is not None:
             try:
-                prepare(replace(order, **{key: value}), loaded)
+                prepare(replace(order, **values), loaded)
             except PirateError:
                 continue
             return choices.place(key)

@@ -111,10 +111,18 @@ class Scenario:
         return ready, ready.backend
 
     def place_to_reach(self, backend: SimulatorBackend) -> float:
-        """Return the place that every wheel must reach, m along the pipe."""
-        if self.reach_m is not None:
-            return self.reach_m
+        """Return the place that every wheel must reach, m along the pipe.
+
+        Raises:
+            UsageError: The pipe does not go that far.
+        """
         bends, pipe = backend.bends, self.loaded.pipe
+        if self.reach_m is not None:
+            if pipe is not None and self.reach_m >= (length_m := pipe.route().length_m):
+                raise UsageError(
+                    f"reach_m: {self.reach_m:g} m is not in the pipe, which is {length_m:g} m long"
+                )
+            return self.reach_m
         if not bends or pipe is None:
             return min(backend.arcs_m) + _BEHIND_M
         last = bends[-1]

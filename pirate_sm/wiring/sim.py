@@ -14,6 +14,7 @@ from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot.twin_file import simulated_profile
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.registry import Plugin
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
@@ -58,6 +59,32 @@ def check_order(order: Order, loaded: LoadedMission) -> None:
         raise UsageError("the mission names no pipe to simulate", hint=hint)
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
+    if wrong := _senseless(order, loaded.pipe):
+        raise UsageError("; ".join(wrong))
+
+
+_MOST_OF_DIAMETER = 0.1
+"""Of its diameter a pipe differs from its file by less than this share [decided]."""
+
+
+def _senseless(order: Order, pipe: Pipe) -> list[str]:
+    """Return what is wrong with how far a run may differ from its files."""
+    wrong, mm = [], 1000
+    length_m, most_m = pipe.route().length_m, _MOST_OF_DIAMETER * pipe.diameter
+    if not 0 <= order.friction_jitter < 1:
+        share = f"{order.friction_jitter:.0%}"
+        wrong.append(f"jitter of the friction: expected from 0 % to below 100 %, got {share}")
+    if not 0 <= order.diameter_jitter_m < most_m:
+        wrong.append(
+            f"jitter of the diameter: expected from 0 to below {most_m * mm:g} mm, a tenth of the "
+            f"pipe's, got {order.diameter_jitter_m * mm:g} mm"
+        )
+    if not 0 <= order.start_jitter_m < length_m:
+        wrong.append(
+            f"jitter of the start: expected from 0 to below the length of the pipe, {length_m:g} m,"
+            f" got {order.start_jitter_m:g} m"
+        )
+    return wrong
 
 
 def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equipment:

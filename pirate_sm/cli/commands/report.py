@@ -12,7 +12,6 @@ from pirate_sm.campaign.store import RECORDINGS, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
 from pirate_sm.cli.output.files import (
-    GENERATOR,
     HEAD,
     begins,
     is_recording,
@@ -21,6 +20,7 @@ from pirate_sm.cli.output.files import (
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.recording.read.reader import Recording, read_recording
+from pirate_sm.report import GENERATOR
 from pirate_sm.report.recording_report import report_of
 from pirate_sm.report.report_page import html
 from pirate_sm.report.run_list import ListedRun, listed, unreadable

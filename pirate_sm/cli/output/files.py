@@ -8,9 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
-
-GENERATOR = b'<meta name="generator" content="pirate-sm '
-"""The line that identifies a page of any version of this program."""
+from pirate_sm.report import GENERATOR
 
 HEAD = 20_000
 """The part of a file in which a mark of this program is sought, bytes [decided]."""

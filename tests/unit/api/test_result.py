@@ -157,6 +157,19 @@ def test_a_report_is_a_page_with_or_without_a_recording(
         run.report().write(tmp_path)
 
 
+def test_a_report_replaces_a_report_and_nothing_else(
+    patrolled: pirate_sm.Run, tmp_path: Path
+) -> None:
+    page, mission = tmp_path / "run.html", tmp_path / "first.yaml"
+    mission.write_text("format: 1\n", "utf-8")
+    patrolled.report().write(page)
+    patrolled.report().write(page)
+
+    with pytest.raises(pirate_sm.UsageError, match=r"first\.yaml exists and is no report"):
+        patrolled.report().write(mission)
+    assert mission.read_text("utf-8") == "format: 1\n"
+
+
 def test_a_notebook_shows_a_summary_and_the_report(
     patrolled: pirate_sm.Run, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -221,6 +221,12 @@ def test_too_many_cells_are_refused(tmp_path: Path) -> None:
     [
         ("format: 2", "4:9 expected 1, got the number 2"),
         ("jitter: {friction: 20 mm}", "4:20 expected a ratio such as '60 %'"),
+        (
+            "jitter: {diameter: 200 mm}",
+            "4:9 jitter of the diameter: expected from 0 to below 12 mm",
+        ),
+        ("jitter: {start: 99 m}", "4:9 jitter of the start: expected from 0 to below the length"),
+        ("end: {beyond: 99 m}", "4:6 beyond: 99 m is not in the pipe, which is 2"),
         ("expect: {success: many}", "4:19 expected a least share such as '>= 99 %'"),
         (
             "set: {give_up: {from: 1 s, to: 20 min, by: 1 min}}",

@@ -93,6 +93,14 @@ def test_equal_seeds_give_equal_episodes(environment: InPipe) -> None:
     assert courses[0] != courses[2]
 
 
+def test_a_place_beyond_the_pipe_is_refused() -> None:
+    with (
+        pytest.raises(pirate_sm.UsageError, match="99 m is not in the pipe"),
+        made(reach_m=99.0) as one,
+    ):
+        one.reset(seed=1)
+
+
 def test_a_place_is_reached() -> None:
     with made(reach_m=0.4, reward="reach") as environment:
         environment.reset(seed=1)
