@@ -24,7 +24,7 @@ LONGEST_FUNCTION = 60
 # that is compiled stands in one.
 LONGER_FOR_A_REASON = {
     "simulation/xpbd/kernel.py": (800, 90),
-    "simulation/xpbd/space/kernel.py": (1550, 110),
+    "simulation/xpbd/space/kernel.py": (1600, 110),
 }
 
 # Where a chart or a profile gives names: the keys of these mappings and the values of these keys.

@@ -13,6 +13,7 @@ from pydantic_core import ErrorDetails
 from pirate_sm.loading.yaml.schema_path import Schema
 from pirate_sm.model.base import FaultCode, Name
 from pirate_sm.model.calibration import Date
+from pirate_sm.model.pipe_runs import Port
 from pirate_sm.model.serial_link import TypeName
 from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, QuantityError, format_quantity, parse_quantity
@@ -196,6 +197,7 @@ _WRITTEN: Final = {
     Name: "a letter, then letters, digits and underscores",
     FaultCode: "a family and a detail in small letters, such as clamp.lost",
     Date: "a date such as 2026-01-31",
+    Port: "an end, a junction, or a port of a tee such as t1.on or t1.branch",
     TypeName: "a package and a name, such as std_msgs/String",
 }
 _PATTERNS: Final = {

@@ -233,6 +233,14 @@ def test_a_network_that_cannot_be_built_is_refused_with_its_place(tmp_path, old,
     assert any(f"house.yaml:{fault}" in each for each in found), found
 
 
+def test_a_port_that_a_tee_does_not_have_is_described_in_words(tmp_path):
+    path = tmp_path / "house.yaml"
+    path.write_text(HOUSE.replace("from: t1.branch", "from: t1.brunch", 1), "utf-8")
+
+    with pytest.raises(LoadError, match=r"expected an end, .* such as t1\.on or t1\.branch"):
+        load_pipe(path)
+
+
 @pytest.mark.parametrize(
     "segment",
     ["{elbow: 90 deg, radius: 180 mm}", "{reducer: 60 mm, to: 100 mm}",
