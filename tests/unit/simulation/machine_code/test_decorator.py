@@ -55,7 +55,7 @@ for sticks in (False, True):
         np.column_stack([random.uniform(low, 1.0, ticks) for low in (0.0, -1.0, 0.0)]),
         random.uniform(5.0, 20.0, (ticks, wheels)),
         random.normal(0.0, 0.001, (ticks, wheels)),
-        sticks, 20, out,
+        sticks, 20, out, np.zeros((5, wheels)),
     )
     hashed.update(out.tobytes())
 print(len(frames), run.outcome, hasattr(simulate, "py_func"), hashed.hexdigest())
