@@ -119,3 +119,40 @@ main()
     )  # fmt: skip
 
     assert printed.stdout == f"{threads}\n"
+
+
+_ENDS = """
+import atexit, os, sys, threading
+import pirate_sm.cli.commands.list as work
+def list_things(options):
+    atexit.register(os.write, 1, b"exit function ")
+    sys.stdout.write("printed ")
+    {more}
+    return 3
+work.list_things = list_things
+sys.argv = ["pirate", "list"]
+from pirate_sm.cli.start import main
+main()
+"""
+
+
+@pytest.mark.parametrize(
+    ("more", "printed"),
+    [
+        ("", "printed exit function "),
+        (
+            "threading.Thread(target=lambda: threading.main_thread().join() or os.write(1, b'th '))"
+            ".start()",
+            "printed th exit function ",
+        ),
+    ],
+)
+def test_a_command_ends_after_its_output_its_threads_and_its_exit_functions(
+    more: str, printed: str
+) -> None:
+    ended = subprocess.run(
+        [sys.executable, "-c", _ENDS.format(more=more)],
+        capture_output=True, text=True, check=False, cwd=ROOT,
+    )  # fmt: skip
+
+    assert (ended.returncode, ended.stdout, ended.stderr) == (3, printed, "")
