@@ -15,8 +15,8 @@ from pathlib import Path
 from statistics import median
 
 from benchmarks.used import Used, used_by
+from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.answer import LINE
-from pirate_sm.cli.entry import ASKING
 
 REPEATS = 9
 

@@ -16,12 +16,10 @@ from typing import Any
 import typer
 from typer.core import TyperCommand, TyperGroup
 
-from pirate_sm.cli import start
+from pirate_sm.cli import ctrl_c
+from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.options.common import Version
 from pirate_sm.cli.output.encoding import degrade
-
-ASKING = "PIRATE_SM_COMPLETE"
-"""Environment variable of a shell that asks what fits on a command line, without arguments."""
 
 COMMANDS = {
     "run": ("running:RunOptions", "run:run_mission"),
@@ -147,7 +145,7 @@ def _single(name: str) -> typer.Typer:
 
         def work() -> int:
             chosen = options(**with_settings(name, given, is_given))
-            start.answer_ctrl_c(moves=name in _MOVE)
+            ctrl_c.answer(moves=name in _MOVE)
             return int(_work(work_at)(chosen))
 
         raise typer.Exit(guarded(work, given["debug"]))
@@ -208,7 +206,7 @@ def _enter(app: typer.Typer) -> None:
             if len(sys.argv) == 1 and ASKING in os.environ:
                 from pirate_sm.cli.completion.answer import answered
 
-                sys.stdout.write(answered(typer.main.get_command(app), os.environ))
+                sys.stdout.write(answered(typer.main.get_command(app), os.environ, about))
             else:
                 app()
         finally:

@@ -8,7 +8,7 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 
-from pirate_sm.cli.start import was_interrupted
+from pirate_sm.cli.ctrl_c import was_interrupted
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST

@@ -1,8 +1,7 @@
-"""Starts the commands `pirate` and `pirate-run`, and says what Ctrl-C does until they work.
+"""Starts the commands `pirate` and `pirate-run`, and ends their process.
 
-Loading the command line takes some tenths of a second. Until it has been read, the system's own
-handling of Ctrl-C ends the process. Garbage is not collected meanwhile, because all that is loaded
-stays (see `entry.py`).
+Garbage is not collected while the command line is loaded, because all that is loaded stays (see
+`entry.py`).
 """
 
 from __future__ import annotations
@@ -10,17 +9,16 @@ from __future__ import annotations
 import atexit
 import gc
 import os
-import signal
 import sys
 from collections.abc import Callable
-from contextlib import suppress
 
+from pirate_sm.cli import ctrl_c
 from pirate_sm.cli.stored_help import print_stored_help
 
 
 def main() -> None:
     """Run the command line of `pirate`, and end the process."""
-    _leave_ctrl_c_to_the_system()
+    ctrl_c.leave_to_the_system()
     if print_stored_help(sys.argv):
         return
     _prepare()
@@ -31,7 +29,7 @@ def main() -> None:
 
 def run_main() -> None:
     """Run the mission on the command line of `pirate-run`, and end the process."""
-    _leave_ctrl_c_to_the_system()
+    ctrl_c.leave_to_the_system()
     if print_stored_help(sys.argv):
         return
     _prepare()
@@ -53,48 +51,6 @@ def _prepare() -> None:
     os.environ.setdefault("PYDANTIC_DISABLE_PLUGINS", "__all__")
 
 
-def _leave_ctrl_c_to_the_system() -> None:
-    """Let Ctrl-C end the process at once; one that was ignored from the start stays ignored."""
-    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
-
-
-def answer_ctrl_c(*, moves: bool) -> None:
-    """Say what Ctrl-C does from now on, if it has been left to the system so far.
-
-    A command that moves a robot is ended at once until it catches signals itself. A
-    KeyboardInterrupt would be lost in compiled code, as in Pydantic's while it checks a file: then
-    the command would go on, or find faults that are not there.
-
-    Args:
-        moves: Whether the command moves a robot; the others get a KeyboardInterrupt.
-    """
-    if signal.getsignal(signal.SIGINT) == signal.SIG_DFL:
-        signal.signal(signal.SIGINT, _leave if moves else _interrupt)
-
-
-_interrupts: list[int] = []
-
-
-def was_interrupted() -> bool:
-    """Return whether Ctrl-C has come in a command that does not move a robot."""
-    return bool(_interrupts)
-
-
-def _interrupt(number: int, _frame: object) -> None:
-    """Interrupt the command; it is noted, as compiled code can turn this into another error."""
-    _interrupts.append(number)
-    raise KeyboardInterrupt
-
-
-def _leave(number: int, _frame: object) -> None:
-    """End the process; nothing has been connected that would have to be closed."""
-    with suppress(Exception):  # the signal may have come in the middle of writing
-        sys.stdout.flush()
-        print("interrupted, nothing has moved", file=sys.stderr, flush=True)
-    os._exit(128 + number)  # as a shell shows it
-
-
 def _end(command: Callable[[], None]) -> None:
     """Run the command; ignore Ctrl-C afterwards, while the process ends."""
     code: object = None
@@ -104,7 +60,7 @@ def _end(command: Callable[[], None]) -> None:
         code = 0 if ended.code is None else ended.code
         raise
     finally:
-        signal.signal(signal.SIGINT, signal.SIG_IGN)
+        ctrl_c.ignore()
         if isinstance(code, int):
             _exit_at_once(code)
 

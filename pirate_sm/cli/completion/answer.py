@@ -11,14 +11,14 @@ from __future__ import annotations
 import os
 import re
 import shlex
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import redirect_stderr, redirect_stdout
 from typing import Any
 
 import typer
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
-from pirate_sm.cli import entry
+from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.reading import OPEN, Candidate
 from pirate_sm.visible import visible
 
@@ -33,41 +33,47 @@ _INSERTED = re.compile(r"[^\w@%+=:,./~-]")
 _QUOTED = re.compile(r"[\w@%+=:,./~ -]*")
 
 
-def answered(command: Any, environment: Mapping[str, str]) -> str:
+def answered(command: Any, environment: Mapping[str, str], about: Callable[[str], str]) -> str:
     """Return the answer to a shell; empty if nothing fits or something cannot be read.
 
     Args:
         command: The program.
         environment: What the shell asks, see above.
+        about: Returns a line about the command or group of commands with a name.
     """
     quoted, words = _words(environment.get(LINE, ""))
     typed = words.pop() if words else ""
     with open(os.devnull, "w") as nothing, redirect_stdout(nothing), redirect_stderr(nothing):  # noqa: PTH123
         try:
-            found = [each for each in offered(command, words[1:], typed) if each[0].isprintable()]
+            found = [
+                each for each in offered(command, words[1:], typed, about) if each[0].isprintable()
+            ]
         except Exception:  # a shell has no use for a message in the middle of a line
             return ""
-    if environment[entry.ASKING] != "bash":
-        return "".join(f"{value}\t{visible(about)}\n" for value, about in found)
+    if environment[ASKING] != "bash":
+        return "".join(f"{value}\t{visible(line)}\n" for value, line in found)
     cut = max(typed.rfind(each) + 1 for each in f" {environment.get(BREAKS, '')}" if each in " =:")
     values = (value[cut:] for value, _ in found)
     return "".join(f"{each}\n" for each in _for_bash(values, quoted=quoted))
 
 
-def offered(command: Any, words: Sequence[str], typed: str) -> Iterator[Candidate]:
+def offered(
+    command: Any, words: Sequence[str], typed: str, about: Callable[[str], str]
+) -> Iterator[Candidate]:
     """Yield what fits behind the words of a command line.
 
     Args:
         command: The program.
         words: Those before the cursor.
         typed: The beginning of the word at the cursor.
+        about: See `answered`.
     """
     given = list(words)
     name = ""
     while isinstance(command, TyperGroup):
         chosen = next((each for each in given if not each.startswith("-")), None)
         if chosen is None:
-            yield from _commands(command, name, typed)
+            yield from _commands(command, name, typed, about)
             return
         given = given[given.index(chosen) + 1 :]
         name = f"{name} {chosen}".strip()
@@ -76,11 +82,13 @@ def offered(command: Any, words: Sequence[str], typed: str) -> Iterator[Candidat
         yield from _values(command, given, typed)
 
 
-def _commands(group: TyperGroup, name: str, typed: str) -> Iterator[Candidate]:
+def _commands(
+    group: TyperGroup, name: str, typed: str, about: Callable[[str], str]
+) -> Iterator[Candidate]:
     context = typer.Context(group)
     for each in group.list_commands(context):
         if each.startswith(typed):
-            yield each, entry.about(f"{name} {each}".strip())
+            yield each, about(f"{name} {each}".strip())
     yield from _options(context, typed)
 
 

@@ -16,10 +16,10 @@ from .conftest import ROOT
 
 HEAVY = {"cv2", "numpy", "pydantic", "rich", "statemachine", "yaml"}
 CODE = (
-    "import sys; bare = set(sys.modules); from pirate_sm.cli.start import {main}; "
+    "import atexit, sys; bare = set(sys.modules); from pirate_sm.cli.start import {main}; "
     "sys.argv[0] = '{program}'\n"
-    "try: {main}()\n"
-    "finally: print(*set(sys.modules) - bare, sep=chr(10), file=sys.stderr)"
+    "atexit.register(lambda: print(*set(sys.modules) - bare, sep=chr(10), file=sys.stderr))\n"
+    "{main}()"
 )
 
 
