@@ -233,6 +233,22 @@ def test_a_network_that_cannot_be_built_is_refused_with_its_place(tmp_path, old,
     assert any(f"house.yaml:{fault}" in each for each in found), found
 
 
+def test_every_bad_route_is_named(tmp_path):
+    path = tmp_path / "house.yaml"
+    routes = "{a: [mian, branch], b: [branch, past, main], c: [main, main], house: [main, branch]}"
+    whole = HOUSE.replace("{house: [main, branch], past: [main, past]}", routes)
+    path.write_text(whole.replace("run: main", "run: past"), "utf-8")
+    pipe, document = load_pipe(path)
+    problems = Problems(document)
+    check_pipe(pipe, document, problems)
+
+    assert [each.message for each in problems.errors] == [
+        "there is no run 'mian'",
+        "run 'main' does not begin or end at 'cap'",
+        "the route passes the run 'main' twice",
+    ]
+
+
 def test_a_port_that_a_tee_does_not_have_is_described_in_words(tmp_path):
     path = tmp_path / "house.yaml"
     path.write_text(HOUSE.replace("from: t1.branch", "from: t1.brunch", 1), "utf-8")

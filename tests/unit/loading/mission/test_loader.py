@@ -316,6 +316,17 @@ def test_a_parameter_without_a_default_must_be_given(load):
     assert load(text, settings={"way": "5 cm"}).parameters == {"way": "5 cm"}
 
 
+def test_all_parameters_without_a_default_are_named(load):
+    text = with_line("parameters: {way: {type: length}, rest: {type: duration}}")
+
+    with pytest.raises(UsageError) as caught:
+        load(text)
+
+    assert caught.value.for_terminal == (
+        "parameters 'way' and 'rest' have no default: give them with --set way=… --set rest=…"
+    )
+
+
 def test_of_an_unknown_fault_those_are_named_that_a_mission_may_handle(load):
     with pytest.raises(LoadError) as caught:
         load(with_line("on_fault: [{fault: no.way, then: continue}]"))
