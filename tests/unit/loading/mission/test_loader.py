@@ -161,7 +161,7 @@ def test_what_is_shipped_loads(path):
         (with_line("on_fault: [{fault: robot.stuck, go: b}]"), "4:37: there is no phase"),
         (with_line("on_fault: [{fault: robot.stuck}]"), "4:12: expected either"),
         (with_line("on_fault: [{fault: robot.stuck, go: a, then: continue}]"),
-         "4:12: expected either `then: continue` or `go: <phase>`"),
+         "4:40: expected either `then: continue` or `go: <phase>`"),
         (with_line("starts_in: {BendingStat: Unclamped}"), "4:13: there is no region"),
         (with_line("starts_in: {LightingState: off}"), "4:28: LightingState has no state 'off'"),
         (with_line("starts_in: {BendingState: DoubleClamped}"),
