@@ -30,7 +30,7 @@ class Hint(NamedTuple):
     argument: str
 
 
-_NO_HINT = Hint("", "")
+NO_HINT = Hint("", "")
 
 
 class PirateError(Exception):
@@ -41,7 +41,7 @@ class PirateError(Exception):
 
     exit_code: ClassVar[int] = 4
 
-    def __init__(self, *arguments: object, hint: Hint = _NO_HINT) -> None:
+    def __init__(self, *arguments: object, hint: Hint = NO_HINT) -> None:
         super().__init__(*arguments)
         self._hint = hint
 

@@ -40,6 +40,23 @@ def meant(word: str, known: Iterable[str], otherwise: str = "", *, limit: int = 
     return f"did you mean '{close}'?" if close else otherwise or f"expected {one_of(names, limit)}"
 
 
+def unknown(says: str, names: Iterable[str], known: Iterable[str], otherwise: str = "") -> str:
+    """Return what is wrong with the names that are not known, all of them; empty if each is.
+
+    Args:
+        says: What is said before a name, such as `there is no defect`.
+        names: The names.
+        known: The names that are valid.
+        otherwise: What to say where none is near, in place of the valid names.
+    """
+    valid = list(known)
+    wrong = {name: nearest(name, valid) for name in names if name not in valid}
+    lines = [f"{says} '{name}': did you mean '{close}'?" for name, close in wrong.items() if close]
+    if far := [f"'{name}'" for name, close in wrong.items() if not close]:
+        lines.append(f"{says} {' or '.join(far)}: {otherwise or f'expected {one_of(valid)}'}")
+    return "\n".join(lines)
+
+
 def one_of(names: Iterable[str], limit: int = 12) -> str:
     """Return `a`, `one of a, b, c`, or a shortened list when there are more than `limit`."""
     listed = list(names)

@@ -162,10 +162,14 @@ _LONG_NAMES: Final = MappingProxyType(
         **dict.fromkeys(("ampere", "amperes", "amp", "amps"), "A"),
         **dict.fromkeys(("volt", "volts"), "V"),
         **dict.fromkeys(("newton", "newtons"), "N"),
+        **dict.fromkeys(("nmm",), "mNm"),
         **dict.fromkeys(("gram", "grams"), "g"),
         **dict.fromkeys(("hertz",), "Hz"),
     }
 )
+
+_PREFIXES: Final = "kmgnpu"
+"""Prefixes of units in small letters, from giga to pico."""
 
 _NUMBER: Final = re.compile(r"[+-]?(?:[0-9]+(?:\.[0-9]*)?|\.[0-9]+)(?:[eE][+-]?[0-9]+)?")
 _FACTOR: Final = re.compile(r"(1|%|°|[A-Za-zµ]+)(?:\^(-?[0-9]))?")
@@ -211,8 +215,14 @@ def _unit_power(factor: str, whole: str) -> Quantity:
 
 
 def nearest_unit(name: str) -> str:
-    """Return the unit that `name` most likely stands for, or '' when none is close."""
-    return _LONG_NAMES.get(name.lower()) or nearest(name, UNITS) or ""
+    """Return the unit that `name` most likely stands for, or '' when none is close.
+
+    A unit of another size is none: `3 km` is not `3 m`.
+    """
+    name = name.replace("µ", "u")
+    close = _LONG_NAMES.get(name.lower()) or nearest(name, UNITS) or ""
+    sized = name[:1].lower() in _PREFIXES and name[1:].lower() == close.lower()
+    return "" if sized else close
 
 
 def parse_quantity(text: str) -> Quantity:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from followed_page import BLOCK
-from test_how_to import ROOT, Reader, reader
+from page_reader import ROOT, Reader, reader
 
 __all__ = ["reader"]
 

@@ -11,7 +11,7 @@ from pathlib import Path
 
 import pytest
 from followed_page import Command, Edit, apply, steps
-from test_how_to import Reader, reader
+from page_reader import Reader, reader
 
 __all__ = ["reader"]
 

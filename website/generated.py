@@ -18,7 +18,7 @@ from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.runtime.outcome import BACKEND, BUG, FAILED, SUCCEEDED
+from pirate_sm.runtime.outcome import BACKEND, BUG, FAILED, RECORDING_LOST, SUCCEEDED
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, OUTPUT_LOST
 from website import notebook
 
@@ -38,6 +38,8 @@ EXIT_CODES = {
     pirate_sm.UsageError.exit_code: "Files or arguments are refused. Nothing has moved.",
     BACKEND: "The backend or the link to the robot has failed.",
     BUG: "A fault in this program. `--debug` shows the traceback.",
+    RECORDING_LOST: "The mission has succeeded, but the recording that was asked for is incomplete "
+    "(a full disk).",
     OUTPUT_LOST: "Nobody reads the output any more (a closed pipe, a full disk).",
 }
 

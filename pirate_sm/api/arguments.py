@@ -18,7 +18,7 @@ from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.fidelity import Fidelity
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 from pirate_sm.wiring import Order, Prepared
 
 LOG = logging.getLogger("pirate_sm")
@@ -258,10 +258,8 @@ def _are_states(value: object) -> bool:
 
 
 def _refuse_unknown(options: Mapping[str, object]) -> None:
-    known = Options.__annotations__
-    for name in options:
-        if name not in known:
-            raise UsageError(f"there is no option '{name}': {meant(name, sorted(known))}")
+    if wrong := unknown("there is no option", options, sorted(Options.__annotations__)):
+        raise UsageError(wrong)
 
 
 _NUMBERS = ("start_jitter_m", "diameter_jitter_m", "friction_jitter", "start_at_m")

@@ -32,6 +32,11 @@ class RecordingPlace(NamedTuple):
     runs: Value | None = None
     named: bool = False
 
+    @property
+    def asked_for(self) -> bool:
+        """Whether the user has named the file or its folder, and so relies on the recording."""
+        return self.named or self.runs is not None
+
 
 def usual_place(prepared: Prepared, began: datetime) -> RecordingPlace | None:
     """Return the default place of a run's recording; None if there is none by default."""

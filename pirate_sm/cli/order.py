@@ -84,12 +84,14 @@ def read_choices(option: str, texts: Iterable[str] | None, model: type[Choices])
     try:
         return model.model_validate(pairs, context=dict(FROM_FILE))
     except ValidationError as error:
-        first = error.errors()[0]
-        name = str(first["loc"][0]) if first["loc"] else ""
-        if first["type"] == "extra_forbidden":
-            known = sorted(model.model_fields)
-            raise UsageError(f"{option} {name}: {meant(name, known)}") from None
-        raise UsageError(f"{option} {name}={pairs.get(name)}: {first['msg']}") from None
+        wrong = []
+        for each in error.errors():
+            name = str(each["loc"][0]) if each["loc"] else ""
+            if each["type"] == "extra_forbidden":
+                wrong.append(f"{option} {name}: {meant(name, sorted(model.model_fields))}")
+            else:
+                wrong.append(f"{option} {name}={pairs.get(name)}: {each['msg']}")
+        raise UsageError("\n".join(wrong)) from None
 
 
 def read_fire(texts: Iterable[str]) -> list[Firing]:

@@ -52,12 +52,15 @@ class Kept:
         recording: The recording; None: there is none.
         companions: The companions for the recording.
         wanted: Whether the recording is kept after the run.
+        lost: After the run: the recording that the user asked for and that is incomplete; None:
+            it is complete, or nobody asked for one.
     """
 
     prepared: Prepared
     recording: RunRecorder | None = None
     companions: tuple[Companion, ...] = ()
     wanted: bool = True
+    lost: Path | None = None
 
     @property
     def tap(self) -> Recorder | None:
@@ -125,6 +128,8 @@ def recorded(
             recording.close(place, wanted=kept.wanted)
             if recorder.failure and (quiet or warner.warning != until_when(recorder)):
                 say(f"warning: {shown(place) if place else 'live'}: {until_when(recorder)}")
+            if recorder.failure and where is not None and where.asked_for:
+                kept.lost = place
             if side.failure:
                 say(f"warning: viewers get incomplete data: {side.failure}")
 

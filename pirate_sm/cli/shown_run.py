@@ -18,10 +18,11 @@ from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.people import People, open_panel, people_of
 from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
 from pirate_sm.companion import Companion, entered
+from pirate_sm.loading.file_names import shown
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.observers import Observer, Watcher
-from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.outcome import BUG, RECORDING_LOST, SUCCEEDED, Result
 from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, StopRequests
 from pirate_sm.runtime.trace_repeats import LoopWatch
@@ -67,13 +68,17 @@ def run_prepared(
         resuming: With what a mission goes on whose run was cut off.
     """
     live = manner.on_terminal and not options.plain and shows_signs(sys.stdout)
-    result = _shown(prepared, options, manner._replace(live=live), requests, resuming)
+    result, kept = _shown(prepared, options, manner._replace(live=live), requests, resuming)
     if result is None:
         return OUTPUT_LOST
     _say_unused(prepared)
     if parting := prepared.parting():
         say(parting)
-    return _conclude(result, options)
+    code = _conclude(result, options)
+    if code == SUCCEEDED and kept.lost is not None:
+        say(f"the mission succeeded, but its recording {shown(kept.lost)} is incomplete")
+        return RECORDING_LOST
+    return code
 
 
 def _shown(
@@ -82,8 +87,12 @@ def _shown(
     manner: Manner,
     requests: StopRequests,
     resuming: Resuming | None,
-) -> Result | None:
-    """Run the mission and show it; return its result, None if nothing could be written."""
+) -> tuple[Result | None, Kept]:
+    """Run the mission and show it.
+
+    Returns:
+        Its result, None if nothing could be written; its recording.
+    """
     recording = RecordingOptions(options.record, options.no_record, options.live)
     with ExitStack() as stack:
         panel = open_panel(prepared, requests, stack)
@@ -100,10 +109,10 @@ def _shown(
         observed.run = run
         kept.follow(run)
         if not _begun(output):
-            return None
+            return None, kept
         if isinstance(output, AbstractContextManager):
             stack.enter_context(output)
-        return run.execute()
+        return run.execute(), kept
 
 
 def _mission_run(

@@ -167,7 +167,8 @@ class _Placer:
         gap = dist(known.origin, found.origin)
         angle = _angle(known.ahead, found.ahead)
         if gap > MOST_GAP_M:
-            message = f"this misses its junction by {gap * 1000:.0f} mm"
+            message = f"this misses its junction by {gap * 1000:.0f} mm: seen along the first run "
+            message += f"it lies {_way(known.origin, found.origin)}"
             self.misfits.append(Misfit(name, begins, message))
         elif angle > MOST_ANGLE_RAD:
             message = f"this meets its junction {degrees(angle):.0f} deg askew"
@@ -232,6 +233,18 @@ def _fitting(
         return Piece(*at, narrowed_m=segment.to_m)
     towards = frame.towards(segment.roll_rad if segment.angle_rad > 0 else segment.roll_rad + pi)
     return Piece(*at, arc=Arc(segment.radius_m, abs(segment.angle_rad), towards))
+
+
+def _way(known: Vector, found: Vector) -> str:
+    """Return by how much and to which sides a point is off another one, in the drawing."""
+    apart_mm = [round(1000 * (at - wanted)) for at, wanted in zip(found, known, strict=True)]
+    ways = (("ahead", "back"), ("to side A", "to side B"), ("down", "up"))
+    off = [
+        f"{abs(each)} mm too far {way[each < 0]}"
+        for each, way in zip(apart_mm, ways, strict=True)
+        if each
+    ]
+    return ", ".join(off)
 
 
 def _angle(one: Vector, other: Vector) -> float:

@@ -13,7 +13,7 @@ from pirate_sm.learning.scenario import Scenario
 from pirate_sm.learning.spaces import Mask, Observation, Spaces
 from pirate_sm.learning.transition import Moment, Transition
 from pirate_sm.learning.trial import Course, Trial
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 
 
 class InPipe(gymnasium.Env[Observation, np.int64]):
@@ -141,7 +141,6 @@ def scenario_of(options: dict[str, Any]) -> Scenario:
         UsageError: There is no such option, or one does not fit.
     """
     known = [name for name in Scenario.__dataclass_fields__ if not name.startswith("_")]
-    for name in options:
-        if name not in known:
-            raise UsageError(f"there is no option '{name}': {meant(name, sorted(known))}")
+    if wrong := unknown("there is no option", options, sorted(known)):
+        raise UsageError(wrong)
     return Scenario(**options)

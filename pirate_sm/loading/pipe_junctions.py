@@ -71,22 +71,19 @@ def _check_routes(pipe: Pipe, at: At, problems: Problems) -> None:
     if not pipe.routes and len(runs) > 1:
         message = "a network of several runs needs a route: `routes: {NAME: [RUN, RUN]}`"
         problems.add("pipe.route", (*at, "runs"), message, key=True)
-    sound = True
+    network = pipe.network()
     for route, names in pipe.routes.items():
         for number, name in enumerate(names):
             if name not in runs:
-                sound = False
                 close = nearest(name, list(runs)) or ""
                 path = (*at, "routes", route, number)
                 problems.add("pipe.route", path, f"there is no run '{name}'", suggestion=close)
-    if not sound:
-        return
-    network = pipe.network()
-    for route, names in pipe.routes.items():
-        _check_route(network, route, names, at, problems)
+        if runs.keys() >= {*names}:
+            _check_route(network, route, names, at, problems)
     first = next(iter(pipe.ways.values()))
-    if pipe.start is not None and pipe.start.run is not None and pipe.start.run not in first:
-        message = f"the first route does not lead through '{pipe.start.run}'"
+    begins = pipe.start.run if pipe.start is not None else None
+    if begins is not None and begins not in first and runs.keys() >= {*first}:
+        message = f"the first route does not lead through '{begins}'"
         problems.add("pipe.route", (*at, "start", "run"), message)
 
 

@@ -24,7 +24,7 @@ from pirate_sm.model.base import (
 )
 from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter
+from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter, key_fault
 from pirate_sm.model.triggers import (
     ConditionTrigger,
     OperatorTrigger,
@@ -257,7 +257,7 @@ class FaultHandler(Frozen):
     @model_validator(mode="after")
     def _one_of_two(self) -> FaultHandler:
         if (self.then is None) == (self.go is None):
-            raise ValueError("expected either `then: continue` or `go: <phase>`")
+            raise key_fault("expected either `then: continue` or `go: <phase>`", "then", "go")
         return self
 
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from math import cos, sin
 from typing import Annotated, Literal, NamedTuple, Self
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
 from pirate_sm.geometry import network as space
 from pirate_sm.geometry.joints import Joint
@@ -17,7 +17,7 @@ from pirate_sm.geometry.space import Vector
 from pirate_sm.model.base import Format, Frozen, Name
 from pirate_sm.model.pipe_runs import Expanded, Junction, KeyPath, Patch, PipeRun, Written, expanded
 from pirate_sm.model.pipe_segments import Roll, SegmentOrTee, Straight, within
-from pirate_sm.model.quantities import Angle, Duration, Length
+from pirate_sm.model.quantities import Angle, Duration, Length, key_fault
 from pirate_sm.model.simulation import Coefficients, Friction
 
 
@@ -103,6 +103,14 @@ class Stretch(NamedTuple):
     friction: Coefficients
 
 
+def _has_runs(value: object) -> object:
+    """Return the value; raise an error that says what a run is if there is none."""
+    if value == {}:
+        run = "`main: {from: entry, to: exit, segments: [{straight: 1 m}]}`"
+        raise key_fault("there is no run here", expected=f"at least one run, such as {run}")
+    return value
+
+
 class Pipe(Frozen):
     """A pipe in one plane, or a network of round pipes in space.
 
@@ -142,7 +150,12 @@ class Pipe(Frozen):
     frame: Attitude | None = None
     roll: Roll = 0.0
     segments: Annotated[tuple[SegmentOrTee, ...], Field(min_length=1, max_length=100)] | None = None
-    runs: Annotated[dict[Name, PipeRun], Field(min_length=1, max_length=100)] | None = None
+    runs: (
+        Annotated[
+            dict[Name, PipeRun], Field(min_length=1, max_length=100), BeforeValidator(_has_runs)
+        ]
+        | None
+    ) = None
     junctions: dict[Name, Junction] = {}
     ends: dict[Name, Literal["open", "closed"]] = {}
     routes: dict[Name, Annotated[tuple[Name, ...], Field(min_length=1)]] = {}
@@ -156,13 +169,15 @@ class Pipe(Frozen):
     @model_validator(mode="after")
     def _has_one_form(self) -> Self:
         if (self.segments is None) == (self.runs is None):
-            raise ValueError("a pipe has either `segments` or `runs`")
+            raise key_fault("a pipe has either `segments` or `runs`", "segments", "runs")
         if self.runs is None and (self.junctions or self.ends or self.routes):
-            raise ValueError("`junctions`, `ends` and `routes` belong to a pipe with `runs`")
+            message = "`junctions`, `ends` and `routes` belong to a pipe with `runs`"
+            raise key_fault(message, "junctions", "ends", "routes")
         if self.runs is not None and self.patches:
-            raise ValueError("the patches of a pipe with `runs` stand in its runs")
+            raise key_fault("the patches of a pipe with `runs` stand in its runs", "patches")
         if self.frame is not None and (self.tilt or self.uphill or self.turns):
-            raise ValueError("a pipe has either `frame`, or `tilt`, `uphill` and `turns`")
+            message = "a pipe has either `frame`, or `tilt`, `uphill` and `turns`"
+            raise key_fault(message, "frame", "tilt", "uphill", "turns")
         return self
 
     @property

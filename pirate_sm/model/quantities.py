@@ -38,6 +38,12 @@ def quantity_fault(message: str, expected: str = "", suggestion: str = "") -> Py
     return PydanticCustomError("quantity", "{message}", context)
 
 
+def key_fault(message: str, *keys: str, expected: str = "") -> PydanticCustomError:
+    """Return an error about keys of a mapping; it is shown at the last of them in the file."""
+    context = {"message": message, "expected": expected, "keys": " ".join(keys)}
+    return PydanticCustomError("key", "{message}", context)
+
+
 def kind_fault(message: str) -> PydanticCustomError:
     """Return an error about a value that is of another kind than expected."""
     return PydanticCustomError("kind", "{message}", {"message": message})

@@ -7,7 +7,7 @@ from typing import NamedTuple
 from pirate_sm.model.effects import Ended
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, Stop
 
-SUCCEEDED, FAILED, BACKEND, BUG, INTERRUPTED = 0, 1, 3, 4, 130
+SUCCEEDED, FAILED, BACKEND, BUG, RECORDING_LOST, INTERRUPTED = 0, 1, 3, 4, 5, 130
 
 LINK_FAMILIES = ("backend", "link", "runner")
 """Families of fault codes about the link to the robot, not the robot itself."""

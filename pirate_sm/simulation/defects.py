@@ -13,12 +13,12 @@ from typing import TypeAlias
 
 import numpy as np
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import NO_HINT, Hint, UsageError
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.loss import Loss
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
 """A defect and its own random numbers."""
@@ -242,18 +242,20 @@ KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]
 }
 
 
+_ONE_EACH = Hint("; repeat --defect for each", "; each name is an item of its own")
+
+
 def named(names: Sequence[str], defects: Mapping[str, Defect], seed: int) -> list[AtWork]:
     """Return the defects with these names, each with its own random numbers.
 
     Raises:
-        UsageError: There is no such defect; the message suggests the nearest.
+        UsageError: Some do not exist; the message has all of them and suggests the nearest.
     """
-    found: list[AtWork] = []
-    for number, name in enumerate(names):
-        if name not in defects:
-            raise UsageError(f"there is no defect '{name}'; {meant(name, defects)}")
-        found.append((defects[name], np.random.default_rng((seed, number))))
-    return found
+    if wrong := unknown("there is no defect", names, defects):
+        raise UsageError(wrong, hint=_ONE_EACH if any("," in name for name in names) else NO_HINT)
+    return [
+        (defects[name], np.random.default_rng((seed, number))) for number, name in enumerate(names)
+    ]
 
 
 def put_to_work(defects: Sequence[AtWork], robot: Electronics) -> tuple[Effect, ...]:

@@ -96,7 +96,8 @@ def _sheet(width: float, height: float, shapes: Sequence[str], said: str) -> str
     ruler.append(_text(left + 104, down - 1, f"100 mm: print at 100 % and measure. {said}"))
     body = "\n".join([*shapes, *ruler])
     return (
-        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width:g}mm" height="{height:g}mm"'
-        f' viewBox="0 0 {width:g} {height:g}" shape-rendering="crispEdges">\n'
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="sheet"'
+        f' width="{width:g}mm" height="{height:g}mm" viewBox="0 0 {width:g} {height:g}"'
+        f' shape-rendering="crispEdges">\n'
         f'<rect width="{width:g}" height="{height:g}" fill="white"/>\n{body}\n</svg>\n'
     )

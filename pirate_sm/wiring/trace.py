@@ -14,7 +14,7 @@ from pirate_sm.registry import Plugin
 from pirate_sm.runtime.course_player import CoursePlayer, longest_s
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import Firing, TriggerScript
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
 
@@ -65,15 +65,19 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
 def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
     waits = [each for each in loaded.program.instructions if isinstance(each, Wait)]
     phases = {wait.phase for wait in waits}
+    asked: dict[str, list[str]] = {}
     for firing in firings:
-        if firing.phase and firing.phase not in phases:
-            hint = meant(firing.phase, sorted(phases))
-            raise UsageError(f"no phase '{firing.phase}' waits for anything: {hint}")
-        here = [wait for wait in waits if firing.phase in ("", wait.phase)]
-        triggers = {trigger.name for wait in here for trigger in wait.triggers} | {"within"}
-        if firing.trigger not in triggers:
-            hint = meant(firing.trigger, sorted(triggers))
-            raise UsageError(f"nothing waits for a trigger '{firing.trigger}': {hint}")
+        asked.setdefault(firing.phase, []).append(firing.trigger)
+    named = [phase for phase in asked if phase]
+    wrong = [unknown("nothing waits in a phase", named, sorted(phases))]
+    for phase, triggers in asked.items():
+        here = [wait for wait in waits if phase in ("", wait.phase)]
+        known = {trigger.name for wait in here for trigger in wait.triggers} | {"within"}
+        if here:
+            where = f"in the phase '{phase}' " if phase else ""
+            wrong.append(unknown(f"nothing {where}waits for a trigger", triggers, sorted(known)))
+    if any(wrong):
+        raise UsageError("\n".join(filter(None, wrong)))
 
 
 BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["trace"], make)

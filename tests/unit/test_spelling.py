@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import nearest, one_of, unknown
 
 NAMES = ["GripNose", "GripTail", "Halt", "go_on"]
 
@@ -33,3 +33,13 @@ def test_lists_of_names_stay_readable() -> None:
     assert one_of(["a"]) == "a"
     assert one_of(["a", "b"]) == "one of a, b"
     assert one_of([str(number) for number in range(20)], limit=2) == "one of 0, 1, … (18 more)"
+
+
+def test_all_unknown_names_are_named_at_once() -> None:
+    assert unknown("there is no step", ["Halt", "go_on"], NAMES) == ""
+    assert unknown("there is no step", ["Hat", "x", "Halt", "y", "go-on"], NAMES) == (
+        "there is no step 'Hat': did you mean 'Halt'?\n"
+        "there is no step 'go-on': did you mean 'go_on'?\n"
+        "there is no step 'x' or 'y': expected one of GripNose, GripTail, Halt, go_on"
+    )
+    assert unknown("it has no", ["x"], [], "it has none") == "it has no 'x': it has none"

@@ -151,3 +151,24 @@ def test_no_text_raises_anything_but_a_quantity_error(text: str) -> None:
         value, message = 0.0, error.message
     assert math.isfinite(value)
     assert "\n" not in message
+
+
+@pytest.mark.parametrize(
+    ("text", "dimension", "meant"),
+    [
+        ("3 km", units.LENGTH, ""),
+        ("3 KN", units.FORCE, ""),
+        ("3 mg", units.MASS, ""),
+        ("3 krad", units.ANGLE, ""),
+        ("3 Nmm", units.TORQUE, "3 mNm"),
+        ("120 MM", units.LENGTH, "120 mm"),
+        ("5 µm", units.LENGTH, "5 um"),
+        ("1.2 rads", units.ANGLE, "1.2 rad"),
+        ("3 mrads", units.ANGLE, "3 mrad"),
+    ],
+)
+def test_no_unit_of_another_size_is_suggested(text: str, dimension: Dimension, meant: str) -> None:
+    with pytest.raises(QuantityError) as caught:
+        read_quantity(text, dimension)
+
+    assert caught.value.suggestion == meant

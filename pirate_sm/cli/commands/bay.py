@@ -18,7 +18,7 @@ from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 from pirate_sm.units import DIMENSIONLESS, read_quantity
 from pirate_sm.wiring.bay import without_messages
 from pirate_sm.wiring.sim import COMPILING, start_values
@@ -117,9 +117,8 @@ def _or_never(time_s: float | None) -> float:
 def _topics(names: Sequence[str]) -> tuple[Topic, ...]:
     from pirate_sm.bay.switches import TOPICS
 
-    for name in names:
-        if name not in TOPICS:
-            raise UsageError(f"there is no topic '{name}': {meant(name, TOPICS)}")
+    if wrong := unknown("there is no topic", names, TOPICS):
+        raise UsageError(wrong)
     return tuple(topic for topic in TOPICS if topic in names)
 
 

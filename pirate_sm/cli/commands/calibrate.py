@@ -27,7 +27,7 @@ from pirate_sm.loading.robot.calibration_files import (
 )
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 from pirate_sm.units import ANGLE, read_quantity
 
 KEPT, REFUSED = 0, 1
@@ -78,9 +78,8 @@ def run_calibrate(options: CalibrateOptions) -> int:
 
 def _joints(loaded: LoadedRobot, skip: Sequence[str]) -> tuple[str, ...]:
     joints = joints_of(loaded)
-    for name in skip:
-        if name not in joints:
-            raise UsageError(f"--skip {name}: there is no such joint; {meant(name, joints)}")
+    if wrong := unknown("--skip: there is no joint", skip, joints):
+        raise UsageError(wrong)
     left = tuple(name for name in joints if name not in skip)
     if not left:
         raise UsageError("there is no joint left to calibrate")

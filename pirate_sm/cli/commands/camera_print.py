@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from pathlib import Path
 
 from pirate_sm.cli.commands.camera_pictures import find_camera
 from pirate_sm.cli.options.cameras import PrintOptions
 from pirate_sm.cli.options.values import read_board
-from pirate_sm.cli.output.files import write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import Camera, RobotTags
 from pirate_sm.visible import visible
@@ -21,16 +20,20 @@ def print_sheets(options: PrintOptions) -> int:
 
     Raises:
         LoadError: The camera's file has faults.
-        UsageError: A file cannot be written.
+        UsageError: A file cannot be written, or would overwrite somebody's work.
     """
     camera, _ = find_camera(options.camera)
     board = Board(*read_board(options.board, options.square))
+    sheets = {
+        options.output / f"{camera.camera}_{name}.svg": sheet
+        for name, sheet in _sheets(camera, board)
+    }
+    refuse_losses(sheets, overwrite=options.overwrite)
     try:
         options.output.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"'{options.output}' cannot be made: {error.strerror}") from None
-    for name, sheet in _sheets(camera, board):
-        place = Path(options.output) / f"{camera.camera}_{name}.svg"
+    for place, sheet in sheets.items():
         write_file(place, sheet)
         print(visible(str(place)))
     return 0

@@ -28,7 +28,7 @@ from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 from pirate_sm.visible import visible
 
 AS_EXPECTED, BELOW = 0, 1
@@ -84,10 +84,9 @@ def _file(name: str) -> Path:
 def _chosen(plan: Plan, options: CampaignOptions) -> Plan:
     """Return the plan with the requested cells only."""
     wanted = options.cells or ()
-    for name in wanted:
-        known = list(dict.fromkeys(each for cell in plan.cells for each in (cell.row, cell.name)))
-        if name not in known:
-            raise UsageError(f"there is no cell '{name}': {meant(name, known)}")
+    known = list(dict.fromkeys(each for cell in plan.cells for each in (cell.row, cell.name)))
+    if wrong := unknown("there is no cell", wanted, known):
+        raise UsageError(wrong)
     cells = tuple(cell for cell in plan.cells if not wanted or {cell.row, cell.name} & {*wanted})
     return replace(plan, cells=cells)
 

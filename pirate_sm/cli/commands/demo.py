@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.gallery import DemoOptions
 from pirate_sm.cli.options.values import read_speed
-from pirate_sm.cli.output.files import write_file
+from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing
@@ -57,7 +57,8 @@ def play_demo(options: DemoOptions) -> int:
 
     Raises:
         LoadError: A scene's file has errors.
-        UsageError: There is no such scene, an extra is missing, or a page cannot be written.
+        UsageError: There is no such scene, an extra is missing, or a page cannot be written or
+            would overwrite somebody's work.
     """
     if options.speed is not None:
         read_speed(options.speed, 1.0)
@@ -96,6 +97,7 @@ def _play_one(path: Path, options: DemoOptions) -> int:
     scene = load_scene(path)
     if missing := _missing(scene):
         raise UsageError(f"the scene {scene.scene} cannot be played: {missing}")
+    refuse_losses([options.output / scene.scene / PAGE], overwrite=options.overwrite)
     speed = options.speed or f"{scene.speed:g}"
     played = _play(scene, path, options.output, speed)
     print(visible(verdict_of(played)))
@@ -106,9 +108,10 @@ def _play_one(path: Path, options: DemoOptions) -> int:
 def _play_all(options: DemoOptions) -> int:
     from pirate_sm.gallery.gallery_page import PlayedScene, gallery_page, verdict_of
 
-    scenes = []
-    for path in library.scenes():
-        scene = load_scene(path)
+    scenes, known = [], [(path, load_scene(path)) for path in library.scenes()]
+    pages = [options.output / scene.scene / PAGE for _, scene in known]
+    refuse_losses([options.output / PAGE, *pages], overwrite=options.overwrite)
+    for path, scene in known:
         missing = _missing(scene)
         if missing:
             played = PlayedScene(scene, left_out=missing)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
-from functools import partial
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import TypeAlias
 
 from pirate_sm.cli.opened_recording import opened_recording, print_visible
 from pirate_sm.cli.options.recordings import ExportOptions
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import first_line, refuse_losses, take_place, write_file
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
@@ -20,17 +21,20 @@ from pirate_sm.recording.viewers import layouts
 from pirate_sm.recording.viewers.complete_recording import write_complete
 from pirate_sm.recording.viewers.urdf import urdf
 
-Writer: TypeAlias = Callable[[Recording, LoadedMission, Path], Iterable[str]]
-"""Writes a recording to a place, and returns the files."""
+Writer: TypeAlias = Callable[[Recording, LoadedMission, Path], None]
+"""Writes a recording to a place that is new."""
+
+TableWriter: TypeAlias = Callable[[Recording, LoadedMission, Path], Iterable[Path]]
+"""Writes a recording as tables into a folder, and returns the files."""
 
 
 def run_export(options: ExportOptions) -> int:
     """Write a recording's tables, its robot's URDF, layouts, and all for viewers, as asked.
 
     Raises:
-        RecordingError: The recording cannot be read, or a folder cannot be written.
+        RecordingError: The recording cannot be read.
         UsageError: Nothing was requested, a file cannot be written, or it would overwrite a
-            recording or another output.
+            recording, another output or somebody's work.
     """
     asked = (
         *(options.csv, options.parquet, options.viewers, options.ros2),
@@ -44,16 +48,18 @@ def run_export(options: ExportOptions) -> int:
         )
     if "" in places:
         raise UsageError("a folder or a file has a name: '' is none")
-    # Folders and recordings of viewers have to be new: what writes them says so.
+    # Bags and recordings of viewers have to be new, what writes them says so; tables are looked at
+    # when their headers are known.
     refuse_losses(map(Path, places), inputs=[Path(options.recording)], overwrite=True)
     texts = filter(None, (options.urdf, options.lichtblick, options.plotjuggler))
     refuse_losses(map(Path, texts), overwrite=options.overwrite)
-    writers = dict(_writers(options))
-    written: list[str] = []
+    tables, writers = list(_table_writers(options)), list(_writers(options))
     recorded = opened_recording(options.recording)
     with recorded as recording, recorded_mission(recording.header) as loaded:
-        for place, write in writers.items():
-            written += write(recording, loaded, Path(place))
+        written = _write_tables(tables, recording, loaded, overwrite=options.overwrite)
+        for place, write in writers:
+            _write_new(write, recording, loaded, Path(place))
+            written.append(place)
         for place, text in _texts(loaded, options):
             write_file(Path(place), text)
             written.append(place)
@@ -62,48 +68,95 @@ def run_export(options: ExportOptions) -> int:
     return 0
 
 
-def _writers(options: ExportOptions) -> Iterator[tuple[str, Writer]]:
-    """Yield each requested folder or recording with the function that writes it.
+def _table_writers(options: ExportOptions) -> Iterator[tuple[str, TableWriter]]:
+    """Yield each requested folder of tables with the function that writes it.
 
     Raises:
         UsageError: A package that it needs is not installed.
     """
     if options.csv is not None:
-        yield options.csv, partial(_tables, write_tables)
+        yield options.csv, write_tables
     if options.parquet is not None:
         from pirate_sm.recording.tables.parquet_files import write_parquet
 
-        yield options.parquet, partial(_tables, write_parquet)
+        yield options.parquet, write_parquet
+
+
+def _writers(options: ExportOptions) -> Iterator[tuple[str, Writer]]:
+    """Yield each requested recording or bag with the function that writes it.
+
+    Raises:
+        UsageError: A package that it needs is not installed.
+    """
     if options.viewers is not None:
-        yield options.viewers, partial(_new, write_complete)
+        yield options.viewers, write_complete
     if options.ros2 is not None:
         from pirate_sm.recording.viewers.ros2_bag import write_bag
 
-        yield options.ros2, partial(_new, write_bag)
+        yield options.ros2, write_bag
 
 
-def _tables(
-    write: Callable[[Recording, LoadedMission, Path], Iterable[Path]],
+def _write_tables(
+    writers: Iterable[tuple[str, TableWriter]],
     recording: Recording,
     loaded: LoadedMission,
-    folder: Path,
-) -> Iterable[str]:
-    return map(str, write(recording, loaded, folder))
+    *,
+    overwrite: bool,
+) -> list[str]:
+    """Write the tables and return their files: all of them, or nothing if one may not be written.
+
+    Raises:
+        RecordingError: The recording is damaged or empty.
+        UsageError: A folder cannot be written, or a table would overwrite somebody's work.
+    """
+    parts: dict[Path, Path] = {}
+    with ExitStack() as stack:
+        for folder, write in writers:
+            with _said_of(Path(folder)):
+                part = stack.enter_context(_new_folder_in(Path(folder)))
+                parts |= {Path(folder, each.name): each for each in write(recording, loaded, part)}
+        tables = map(first_line, parts.values())
+        refuse_losses(parts, tables=tables, overwrite=overwrite)
+        for place, part in parts.items():
+            with _said_of(place):
+                take_place(part, place)
+    return list(map(str, parts))
 
 
-def _new(
-    write: Callable[[Recording, LoadedMission, Path], None],
-    recording: Recording,
-    loaded: LoadedMission,
-    path: Path,
-) -> Iterable[str]:
+@contextmanager
+def _new_folder_in(folder: Path) -> Iterator[Path]:
+    """Make a folder in a folder, and that if it is not there; leave neither if they are empty."""
+    made = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
     try:
-        write(recording, loaded, path)
-    except FileExistsError:
-        raise UsageError(f"{shown(path)} exists already; nothing is written there") from None
+        with TemporaryDirectory(prefix=".tables-", dir=folder) as inside:
+            yield Path(inside)
+    finally:
+        if made:
+            with suppress(OSError):
+                folder.rmdir()
+
+
+def _write_new(write: Writer, recording: Recording, loaded: LoadedMission, place: Path) -> None:
+    with _said_of(place):
+        try:
+            write(recording, loaded, place)
+        except FileExistsError:
+            raise UsageError(f"{shown(place)} exists already; nothing is written there") from None
+
+
+@contextmanager
+def _said_of(place: Path) -> Iterator[None]:
+    """Say of an error of the disk which place cannot be written.
+
+    Raises:
+        UsageError: There is such an error.
+    """
+    try:
+        yield
     except OSError as error:
-        raise UsageError(f"{shown(path)} cannot be written: {error.strerror}") from None
-    return [str(path)]
+        why = error.strerror or error
+        raise UsageError(f"{shown(place)} cannot be written: {why}") from None
 
 
 def _texts(loaded: LoadedMission, options: ExportOptions) -> Iterator[tuple[str, str]]:

@@ -56,6 +56,7 @@ class PrintOptions:
     ] = Path()
     board: Inside = "9x6"
     square: Square = "25 mm"
+    overwrite: common.Overwrite = False
     debug: common.Debug = False
 
 

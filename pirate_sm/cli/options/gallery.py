@@ -50,4 +50,5 @@ class DemoOptions:
             help="Where the reports are written.",
         ),
     ] = Path("runs/demo")
+    overwrite: common.Overwrite = False
     debug: common.Debug = False

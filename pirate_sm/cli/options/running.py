@@ -19,8 +19,9 @@ class RunOptions:
     """Run a mission.
 
     Exit codes: 0 succeeded, 1 mission failed, 2 invalid files or arguments (nothing moved),
-    3 backend or link fault, 4 a fault in this program, 129/130/141/143 stopped from outside; the
-    robot is brought to its safe state on every way out.
+    3 backend or link fault, 4 a fault in this program, 5 succeeded but the recording that was asked
+    for is incomplete, 129/130/141/143 stopped from outside; the robot is brought to its safe state
+    on every way out.
     """
 
     mission: Annotated[

@@ -13,11 +13,18 @@ from pirate_sm.report import GENERATOR
 HEAD = 20_000
 """The part of a file in which a mark of this program is sought, bytes [decided]."""
 
+_TAIL = 100_000
+"""The part of a Parquet file, whose metadata are at its end, bytes [decided]."""
+
 _MARKS: dict[str, tuple[bytes, ...]] = {
     ".html": (GENERATOR,),
     ".md": (b" from the robot's profile and chart. -->",),
-    ".svg": (b'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img"',),
-    ".log": (b"",),
+    ".svg": (
+        b'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img"',
+        b'<svg xmlns="http://www.w3.org/2000/svg" class="sheet"',
+    ),
+    ".parquet": (b"pirate-sm",),
+    **dict.fromkeys((".log", ".jsonl"), (b'{"at_s": ',)),
     **dict.fromkeys((".dot", ".gv"), (b"labelloc=t, labeljust=l, fontname=monospace]",)),
     **dict.fromkeys((".mmd", ".mermaid"), (b'---\ntitle: "',)),
 }
@@ -49,7 +56,7 @@ def refuse_losses(
         UsageError: A file is a recording, an input, somebody's work, or is named twice; the
             message lists all.
     """
-    places = list(places)
+    places, tables = list(places), frozenset(tables)
     whole = [place.resolve() for place in places]
     read = _files(inputs)
     problems = []
@@ -71,10 +78,9 @@ def refuse_losses(
 
 def is_made(place: Path, tables: Iterable[str] = ()) -> bool:
     """Return whether this program made the file and nobody edits such files; also if empty."""
-    head = begins(place, HEAD)
     suffix = place.suffix.lower()
-    first = head.partition(b"\n")[0].decode(errors="replace")
-    if not head or (suffix == ".csv" and first in tables):
+    head = _ends(place, _TAIL) if suffix == ".parquet" else begins(place, HEAD)
+    if not head or (suffix == ".csv" and first_line(place) in tables):
         return True
     return any(mark in head for mark in _MARKS.get(suffix, ()))
 
@@ -106,6 +112,21 @@ def begins(place: Path, size: int) -> bytes:
         if place.is_file():
             with place.open("rb") as file:
                 return file.read(size)
+    return b""
+
+
+def first_line(place: Path) -> str:
+    """Return the first line of a text file."""
+    return begins(place, HEAD).partition(b"\n")[0].decode(errors="replace")
+
+
+def _ends(place: Path, size: int) -> bytes:
+    """Return the last bytes of a file; none of a terminal and the like, or where none is."""
+    with suppress(OSError, ValueError):
+        if place.is_file():
+            with place.open("rb") as file:
+                file.seek(max(0, place.stat().st_size - size))
+                return file.read()
     return b""
 
 
@@ -141,16 +162,25 @@ def write_bytes(place: Path, content: bytes) -> None:
 
 
 def _replace(place: Path, content: bytes) -> None:
-    if place.exists():
-        place.open("r+b").close()  # a file that is read-only stays
     part = place.with_name(f".{place.name[:200]}.{os.getpid()}.part")
     try:
         with part.open("xb") as file:
             file.write(content)
             file.flush()
             os.fsync(file.fileno())
-        if place.exists():
-            part.chmod(place.stat().st_mode & 0o7777)
-        part.replace(place)
+        take_place(part, place)
     finally:
         part.unlink(missing_ok=True)
+
+
+def take_place(part: Path, place: Path) -> None:
+    """Move a file to the place of another one, which keeps its mode; a link stays a link.
+
+    Raises:
+        OSError: The other file is read-only, or it is none.
+    """
+    place = place.resolve()
+    if place.exists():
+        place.open("r+b").close()  # a file that is read-only stays
+        part.chmod(place.stat().st_mode & 0o7777)
+    part.replace(place)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
@@ -23,7 +23,7 @@ from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import unknown
 from pirate_sm.units import QuantityError
 
 pickling.make_picklable()
@@ -132,7 +132,7 @@ def read_mission(
     values = _values(mission, settings or {}, problems, assumed=bool(tolerated))
     spec = loaded.oriented(mission.polarity or "normal")
     if start_phase is not None and start_phase not in mission.phases:
-        raise _unknown("phase", start_phase, mission.phases)
+        raise UsageError(_unknown("phase", [start_phase], mission.phases))
     source = Source(mission, document, path)
     program, called = build_program(
         source, loaded, values, start_phase, states, problems, tolerated
@@ -229,26 +229,33 @@ def _values(
 ) -> parameters.Values:
     """Return the parameter values; with `assumed`, missing ones get a plausible value."""
     values = parameters.defaults(mission.parameters, problems)
+    wrong = [_unknown("parameter", settings, mission.parameters)]
     for name, text in settings.items():
-        if name not in mission.parameters:
-            raise _unknown("parameter", name, mission.parameters)
-        try:
-            value = parameters.read_value(mission.parameters[name], text)
-        except QuantityError as error:
-            raise UsageError(f"parameter '{name}': {error}") from None
-        values[name] = parameters.Value(value, text)
-    for name in mission.parameters.keys() - values.keys():
-        if assumed:
-            values[name] = parameters.sample(mission.parameters[name])
-        elif mission.parameters[name].default is None:
-            hint = Hint(f": give it with --set {name}=…", f": give it with set={{'{name}': …}}")
-            raise UsageError(f"parameter '{name}' has no default", hint=hint)
+        if name in mission.parameters:
+            try:
+                value = parameters.read_value(mission.parameters[name], text)
+            except QuantityError as error:
+                wrong.append(f"parameter '{name}': {error}")
+            else:
+                values[name] = parameters.Value(value, text)
+    if any(wrong):
+        raise UsageError("\n".join(filter(None, wrong)))
+    if assumed:
+        sampled = {name: parameters.sample(each) for name, each in mission.parameters.items()}
+        return sampled | values
+    missing = [name for name, each in mission.parameters.items() if each.default is None]
+    if missing := [name for name in missing if name not in values]:
+        names = " and ".join(f"'{name}'" for name in missing)
+        has, it = ("s {} have", "them") if missing[1:] else (" {} has", "it")
+        options = " ".join(f"--set {name}=…" for name in missing)
+        arguments = ", ".join(f"'{name}': …" for name in missing)
+        hint = Hint(f": give {it} with {options}", f": give {it} with set={{{arguments}}}")
+        raise UsageError(f"parameter{has.format(names)} no default", hint=hint)
     return values
 
 
-def _unknown(kind: str, name: str, known: Mapping[str, object]) -> UsageError:
-    hint = meant(name, known, "" if known else "it has none")
-    return UsageError(f"the mission has no {kind} '{name}': {hint}")
+def _unknown(kind: str, names: Iterable[str], known: Mapping[str, object]) -> str:
+    return unknown(f"the mission has no {kind}", names, known, "" if known else "it has none")
 
 
 def _hash(document: Document) -> str:

@@ -193,6 +193,11 @@ def _quantity(error: ErrorDetails, _: Schema | None) -> Wording:
     return Wording("quantity", context["message"], context["expected"], context["suggestion"])
 
 
+def _key(error: ErrorDetails, _: Schema | None) -> Wording:
+    context = error.get("ctx", {})
+    return Wording("value", context["message"], context["expected"])
+
+
 _WRITTEN: Final = {
     Name: "a letter, then letters, digits and underscores",
     FaultCode: "a family and a detail in small letters, such as clamp.lost",
@@ -226,6 +231,7 @@ _SPEAKERS: Final[dict[str, Callable[[ErrorDetails, Schema | None], Wording]]] = 
     **dict.fromkeys(("too_short", "too_long", "string_too_short", "string_too_long"), _length),
     **dict.fromkeys(("value_error", "assertion_error"), _raised),
     "quantity": _quantity,
+    "key": _key,
     "string_pattern_mismatch": _pattern,
     "finite_number": _infinite,
 }

@@ -149,9 +149,18 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
         )
         # Show a fault of a whole mapping at its key.
         key = error.trail.key or isinstance(error.detail["input"], dict)
+        if kind == "key":
+            path = (*path, *_last_key(error.detail))
         if kind == "union_tag_invalid":
             path, key = (*path, _discriminator(error.detail)), False
         problems.add(code, path, message, expected=expected, suggestion=suggestion, key=key)
+
+
+def _last_key(detail: ErrorDetails) -> Path:
+    """Return the last key in the file of those that a fault is about; none if none is there."""
+    keys = detail.get("ctx", {}).get("keys", "").split()
+    written = detail["input"] if isinstance(detail["input"], dict) else {}
+    return tuple(key for key in written if key in keys)[-1:]
 
 
 def _discriminator(detail: ErrorDetails) -> str:

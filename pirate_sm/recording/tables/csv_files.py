@@ -16,8 +16,8 @@ def write_tables(recording: Recording, loaded: LoadedMission, folder: Path) -> t
     """Write each topic of the recording to a CSV file in the folder, and return the files.
 
     Raises:
-        RecordingError: The recording is damaged or empty, or the folder cannot be written. No
-            tables are left then.
+        OSError: The folder cannot be written.
+        RecordingError: The recording is damaged or empty.
     """
     return write_files(recording, loaded, folder, ".csv", _CsvFile)
 

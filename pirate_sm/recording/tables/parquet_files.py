@@ -6,6 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import Any, Final
 
+from pirate_sm import __version__
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.column_names import signal_units
@@ -37,15 +38,16 @@ _UNITS: Final = {"_s": "s", "_m": "m", "_rad": "rad"}
 def write_parquet(recording: Recording, loaded: LoadedMission, folder: Path) -> tuple[Path, ...]:
     """Write each topic of the recording to a Parquet file in the folder, and return the files.
 
-    The metadata of a column have its unit, those of a file the mission, the robot and the run's
-    beginning.
+    The metadata of a column have its unit, those of a file this program, the mission, the robot and
+    the run's beginning.
 
     Raises:
-        RecordingError: The recording is damaged or empty, or the folder cannot be written. No
-            tables are left then.
+        OSError: The folder cannot be written.
+        RecordingError: The recording is damaged or empty.
     """
     header = recording.header
     about = {"mission": header.mission, "robot": header.robot, "began": header.began}
+    about |= {"program": f"pirate-sm {__version__}"}
     begin = partial(_ParquetFile, about=about, units=signal_units(loaded.robot))
     return write_files(recording, loaded, folder, ".parquet", begin)
 

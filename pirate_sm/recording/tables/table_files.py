@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack, closing, suppress
+from contextlib import ExitStack, closing
 from itertools import chain
 from pathlib import Path
 from typing import Protocol
@@ -48,28 +48,19 @@ def write_files(
         begin: Opens the file of a table, given the table's first row.
 
     Raises:
-        RecordingError: The recording is damaged or empty, or the folder cannot be written. No
-            tables are left then.
+        OSError: The folder cannot be written.
+        RecordingError: The recording is damaged or empty.
     """
     files: dict[str, TableFile] = {}
     paths: list[Path] = []
-    try:
-        with ExitStack() as stack:
-            for row in _rows(recording, loaded):
-                if row.table not in files:
-                    folder.mkdir(parents=True, exist_ok=True)
-                    path = folder / f"{row.table}{suffix}"
-                    files[row.table] = stack.enter_context(closing(begin(path, row)))
-                    paths.append(path)
-                files[row.table].add(row)
-    except (OSError, RecordingError) as error:
-        with suppress(OSError):
-            for path in paths:
-                path.unlink()
-            folder.rmdir()
-        if isinstance(error, RecordingError):
-            raise
-        raise RecordingError(f"{folder} cannot be written: {error.strerror or error}") from None
+    with ExitStack() as stack:
+        for row in _rows(recording, loaded):
+            if row.table not in files:
+                folder.mkdir(parents=True, exist_ok=True)
+                path = folder / f"{row.table}{suffix}"
+                files[row.table] = stack.enter_context(closing(begin(path, row)))
+                paths.append(path)
+            files[row.table].add(row)
     if not paths:
         raise RecordingError(f"{shown(recording.path)} has no data for tables")
     return tuple(paths)

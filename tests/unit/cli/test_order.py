@@ -88,6 +88,25 @@ def test_jitter_and_faults_of_a_line_are_read_as_in_files(words, message, pirate
     assert message in told.stderr
 
 
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--defect", "a", "--defect", "gamma_2_stickz"], ["'a'", "mean 'gamma_2_sticks'?"]),
+        (["--defect", "a,b"], ["'a,b'", "; repeat --defect for each"]),
+        (["--set", "a=1", "--set", "give_upp=2 s"], ["'a'", "'give_up'?"]),
+        (["--set", "a=1", "--set", "give_up=x"], ["'a'", "parameter 'give_up': "]),
+        (["--jitter", "begin=20mm", "--jitter", "start=20"], ["begin: ", "start=20: "]),
+        (["--backend", "trace", "--fire", "a", "--fire", "pas"], ["'a'", "'pass'?"]),
+        (["--state", "A=b", "--state", "C=d"], ["'A'", "'C'"]),
+    ],
+)
+def test_all_names_that_do_not_exist_are_named_at_once(words, said, pirate_run):
+    result = pirate_run("mitre_bend", "--no-record", "--quiet", *words)
+
+    assert result.exit_code == 2
+    assert all(each in result.stderr for each in said), result.stderr
+
+
 def test_jitter_changes_a_run_and_its_seed_repeats_it(pirate_run):
     words = ("enter_2d", "--no-record", "--quiet", "--jitter", "friction=20%", "--seed")
     first, again, other = (pirate_run(*words, seed).stdout for seed in ("1", "1", "2"))

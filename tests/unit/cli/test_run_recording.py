@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import re
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -154,7 +156,8 @@ def test_a_recording_that_ends_before_its_run_is_told_once_by_every_output(
     result: Any = pirate_run("mitre_bend", *output, "--record", "a.mcap")
 
     told = result.stderr if "--quiet" in output else result.stdout + result.stderr
-    assert result.exit_code == 0
+    assert result.exit_code == 5
+    assert result.stderr.endswith("succeeded, but its recording a.mcap is incomplete\n")
     assert told.count("nothing of the run is recorded: the disk is gone") == 1
 
 
@@ -182,10 +185,46 @@ def test_until_when_a_recording_holds_is_said_as_a_reader_finds_it(
 
     (said,) = re.findall(r"the recording holds until ([\d.]+) s", result.stdout + result.stderr)
     recording = read_recording(here / "a.mcap")
-    assert result.exit_code == 0
+    assert result.exit_code == 5
     assert f"{recording.until_s:.3f}" == said
     assert recording.until_s > 0.5
     assert not recording.complete
+
+
+@pytest.mark.parametrize(
+    ("more", "code"),
+    [
+        (("--record", "a.mcap"), 5),
+        ((), 5),
+        (("--record", "a.mcap", "--defect", "gamma_2_sticks"), 1),
+    ],
+)
+def test_a_lost_recording_that_was_asked_for_gives_a_code_to_a_mission_that_succeeds(
+    more: tuple[str, ...], code: int, here: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PIRATE_SM_RUNS", "kept")
+    said = on_a_disk_with(80_000, "mitre_bend", *more)
+
+    assert said.returncode == code
+    assert "warning: " in said.stderr
+    assert ("is incomplete" in said.stderr) == (code == 5)
+
+
+def test_a_lost_recording_that_nobody_asked_for_is_a_warning(here: Path) -> None:
+    said = on_a_disk_with(80_000, "mitre_bend")
+
+    assert said.returncode == 0
+    assert said.stderr.startswith("warning: runs/")
+
+
+def on_a_disk_with(room: int, *arguments: str) -> subprocess.CompletedProcess[str]:
+    """Return the end of a run whose files cannot be larger than this, bytes."""
+    program = (
+        "import resource; from pirate_sm.cli.entry import run_main; "
+        f"resource.setrlimit(resource.RLIMIT_FSIZE, ({room}, {room})); run_main()"
+    )
+    command = [sys.executable, "-c", program, *arguments, "--quiet"]
+    return subprocess.run(command, capture_output=True, text=True, check=False)
 
 
 def test_a_run_that_is_refused_leaves_no_file(here: Path, pirate_run: Run) -> None:

@@ -212,11 +212,12 @@ def test_a_run_backwards_meets_the_same_joints(parts) -> None:
     [
         (0.5, -QUARTER, ""),
         (0.504, -QUARTER, ""),
-        (0.52, -QUARTER, "this misses its junction by 20 mm"),
+        (0.52, -QUARTER, "this misses its junction by 20 mm: seen along the first run it lies "
+         "20 mm too far to side A"),
         (0.5, QUARTER, "this misses its junction by 2000 mm"),
         (0.5, -1.54, "this misses its junction by"),
     ],
-)
+)  # fmt: skip
 def test_a_loop_closes_or_misses_its_junction(leg_m: float, angle: float, misfit: str) -> None:
     home = (Straight(leg_m), Mitre(angle), Straight(1.0))
     network = Network(

@@ -214,7 +214,11 @@ def test_a_network_is_read_and_followed(tmp_path):
          "6:81: the pipe has 120 mm already"),
         ("[{straight: 2 m}]", "[{straight: 0.2 m}, {mitre: 120 deg}, {straight: 1 m}]",
          "7:68: this runs into segment 3 of the run 'past'"),
-        ("runs:", "segments: [{straight: 1 m}]\nruns:", "1:1: a pipe has either"),
+        ("runs:", "segments: [{straight: 1 m}]\nruns:", "5:1: a pipe has either"),
+        ("start:", "segments: [{straight: 1 m}]\nstart:", "11:1: a pipe has either"),
+        ("start:", "frame: {}\ntilt: 3 deg\nstart:", "12:1: a pipe has either `frame`"),
+        ("start:", "patches: [{from: 1 m, to: 2 m, static: 1, kinetic: 1}]\nstart:",
+         "11:1: the patches of a pipe with `runs`"),
     ],
 )  # fmt: skip
 def test_a_network_that_cannot_be_built_is_refused_with_its_place(tmp_path, old, new, fault):
@@ -231,6 +235,42 @@ def test_a_network_that_cannot_be_built_is_refused_with_its_place(tmp_path, old,
         found = [str(each) for each in problems.errors]
 
     assert any(f"house.yaml:{fault}" in each for each in found), found
+
+
+@pytest.mark.parametrize(
+    ("rest", "fault"),
+    [
+        ("", "1:1: a pipe has either `segments` or `runs`"),
+        ("runs: {}\n", "4:1: there is no run here"),
+        (
+            "segments: [{straight: 1 m}]\nroutes: {a: [b]}\n",
+            "5:1: `junctions`, `ends` and `routes`",
+        ),
+    ],
+)
+def test_what_a_pipe_consists_of_is_asked_for_at_its_key(tmp_path, rest, fault):
+    path = tmp_path / "a.yaml"
+    path.write_text(f"format: 1\npipe: a\ndiameter: 120 mm\n{rest}", "utf-8")
+    with pytest.raises(LoadError) as caught:
+        load_pipe(path)
+
+    assert f"a.yaml:{fault}" in str(caught.value)
+
+
+def test_every_bad_route_is_named(tmp_path):
+    path = tmp_path / "house.yaml"
+    routes = "{a: [mian, branch], b: [branch, past, main], c: [main, main], house: [main, branch]}"
+    whole = HOUSE.replace("{house: [main, branch], past: [main, past]}", routes)
+    path.write_text(whole.replace("run: main", "run: past"), "utf-8")
+    pipe, document = load_pipe(path)
+    problems = Problems(document)
+    check_pipe(pipe, document, problems)
+
+    assert [each.message for each in problems.errors] == [
+        "there is no run 'mian'",
+        "run 'main' does not begin or end at 'cap'",
+        "the route passes the run 'main' twice",
+    ]
 
 
 def test_a_port_that_a_tee_does_not_have_is_described_in_words(tmp_path):

@@ -57,7 +57,8 @@ def test_the_board_has_its_squares_and_a_ruler_of_100_mm() -> None:
     assert found
     assert np.linalg.norm(corners[0] - corners[8]) / PX_PER_MM == pytest.approx(8 * 25, abs=0.3)
     assert 'width="100"' in sheet
-    assert sheet.startswith('<svg xmlns="http://www.w3.org/2000/svg" width="297mm" height="210mm"')
+    assert sheet.startswith('<svg xmlns="http://www.w3.org/2000/svg" class="sheet" width="297mm"')
+    assert 'height="210mm"' in sheet
 
 
 def test_a_large_board_makes_a_large_sheet() -> None:

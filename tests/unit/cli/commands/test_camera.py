@@ -120,6 +120,18 @@ def test_sheets_are_written_for_the_board_the_setup_and_the_robot(pirate: Any, h
         "setup_3_robot_1.svg",
         "setup_3_setup_1.svg",
     ]
+    assert pirate("camera", "print", "setup_3", "-o", "sheets").exit_code == 0
+
+
+def test_sheets_are_not_written_over_somebodys_work(pirate: Any, here: Path) -> None:
+    (here / "setup_3_board.svg").write_text("<svg>mine</svg>", "utf-8")
+
+    result = pirate("camera", "print", "setup_3")
+
+    assert result.exit_code == 2
+    assert "'setup_3_board.svg' exists and may be somebody's work" in result.stderr
+    assert [path.name for path in here.glob("setup_3_*.svg")] == ["setup_3_board.svg"]
+    assert pirate("camera", "print", "setup_3", "--overwrite").exit_code == 0
 
 
 @pytest.mark.parametrize(

@@ -201,6 +201,27 @@ def test_all_are_played_with_a_page_that_leads_to_each(
     assert 'href="two/index.html"' in page
 
 
+def test_no_page_is_written_over_somebodys_work(
+    pirate: Callable[..., Result],
+    own: Callable[..., Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    scene = own("list robots", "{says: pirate_ii}", "one")
+    monkeypatch.setattr(library, "scenes", lambda: [scene])
+    for words, place in ((["--all"], "index.html"), ([scene], "one/index.html")):
+        mine = tmp_path / place.replace("/", "_")
+        (mine / place).parent.mkdir(parents=True)
+        (mine / place).write_text("<p>mine</p>", "utf-8")
+
+        refused = pirate("demo", *words, "-o", mine)
+
+        assert refused.exit_code == 2
+        assert "may be somebody's work" in refused.stderr
+        assert (mine / place).read_text("utf-8") == "<p>mine</p>"
+        assert pirate("demo", *words, "-o", mine, "--overwrite").exit_code == 0
+
+
 def test_a_name_that_is_not_known_is_refused(pirate: Callable[..., Result]) -> None:
     result = pirate("demo", "bent")
     assert result.exit_code == 2

@@ -164,7 +164,7 @@ def test_nobody_at_a_terminal_can_straighten_nothing(pirate: Call) -> None:
 @pytest.mark.parametrize(
     ("options", "told"),
     [
-        (["--skip", "gama_1"], "--skip gama_1: there is no such joint; did you mean 'gamma_1'?"),
+        (["--skip", "gama_1"], "--skip: there is no joint 'gama_1': did you mean 'gamma_1'?"),
         (["--limit", "10"], "10"),
         (["--limit", "10 mm"], "an angle"),
         ([f"--skip=gamma_{n}" for n in (1, 2, 3, 4)], "no joint left to calibrate"),

@@ -132,6 +132,48 @@ def test_of_a_recording_without_contents_or_with_damage_no_folder_is_left(
     assert not (tmp_path / "csv").exists()
 
 
+@pytest.mark.parametrize("kind", ["csv", "parquet"])
+def test_tables_are_written_again_but_not_over_somebodys_work(
+    pirate: Any, run: Path, tmp_path: Path, kind: str
+) -> None:
+    if kind == "parquet":
+        pytest.importorskip("pyarrow")
+    folder = tmp_path / "tables"
+    export = ("export", run, f"--{kind}", folder)
+    assert pirate(*export).exit_code == pirate(*export).exit_code == 0
+    before = {each.name: each.read_bytes() for each in folder.iterdir()}
+    mine = {f"{name}.{kind}": b"time_s,mine\n" for name in ("end", "signals")}
+    for name, text in mine.items():
+        (folder / name).write_bytes(text)
+
+    refused = pirate(*export)
+    kept = {each.name: each.read_bytes() for each in folder.iterdir()}
+    written = pirate(*export, "--overwrite")
+
+    assert refused.exit_code == 2
+    assert all(f"{name}' exists and may be somebody's work" in refused.stderr for name in mine)
+    assert kept == before | mine
+    assert written.exit_code == 0
+    assert {each.name: each.read_bytes() for each in folder.iterdir()} == before
+
+
+def test_a_damaged_recording_leaves_the_tables_that_were_there(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    folder = tmp_path / "csv"
+    pirate("export", run, "--csv", folder)
+    before = {each.name: each.read_bytes() for each in folder.iterdir()}
+    data = bytearray(run.read_bytes())
+    first = read_recording(run).content.pieces[0]
+    data[first.at + first.size // 2] ^= 0xFF
+    run.write_bytes(data)
+
+    result = pirate("export", run, "--csv", folder)
+
+    assert result.exit_code == 2
+    assert {each.name: each.read_bytes() for each in folder.iterdir()} == before
+
+
 def test_the_current_folder_is_not_taken_for_a_name_that_is_none(
     pirate: Any, run: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

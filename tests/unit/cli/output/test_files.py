@@ -40,6 +40,9 @@ def test_an_input_stays_whatever_its_name_is(link, tmp_path: Path) -> None:
         ("table.csv", "time,mine\n1,2\n", False),
         ("wheel.yaml", "wheel,what\n", False),
         ("picture.svg", '<svg xmlns="http://www.w3.org/2000/svg"><path d=""/></svg>', False),
+        ("bay.log", '{"at_s": 0.1, "event": "opened"}\n', True),
+        ("bay.jsonl", '{"at_s": 0.1, "event": "opened"}\n', True),
+        ("mine.log", "09:12 the pipe is wet\n", False),
         ("page.html", "<!doctype html><p>mine", False),
     ],
 )

@@ -161,7 +161,7 @@ def test_what_is_shipped_loads(path):
         (with_line("on_fault: [{fault: robot.stuck, go: b}]"), "4:37: there is no phase"),
         (with_line("on_fault: [{fault: robot.stuck}]"), "4:12: expected either"),
         (with_line("on_fault: [{fault: robot.stuck, go: a, then: continue}]"),
-         "4:12: expected either `then: continue` or `go: <phase>`"),
+         "4:40: expected either `then: continue` or `go: <phase>`"),
         (with_line("starts_in: {BendingStat: Unclamped}"), "4:13: there is no region"),
         (with_line("starts_in: {LightingState: off}"), "4:28: LightingState has no state 'off'"),
         (with_line("starts_in: {BendingState: DoubleClamped}"),
@@ -314,6 +314,17 @@ def test_a_parameter_without_a_default_must_be_given(load):
         load(text)
 
     assert load(text, settings={"way": "5 cm"}).parameters == {"way": "5 cm"}
+
+
+def test_all_parameters_without_a_default_are_named(load):
+    text = with_line("parameters: {way: {type: length}, rest: {type: duration}}")
+
+    with pytest.raises(UsageError) as caught:
+        load(text)
+
+    assert caught.value.for_terminal == (
+        "parameters 'way' and 'rest' have no default: give them with --set way=… --set rest=…"
+    )
 
 
 def test_of_an_unknown_fault_those_are_named_that_a_mission_may_handle(load):
