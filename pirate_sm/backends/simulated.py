@@ -9,14 +9,13 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple
 
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.errors import BackendError
 from pirate_sm.geometry.joints import Bend
-from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult, SubmitStatus
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
@@ -36,31 +35,54 @@ from pirate_sm.simulation.xpbd.kinematic import kinematic
 _SILENCE_S = 1.0
 
 
-class _Sent(NamedTuple):
-    """An array on its way."""
+@dataclass(frozen=True, slots=True)
+class _Order:
+    """An array that has been submitted.
 
+    Attributes:
+        number: How many had been submitted with it.
+        given_up_s: When its result is unknown if no echo has come.
+    """
+
+    number: int
     setpoint_id: int
     values: tuple[float, ...]
-    arrives: bool
+    given_up_s: float
+
+    def result(self, status: SubmitStatus, reason: str = "") -> SubmitResult:
+        """Return a result of it."""
+        return SubmitResult(self.setpoint_id, status, reason)
 
 
 @dataclass
 class _Wire:
-    """An array that waits for the next cycle, and results that wait to be reported."""
+    """The arrays on their way, and results that wait to be reported.
 
-    waiting: _Sent | None = None
-    results: list[tuple[float, SubmitResult]] = field(default_factory=list)
+    Attributes:
+        waiting: The array that waits for the next cycle, and whether it arrives.
+        overdue: When the array is written again whose echo does not come, and that array.
+        results: When the result of each order is reported, and the result, by the order's number.
+    """
+
+    waiting: tuple[_Order, bool] | None = None
+    overdue: tuple[float, _Order] | None = None
+    results: dict[int, tuple[float, SubmitResult]] = field(default_factory=dict)
 
     @property
     def due_s(self) -> float:
-        """When the next result is due."""
-        return min([due for due, _ in self.results]) if self.results else math.inf
+        """When the next result or the next copy of an array is due."""
+        due_s = min([due for due, _ in self.results.values()]) if self.results else math.inf
+        return due_s if self.overdue is None else min(due_s, self.overdue[0])
 
     def take(self, now: float) -> list[Event]:
         """Return the results that are due, oldest first."""
-        due = [result for at, result in self.results if at <= now]
-        self.results = [(at, result) for at, result in self.results if at > now]
+        due = [result for at, result in self.results.values() if at <= now]
+        self.results = {order: it for order, it in self.results.items() if it[0] > now}
         return list(due)
+
+    def arriving(self) -> tuple[float, ...] | None:
+        """Return the array that comes into force in the next cycle; None without one."""
+        return self.waiting[0].values if self.waiting is not None and self.waiting[1] else None
 
 
 class SimulatorBackend:
@@ -107,6 +129,9 @@ class SimulatorBackend:
         self._cycle_s = link.cycle
         self._echo_s = link.echo_delay
         self._unknown_s = link.resend_after
+        # The driver of the robot writes an array again when its echo is overdue; the thesis's node
+        # sent every message twice, 100 ms apart, with echoes after 50 ms [4-2-2].
+        self._overdue_s = max(2 * link.echo_delay, link.cycle)
         self.robot = SimulatedRobot(
             profile,
             pipe,
@@ -121,6 +146,7 @@ class SimulatorBackend:
         self.robot.hold()
         self._turns = self.robot.turns(link.state_message == "value")
         self._wire = _Wire()
+        self._orders = 0
         self._now = 0.0
         self._cycles = 0
         self._closed = False
@@ -176,29 +202,30 @@ class SimulatorBackend:
         """
         if self._closed:
             raise BackendError("the simulator is closed")
+        self._orders += 1
+        order = _Order(self._orders, setpoint_id, values, self._now + self._unknown_s)
         refusal = self.robot.electronics.refusal(values)
         if refusal:
-            self._report(self._now, SubmitResult(setpoint_id, "rejected", refusal))
+            self._wire.results[order.number] = self._now, order.result("rejected", refusal)
             return
-        older = self._wire.waiting
-        if older is not None:
+        if self._wire.waiting is not None:
+            older, _ = self._wire.waiting
             reason = f"array {setpoint_id} came before it was sent"
-            self._supersede(older.setpoint_id, reason)
+            self._wire.results[older.number] = self._now, older.result("superseded", reason)
+        self._write(order)
+
+    def _write(self, order: _Order) -> None:
+        """Write the array, and again when its echo is overdue, until it is given up."""
+        wire = self._wire
         arrives, echoes = self.robot.delivery(self._now)
-        self._wire.waiting = _Sent(setpoint_id, values, arrives)
+        wire.waiting, wire.overdue = (order, arrives), None
         if arrives and echoes:
-            self._report(self._now + self._echo_s, SubmitResult(setpoint_id, "accepted"))
-        else:
-            lost = SubmitResult(setpoint_id, "unknown", "no echo came")
-            self._report(self._now + self._unknown_s, lost)
-
-    def _report(self, due_s: float, result: SubmitResult) -> None:
-        self._wire.results.append((due_s, result))
-
-    def _supersede(self, setpoint_id: int, reason: str) -> None:
-        results = self._wire.results
-        last = max(i for i, (_, r) in enumerate(results) if r.setpoint_id == setpoint_id)
-        results[last] = (self._now, SubmitResult(setpoint_id, "superseded", reason))
+            wire.results[order.number] = self._now + self._echo_s, order.result("accepted")
+            return
+        wire.results[order.number] = order.given_up_s, order.result("unknown", "no echo came")
+        again_s = self._now + self._overdue_s
+        if again_s + self._echo_s <= order.given_up_s:
+            wire.overdue = again_s, order
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Let the robot run until `until_s` or the first moment with an event."""
@@ -213,6 +240,8 @@ class SimulatorBackend:
                 self._now = max(self._now, until_s)
                 return self._now, ()
             self._now = max(self._now, due)
+            if self._wire.overdue is not None and self._wire.overdue[0] <= self._now:
+                self._write(self._wire.overdue[1])
             events: list[Event] = self._wire.take(self._now) if self._wire.results else []
             if cycle <= self._now:
                 events += self._cycle()
@@ -225,9 +254,9 @@ class SimulatorBackend:
             return None
         if self._glider is None or self._glider.robot is not watch.robot:
             self._glider = Glider(watch.robot, self.robot, self._turns, self._cycle_s)
-        waiting, until_s = self._wire.waiting, min(until_s, self._wire.due_s)
-        if waiting is not None and waiting.arrives:  # in force from the next cycle on, if it comes
-            self.robot.electronics.set_values(waiting.values)
+        until_s, arriving = min(until_s, self._wire.due_s), self._wire.arriving()
+        if arriving is not None:  # in force from the next cycle on, if it comes
+            self.robot.electronics.set_values(arriving)
         passed = self._glider.glide(watch, words, self._now, self._cycles, until_s)
         if passed is None:
             return None
@@ -244,11 +273,9 @@ class SimulatorBackend:
     def _cycle(self) -> list[Event]:
         """Simulate one cycle of the bus."""
         robot = self.robot
-        waiting = self._wire.waiting
-        if waiting is not None:
-            self._wire.waiting = None
-            if waiting.arrives:
-                robot.electronics.set_values(waiting.values)
+        arriving, self._wire.waiting = self._wire.arriving(), None
+        if arriving is not None:
+            robot.electronics.set_values(arriving)
         self._cycles += 1
         turn = self._turns[self._cycles % len(self._turns)]
         events: list[Event] = []
@@ -287,8 +314,9 @@ class SimulatorBackend:
 
     def close(self) -> None:
         """Put the last submitted array in force and take no more."""
-        waiting = self._wire.waiting
-        self._wire.waiting = None
+        if self._wire.overdue is not None:
+            self._write(self._wire.overdue[1])
+        arriving, self._wire.waiting = self._wire.arriving(), None
         self._closed = True
-        if waiting is not None and waiting.arrives:
-            self.robot.electronics.set_values(waiting.values)
+        if arriving is not None:
+            self.robot.electronics.set_values(arriving)

@@ -102,6 +102,58 @@ def test_an_array_is_accepted_after_the_echo_delay(profile: Profile) -> None:
     assert results == [(pytest.approx(0.1 + profile.link.echo_delay), SubmitResult(7, "accepted"))]
 
 
+@pytest.mark.parametrize(
+    ("fates", "accepted_after"),
+    [
+        ([(False, False), (True, True)], 3),  # lost; the copy's echo comes
+        ([(True, False), (True, True)], 3),  # its echo is lost
+        ([(False, False), (True, False)], None),
+        ([(False, False), (False, False)], None),
+    ],
+)
+def test_an_array_whose_echo_is_overdue_is_written_again(
+    profile: Profile,
+    fates: list[tuple[bool, bool]],
+    accepted_after: int | None,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As the driver of a real robot does; the copy is written after two delays of the echo."""
+    link = profile.link
+    backend = SimulatorBackend(profile, pipe(), start_values=values(profile, clamp=0.6))
+    left = iter(fates)
+    monkeypatch.setattr(backend.robot, "delivery", lambda now_s: next(left))
+    backend.open()
+
+    backend.submit(7, values(profile, clamp=0.6, drive=1.0))
+    found = pass_time(backend, 2.0)
+
+    results = [(at, event) for at, event in found if isinstance(event, SubmitResult)]
+    if accepted_after is not None:
+        expected = accepted_after * link.echo_delay, SubmitResult(7, "accepted")
+    else:
+        expected = link.resend_after, SubmitResult(7, "unknown", "no echo came")
+    assert results == [(pytest.approx(expected[0]), expected[1])]
+    assert next(left, None) is None
+    assert (backend.truth.distance_m > 0.01) == any(arrives for arrives, _ in fates)
+
+
+def test_an_array_that_is_overdue_is_not_written_after_a_newer_one(
+    profile: Profile, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    fates = iter([(False, False), (True, True)])
+    backend = SimulatorBackend(profile, pipe(), start_values=values(profile, clamp=0.6))
+    monkeypatch.setattr(backend.robot, "delivery", lambda now_s: next(fates))
+    backend.open()
+
+    backend.submit(1, values(profile, clamp=0.6, drive=1.0))
+    pass_time(backend, profile.link.echo_delay)
+    backend.submit(2, values(profile, clamp=0.6))
+    results = of(SubmitResult, pass_time(backend, 2.0))
+
+    assert [(r.setpoint_id, r.status) for r in results] == [(2, "accepted"), (1, "unknown")]
+    assert backend.truth.distance_m == pytest.approx(0.0, abs=1e-3)
+
+
 def test_a_newer_array_supersedes_one_that_has_not_been_sent(profile: Profile) -> None:
     backend = SimulatorBackend(profile, pipe())
     backend.open()

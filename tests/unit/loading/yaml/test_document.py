@@ -15,6 +15,8 @@ from pirate_sm.loading.problems import LoadError, Problem
 from pirate_sm.loading.yaml import composer
 from pirate_sm.loading.yaml.document import parse_document, place_of, read_document
 
+from ..conftest import ROOT
+
 TEXT = """\
 # a comment
 robot: two_arms
@@ -315,7 +317,8 @@ def test_no_content_raises_anything_but_a_load_error(text: str | bytes) -> None:
 
 
 def test_without_libyaml_the_same_is_read(monkeypatch: pytest.MonkeyPatch) -> None:
-    files = [*library.robots()[0].glob("*.yaml"), *library.missions()]
+    examples = (ROOT / "docs/examples").glob("*.yaml")
+    files = [*library.robots()[0].glob("*.yaml"), *library.missions(), *examples]
     texts = [each.read_text("utf-8") for each in files]
     fast = [composer.compose(text) for text in texts]
 
