@@ -222,18 +222,20 @@ def lost(recording: Recording) -> tuple[str, ...]:
 
 def edited(header: RunHeader) -> tuple[str, ...]:
     """Return a notice about each file that has changed since the recording."""
-    found = []
-    for file in header.files:
-        path = _place_of(file)
-        try:
-            now = read_extended(path) if file.role in _EXTENDED else read_document(path)
-        except LoadError:
-            continue
-        if now.complete_text != file.text:
-            found.append(
-                f"{shown(path)} has changed since; the {file.role} of the recording counts"
-            )
-    return tuple(found)
+    return tuple(
+        f"{shown(path)} has changed since; the {file.role} of the recording counts"
+        for file in header.files
+        if (path := _place_of(file)).exists() and _text_now(path, file) != file.text
+    )
+
+
+def _text_now(path: Path, file: RecordedFile) -> str | None:
+    """Return what a file says today, with what it extends; None if it cannot be read."""
+    try:
+        now = read_extended(path) if file.role in _EXTENDED else read_document(path)
+    except LoadError:
+        return None
+    return now.complete_text
 
 
 def _missing(header: RunHeader) -> tuple[str, ...]:

@@ -88,8 +88,9 @@ def test_its_options_need_a_recording(option: str) -> None:
     assert f"{option.partition('=')[0]}: only together with --resume" in result.stderr
 
 
+@pytest.mark.parametrize("more", ["# a word more\n", "- no YAML: [\n"])
 def test_a_mission_that_was_edited_since_is_asked_about(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    more: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
     mission = tmp_path / "mine.yaml"
@@ -97,7 +98,7 @@ def test_a_mission_that_was_edited_since_is_asked_about(
     mission.write_text(shipped, "utf-8")
     record_cut_off(Path("cut.mcap"), Order(str(mission)), 2.0)
     assert resume("cut.mcap", "--look").exit_code == 0
-    mission.write_text(shipped + "# a word more\n", "utf-8")
+    mission.write_text(shipped + more, "utf-8")
 
     edited = resume("cut.mcap", "--accept")
     mission.unlink()
