@@ -95,14 +95,15 @@ def _chosen(plan: Plan, options: CampaignOptions) -> Plan:
 def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
     """Yield the store of the results, which is closed when the block ends."""
     folder = options.output or _usual_folder(plan.name)
-    store = Store(folder)
+    store, described = Store(folder), plan
     if is_store(folder):
         if not options.resume:
             raise UsageError(
                 f"there are results in '{folder}' already: go on with them with --resume, or name "
                 "another folder with --output"
             )
-        _refuse_another(plan, store)
+        before = _refuse_another(plan, store)
+        described = _with_others(plan, before) if options.cells and before else plan
     elif folder.exists() and not folder.is_dir():
         raise UsageError(f"'{folder}' is a file: name a folder for the results with --output")
     elif folder.exists() and any(folder.iterdir()):
@@ -110,7 +111,7 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
             f"'{folder}' is there already and has no results of a campaign: name another folder "
             "with --output"
         )
-    store.begin(mark_of(plan))
+    store.begin(mark_of(described))
     stops: list[Stop] = []
     try:
         with _terminated_as_by_ctrl_c(stops.append):
@@ -138,8 +139,18 @@ def _terminated_as_by_ctrl_c(note: Callable[[Stop], None]) -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _refuse_another(plan: Plan, store: Store) -> None:
+def _with_others(plan: Plan, before: Plan) -> Plan:
+    """Return the plan with the cells besides that a folder has results of."""
+    chosen = {cell.name: cell for cell in plan.cells}
+    cells = [chosen.pop(cell.name, cell) for cell in before.cells]
+    return replace(plan, cells=(*cells, *chosen.values()))
+
+
+def _refuse_another(plan: Plan, store: Store) -> Plan | None:
     """Refuse a folder with the results of another campaign, and say which of them do not count.
+
+    Returns:
+        The plan of the results that are there; None if they do not count.
 
     Raises:
         UsageError: It is another one, or its format is that of another version.
@@ -150,7 +161,7 @@ def _refuse_another(plan: Plan, store: Store) -> None:
         if error.campaign not in (None, plan.name):
             raise _another(store, f"'{error.campaign}'", f"'{plan.name}'") from None
         say(f"warning: {error.problem}: it is written anew")
-        return
+        return None
     if before.name != plan.name:
         raise _another(store, *map(_described, (before, plan)))
     if before.version != plan.version:
@@ -158,7 +169,7 @@ def _refuse_another(plan: Plan, store: Store) -> None:
             f"warning: results of another version, {before.version}, are in '{store.folder}': "
             "not used"
         )
-        return
+        return None
     keys = {cell.name: cell.key for cell in before.cells}
     changed = [cell.name for cell in plan.cells if keys.get(cell.name, cell.key) != cell.key]
     if changed:
@@ -166,6 +177,7 @@ def _refuse_another(plan: Plan, store: Store) -> None:
             f"warning: files or choices of cells have changed since the results in "
             f"'{store.folder}', which are not used: {_named(changed)}"
         )
+    return before
 
 
 def _another(store: Store, before: str, now: str) -> UsageError:

@@ -93,6 +93,20 @@ def test_a_campaign_that_is_complete_prints_its_table_again(
     assert "pirate run enter_2d --seed 0 --speed max --defect stale_repeats" in result.stdout
 
 
+def test_going_on_with_one_cell_keeps_the_others_in_the_report(
+    pirate: Any, file: Path, filled: Any
+) -> None:
+    results = filled("results", 5)
+    before = json.loads((results / "campaign.json").read_text("utf-8"))
+    words = ("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
+
+    one = pirate(*words, "--cell", "enter: stale_repeats")
+
+    assert one.exit_code == 0
+    assert "no defect" not in one.stdout
+    assert json.loads((results / "campaign.json").read_text("utf-8")) == before
+
+
 def test_less_than_expected_is_exit_code_1_in_every_format(
     pirate: Any, file: Path, filled: Any
 ) -> None:
