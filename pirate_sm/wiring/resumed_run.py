@@ -304,7 +304,10 @@ def _put_back(end: EndOfRun, header: RunHeader) -> PutBack:
         )
     if placed is None or not placed.known or any(map(isnan, (*bends.values(), *torques.values()))):
         raise RecordingError("where the simulated robot was is not in the recording")
-    beside = placed.space if in_space else InSpace((), _rolls_in_plane(loaded, last, known))
+    beside = placed.space
+    if not in_space:
+        # Recordings of earlier versions hold no rolls in a plane.
+        beside = InSpace((), placed.rolls_rad or _rolls_in_plane(loaded, last, known))
     if beside is None:
         raise RecordingError("where the simulated robot was in space is not in the recording")
     body = hypotheses(loaded.robot, loaded.program, last)[0].body

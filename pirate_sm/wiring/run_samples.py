@@ -33,8 +33,8 @@ def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
             return None
         camera = prepared.camera() if prepared.camera else None
         places, known = _wheels(prepared, stood)
-        space = _space(prepared, stood)
-        return Sample(now_s, ViewerSnapshot(now, numbers(now), places, known, camera, space))
+        beside = _space(prepared, stood), _rolls(prepared, stood)
+        return Sample(now_s, ViewerSnapshot(now, numbers(now), places, known, camera, *beside))
 
     return look
 
@@ -49,9 +49,9 @@ def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pic
     if true is not None and camera is None and prepared.in_space is None:
         # Nearly every run at full speed.
         return lambda now_s, stood: (
-            places_sample(now_s, True, true())
+            places_sample(now_s, True, true(), None, _rolls(prepared, None))
             if stood is None
-            else PlacesSample(now_s, True, stood.places_m)
+            else PlacesSample(now_s, True, stood.places_m, (), stood.space.rolls_rad)
         )
     loaded = prepared.loaded
     robot = loaded.loaded_robot.profile, loaded.robot
@@ -63,7 +63,8 @@ def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pic
             return None
         places, known = _wheels(prepared, stood)
         taken = places or placing.look(now, now_s) or ()
-        sample = places_sample(now_s, known, taken, _space(prepared, stood))
+        beside = _space(prepared, stood), _rolls(prepared, stood)
+        sample = places_sample(now_s, known, taken, *beside)
         seen = camera() if camera else None
         return sample if seen is None else Pictured(sample, seen)
 
@@ -89,3 +90,10 @@ def _space(prepared: Prepared, stood: Stood | None) -> InSpace | None:
         return prepared.in_space() if stood is None else stood.space
     taken = prepared.reckoned() if prepared.reckoned else None
     return InSpace(taken.z_m, taken.rolls_rad) if taken is not None and taken.z_m else None
+
+
+def _rolls(prepared: Prepared, stood: Stood | None) -> tuple[float, ...]:
+    """Return the rolls of a simulated robot that moves in a plane; empty for any other one."""
+    if prepared.in_space is not None or prepared.truth is None:
+        return ()
+    return tuple(prepared.truth().rolls_rad) if stood is None else stood.space.rolls_rad

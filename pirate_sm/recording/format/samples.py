@@ -32,7 +32,9 @@ SCHEMA: Final[JsonSchema] = {
         "Column places_m: for each sample x and y of each wheel in turn, in the plane of the pipe, "
         "m; an empty array where they were unknown.\n"
         "Column space, of a robot in space: for each sample z of each wheel, m, then the rolls of "
-        "joint, front and rear, rad."
+        "joint, front and rear, rad.\n"
+        "Column rolls_rad, of a robot in a plane: these rolls for each sample; one entry if all "
+        "samples have the same."
     ),
     "type": "object",
     "properties": {
@@ -51,12 +53,15 @@ class Placed(NamedTuple):
         known: Whether it is a simulator's true position; else it is reckoned.
         wheels: Position of each wheel in the plane of the pipe, m; empty if unknown.
         space: What they leave out of a robot in space, if known.
+        rolls_rad: The same of a robot in a plane: angle of its roll joint, roll of the front and
+            of the rear part; empty if unknown.
     """
 
     at_s: float
     known: bool
     wheels: Sequence[Place]
     space: InSpace | None = None
+    rolls_rad: tuple[float, ...] = ()
 
 
 class PlacesSample(NamedTuple):
@@ -67,39 +72,50 @@ class PlacesSample(NamedTuple):
         known: As in :class:`Placed`.
         places_m: Its entry in the column of this name.
         space: Its entry in the column of this name; empty for a robot in a plane.
+        rolls_rad: Its entry in the column of this name; empty for a robot in space.
     """
 
     at_s: float
     known: bool
     places_m: tuple[float, ...]
     space: tuple[float, ...] = ()
+    rolls_rad: tuple[float, ...] = ()
 
 
 def places_sample(
-    at_s: float, known: bool, wheels: Sequence[Place], space: InSpace | None = None
+    at_s: float,
+    known: bool,
+    wheels: Sequence[Place],
+    space: InSpace | None = None,
+    rolls_rad: tuple[float, ...] = (),
 ) -> PlacesSample:
-    """Return the sample of these positions."""
+    """Return the sample of these positions; the arguments are those of :class:`Placed`."""
     beyond = () if space is None else (*space.z_m, *space.rolls_rad)
-    return PlacesSample(at_s, known, tuple(chain.from_iterable(wheels)), beyond)
+    return PlacesSample(at_s, known, tuple(chain.from_iterable(wheels)), beyond, rolls_rad)
 
 
 def encode_samples(samples: Sequence[PlacesSample]) -> bytes:
     """Return a batch of samples as JSON; a position that is no number is unknown."""
-    times_s, known, places_m, space = zip(*samples, strict=True)
+    times_s, known, places_m, space, rolls_rad = zip(*samples, strict=True)
     columns = {"t_s": times_s, "known": known, "places_m": [_finite(each) for each in places_m]}
     if any(space):
         columns["space"] = [_finite(each) for each in space]
+    if any(rolls_rad):
+        rolls = [_finite(each) for each in rolls_rad]
+        columns["rolls_rad"] = rolls[:1] if rolls.count(rolls[0]) == len(rolls) else rolls
     return to_json(columns)
 
 
 def decode_samples(batch: dict[str, Any]) -> Iterator[Placed]:
     """Yield the samples of a batch."""
     columns = (batch["t_s"], batch["known"], batch["places_m"])
-    beyond = batch.get("space", [()] * len(batch["t_s"]))
-    for at_s, known, places, more in zip(*columns, beyond, strict=True):
+    count = len(batch["t_s"])
+    beyond, rolls = batch.get("space", [()] * count), batch.get("rolls_rad", [()])
+    each_roll = rolls * count if len(rolls) == 1 else rolls
+    for at_s, known, places, more, rolled in zip(*columns, beyond, each_roll, strict=True):
         values = iter(places)
         wheels = rounded(tuple(zip(values, values, strict=True)))
-        yield Placed(at_s, known, wheels, _space_of(more, len(wheels)))
+        yield Placed(at_s, known, wheels, _space_of(more, len(wheels)), _nine_digits(rolled))
 
 
 def _finite(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -110,8 +126,13 @@ def _space_of(values: Sequence[float], wheels: int) -> InSpace | None:
     """Return what a robot in space has beside its places; None if that is unknown."""
     if not values:
         return None
-    digits = tuple(float(f"{each:.9g}") for each in values)
+    digits = _nine_digits(values)
     return InSpace(digits[:wheels], digits[wheels:])
+
+
+def _nine_digits(values: Sequence[float]) -> tuple[float, ...]:
+    """Return the numbers as viewers are shown them."""
+    return tuple(float(f"{each:.9g}") for each in values)
 
 
 def rounded(wheels: Sequence[Place]) -> tuple[Place, ...]:

@@ -8,7 +8,7 @@ from math import inf, nan
 from pirate_sm.model.body import Body
 from pirate_sm.recording.format.samples import SAMPLES, Placed, decode_samples
 from pirate_sm.recording.read.reader import NS_PER_S, Recording
-from pirate_sm.recording.viewers.places_in_space import space_of
+from pirate_sm.recording.viewers.places_in_space import rolls_of, space_of
 from pirate_sm.recording.viewers.viewer_messages import PLACES
 
 
@@ -34,4 +34,5 @@ def recorded_places(recording: Recording, body: Body, since_s: float = -inf) -> 
     for at_s, shown in ((it.at_s, it.content) for it in recording.shown(PLACES, since_s=since_s)):
         wheels = tuple((shown.get(x, nan), shown.get(y, nan)) for x, y in names)
         space = space_of(shown, [wheel.name for wheel in body.wheels])
-        yield Placed(at_s, bool(shown.get("known")), wheels, space)
+        rolls_rad = rolls_of(shown) if space is None else ()
+        yield Placed(at_s, bool(shown.get("known")), wheels, space, rolls_rad)

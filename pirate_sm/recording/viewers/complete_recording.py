@@ -110,7 +110,8 @@ class _Completed:
     def _snapshot(self, state: EngineState, placed: Placed) -> ViewerSnapshot:
         wheels = tuple(placed.wheels) or None
         numbers = self._engine.numbers(state)
-        return ViewerSnapshot(state, numbers, wheels, placed.known, space=placed.space)
+        beside = placed.space, placed.rolls_rad
+        return ViewerSnapshot(state, numbers, wheels, placed.known, None, *beside)
 
 
 class _Ahead(Generic[T]):

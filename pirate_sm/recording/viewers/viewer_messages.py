@@ -27,7 +27,7 @@ from pirate_sm.recording.format.samples import rounded
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
-from pirate_sm.recording.viewers.places_in_space import columns_in_space, values_in_space
+from pirate_sm.recording.viewers.places_in_space import ROLLS, columns_in_space, values_in_space
 from pirate_sm.recording.viewers.transforms import Transforms
 from pirate_sm.recording.viewers.transforms_in_space import SpaceTransforms
 from pirate_sm.recording.viewers.viewer_channel import (
@@ -54,6 +54,8 @@ class ViewerSnapshot(NamedTuple):
         known: Whether they are the true positions.
         space: What they leave out of a robot in space, if known.
         camera: What the detector's camera sees, if there is one.
+        rolls_rad: The rolls of a robot in a plane, as in
+            :class:`~pirate_sm.recording.format.samples.Placed`.
     """
 
     state: EngineState
@@ -62,6 +64,7 @@ class ViewerSnapshot(NamedTuple):
     known: bool
     camera: CameraView | None = None
     space: InSpace | None = None
+    rolls_rad: tuple[float, ...] = ()
 
 
 class ViewerMessages:
@@ -92,7 +95,7 @@ class ViewerMessages:
         self._in_space = SpaceTransforms(self._body, route) if route and in_space else None
         # Reckoned places are drawn in the plane of the drawing.
         self._reckons = route is None or bool(drawn_walls(route))
-        beyond = columns_in_space(wheels) if in_space else ()
+        beyond = columns_in_space(wheels) if in_space else ROLLS
         self._beyond = _gaps(beyond)
         self._camera = CameraMessages(wheels)
         self._codes = _state_codes(robot)
@@ -128,7 +131,8 @@ class ViewerMessages:
             yield self._tf, self._frames(now, points, it.space, numbers)
             known = '"known":true' if it.known else '"known":false'
             values = tuple(value for point in points for value in point)
-            beyond = _filled(self._beyond, values_in_space(it.space)) if it.space else ()
+            more = values_in_space(it.space) if it.space else it.rolls_rad
+            beyond = _filled(self._beyond, more) if more else ()
             yield self._places, _object(known, *_filled(self._coordinates, values), *beyond)
         if it.camera is not None:
             yield from self._camera.of(at_s, time_ns, it.camera)

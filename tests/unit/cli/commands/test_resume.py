@@ -191,8 +191,17 @@ def test_a_run_that_was_resumed_can_be_resumed_again(
     assert [each.name for each in chain] == ["cut.mcap", "again.mcap"]
 
 
-@pytest.mark.parametrize(("mission", "cut_s"), [("take_elbow", 5.0), ("house_connection", 30.0)])
-def test_a_robot_in_round_pipes_is_put_back_and_goes_on_to_the_same_end(
+@pytest.mark.parametrize(
+    ("mission", "cut_s"),
+    [
+        ("take_elbow", 5.0),
+        ("house_connection", 30.0),
+        # In a plane, where both parts have turned.
+        ("enter_3d", 10.0),
+        ("enter_3d", 20.3),
+    ],
+)
+def test_a_simulated_robot_is_put_back_and_goes_on_to_the_same_end(
     mission: str, cut_s: float, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)

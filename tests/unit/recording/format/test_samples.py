@@ -20,6 +20,7 @@ from pirate_sm.recording.format.samples import (
 )
 
 NUMBERS = st.floats(-1e3, 1e3)
+ROLLS = [(0.0, 0.5, 0.5), (0.1, 0.6, 0.5)]
 WHEELS = st.lists(st.tuples(NUMBERS, NUMBERS), max_size=6)
 
 
@@ -27,7 +28,8 @@ WHEELS = st.lists(st.tuples(NUMBERS, NUMBERS), max_size=6)
 def placed(draw: st.DrawFn) -> Placed:
     wheels = draw(WHEELS)
     if not wheels or draw(st.booleans()):
-        return Placed(draw(NUMBERS), draw(st.booleans()), wheels)
+        rolls_rad = draw(st.just(()) | st.sampled_from(ROLLS) | st.tuples(*[NUMBERS] * 3))
+        return Placed(draw(NUMBERS), draw(st.booleans()), wheels, None, rolls_rad)
     z_m = draw(st.tuples(*[NUMBERS] * len(wheels)))
     space = InSpace(z_m, draw(st.tuples(NUMBERS, NUMBERS, NUMBERS)))
     return Placed(draw(NUMBERS), draw(st.booleans()), wheels, space)
@@ -35,7 +37,8 @@ def placed(draw: st.DrawFn) -> Placed:
 
 def shown(each: Placed) -> Placed:
     space = each.space and InSpace(*(tuple(float(f"{x:.9g}") for x in v) for v in each.space))
-    return each._replace(wheels=rounded(each.wheels), space=space)
+    rolls_rad = tuple(float(f"{x:.9g}") for x in each.rolls_rad)
+    return each._replace(wheels=rounded(each.wheels), space=space, rolls_rad=rolls_rad)
 
 
 @given(st.lists(placed(), min_size=1, max_size=4))
@@ -44,6 +47,14 @@ def test_samples_come_back_rounded(samples: list[Placed]) -> None:
 
     jsonschema.validate(written, SCHEMA)
     assert list(decode_samples(written)) == [shown(each) for each in samples]
+
+
+def test_rolls_that_stay_are_written_once() -> None:
+    same = [places_sample(at_s, True, [(0.0, at_s)], None, ROLLS[0]) for at_s in (0.0, 0.1, 0.2)]
+    turned = places_sample(0.3, True, [(0.0, 0.3)], None, ROLLS[1])
+
+    assert json.loads(encode_samples(same))["rolls_rad"] == [[*ROLLS[0]]]
+    assert len(json.loads(encode_samples([*same, turned]))["rolls_rad"]) == 4
 
 
 @given(WHEELS)

@@ -31,6 +31,7 @@ RUNS = {
     "sim": Order("mitre_bend"),
     "trace": Order("mitre_bend", backend="trace"),
     "odometry": Order("enter_2d", detector="odometry"),
+    "turned parts": Order("enter_3d"),
     "another robot": Order(str(NEWT / "patrol.yaml")),
 }
 
@@ -111,6 +112,7 @@ def test_places_are_read_from_the_middle_on(runs: dict[str, Recording]) -> None:
     with recorded_mission(fast.header) as loaded:
         body = loaded.loaded_robot.profile.body
     every = list(recorded_places(fast, body))
+    assert list(recorded_places(runs["paced"], body)) == every
 
     late = list(recorded_places(fast, body, since_s=every[len(every) // 2].at_s))
 
