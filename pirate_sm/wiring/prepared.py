@@ -38,6 +38,8 @@ class Equipment:
         truth: Returns the robot's true state, on backends that know it.
         wheels: Returns only the wheels of it, in the plane of the drawing, m, for frequent calls.
         in_space: Returns what they leave out, on backends that know it and move the robot in space.
+        rolls: Returns the rolls of :class:`Truth`, on backends that move the robot in a plane and
+            put it back after a crash, for frequent calls.
         link: Returns the state of the link, if there is one.
         parting: Returns what a person must do after the run; empty if nothing.
         confirmation: What a person must confirm before anything moves; empty if nothing.
@@ -55,6 +57,7 @@ class Equipment:
     truth: Callable[[], Truth] | None = None
     wheels: Callable[[], tuple[tuple[float, float], ...]] | None = None
     in_space: Callable[[], InSpace] | None = None
+    rolls: Callable[[], tuple[float, ...]] | None = None
     link: Callable[[], LinkHealth] | None = None
     parting: Callable[[], str] = lambda: ""
     confirmation: str = ""

@@ -94,6 +94,6 @@ def _space(prepared: Prepared, stood: Stood | None) -> InSpace | None:
 
 def _rolls(prepared: Prepared, stood: Stood | None) -> tuple[float, ...]:
     """Return the rolls of a simulated robot that moves in a plane; empty for any other one."""
-    if prepared.in_space is not None or prepared.truth is None:
+    if prepared.rolls is None:
         return ()
-    return tuple(prepared.truth().rolls_rad) if stood is None else stood.space.rolls_rad
+    return prepared.rolls() if stood is None else stood.space.rolls_rad

@@ -104,6 +104,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         physics=physics,
         name=order.backend,
     )
+    flat = loaded.pipe.section == "bars"
     return Equipment(
         backend=backend,
         companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
@@ -111,7 +112,8 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         places=Places(backend.bends, backend.places_m),
         truth=lambda: backend.truth,
         wheels=lambda: backend.wheels,
-        in_space=None if loaded.pipe.section == "bars" else lambda: backend.in_space,
+        in_space=None if flat else lambda: backend.in_space,
+        rolls=(lambda: backend.in_space.rolls_rad) if flat else None,
     )
 
 

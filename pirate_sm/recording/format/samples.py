@@ -101,8 +101,8 @@ def encode_samples(samples: Sequence[PlacesSample]) -> bytes:
     if any(space):
         columns["space"] = [_finite(each) for each in space]
     if any(rolls_rad):
-        rolls = [_finite(each) for each in rolls_rad]
-        columns["rolls_rad"] = rolls[:1] if rolls.count(rolls[0]) == len(rolls) else rolls
+        stay = rolls_rad.count(rolls_rad[0]) == len(rolls_rad)
+        columns["rolls_rad"] = [_finite(each) for each in (rolls_rad[:1] if stay else rolls_rad)]
     return to_json(columns)
 
 
