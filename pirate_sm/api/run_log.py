@@ -13,12 +13,12 @@ from typing import Generic, TypeVar
 
 from pirate_sm.api.arguments import path_of
 from pirate_sm.api.result import Run
+from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.steps import Step
@@ -100,19 +100,13 @@ class Notes:
         if self._recorder is not None:
             self._recorder.secure()
 
-    def take_trail(self, trail: Trail) -> None:
-        """Note the poses at the steps that follow from where the robot was."""
+    def take_glide(self, glide: Glide) -> None:
+        """Note the steps of the engine that were taken at once, and the poses at them."""
         if self._recorder is not None:
-            self._recorder.take_trail(trail)
-        self._trail = trail
-
-    def take_block(self, block: FrameBlock) -> None:
-        """Note many steps of the engine at once."""
-        if self._recorder is not None:
-            self._recorder.take_block(block)
-        number = len(self._steps)
-        for index, (at_s, frame) in enumerate(block.frames()):
-            self._steps.append(Step(number + index, at_s, frame, (), "engine"))
+            self._recorder.take_glide(glide)
+        self._trail = glide.trail
+        for number, (at_s, event, effects) in enumerate(glide.in_order(), len(self._steps)):
+            self._steps.append(Step(number, at_s, event, effects, "engine"))
             self._pose(at_s)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:

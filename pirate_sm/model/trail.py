@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import NamedTuple
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple
 
 from pirate_sm.model.true_position import InSpace
+
+Rows = Sequence[Sequence[float]]
+"""A row of numbers for each of several times."""
 
 
 class Stood(NamedTuple):
@@ -26,17 +29,36 @@ class Stood(NamedTuple):
         return tuple(zip(numbers, numbers, strict=True))
 
 
+class Whereabouts(NamedTuple):
+    """Where a robot was at several times.
+
+    Attributes:
+        places_m: x and y of each wheel in turn, in the plane of the drawing, m.
+        z_m: z of each wheel, m; empty rows of a robot in a plane.
+        rolls_rad: Angle of the roll joint, rolls of the front and of the rear part, rad.
+    """
+
+    places_m: Rows
+    z_m: Rows
+    rolls_rad: Rows
+
+
 class Trail(NamedTuple):
     """Where a robot was. It cannot be asked once more steps are taken at once.
 
     Attributes:
         until_s: Time of the last step, in seconds since the run began.
-        where: Returns where the robot was at the time of a step.
+        noted: Returns what was noted at the times of some steps, which can be kept.
+        read: Returns where the robot was, from what several calls of ``noted`` have returned.
     """
 
     until_s: float
-    where: Callable[[float], Stood]
+    noted: Callable[[Sequence[float]], Any]
+    read: Callable[[Sequence[Any]], Whereabouts]
 
     def at(self, now_s: float) -> Stood | None:
         """Return where the robot was at the time of a step; None after the last: where it is."""
-        return self.where(now_s) if now_s <= self.until_s else None
+        if now_s > self.until_s:
+            return None
+        (places_m,), (z_m,), (rolls_rad,) = self.read([self.noted([now_s])])
+        return Stood(tuple(places_m), InSpace(tuple(z_m), tuple(rolls_rad)))

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from math import inf, isinf
 
+from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -15,8 +16,6 @@ from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.trail import Trail
 from pirate_sm.runtime.near_miss_kinds import (
     CommandTimes,
     EngineStep,
@@ -76,13 +75,10 @@ class NearMisses:
     def secure(self) -> None:
         """Do nothing: what it notes lives no longer than this program."""
 
-    def take_trail(self, trail: Trail) -> None:
-        """Do nothing: the robot's position does not count."""
-
-    def take_block(self, block: FrameBlock) -> None:
-        """Look at each step of a block."""
-        for now_s, frame in block.frames():
-            self.take(frame, now_s, ())
+    def take_glide(self, glide: Glide) -> None:
+        """Look at each step of a glide."""
+        for now_s, event, effects in glide.in_order():
+            self.take(event, now_s, effects)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Do nothing: actions past the engine do not count."""

@@ -7,10 +7,9 @@ from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.trail import Trail
 
 if TYPE_CHECKING:
+    from pirate_sm.engine.gliding.glided import Glide
     from pirate_sm.engine.resuming.resumption import Resumption
     from pirate_sm.engine.robot.robot_state import RobotState
 
@@ -63,11 +62,8 @@ class Tap(Protocol):
     def secure(self) -> None:
         """Return when all that was received is on the disk, or soon if that takes too long."""
 
-    def take_trail(self, trail: Trail) -> None:
-        """Receive where the robot was at the steps that follow, which were taken at once."""
-
-    def take_block(self, block: FrameBlock) -> None:
-        """Receive steps without effects, all at once."""
+    def take_glide(self, glide: Glide) -> None:
+        """Receive the steps that were taken at once, and where the robot was at each."""
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Receive the effects of actions past the engine."""

@@ -16,7 +16,7 @@ from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
 from pirate_sm.runtime.last_frames import LastFrames
 from pirate_sm.runtime.observers import Tap
-from pirate_sm.runtime.quiet_time import BlockTap, QuietTime, block_tap, parts_of
+from pirate_sm.runtime.quiet_time import QuietTime, block_tap
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -189,30 +189,18 @@ class Pump:
         if passed.after is not None:
             self.state = self._engine.glided(self.state, passed.after)
             self._heard.hear_block(passed.frames)
-        self._tell_glide(passed, self._blocks)
+        self._tell_glide(passed)
         self.now_s = passed.now_s
         self._plan()
 
-    def _tell_glide(self, passed: Glide, blocks: BlockTap | None) -> None:
-        """Tell the tap of all steps that the backend has taken, and the others of their effects."""
-        if blocks is None:
-            for step in passed.steps:
-                self._tell_step(*step)
-            return
-        if passed.trail is not None:
-            blocks.take_trail(passed.trail)
-        for frames, other in parts_of(passed):
-            if frames:
-                blocks.take_block(frames)
-            if other is not None:
-                self._tell_step(*other)
-
-    def _tell_step(self, at_s: float, event: Event, effects: Sequence[Effect]) -> None:
-        self.now_s = at_s
-        if self._tap is not None:
-            self._tap.take(event, at_s, effects)
-        if effects:
-            self._perform(effects)
+    def _tell_glide(self, passed: Glide) -> None:
+        """Report the steps to the tap, and their effects to everybody else."""
+        if self._blocks is not None:
+            self._blocks.take_glide(passed)
+        for at_s, _, effects in passed.steps:
+            self.now_s = at_s
+            if effects:
+                self._perform(effects)
 
     def wait(self, until_s: float = inf) -> tuple[float, Sequence[Event]]:
         """Let time run until an event occurs or a companion is due.

@@ -2,20 +2,16 @@
 
 from __future__ import annotations
 
-from bisect import bisect_right
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any, NamedTuple, Protocol, runtime_checkable
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
 from pirate_sm.backends.protocol import Gliding
 from pirate_sm.companion import Companion, Relieved
-from pirate_sm.model.events import SensorFrame
-from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.trail import Trail
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
     from pirate_sm.engine.engine import Engine
-    from pirate_sm.engine.gliding.glided import Glide, Step
+    from pirate_sm.engine.gliding.glided import Glide
     from pirate_sm.engine.state import EngineState
     from pirate_sm.model.word_watch import WordWatch
 
@@ -36,51 +32,13 @@ class BlockTap(Protocol):
     def due_s(self) -> float:
         """Return when it looks at the engine next."""
 
-    def take_trail(self, trail: Trail) -> None:
-        """Receive where the robot was at the steps that follow, which were taken at once."""
-
-    def take_block(self, block: FrameBlock) -> None:
-        """Receive steps without effects, all at once."""
+    def take_glide(self, glide: Glide) -> None:
+        """Receive the steps that were taken at once, and where the robot was at each."""
 
 
 def block_tap(tap: object) -> BlockTap | None:
     """Return the tap if it can use blocks."""
     return tap if isinstance(tap, BlockTap) and not tap.stepwise else None
-
-
-class Part(NamedTuple):
-    """A part of a glide: frames, and the other step after them.
-
-    Attributes:
-        frames: The frames, often none.
-        step: What happened then; None after the last frames.
-    """
-
-    frames: FrameBlock
-    step: Step | None
-
-
-def parts_of(glide: Glide) -> Iterator[Part]:
-    """Yield the frames and other steps of a glide in the order of time.
-
-    A step of a frame takes the place of this frame.
-    """
-    frames, begin = glide.frames, 0
-    for step in glide.steps:
-        end = bisect_right(frames.times_s, step[0])
-        own = 1 if isinstance(step[1], SensorFrame) else 0
-        yield Part(_between(frames, begin, end - own), step)
-        begin = end
-    yield Part(_between(frames, begin, len(frames)), None)
-
-
-def _between(block: FrameBlock, begin: int, end: int) -> FrameBlock:
-    if end - begin == len(block):
-        return block
-    values: Any = block.values
-    return FrameBlock(
-        block.times_s[begin:end], block.boards[begin:end], values[begin:end], block.widths
-    )
 
 
 class QuietTime:

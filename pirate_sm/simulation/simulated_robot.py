@@ -20,7 +20,7 @@ from pirate_sm.model.events import FaultReport, SensorFrame
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.trail import Stood
+from pirate_sm.model.trail import Whereabouts
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.actuators import ROLL, SlotRoute, routes_of
@@ -322,17 +322,19 @@ class SimulatedRobot:
 
     @property
     def trail_columns(self) -> int:
-        """How many numbers tell where it is: coordinates of each wheel, then three rolls."""
+        """How many numbers say where it is: coordinates of each wheel, then three rolls."""
         return self._axes * self._chain.nodes + 3
 
-    def stood(self, numbers: Sequence[float]) -> Stood:
-        """Return where it was, told by such numbers."""
+    def whereabouts(self, parts: Sequence[Floats]) -> Whereabouts:
+        """Return where it was, from a row of such numbers for each time."""
+        rows = np.concatenate(parts)
         count = self._axes * self._chain.nodes
-        rolls_rad = tuple(numbers[count:])
+        wheels, rolls_rad = rows[:, :count], rows[:, count:].tolist()
         if self._flat:
-            return Stood(tuple(numbers[:count]), InSpace((), rolls_rad))
-        places_m = tuple(each for k in range(0, count, 3) for each in numbers[k : k + 2])
-        return Stood(places_m, InSpace(tuple(numbers[2:count:3]), rolls_rad))
+            return Whereabouts(wheels.tolist(), [()] * len(rows), rolls_rad)
+        by_wheel = wheels.reshape(len(rows), -1, 3)
+        places_m = by_wheel[:, :, :2].reshape(len(rows), -1)
+        return Whereabouts(places_m.tolist(), by_wheel[:, :, 2].tolist(), rolls_rad)
 
     @property
     def arcs_m(self) -> list[float]:

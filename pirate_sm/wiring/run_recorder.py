@@ -13,7 +13,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.prepared import Prepared
-from pirate_sm.wiring.run_samples import follows_trails, samples_for_viewers, samples_to_keep
+from pirate_sm.wiring.run_samples import samples_for_viewers, samples_of_trails, samples_to_keep
 
 if TYPE_CHECKING:
     from pirate_sm.recording.format.header import RunHeader
@@ -106,7 +106,7 @@ class RunRecorder:
         if isinstance(self.side, SideChannel):
             self.side.follow(samples_for_viewers(prepared, state))
         else:
-            self.side.follow(samples_to_keep(prepared, state), trails=follows_trails(prepared))
+            self.side.follow(samples_to_keep(prepared, state), samples_of_trails(prepared))
 
     def close(self, path: Path | None, *, wanted: bool = True) -> None:
         """Finish the recording; remove its file if it is empty or not wanted."""

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
+from itertools import chain
 from typing import TYPE_CHECKING, TypeAlias
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.space import Place
-from pirate_sm.model.trail import Stood
+from pirate_sm.model.trail import Stood, Trail
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.wiring.prepared import Prepared
 
 if TYPE_CHECKING:
     from pirate_sm.recording.format.samples import PlacesSample
-    from pirate_sm.recording.write.gathered import Pictured, Sample
-    from pirate_sm.recording.write.sampler import Look
+    from pirate_sm.recording.write.gathered import Pictured, PlacesOfTrail, Sample
+    from pirate_sm.recording.write.sampler import Look, LookBack
 
 State: TypeAlias = Callable[[], EngineState | None]
 """Returns the engine's state; None before it has started."""
@@ -71,9 +72,31 @@ def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pic
     return look
 
 
-def follows_trails(prepared: Prepared) -> bool:
-    """Return whether samples to keep need no more than to know where the robot was."""
-    return prepared.wheels is not None and prepared.camera is None
+def samples_of_trails(prepared: Prepared) -> LookBack[PlacesOfTrail] | None:
+    """Return a function that takes samples to keep, of steps that were taken at once.
+
+    It is None if such samples need more than where the robot was.
+    """
+    from pirate_sm.recording.format.samples import PlacesSample
+    from pirate_sm.recording.write.gathered import PlacesOfTrail
+
+    if prepared.wheels is None or prepared.camera is not None:
+        return None
+    flat = prepared.in_space is None
+
+    def look_back(times_s: Sequence[float], trail: Trail) -> PlacesOfTrail:
+        def samples(kept: Sequence[PlacesOfTrail]) -> Iterator[PlacesSample]:
+            columns = trail.read([each.noted for each in kept])
+            all_s = chain.from_iterable(each.times_s for each in kept)
+            for at_s, places_m, z_m, rolls_rad in zip(all_s, *columns, strict=True):
+                if flat:
+                    yield PlacesSample(at_s, True, places_m, (), rolls_rad)
+                else:
+                    yield PlacesSample(at_s, True, places_m, (*z_m, *rolls_rad))
+
+        return PlacesOfTrail(times_s, trail.noted(times_s), samples)
+
+    return look_back
 
 
 def _wheels(prepared: Prepared, stood: Stood | None) -> tuple[tuple[Place, ...] | None, bool]:

@@ -9,9 +9,9 @@ from typing import cast
 from benchmarks.gliding import Stepping, Taken
 from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.companion import entered
+from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Abort, Event
-from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.runtime.first_choice import FirstChoice
@@ -67,13 +67,10 @@ class Kept:
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         self.steps.append(f"{now_s!r} {event!r} {tuple(effects)!r}")
 
-    def take_trail(self, trail: Trail) -> None:
-        pass
-
-    def take_block(self, block: FrameBlock) -> None:
+    def take_glide(self, glide: Glide) -> None:
         self.blocks += 1
-        for now_s, frame in block.frames():
-            self.take(frame, now_s, ())
+        for now_s, event, effects in glide.in_order():
+            self.take(event, now_s, effects)
 
     def abandon(self, now_s: float, effects: object) -> None:
         self.steps.append(f"{now_s!r} {effects!r}")
@@ -96,8 +93,9 @@ class Places(Kept):
         else:
             self.places.append((now_s, stood.wheels, stood.space))
 
-    def take_trail(self, trail: Trail) -> None:
-        self._trail = trail
+    def take_glide(self, glide: Glide) -> None:
+        self._trail = glide.trail
+        super().take_glide(glide)
 
 
 def course(

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
 from math import inf
 from typing import NamedTuple, TypeAlias
 
@@ -11,7 +12,7 @@ from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensin
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import Event
+from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
 from pirate_sm.model.word_watch import Look
@@ -65,6 +66,32 @@ class Glide(NamedTuple):
     due_s: float = inf
     said_s: float | None = None
     trail: Trail | None = None
+
+    def times_s(self) -> Sequence[float]:
+        """Return the times of all steps in their order, s; of a frame twice if it has effects."""
+        if not self.steps:
+            return self.frames.times_s
+        return sorted((*self.frames.times_s, *(step[0] for step in self.steps)))
+
+    def in_order(self) -> Iterator[Step]:
+        """Yield all steps, those of the frames too, in the order of time.
+
+        A step of a frame takes the place of this frame; any other one comes after the frames of
+        its time.
+        """
+        frames, begin = self.frames, 0
+        for step in self.steps:
+            end = bisect_right(frames.times_s, step[0])
+            own = isinstance(step[1], SensorFrame)
+            yield from _quiet(frames, begin, end - own)
+            yield step
+            begin = end
+        yield from _quiet(frames, begin, len(frames))
+
+
+def _quiet(frames: FrameBlock, begin: int, end: int) -> Iterator[Step]:
+    for at in range(begin, end):
+        yield frames.times_s[at], frames.frame(at), ()
 
 
 def after_glide(state: EngineState, after: Glided) -> EngineState:

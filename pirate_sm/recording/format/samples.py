@@ -15,6 +15,7 @@ from typing import Any, Final, NamedTuple
 from pydantic_core import to_json
 
 from pirate_sm.geometry.space import Place
+from pirate_sm.model.trail import Rows
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.format.engine_topics import DIALECT, ENGINE
 from pirate_sm.recording.format.json_values import JsonSchema
@@ -77,9 +78,9 @@ class PlacesSample(NamedTuple):
 
     at_s: float
     known: bool
-    places_m: tuple[float, ...]
-    space: tuple[float, ...] = ()
-    rolls_rad: tuple[float, ...] = ()
+    places_m: Sequence[float]
+    space: Sequence[float] = ()
+    rolls_rad: Sequence[float] = ()
 
 
 def places_sample(
@@ -96,13 +97,14 @@ def places_sample(
 
 def encode_samples(samples: Sequence[PlacesSample]) -> bytes:
     """Return a batch of samples as JSON; a position that is no number is unknown."""
-    times_s, known, places_m, space, rolls_rad = zip(*samples, strict=True)
-    columns = {"t_s": times_s, "known": known, "places_m": [_finite(each) for each in places_m]}
+    times_s, known, *others = zip(*samples, strict=True)
+    places_m, space, rolls_rad = map(_finite, others)
+    columns = {"t_s": times_s, "known": known, "places_m": places_m}
     if any(space):
-        columns["space"] = [_finite(each) for each in space]
+        columns["space"] = space
     if any(rolls_rad):
         stay = rolls_rad.count(rolls_rad[0]) == len(rolls_rad)
-        columns["rolls_rad"] = [_finite(each) for each in (rolls_rad[:1] if stay else rolls_rad)]
+        columns["rolls_rad"] = rolls_rad[:1] if stay else rolls_rad
     return to_json(columns)
 
 
@@ -118,8 +120,10 @@ def decode_samples(batch: dict[str, Any]) -> Iterator[Placed]:
         yield Placed(at_s, known, wheels, _space_of(more, len(wheels)), _nine_digits(rolled))
 
 
-def _finite(values: tuple[float, ...]) -> tuple[float, ...]:
-    return values if isfinite(sum(values)) else ()
+def _finite(rows: Rows) -> Rows:
+    if isfinite(sum(map(sum, rows))):
+        return rows
+    return [row if isfinite(sum(row)) else () for row in rows]
 
 
 def _space_of(values: Sequence[float], wheels: int) -> InSpace | None:

@@ -7,10 +7,12 @@ each board.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import NamedTuple, TypeAlias
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import Any, NamedTuple, TypeAlias
 
 from pirate_sm.detectors.vision_detector import CameraView
+from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SensorFrame
@@ -35,6 +37,20 @@ class Sample(NamedTuple):
     snapshot: ViewerSnapshot
 
 
+class PlacesOfTrail(NamedTuple):
+    """Samples of steps that were taken at once.
+
+    Attributes:
+        times_s: Their times, s.
+        noted: Where the robot was, as the trail has noted it.
+        samples: Makes samples of this and of others like it.
+    """
+
+    times_s: Sequence[float]
+    noted: Any
+    samples: Callable[[Sequence[PlacesOfTrail]], Iterator[PlacesSample]]
+
+
 class Pictured(NamedTuple):
     """A sample of a run that a camera watches."""
 
@@ -42,7 +58,26 @@ class Pictured(NamedTuple):
     camera: CameraView
 
 
-Told: TypeAlias = Caused | Sample | PlacesSample | Pictured
+class NumberedFrames(NamedTuple):
+    """Frames that were taken at once, with other steps among them.
+
+    Attributes:
+        first: Number of the first step.
+        frames: The frames.
+        others: Numbers of the steps among them that are not frames.
+    """
+
+    first: int
+    frames: FrameBlock
+    others: Sequence[int]
+
+    @property
+    def end(self) -> int:
+        """Return the number of the step after the last one."""
+        return self.first + len(self.frames) + len(self.others)
+
+
+Told: TypeAlias = Caused | Sample | PlacesSample | PlacesOfTrail | Pictured
 
 
 class Gathered:
@@ -56,7 +91,7 @@ class Gathered:
         step: Number of the next step.
         frames: For each board the frames that fit it, one after the other in one list: number of
             the step, time in s, then a value for each channel.
-        blocks: Blocks of frames, each with the number of its first step.
+        blocks: Frames that were taken at once.
         inputs: All other inputs, each with its step and its time in s.
         told: The effects of steps and the samples of the run, in their order.
         states: States of the engine, each with the step before it and its time in s.
@@ -75,7 +110,7 @@ class Gathered:
     ) -> None:
         self.step = self._first = first
         self.frames: dict[int, list[float]] = {board: [] for board in channels}
-        self.blocks: list[tuple[int, FrameBlock]] = []
+        self.blocks: list[NumberedFrames] = []
         self.inputs: list[tuple[int, float, Input]] = []
         self.told: list[Told] = []
         self.states: list[tuple[int, float, EngineState]] = []
@@ -105,11 +140,23 @@ class Gathered:
         self.step = step = step + 1
         return step
 
-    def add_block(self, block: FrameBlock) -> int:
-        """Note the steps of a block; return the number of the next one."""
-        self.blocks.append((self.step, block))
-        self.step += len(block)
-        self.until_s = block.times_s[-1]
+    def add_glide(self, glide: Glide) -> int:
+        """Note steps that were taken at once; return the number of the next one."""
+        first, times_s, others = self.step, glide.frames.times_s, list[int]()
+        for at_s, event, effects in glide.steps:
+            step = first + bisect_right(times_s, at_s) + len(others)
+            if type(event) is SensorFrame:  # one of the frames
+                step -= 1
+            else:
+                self.inputs.append((step, at_s, event))
+                others.append(step)
+            if effects:
+                self.told.append(Caused(step, at_s, effects))
+            self.until_s = at_s
+        if times_s:
+            self.blocks.append(NumberedFrames(first, glide.frames, others))
+            self.until_s = max(times_s[-1], self.until_s or 0.0)
+        self.step = first + len(times_s) + len(others)
         return self.step
 
     def remember(self, at_s: float, state: EngineState) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 
 from pirate_sm.recording.format.samples import (
     SAMPLES,
@@ -12,12 +13,12 @@ from pirate_sm.recording.format.samples import (
     encode_samples,
 )
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
-from pirate_sm.recording.write.gathered import Pictured, Told
+from pirate_sm.recording.write.gathered import Pictured, PlacesOfTrail, Told
 from pirate_sm.recording.write.recording_file import RecordingFile
 from pirate_sm.recording.write.sampler import Sampler
 
 
-class KeptSamples(Sampler[PlacesSample | Pictured]):
+class KeptSamples(Sampler[PlacesSample | PlacesOfTrail | Pictured]):
     """Samples the run at intervals, and keeps only what its inputs do not give again.
 
     A sample is numbers at once: one that held the engine's state would keep that in memory.
@@ -32,13 +33,17 @@ class KeptSamples(Sampler[PlacesSample | Pictured]):
 
     def tell(self, file: RecordingFile, told: Sequence[Told]) -> None:
         """Add one batch of the samples to the file, and what the camera saw."""
-        samples = []
+        samples = list[PlacesSample]()
+        trails = [each for each in told if isinstance(each, PlacesOfTrail)]
+        of_trails = trails[0].samples(trails) if trails else iter(())
         for each in told:
             if isinstance(each, Pictured):
                 self._show(file, each)
                 samples.append(each.sample)
             elif isinstance(each, PlacesSample):
                 samples.append(each)
+            elif isinstance(each, PlacesOfTrail):
+                samples += islice(of_trails, len(each.times_s))
         if samples:
             file.add(SAMPLES, samples[0].at_s, encode_samples(samples), SCHEMA, SCHEMA_NAME)
 

@@ -7,24 +7,23 @@ there ends the recording, not the run; ``failure`` gives the reason.
 from __future__ import annotations
 
 import threading
-from bisect import bisect_left
 from collections import deque
 from collections.abc import Callable, Sequence
 from math import inf
 from time import perf_counter
 
+from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
-from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.trail import Trail
 from pirate_sm.recording.format.engine_state_text import resumption_to_text
 from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.format.robot_state_text import body_to_text
-from pirate_sm.recording.write.gathered import Gathered
+from pirate_sm.recording.write.gathered import Gathered, Told
 from pirate_sm.recording.write.kept_samples import KeptSamples
 from pirate_sm.recording.write.piece_maker import PieceMaker, WrittenPiece
 from pirate_sm.recording.write.recording_file import RecordingFile
@@ -45,7 +44,7 @@ _EARLIER = 0.8
 _MOST_STEPS = 20_000
 """The most steps in one commit."""
 
-_HELP_AT = 2_000
+_HELP_AT = 20_000
 """A run without a robot encodes its steps itself when more than this many wait."""
 
 _MOST_WAITING = 200_000
@@ -161,20 +160,18 @@ class Recorder:
         with self._gathering:
             self._gathered.unlogged.append((step - 1, self._gathered.until_s or 0.0, waited_s))
 
-    def take_trail(self, trail: Trail) -> None:
-        """Take the samples of the steps that follow from where the robot was."""
-        self._trail = trail
-
-    def take_block(self, block: FrameBlock) -> None:
-        """Note many steps of the engine at once."""
-        times_s, side = block.times_s, self._side
+    def take_glide(self, glide: Glide) -> None:
+        """Note the steps of the engine that were taken at once."""
+        side, self._trail = self._side, glide.trail
         with self._gathering:
-            step = self._gathered.add_block(block)
-        if side is not None and side.follows_trails:
-            while times_s[-1] >= side.due_s:
-                self._sample(side, times_s[bisect_left(times_s, side.due_s)])
-        if times_s[-1] >= self._due_s or step >= self._full:
-            self._attend(times_s[-1])
+            step = self._gathered.add_glide(glide)
+            until_s = self._gathered.until_s
+        if until_s is None:
+            return
+        if side is not None and glide.trail is not None and until_s >= side.due_s:
+            self._keep(side.look_back(glide.times_s(), glide.trail))
+        if until_s >= self._due_s or step >= self._full:
+            self._attend(until_s)
 
     @property
     def due_s(self) -> float:
@@ -216,7 +213,9 @@ class Recorder:
             self._lend_a_hand()
 
     def _sample(self, side: SideChannel | KeptSamples, now_s: float) -> None:
-        sample = side.look(now_s, None if self._trail is None else self._trail.at(now_s))
+        self._keep(side.look(now_s, None if self._trail is None else self._trail.at(now_s)))
+
+    def _keep(self, sample: Told | None) -> None:
         if sample is not None:
             with self._gathering:
                 self._gathered.told.append(sample)

@@ -18,7 +18,7 @@ from pirate_sm.expressions.bytecode import DEEPEST
 from pirate_sm.model.effects import WakeAt
 from pirate_sm.model.events import DetectorWord, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.trail import Stood, Trail
+from pirate_sm.model.trail import Trail
 from pirate_sm.model.word_watch import WordWatch
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
@@ -191,18 +191,22 @@ class Glider:
         said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)
         steps = [_step(frames, row, words) for row in rows]
         looks, due_s = self._looks.made()
-        trail = Trail(now_s, self._where)
+        trail = Trail(now_s, self._noted, self._simulated.whereabouts)
         glide = Glide(now_s, after, frames, steps, looks, due_s, said_s, trail)
         return Passed(glide, round(cycles), waiting, bool(met))
 
-    def _where(self, at_s: float) -> Stood:
-        """Return where the robot was at a time of the last call."""
+    def _noted(self, times_s: Sequence[float]) -> Floats:
+        """Return a row of the trail for each of these times of the last call."""
+        return self._trail[[self._cycle_at(at_s) % len(self._trail) for at_s in times_s]]
+
+    def _cycle_at(self, at_s: float) -> int:
+        """Return how many cycles had passed at a time, in all."""
         cycle = int(at_s / self._cycle_s)
         while (cycle + 1) * self._cycle_s <= at_s:
             cycle += 1
         while cycle * self._cycle_s > at_s:
             cycle -= 1
-        return self._simulated.stood(self._trail[cycle % len(self._trail)].tolist())
+        return cycle
 
     def _block(self, count: int) -> FrameBlock:
         boards = [self._ids[position] for position in self._reporters[:count].tolist()]

@@ -52,10 +52,7 @@ class Tap:
     def secure(self) -> None:
         self._course.append("on the disk")
 
-    def take_trail(self, trail: Any) -> None:
-        """Ignore it."""
-
-    def take_block(self, block: Any) -> None:
+    def take_glide(self, glide: Any) -> None:
         """Ignore it."""
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from itertools import chain
 from math import inf, nan
 from pathlib import Path
 from random import Random
@@ -12,22 +14,22 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from keeping import Memory, header, mission
 
+from pirate_sm.engine.gliding.glided import Glide, Step
 from pirate_sm.model.effects import Effect, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, Tick
 from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.trail import Stood, Trail
-from pirate_sm.model.true_position import InSpace
-from pirate_sm.recording.format.samples import places_sample
+from pirate_sm.model.trail import Trail, Whereabouts
+from pirate_sm.recording.format.samples import PlacesSample, places_sample
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.write import recorder as module
+from pirate_sm.recording.write.gathered import PlacesOfTrail
 from pirate_sm.recording.write.kept_samples import KeptSamples
 from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.recording.write.recording_file import RecordingFile
 
 WIDTHS = {board: len(channels) for board, channels in header().boards.items() if channels}
 CYCLE_S = 0.016
-NO_SPACE = InSpace((), ())
 Told = tuple[Event, float, tuple[Effect, ...]]
 
 NUMBERS = st.one_of(st.integers(-4096, 4096).map(float), st.floats())
@@ -43,6 +45,34 @@ def block_of(frames: list[tuple[int, list[float]]], first_s: float) -> FrameBloc
     times_s = [first_s + number * CYCLE_S for number in range(len(frames))]
     boards, rows = zip(*frames, strict=True)
     return FrameBlock(times_s, list(boards), np.array(rows, dtype=np.float64), WIDTHS)
+
+
+def glide_of(block: FrameBlock, steps: Sequence[Step] = (), trail: Trail | None = None) -> Glide:
+    """A glide of these frames, with other steps among them."""
+    return Glide(block.times_s[-1], None, block, steps, trail=trail)
+
+
+def rows(times_s: Sequence[float]) -> list[tuple[float, ...]]:
+    """A trail on which each wheel is at x = time."""
+    return [(at_s, 0.5) * 6 for at_s in times_s]
+
+
+def whereabouts(noted: Sequence[list[tuple[float, ...]]]) -> Whereabouts:
+    """What is read of such a trail."""
+    places_m = list(chain.from_iterable(noted))
+    return Whereabouts(places_m, [()] * len(places_m), [()] * len(places_m))
+
+
+def look_back(times_s: Sequence[float], trail: Trail) -> PlacesOfTrail:
+    """Samples of a trail."""
+
+    def samples(kept: Sequence[PlacesOfTrail]) -> Iterator[PlacesSample]:
+        places_m = trail.read([each.noted for each in kept]).places_m
+        all_s = chain.from_iterable(each.times_s for each in kept)
+        for at_s, places in zip(all_s, places_m, strict=True):
+            yield PlacesSample(at_s, True, places)
+
+    return PlacesOfTrail(times_s, trail.noted(times_s), samples)
 
 
 def read(memory: Memory, folder: Path) -> Recording:
@@ -73,12 +103,16 @@ def test_a_block_is_read_as_its_frames(
         now_s = 0.0
         for frames, as_block in stretches:
             block = block_of(frames, now_s)
+            middle = len(block) // 2
+            at_s, effects = block.times_s[middle], (WakeAt(now_s + 2.0),)
+            steps = [(at_s, block.frame(middle), effects), (at_s, Tick(), effects)]
+            glide = glide_of(block, steps)
             if as_block:
-                one.take_block(block)
+                one.take_glide(glide)
             else:
-                for at_s, frame in block.frames():
-                    one.take(frame, at_s, ())
-            told += [(frame, at_s, ()) for at_s, frame in block.frames()]
+                for step_s, event, caused in glide.in_order():
+                    one.take(event, step_s, caused)
+            told += [(event, step_s, caused) for step_s, event, caused in glide.in_order()]
             now_s = block.times_s[-1] + CYCLE_S
             one.take(Tick(), now_s, (WakeAt(now_s + 1.0),))
             told.append((Tick(), now_s, (WakeAt(now_s + 1.0),)))
@@ -96,26 +130,26 @@ def test_samples_within_a_block_are_taken_when_they_are_due(tmp_path: Path) -> N
     loaded, memory = mission(), Memory()
     side = KeptSamples()
     here = ((9.0, 9.0),) * 6
-    side.follow(
-        lambda now_s, stood: places_sample(now_s, True, stood.wheels if stood else here),
-        trails=True,
-    )
+    side.follow(lambda now_s, stood: places_sample(now_s, True, here), look_back)
     one = recorder_of(memory, side)
     one.start((), 0.0, ())
-    frames = [(22, [float(number)] * 9) for number in range(20)]
 
-    one.take_trail(Trail(0.35, lambda at_s: Stood((at_s, 0.5) * 6, NO_SPACE)))
-    one.take_block(block_of(frames[:13], CYCLE_S))
-    one.take(Tick(), 0.215, (WakeAt(0.465),))
-    one.take_block(block_of(frames[13:], 0.224))
-    one.take_block(block_of(frames, 0.4))
+    tick = 0.215, Tick(), (WakeAt(0.465),)
+    frames = [(22, [float(number)] * 9) for number in range(20)]
+    trail = Trail(0.35, rows, whereabouts)
+    one.take_glide(glide_of(block_of(frames, CYCLE_S), [tick], trail))
+    one.take(Tick(), 0.45, ())
+    one.take_glide(glide_of(block_of(frames[:3], 0.46), trail=trail))
+    one.take_glide(glide_of(block_of(frames, 0.6), trail=trail))
     one.close()
 
     recording = read(memory, tmp_path)
     body = loaded.loaded_robot.profile.body
     found = [(placed.at_s, placed.wheels[0][0]) for placed in recorded_places(recording, body)]
-    on_the_trail = [(0.112, 0.112), (0.215, 0.215), (0.32, 0.32)]
-    expected = [(0.0, 9.0), *on_the_trail, (0.432, 9.0), (0.544, 9.0), (0.656, 9.0)]
+    on_the_trail = [0.112, 0.215, 0.32]
+    later = [0.6, 0.712, 0.824]
+    expected = [(0.0, 9.0), *((at_s, at_s) for at_s in on_the_trail), (0.45, 9.0)]
+    expected += [(at_s, at_s) for at_s in later]
     assert found == [(pytest.approx(at_s), pytest.approx(x)) for at_s, x in expected]
 
 
@@ -130,7 +164,7 @@ def test_a_recording_of_blocks_cut_off_anywhere_is_read_up_to_there(tmp_path: Pa
     now_s = 0.0
     for _ in range(12):
         block = block_of([(22, [now_s] * 9), (23, [nan] * 9)] * 5, now_s)
-        one.take_block(block)
+        one.take_glide(glide_of(block))
         now_s = block.times_s[-1] + CYCLE_S
         one.take(Tick(), now_s, (WakeAt(now_s),))
         one._commit()
@@ -166,8 +200,8 @@ def test_a_checkpoint_follows_a_block(tmp_path: Path) -> None:
     one = recorder_of(memory)
     one.follow(look)
     one.start((), 0.0, ())
-    one.take_block(block_of([(22, [0.0] * 9)], 0.016))
-    one.take_block(block_of([(22, [0.0] * 9)], 100.0))
+    one.take_glide(glide_of(block_of([(22, [0.0] * 9)], 0.016)))
+    one.take_glide(glide_of(block_of([(22, [0.0] * 9)], 100.0)))
     one.close()
 
     assert asked == 1
@@ -177,7 +211,7 @@ def test_a_checkpoint_follows_a_block(tmp_path: Path) -> None:
 def test_frames_of_a_block_that_fit_no_board_end_the_recording_only() -> None:
     one = recorder_of(Memory())
     one.start((), 0.0, ())
-    one.take_block(FrameBlock([0.1], [99], np.zeros((1, 9)), {99: 9}))
+    one.take_glide(glide_of(FrameBlock([0.1], [99], np.zeros((1, 9)), {99: 9})))
     one.close()
 
     assert one.failure
@@ -191,7 +225,7 @@ def test_one_by_one_and_as_a_block_give_the_same_file() -> None:
         one = recorder_of(memory)
         one.start((), 0.0, ())
         if as_block:
-            one.take_block(block)
+            one.take_glide(glide_of(block))
         else:
             for at_s, frame in block.frames():
                 one.take(SensorFrame(frame.board, frame.values), at_s, ())
