@@ -46,9 +46,7 @@ def unknowns(
     return tuple(found)
 
 
-def position_read(
-    robot: RobotSpec, program: Program, origin: Numbers
-) -> Iterator[tuple[int, str]]:
+def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterator[tuple[int, str]]:
     """Yield the instructions from which the odometry is read, with the places of their conditions.
 
     A change of the odometry is read too if the value from which it counts is unknown.
