@@ -97,6 +97,7 @@ class Engine:
         if resumed is not None:
             mission = mission._replace(
                 offset_s=now_s - resumed.clock_s,
+                origin=resumed.entry.origin,
                 cause=resumed.cause,
                 handling=resumed.handling,
                 pause_wanted=paused or resumed.paused,

@@ -67,7 +67,7 @@ class MissionState(NamedTuple):
         tries: How often its command has been repeated.
         armed_s: Mission time at which it began.
         since: Per trigger the mission time at which its condition became true, NaN while it is not.
-        origin: Signals at ``armed_s``, for a wait that uses their changes; else empty.
+        origin: Signals from which the last wait counts that uses their changes; empty before it.
         result: How its command ended, once it has.
         answer: The operator's answer in this step; ``skipped``: the trigger to skip to.
         cause: Reason of the last failure or fault.
@@ -124,7 +124,7 @@ class MissionState(NamedTuple):
     def at(self, pc: int) -> MissionState:
         """Return the mission at the start of the instruction at ``pc``."""
         return self._replace(
-            pc=pc, begun=False, tries=0, since=(), origin=(), result=None, answer=None, skipped=None
+            pc=pc, begun=False, tries=0, since=(), result=None, answer=None, skipped=None
         )
 
 

@@ -34,6 +34,7 @@ from pirate_sm.model.triggers import (
 )
 
 _L = TypeVar("_L", ConditionTrigger, TimeTrigger, OperatorTrigger, Within)
+_W = TypeVar("_W", "WaitStep", "Phase")
 
 CONTINUE = "continue"
 FAIL = "fail"
@@ -172,16 +173,18 @@ class WaitStep(_AnyStep):
     Attributes:
         wait: Triggers; the first to fire decides. Without ``go`` it leads to the next step.
         within: Time limit of the wait. Without ``go`` the step fails after it.
+        counts_on: Whether changes of signals count from where the last wait counted them.
     """
 
     wait: Annotated[tuple[Trigger, ...], Field(min_length=1)]
     within: Within | None = None
+    counts_on: bool = False
 
     @model_validator(mode="after")
     def _comes_to_an_end(self) -> WaitStep:
         if self.within is None and not any(isinstance(each, TimeTrigger) for each in self.wait):
             raise ValueError("a `wait` needs `within: {time: …}`, here beside it")
-        return self
+        return _counting(self)
 
 
 _STEP_KINDS = ("command", "call", "repeat", "choose", "ask", "log", "wait", "control")
@@ -270,6 +273,14 @@ def _leading(part: _L) -> _L:
     return part
 
 
+def _counting(part: _W) -> _W:
+    """Return the part with a wait; raise an error if it counts on and nothing in it counts."""
+    conditions = [each.when for each in part.wait if isinstance(each, ConditionTrigger)]
+    if part.counts_on and not any("change" in when for when in conditions):
+        raise ValueError("`counts_on` is for a `wait` with change(…), and nothing counts here")
+    return part
+
+
 class Phase(Frozen):
     """Steps in order, followed by a wait for one of several triggers, or by ``go``.
 
@@ -278,6 +289,7 @@ class Phase(Frozen):
         do: The steps, one after the other.
         wait: Triggers; the first to fire decides.
         within: Time limit of the wait, and the target after it.
+        counts_on: Whether changes of signals count from where the last wait counted them.
         go: The next phase or end, in a phase without ``wait``.
         on_failure: The target phase or end of a failure of one of its steps.
         resume: Where the mission goes on if its run is cut off in this phase: ``here``, at another
@@ -288,6 +300,7 @@ class Phase(Frozen):
     do: tuple[Step, ...] = ()
     wait: tuple[Annotated[Trigger, AfterValidator(_leading)], ...] = ()
     within: Annotated[Within, AfterValidator(_leading)] | None = None
+    counts_on: bool = False
     go: Name | None = None
     on_failure: Name | None = None
     resume: Name = "here"
@@ -303,7 +316,7 @@ class Phase(Frozen):
             raise ValueError("a phase with `wait` needs `within: {time: …, go: …}`")
         if self.within is not None and not self.wait:
             raise ValueError("`within` limits a `wait`, and this phase has none")
-        return self
+        return _counting(self)
 
 
 class End(Frozen):

@@ -8,7 +8,17 @@ from pathlib import Path
 import pytest
 
 from benchmarks.campaign import run
-from benchmarks.space import BEND, DEEPEST_M, DRIVE, ROWS, Row, failure, order_of, pipe_of
+from benchmarks.space import (
+    BEND,
+    CLIMBING,
+    DEEPEST_M,
+    DRIVE,
+    ROWS,
+    Row,
+    failure,
+    order_of,
+    pipe_of,
+)
 from pirate_sm.wiring import Order
 
 PASSED = (
@@ -40,6 +50,42 @@ def test_a_mouth_in_the_plane_of_a_clamped_part_is_not_passed_and_it_is_said(
     outcome = run(replace(order, **varied))
     assert outcome.outcome == "failed"
     assert fault in outcome.message
+
+
+STEP = next(row for row in ROWS if row.name == "step to 110 mm")
+VARIED = {"start_jitter_m": 0.02, "friction_jitter": 0.20, "diameter_jitter_m": 0.002}
+
+
+@pytest.mark.parametrize("seed", [56, 79])
+def test_a_robot_that_is_stuck_at_a_step_clamps_gently_and_drives_the_rest_of_its_way(
+    tmp_path: Path, seed: int
+) -> None:
+    # Pipes of 121.9 mm: with its usual clamp the robot presses wheel 2 on the edge and stalls.
+    order = replace(order_of(DRIVE, str(pipe_of(STEP, tmp_path)), seed), **VARIED)
+    outcome = run(order)
+    assert outcome.faults == ("robot.stuck (stuck)",)
+    assert failure(outcome, STEP) == ""
+    assert outcome.distance_m == pytest.approx(1.0, abs=0.05)
+    assert all(abs(torque) > 0.5 for torque in outcome.torques[1:5])
+    assert 0.0 < outcome.deepest_m < DEEPEST_M
+
+
+@pytest.mark.parametrize(
+    ("seed", "friction", "end"), [(2, 0.7, "succeeded"), (4, 0.5, "failed"), (10, 0.5, "failed")]
+)
+def test_a_step_in_an_upright_pipe_is_passed_or_the_robot_holds(
+    tmp_path: Path, seed: int, friction: float, end: str
+) -> None:
+    pipe = pipe_of(STEP, tmp_path)
+    walls = f"frame: {CLIMBING}\nfriction: {{static: {friction}, kinetic: {0.7 * friction:g}}}"
+    text = pipe.read_text(encoding="utf-8").replace("frame: {}", walls)
+    pipe.write_text(text, encoding="utf-8")
+    outcome = run(replace(order_of(DRIVE, str(pipe), seed), **VARIED))
+    assert outcome.outcome == end
+    assert end == "succeeded" or "Holding, both parts clamped" in outcome.message
+    assert end == "succeeded" or outcome.slid_m < 0.001
+    assert not [each for each in outcome.faults if each.startswith("robot.fallen")]
+    assert outcome.deepest_m < DEEPEST_M
 
 
 def test_a_bend_square_to_the_robot_is_not_passed_and_nothing_breaks(tmp_path: Path) -> None:

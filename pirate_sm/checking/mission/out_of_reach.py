@@ -137,7 +137,8 @@ class _Reach:
         ends_s = min([mission_s, wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
         what = "mission" if ends_s == mission_s else "wait"
         why = f"the {what} ends after {ends_s:g} s, in which it drives less{there}"
-        yield self._changed, fastest * ends_s, why
+        if not wait.counts_on:
+            yield self._changed, fastest * ends_s, why
         if not any(wait.phase in phases for phases in self._driven):
             yield self._odometry, fastest * ends_s + self._no_load * BEGINNING_S, why
 
@@ -168,6 +169,8 @@ class _Reach:
         if not self._odometry or not {self._odometry, self._changed} & free:
             return None
         ways = {self._way(each) for each in self._actuated(wait)}
+        if self._changed in free and wait.counts_on:
+            return None  # what an earlier wait has counted may have made it true nearly
         if self._changed in free:
             return self._not_on(wait, condition, ways)
         if free != {self._odometry}:

@@ -87,13 +87,13 @@ class _Judge:
             at_once = sum(book.waits[key].at_once[trigger.name] for book in self._seen)
             if trigger.condition is None:
                 return None
-            blind = self._blind(wait, trigger, trigger.condition)
+            blind = None if wait.counts_on else self._blind(wait, trigger, trigger.condition)
             if blind or not at_once:
                 return blind
             if at_once == armed or not self._can_be(wait, [(trigger.condition.tree, False)]):
                 message = f"'{trigger.text}' is true already whenever the wait begins"
                 return "trigger.at_once", message, "go there without a wait"
-            return self._unchanged(wait, trigger, trigger.condition)
+            return None if wait.counts_on else self._unchanged(wait, trigger, trigger.condition)
         late = self._late(wait, trigger)
         if late:
             return "trigger.never", f"{late}: it can never fire", ""

@@ -74,7 +74,7 @@ def _hanging(
     loaded: LoadedMission, it: Resumption, program: Program, found: Exploration
 ) -> Forecast | None:
     """Return the forecast if the mission may hang; else None."""
-    read = dict(position_read(loaded.robot, program)) if it.adrift else {}
+    read = dict(position_read(loaded.robot, program, it.entry.origin)) if it.adrift else {}
     for node in found.nodes:
         mission = node.state.mission
         if mission.begun and mission.pc in read:

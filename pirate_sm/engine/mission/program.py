@@ -130,7 +130,7 @@ class Wait(NamedTuple):
     Attributes:
         within: Target after the time limit. ``fails``: whether that is a failure of the step.
         compares: Whether a condition uses the change of a signal since the wait began.
-        origin: The signals that changes count from; empty: those when the wait begins.
+        counts_on: Whether changes count from where the last wait counted them.
     """
 
     phase: str
@@ -141,7 +141,7 @@ class Wait(NamedTuple):
     place: str
     compares: bool = False
     fails: bool = False
-    origin: tuple[float, ...] = ()
+    counts_on: bool = False
 
 
 class Question(NamedTuple):

@@ -45,7 +45,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     clock = mission.clock(moment.now_s)
     if not mission.begun:
         since = (nan,) * len(it.triggers)
-        origin = (it.origin or state.sensing.counted) if it.compares else ()
+        origin = _origin(it, state) if it.compares else mission.origin
         mission = mission._replace(begun=True, armed_s=clock, since=since, origin=origin)
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)
@@ -73,6 +73,11 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     if since is mission.since:
         return state
     return state._replace(mission=mission._replace(since=since))
+
+
+def _origin(it: Wait, state: EngineState) -> tuple[float, ...]:
+    """Return the signals from which a wait that begins counts their changes."""
+    return (it.counts_on and state.mission.origin) or state.sensing.counted
 
 
 def _look(

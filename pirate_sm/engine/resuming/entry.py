@@ -39,8 +39,8 @@ class Entry(NamedTuple):
         restoring: Commands, by index, that confirm again what was confirmed when the run was cut
             off: clamps first, wheels last. One that is unneeded is left out during the run.
         armed_s: For a wait, how long it had been armed; its time limit goes on from there.
-        origin: For a wait that compares, the signals from which changes count; a change of a
-            signal that is NaN here stays unknown. Empty where they count anew.
+        origin: The signals from which a wait counts that counts on; a change of a signal that is
+            NaN here stays unknown. Empty where no wait has counted.
     """
 
     pc: int
@@ -87,15 +87,15 @@ def entry(
     other = _elsewhere(program, last, pc, body.control, at)
     if isinstance(other, Refused):
         return other
+    origin = tuple(nan if index in lost else was for index, was in enumerate(mission.origin))
     if other is not None:
-        return Entry(other, _restoring(robot, program, last, body, drives=False))
+        return Entry(other, _restoring(robot, program, last, body, drives=False), origin=origin)
     before = mission.before_pause
     if before is not None and before.configuration != last.robot.configuration:
         return Refused("it was paused, and the operator had changed the configuration since")
     again = _restoring(robot, program, last, body, drives=True)
     if not mission.begun or not isinstance(program.instructions[mission.pc], Wait):
-        return Entry(pc, again)
-    origin = tuple(nan if index in lost else was for index, was in enumerate(mission.origin))
+        return Entry(pc, again, origin=origin)
     return Entry(pc, again, mission.clock(last_s) - mission.armed_s, origin)
 
 
@@ -174,7 +174,8 @@ def _rest_of(wait: Wait, it: Entry) -> Wait:
         for each in wait.triggers
     )
     within_s = max(0.0, wait.within_s - it.armed_s)
-    return wait._replace(within_s=within_s, triggers=triggers, origin=it.origin)
+    counts_on = wait.counts_on or it.armed_s > 0.0
+    return wait._replace(within_s=within_s, triggers=triggers, counts_on=counts_on)
 
 
 def _restoring(

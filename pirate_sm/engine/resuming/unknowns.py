@@ -13,6 +13,7 @@ from pirate_sm.engine.robot.confirmation_spec import AnglesSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.engine.robot.sensor_verdict import spec_of
+from pirate_sm.engine.sensing.known_signals import Numbers
 
 
 def unknowns(
@@ -39,32 +40,37 @@ def unknowns(
         and (each.mark.kind == "part" or isinstance(spec_of(robot, names, each.mark), AnglesSpec))
     ]
     if it.adrift:
-        place = next((place for _, place in position_read(robot, program)), "")
+        place = next((place for _, place in position_read(robot, program, it.entry.origin)), "")
         if place:
             found.append(f"the position: the mission reads it ({place})")
     return tuple(found)
 
 
-def position_read(robot: RobotSpec, program: Program) -> Iterator[tuple[int, str]]:
+def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterator[tuple[int, str]]:
     """Yield the instructions from which the odometry is read, with the places of their conditions.
 
     A change of the odometry is read too if the value from which it counts is unknown.
+
+    Args:
+        robot: The robot.
+        program: The program of the resumption.
+        origin: The signals from which a wait counts that counts on.
     """
     if robot.odometry < 0:
         return
     name = robot.vocabulary.numbers[robot.odometry]
     changes = robot.vocabulary.with_changes.numbers
     change = changes[len(robot.vocabulary.numbers) + robot.odometry]
+    lost = bool(origin) and isnan(origin[robot.odometry])
     for index in sorted(_reached(program)):
         match program.instructions[index]:
             case Branch(condition=condition, place=place):
                 if name in condition.names:
                     yield index, place
-            case Wait(triggers=triggers, origin=origin, place=place):
-                lost = bool(origin) and isnan(origin[robot.odometry])
+            case Wait(triggers=triggers, counts_on=counts_on, place=place):
                 for each in triggers:
                     read = each.condition.names if each.condition is not None else ()
-                    if name in read or (lost and change in read):
+                    if name in read or (lost and counts_on and change in read):
                         yield index, each.place or place
             case _:
                 pass

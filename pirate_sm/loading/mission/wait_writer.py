@@ -56,6 +56,7 @@ def wait_fields(
         "place": scope.place((*path, "wait")),
         "fails": fails,
         "compares": any(_compares(trigger) for trigger in triggers),
+        "counts_on": it.counts_on,
     }
 
 

@@ -96,6 +96,15 @@ def test_a_way_that_takes_longer_than_the_mission_may_is_out_of_reach(tmp_path: 
     assert findings(tmp_path, do, "time_limit: 60 s") == []
 
 
+def test_a_wait_that_counts_on_is_not_judged_by_what_it_drives_itself(tmp_path: Path) -> None:
+    far = wait("change(odometry) > 500 mm")
+    anew = f"{{control: creeping}}, DriveForward, {far}, Brake"
+    on = anew.replace("{wait:", "{counts_on: true, wait:")
+
+    assert [each.code for each in findings(tmp_path, anew)] == ["condition.beyond"]
+    assert findings(tmp_path, on) == []
+
+
 def test_a_wait_in_which_two_controls_may_be_in_force_has_the_reach_of_the_faster(
     tmp_path: Path,
 ) -> None:

@@ -129,9 +129,44 @@ phases:
     assert logs(driver) == ["after"]
 
 
+LEGS = (
+    """
+start: known
+phases:
+  known: {wait: [{when: known(theta_1), go: a}], within: {time: 1 s, go: bad}}
+  a:
+    wait: [{when: change(theta_1) >= 2 rad, go: bad}, {after: 1 s, go: b}]
+  b:
+    do: [{wait: [{after: 1 s}]}]
+    wait: [{when: change(theta_1) >= 2 rad, go: e}]
+    counts_on: COUNTS_ON
+    within: {time: 60 s, go: bad}
+"""
+    + ENDS
+)
+
+
+@pytest.mark.parametrize(("counts_on", "ended_at"), [("true", 10.1), ("false", 11.6)])
+def test_a_wait_that_counts_on_counts_from_where_the_last_one_counted(drive, counts_on, ended_at):
+    driver = drive(LEGS.replace("COUNTS_ON", counts_on))
+    driver.show(0.1, theta_1=8.0)
+    driver.show(0.5, theta_1=9.5)
+    driver.run(3.0)
+    for theta in (9.9, 10.1, 11.4, 11.6):
+        if not driver.ended:
+            driver.show(driver.now + 0.1, theta_1=theta)
+
+    assert driver.ended.outcome == "succeeded"
+    assert driver.signals["theta_1"] == ended_at
+
+
 @pytest.mark.parametrize(
     ("body", "said"),
     [
+        (
+            "a: {wait: [{operator: x, go: e}], within: {time: 1 s, go: e}, counts_on: true}",
+            "nothing counts here",
+        ),
         ("a: {do: [{if: change(odometry) > 1 m, log: x}], go: e}", "beginning of a wait"),
         ("a: {wait: [{when: change(1 m) > 1 m, go: e}], within: {time: 1 s, go: e}}", "one signal"),
         (

@@ -104,6 +104,18 @@ class TestGoingOnInAWait:
         odometry = driver.engine.signals(driver.state)["odometry"]
         assert odometry == pytest.approx(way_m, abs=1e-6)
 
+    def test_a_phase_that_counts_on_does_so_after_it_was_cut_off_before_its_wait(self, drive):
+        legs = STEPS.replace("1 m, go: done}", "1 m, go: done}\n      - {after: 1 s, go: rest}")
+        rest = "  rest:\n    do: [{wait: [{after: 5 s}]}]\n    counts_on: true\n"
+        rest += "    wait: [{when: change(odometry) >= 1 m, go: done}]\n"
+        rest += "    within: {time: 60 s, go: late}\n"
+        before = waiting(drive, legs.replace("  unclear:", rest + "  unclear:"))
+        before.until_waiting("rest")
+        origin = before.state.mission.origin
+        assert origin
+
+        assert CutOff(before).go_on().state.mission.origin == origin
+
     def test_an_unknown_way_hides_the_position_but_not_later_changes(self, drive):
         driver = CutOff(waiting(drive), driven_s=0.4).go_on(
             **{f"theta_{n}": 0.0 for n in range(1, 7)}
