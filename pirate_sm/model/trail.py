@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from pirate_sm.model.true_position import InSpace
 
@@ -48,13 +48,14 @@ class Trail(NamedTuple):
 
     Attributes:
         until_s: Time of the last step, in seconds since the run began.
-        noted: Returns what was noted at the times of some steps, which can be kept.
+        noted: Returns what was noted at the times of some steps, which can be kept; as bytes it is
+            nothing that Python's garbage collector looks at.
         read: Returns where the robot was, from what several calls of ``noted`` have returned.
     """
 
     until_s: float
-    noted: Callable[[Sequence[float]], Any]
-    read: Callable[[Sequence[Any]], Whereabouts]
+    noted: Callable[[Sequence[float]], bytes]
+    read: Callable[[Sequence[bytes]], Whereabouts]
 
     def at(self, now_s: float) -> Stood | None:
         """Return where the robot was at the time of a step; None after the last: where it is."""

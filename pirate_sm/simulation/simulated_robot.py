@@ -325,9 +325,9 @@ class SimulatedRobot:
         """How many numbers say where it is: coordinates of each wheel, then three rolls."""
         return self._axes * self._chain.nodes + 3
 
-    def whereabouts(self, parts: Sequence[Floats]) -> Whereabouts:
-        """Return where it was, from a row of such numbers for each time."""
-        rows = np.concatenate(parts)
+    def whereabouts(self, noted: Sequence[bytes]) -> Whereabouts:
+        """Return where it was, from rows of such numbers."""
+        rows = np.frombuffer(b"".join(noted)).reshape(-1, self.trail_columns)
         count = self._axes * self._chain.nodes
         wheels, rolls_rad = rows[:, :count], rows[:, count:].tolist()
         if self._flat:

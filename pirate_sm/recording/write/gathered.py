@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from typing import Any, NamedTuple, TypeAlias
+from typing import NamedTuple, TypeAlias
 
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.gliding.glided import Glide
@@ -47,7 +47,7 @@ class PlacesOfTrail(NamedTuple):
     """
 
     times_s: Sequence[float]
-    noted: Any
+    noted: bytes
     samples: Callable[[Sequence[PlacesOfTrail]], Iterator[PlacesSample]]
 
 

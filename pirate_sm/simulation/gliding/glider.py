@@ -195,9 +195,10 @@ class Glider:
         glide = Glide(now_s, after, frames, steps, looks, due_s, said_s, trail)
         return Passed(glide, round(cycles), waiting, bool(met))
 
-    def _noted(self, times_s: Sequence[float]) -> Floats:
-        """Return a row of the trail for each of these times of the last call."""
-        return self._trail[[self._cycle_at(at_s) % len(self._trail) for at_s in times_s]]
+    def _noted(self, times_s: Sequence[float]) -> bytes:
+        """Return the rows of the trail for these times of the last call."""
+        trail, rows = self._trail, len(self._trail)
+        return b"".join([trail[self._cycle_at(at_s) % rows].tobytes() for at_s in times_s])
 
     def _cycle_at(self, at_s: float) -> int:
         """Return how many cycles had passed at a time, in all."""

@@ -52,14 +52,14 @@ def glide_of(block: FrameBlock, steps: Sequence[Step] = (), trail: Trail | None 
     return Glide(block.times_s[-1], None, block, steps, trail=trail)
 
 
-def rows(times_s: Sequence[float]) -> list[tuple[float, ...]]:
+def rows(times_s: Sequence[float]) -> bytes:
     """A trail on which each wheel is at x = time."""
-    return [(at_s, 0.5) * 6 for at_s in times_s]
+    return np.array(times_s).tobytes()
 
 
-def whereabouts(noted: Sequence[list[tuple[float, ...]]]) -> Whereabouts:
+def whereabouts(noted: Sequence[bytes]) -> Whereabouts:
     """What is read of such a trail."""
-    places_m = list(chain.from_iterable(noted))
+    places_m = [(at_s, 0.5) * 6 for at_s in np.frombuffer(b"".join(noted)).tolist()]
     return Whereabouts(places_m, [()] * len(places_m), [()] * len(places_m))
 
 
