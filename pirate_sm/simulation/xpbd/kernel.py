@@ -6,8 +6,8 @@ columns are named here.
 
 A substep is: motors, predict, iterate (joints, contacts, corners, links), velocity from
 displacement (XPBD, Macklin et al. 2016). Gradients are those at the start of the substep, since
-nothing turns by more than a few mrad in one. Impulses are in kg m, that is force times the squared
-step.
+nothing turns by more than a few mrad in one; a coarser computation keeps them, and what touches
+what, for some substeps. Impulses are in kg m, that is force times the squared step.
 """
 
 from __future__ import annotations
@@ -35,11 +35,13 @@ L_X, L_Y, L_TX, L_TY, L_LENGTH, L_S, L_GT, L_GN, L_GB = range(9)
 LEG_COLUMNS = 9
 
 # Entries of `world`: the step, the body's sizes, the contact, an obstacle, the roll joint, the
-# magnetic field in the axes of the drawing.
+# magnetic field in the axes of the drawing; for how many substeps directions and contacts are kept,
+# and in which iteration joints are first pulled.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX, DEPTH = range(7)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_NX, BLOCK_NY = range(7, 12)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, MAG_X, MAG_Y, MAG_Z, ROLL_STALL = range(12, 19)
-WORLD_ENTRIES = 19
+LOOK, PULL = 19, 20
+WORLD_ENTRIES = 21
 
 # Blocks of `state`; the number times the count of wheels is the length of each.
 S_POSITION, S_VELOCITY, S_MOTOR, S_WHEEL, S_BEND, S_ANCHOR, S_TURNED, S_READ, S_ROLL = (
@@ -138,14 +140,22 @@ def _wall_contact(
 
 @compiled
 def _find_contacts(
-    n: int, pos: Floats, walls: Floats, world: Floats, con: Floats, who: Ints, hit: Floats
+    n: int,
+    pos: Floats,
+    vel: Floats,
+    walls: Floats,
+    world: Floats,
+    con: Floats,
+    who: Ints,
+    hit: Floats,
 ) -> int:
     """Write normals and gaps of wheels near a wall or an obstacle to `con`; return the count."""
     count = 0
-    reach = world[RADIUS] + _MARGIN_M
+    kept = (world[LOOK] - 1.0) * world[DT]
     for i in range(n):
         x = pos[i, 0]
         y = pos[i, 1]
+        reach = world[RADIUS] + _MARGIN_M + kept * (abs(vel[i, 0]) + abs(vel[i, 1]))
         for k in range(walls.shape[0] + 1):
             if k < walls.shape[0]:
                 near = _wall_contact(x, y, walls[k], reach, world[DEPTH], hit)
@@ -165,6 +175,22 @@ def _find_contacts(
                 who[count, KEY] = k % 4 if k < walls.shape[0] else -1
                 count += 1
     return count
+
+
+@compiled
+def _aim(
+    c: int, i: int, body: Floats, world: Floats, anchor: Floats, w: Floats, con: Floats, who: Ints
+) -> None:
+    """Zero the impulses of a contact, and set its target and friction to what its wheel kept."""
+    con[c, PUSH] = 0.0
+    con[c, ROLLING] = 0.0
+    if who[c, KEY] < 0:
+        con[c, C_MU] = 0.0
+        return
+    held = anchor[i, who[c, KEY]]
+    slipping = abs(held) >= _SLIPPED * world[ANCHOR_MAX]
+    con[c, C_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
+    con[c, TARGET] = w[i, SPIN] * world[RADIUS] + held
 
 
 @compiled
@@ -193,18 +219,12 @@ def _prepare_contacts(
         con[c, GI_Y] = con[c, NX] - hy
         con[c, GO_X] = hx
         con[c, GO_Y] = hy
-        con[c, PUSH] = 0.0
-        con[c, ROLLING] = 0.0
         con[c, N_INV] = 1.0 / (body[i, MASS_INV] + compliance)
+        _aim(c, i, body, world, anchor, w, con, who)
         if who[c, KEY] < 0:
-            con[c, C_MU] = 0.0
             continue
-        held = anchor[i, who[c, KEY]]
-        slipping = abs(held) >= _SLIPPED * world[ANCHOR_MAX]
-        con[c, C_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
         con[c, C_FORCE] = w[i, FORCE]
         con[c, C_SLOPE] = w[i, SLOPE]
-        con[c, TARGET] = w[i, SPIN] * radius + held
         mass_inv = body[i, MASS_INV] * (con[c, GI_X] ** 2 + con[c, GI_Y] ** 2)
         mass_inv += body[other, MASS_INV] * (hx * hx + hy * hy)
         con[c, T_INV] = 1.0 / (mass_inv + w[i, SLOPE])
@@ -283,7 +303,7 @@ def _find_corners(
             nx = -ey / length
             ny = ex / length
             gap = -(cx * nx + cy * ny) - thickness
-            if gap > _MARGIN_M or gap < -2.0 * thickness:
+            if gap > _MARGIN_M * world[LOOK] or gap < -2.0 * thickness:
                 continue
             who[count] = m
             cor[count, K_NX] = nx
@@ -298,6 +318,19 @@ def _find_corners(
 
 
 @compiled
+def _clear(c: int, m: int, pos: Floats, w: Floats, cor: Floats) -> float:
+    """Return the gap between a link and an inner corner after what they have moved."""
+    ahead = 1.0 - cor[c, K_SHARE]
+    behind = cor[c, K_SHARE]
+    gap = cor[c, K_GAP]
+    gap += cor[c, K_NX] * ahead * (pos[m, 0] - w[m, X0])
+    gap += cor[c, K_NY] * ahead * (pos[m, 1] - w[m, Y0])
+    gap += cor[c, K_NX] * behind * (pos[m + 1, 0] - w[m + 1, X0])
+    gap += cor[c, K_NY] * behind * (pos[m + 1, 1] - w[m + 1, Y0])
+    return float(gap)
+
+
+@compiled
 def _solve_corners(
     count: int, pos: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
 ) -> None:
@@ -306,11 +339,7 @@ def _solve_corners(
         m = who[c]
         ahead = 1.0 - cor[c, K_SHARE]
         behind = cor[c, K_SHARE]
-        gap = cor[c, K_GAP]
-        gap += cor[c, K_NX] * ahead * (pos[m, 0] - w[m, X0])
-        gap += cor[c, K_NY] * ahead * (pos[m, 1] - w[m, Y0])
-        gap += cor[c, K_NX] * behind * (pos[m + 1, 0] - w[m + 1, X0])
-        gap += cor[c, K_NY] * behind * (pos[m + 1, 1] - w[m + 1, Y0])
+        gap = _clear(c, m, pos, w, cor)
         new = max(0.0, cor[c, K_PUSH] - (gap + compliance * cor[c, K_PUSH]) * cor[c, K_INV])
         delta = new - cor[c, K_PUSH]
         cor[c, K_PUSH] = new
@@ -318,6 +347,83 @@ def _solve_corners(
         pos[m, 1] += body[m, MASS_INV] * ahead * delta * cor[c, K_NY]
         pos[m + 1, 0] += body[m + 1, MASS_INV] * behind * delta * cor[c, K_NX]
         pos[m + 1, 1] += body[m + 1, MASS_INV] * behind * delta * cor[c, K_NY]
+
+
+@compiled
+def _turned(i: int, pos: Floats, w: Floats) -> float:
+    """Return by how much a joint has turned in this substep."""
+    # Three short sums, because one long sum would wait for each of its terms in turn.
+    ahead = w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
+    ahead += w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
+    middle = w[i, GM_X] * (pos[i, 0] - w[i, X0]) + w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
+    behind = w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
+    behind += w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
+    return float(behind + middle + ahead)
+
+
+@compiled
+def _turn_motor(
+    i: int,
+    duty: float,
+    bend: Floats,
+    motor: Floats,
+    body: Floats,
+    dt: float,
+    w: Floats,
+    tally: Floats,
+) -> None:
+    """Turn the motor of a joint by one substep, and zero the joint's impulses.
+
+    It turns at rate * (duty - torque / stall torque) and is never driven back.
+    """
+    rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
+    rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
+    turned = motor[i] + body[i, JOINT_RATE] * rate * dt
+    motor[i] = min(
+        max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
+    )
+    tally[i, T_CURRENT] += abs(duty - rate)
+    w[i, J_LAM] = 0.0
+    w[i, J_FRICTION] = 0.0
+    w[i, J_STOP] = 0.0
+
+
+@compiled
+def _go_on(
+    n: int,
+    count: int,
+    corners: int,
+    pos: Floats,
+    bend: Floats,
+    motor: Floats,
+    anchor: Floats,
+    command: Floats,
+    body: Floats,
+    world: Floats,
+    w: Floats,
+    con: Floats,
+    who: Ints,
+    cor: Floats,
+    at_corner: Ints,
+    tally: Floats,
+) -> None:
+    """Begin a substep with the directions and contacts of the one before.
+
+    Angles and gaps change by what the wheels have moved along these directions.
+    """
+    for i in range(1, n - 1):
+        bend[i] += _turned(i, pos, w)
+        _turn_motor(i, command[i], bend, motor, body, world[DT], w, tally)
+    for c in range(count):
+        i = who[c, NODE]
+        con[c, GAP] += con[c, NX] * (pos[i, 0] - w[i, X0]) + con[c, NY] * (pos[i, 1] - w[i, Y0])
+        _aim(c, i, body, world, anchor, w, con, who)
+    for c in range(corners):
+        cor[c, K_GAP] = _clear(c, at_corner[c], pos, w, cor)
+        cor[c, K_PUSH] = 0.0
+    for i in range(n):
+        w[i, X0] = pos[i, 0]
+        w[i, Y0] = pos[i, 1]
 
 
 @compiled
@@ -332,10 +438,7 @@ def _begin(
     w: Floats,
     tally: Floats,
 ) -> None:
-    """Compute angles and gradients from the positions, and turn the motors by one substep.
-
-    A bend motor turns at rate * (duty - torque / stall torque) and is never driven back.
-    """
+    """Compute angles and gradients from the positions, and turn the motors by one substep."""
     dt = world[DT]
     before = 0.0
     for i in range(n):
@@ -356,14 +459,7 @@ def _begin(
         if abs(change) > np.pi:
             change -= 2.0 * np.pi * np.rint(change / (2.0 * np.pi))
         bend[i] += change
-        duty = command[i]
-        rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
-        rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
-        turned = motor[i] + body[i, JOINT_RATE] * rate * dt
-        motor[i] = min(
-            max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
-        )
-        tally[i, T_CURRENT] += abs(duty - rate)
+        _turn_motor(i, command[i], bend, motor, body, dt, w, tally)
         w[i, GA_X] = -w[i - 1, LEVER_X]
         w[i, GA_Y] = -w[i - 1, LEVER_Y]
         w[i, GB_X] = -w[i, LEVER_X]
@@ -376,9 +472,6 @@ def _begin(
             + body[i + 1, MASS_INV] * (w[i, GB_X] ** 2 + w[i, GB_Y] ** 2)
         )
         w[i, J_INV] = 1.0 / ((1.0 + w[i, J_D]) * w[i, J_W] + w[i, J_C])
-        w[i, J_LAM] = 0.0
-        w[i, J_FRICTION] = 0.0
-        w[i, J_STOP] = 0.0
         free = body[i, JOINT_MIN] + _STOP_RAD < bend[i] < body[i, JOINT_MAX] - _STOP_RAD
         w[i, J_RESISTS] = 0.0 if free and body[i, JOINT_FRICTION] == 0.0 else 1.0
 
@@ -422,13 +515,7 @@ def _solve_joints(
 ) -> None:
     """Pull each joint once towards its motor-side angle through its spring."""
     for i in range(1, n - 1):
-        # Three short sums, because one long sum would wait for each of its terms in turn.
-        ahead = w[i, GA_X] * (pos[i - 1, 0] - w[i - 1, X0])
-        ahead += w[i, GA_Y] * (pos[i - 1, 1] - w[i - 1, Y0])
-        middle = w[i, GM_X] * (pos[i, 0] - w[i, X0]) + w[i, GM_Y] * (pos[i, 1] - w[i, Y0])
-        behind = w[i, GB_X] * (pos[i + 1, 0] - w[i + 1, X0])
-        behind += w[i, GB_Y] * (pos[i + 1, 1] - w[i + 1, Y0])
-        turned = behind + middle + ahead
+        turned = _turned(i, pos, w)
         left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
         delta = left * w[i, J_INV]
         w[i, J_LAM] += delta
@@ -745,14 +832,23 @@ def advance(
     vy = vel[imu, 1]
     _project(n, pos, legs, out)
     _prepare(n, command, body, legs, world, roll, out, w)
-    for _ in range(steps):
-        _begin(n, pos, bend, motor, command, body, world, w, tally)
-        count = _find_contacts(n, pos, walls, world, con, who, hit)
-        _prepare_contacts(count, body, world, anchor, w, con, who)
-        corners = _find_corners(n, pos, walls, body, world, cor, at_corner)
+    count = 0
+    corners = 0
+    for step in range(steps):
+        if step % int(world[LOOK]) == 0:
+            _begin(n, pos, bend, motor, command, body, world, w, tally)
+            count = _find_contacts(n, pos, vel, walls, world, con, who, hit)
+            _prepare_contacts(count, body, world, anchor, w, con, who)
+            corners = _find_corners(n, pos, walls, body, world, cor, at_corner)
+        else:
+            _go_on(
+                n, count, corners, pos, bend, motor, anchor, command, body, world, w,
+                con, who, cor, at_corner, tally,
+            )  # fmt: skip
         _predict(n, pos, vel, dt, w)
-        for _ in range(int(world[ITERATIONS])):
-            _solve_joints(n, pos, bend, motor, body, dt * dt, w)
+        for k in range(int(world[ITERATIONS])):
+            if k >= world[PULL]:
+                _solve_joints(n, pos, bend, motor, body, dt * dt, w)
             _solve_contacts(count, pos, body, compliance, w, con, who)
             _solve_corners(corners, pos, body, compliance, w, cor, at_corner)
             _solve_links(n, pos, body, w)

@@ -20,7 +20,7 @@ from pirate_sm.simulation.xpbd import kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
 from pirate_sm.simulation.xpbd.glide import glide, pass_cycles
-from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
+from pirate_sm.simulation.xpbd.iterations import EFFORTS, STEP_S, Effort
 from pirate_sm.simulation.xpbd.pipe_arrays import gravity_along, leg_rows, wall_rows
 
 _CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V snaps through the wall
@@ -38,7 +38,7 @@ class World(ChainWorld):
         friction: Friction between wheels and walls.
         pose: The pose at the start.
         cycle_s: Duration of a cycle.
-        fidelity: How often each step is solved again.
+        fidelity: How finely steps are solved.
 
     Attributes:
         state: Positions, velocities and angles.
@@ -66,7 +66,7 @@ class World(ChainWorld):
         )
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, route, cycle_s / self._steps, ITERATIONS[fidelity])
+        self._world = _constants(chain, route, cycle_s / self._steps, EFFORTS[fidelity])
         self._legs = leg_rows(route)
         self._arrays = (
             *(self.state.array, self.duties, self.body, wall_rows(route), self._legs),
@@ -120,10 +120,10 @@ class World(ChainWorld):
         self._legs[:, kernel.L_GT :] = [gravity_along(piece, up) for piece in self._route.pieces]
 
 
-def _constants(chain: ChainBody, route: Route, dt: float, iterations: int) -> Floats:
+def _constants(chain: ChainBody, route: Route, dt: float, effort: Effort) -> Floats:
     world = np.zeros(kernel.WORLD_ENTRIES)
     world[kernel.DT] = dt
-    world[kernel.ITERATIONS] = iterations
+    world[[kernel.ITERATIONS, kernel.LOOK, kernel.PULL]] = effort
     world[kernel.RADIUS] = chain.wheel_radius_m
     world[kernel.HALF_THICKNESS] = chain.half_thickness_m
     world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N

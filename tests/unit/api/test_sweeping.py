@@ -29,7 +29,7 @@ def test_a_fast_sweep_is_coarser_and_its_rows_are_those_of_fast_runs() -> None:
 
     assert fast["outcome"] == usual["outcome"] == ["succeeded"]
     assert fast["duration_s"] == [run.duration_s]
-    assert fast["duration_s"] == pytest.approx(usual["duration_s"], rel=0.01)
+    assert fast["duration_s"] == pytest.approx(usual["duration_s"], rel=0.05)
     with pirate_sm.session(PATROL, fidelity="fast") as session:
         assert session.run.header.fidelity == "fast"
 

@@ -61,12 +61,14 @@ C_X, C_Y, C_Z, C_TX, C_TY, C_TZ, C_LENGTH, C_ARC, C_SX, C_SY, C_SZ = range(11)
 C_RADIUS, C_UX, C_UY, C_UZ = range(11, 15)
 LEG_COLUMNS = 15
 
-# Entries of `world`.
+# Entries of `world`; the last two are for how many substeps directions and contacts are kept, and
+# in which iteration joints are first pulled.
 DT, ITERATIONS, RADIUS, HALF_THICKNESS, CONTACT_COMPLIANCE, ANCHOR_MAX = range(6)
 G_X, G_Y, G_Z, MAG_X, MAG_Y, MAG_Z = range(6, 12)
 BLOCK_NODE, BLOCK_X, BLOCK_Y, BLOCK_Z, BLOCK_NX, BLOCK_NY, BLOCK_NZ = range(12, 19)
 ROLL_LINK, ROLL_TARGET, ROLL_RATE, ROLL_STALL, INERTIA_FRONT, INERTIA_REAR, IMU_LINK = range(19, 26)
-WORLD_ENTRIES = 26
+LOOK, PULL = 26, 27
+WORLD_ENTRIES = 28
 
 # Blocks of `state`; the number times the count of wheels is where each begins. After the last one
 # stand the normals of the front and the rear part, their roll rates, the angle of the roll joint,
@@ -95,15 +97,16 @@ SPIN, FORCE, SLOPE, LINK_SCALE = range(26, 30)
 # inverse mass, impulse.
 P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(30, 35)
 _NODE_COLUMNS = 35
-# Scratch of the two parts: normal, `n x e`, roll in this substep, inverse inertia.
-N_X, N_Y, N_Z, N_BX, N_BY, N_BZ, N_ROLL, N_INV_I = range(8)
-_PART_COLUMNS = 8
+# Scratch of the two parts: normal, `n x e`, roll in this substep, inverse inertia, roll since the
+# normals were found.
+N_X, N_Y, N_Z, N_BX, N_BY, N_BZ, N_ROLL, N_INV_I, N_ROLLED = range(9)
+_PART_COLUMNS = 9
 T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, _T_COLUMNS = range(6)
 # Scratch columns per contact of a wheel.
 NX, NY, NZ, GAP, PUSH, PUSH_INV = range(6)
 GI_X, GI_Y, GI_Z, GO_X, GO_Y, GO_Z, DRIVE, DRIVE_INV, TARGET, K_SLOPE, K_FORCE = range(6, 17)
-SX, SY, SZ, S_TURN, SIDE, SIDE_W, S_TARGET, K_MU, K_RADIUS, K_CREEP = range(17, 27)
-_CONTACT_COLUMNS = 27
+SX, SY, SZ, S_TURN, SIDE, SIDE_W, S_TARGET, K_MU, K_RADIUS, K_CREEP, DISTANCE = range(17, 28)
+_CONTACT_COLUMNS = 28
 NODE, OTHER, SURFACE, PART = range(4)
 # Scratch columns per contact of a link.
 K_NX, K_NY, K_NZ, K_SHARE, K_GAP, K_PUSH, K_INV, _K_COLUMNS = range(8)
@@ -445,7 +448,7 @@ def _touch(
     con[count, NX] = hit[0]
     con[count, NY] = hit[1]
     con[count, NZ] = hit[2]
-    con[count, GAP] = hit[3] - world[RADIUS]
+    con[count, DISTANCE] = hit[3] - world[RADIUS]
     who[count, NODE] = i
     who[count, SURFACE] = surface
     return count + 1
@@ -455,6 +458,7 @@ def _touch(
 def _find_contacts(
     n: int,
     pos: Floats,
+    vel: Floats,
     solids: Floats,
     edges: Floats,
     points: Floats,
@@ -470,9 +474,11 @@ def _find_contacts(
     """Write normals and gaps of wheels near a wall, an edge or an obstacle; return the count."""
     count = 0
     radius = world[RADIUS]
-    reach = radius + _MARGIN_M
+    kept = (world[LOOK] - 1.0) * world[DT]
     for i in range(n):
         x, y, z = pos[i, 0], pos[i, 1], pos[i, 2]
+        speed = abs(vel[i, 0]) + abs(vel[i, 1]) + abs(vel[i, 2])
+        reach = radius + _MARGIN_M + kept * speed
         for k in range(nears[i]):
             solid = near[i, k]
             if _foot(x, y, z, solids, solid, hit) and -radius < hit[3] < reach:
@@ -598,6 +604,18 @@ def _gear(c: int, i: int, sine: float, body: Floats, world: Floats, w: Floats, c
 
 
 @compiled
+def _press(c: int, con: Floats) -> None:
+    """Set the gap of a contact by its distance, and zero its impulses."""
+    con[c, PUSH] = 0.0
+    con[c, DRIVE] = 0.0
+    con[c, SIDE] = 0.0
+    # The gap as one of constant stiffness would be with the same force.
+    gap = con[c, DISTANCE]
+    gap += (_FLAT_TYRE_STIFFER - 1.0) * min(0.0, gap + _FLAT_TYRE_M)
+    con[c, GAP] = max(gap, -_DEEPEST_M)
+
+
+@compiled
 def _prepare_contacts(
     count: int,
     body: Floats,
@@ -615,13 +633,8 @@ def _prepare_contacts(
         p = 0 if i <= world[ROLL_LINK] else 1
         who[c, PART] = p
         who[c, OTHER] = i
-        con[c, PUSH] = 0.0
-        con[c, DRIVE] = 0.0
-        con[c, SIDE] = 0.0
+        _press(c, con)
         con[c, PUSH_INV] = 1.0 / (body[i, MASS_INV] + compliance)
-        # The gap as one of constant stiffness would be with the same force.
-        con[c, GAP] += (_FLAT_TYRE_STIFFER - 1.0) * min(0.0, con[c, GAP] + _FLAT_TYRE_M)
-        con[c, GAP] = max(con[c, GAP], -_DEEPEST_M)
         if who[c, SURFACE] < 0:
             con[c, K_MU] = 0.0
             continue
@@ -742,7 +755,7 @@ def _lean(
 ) -> int:
     """Note a contact of a link; return the count. `hit`: the normal, the distance of its middle."""
     gap = hit[3] - world[HALF_THICKNESS]
-    if gap > _MARGIN_M or gap < -2.0 * world[HALF_THICKNESS] or count == cor.shape[0]:
+    if gap > _MARGIN_M * world[LOOK] or gap < -2.0 * world[HALF_THICKNESS] or count == cor.shape[0]:
         return count
     compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
     who[count] = m
@@ -796,7 +809,7 @@ def _lean_on_edge(
     y = pos[m, 1] + share * (pos[m + 1, 1] - pos[m, 1]) - hit[1]
     z = pos[m, 2] + share * (pos[m + 1, 2] - pos[m, 2]) - hit[2]
     away = np.sqrt(x * x + y * y + z * z)
-    if away > world[HALF_THICKNESS] + _MARGIN_M or away < 1e-9:
+    if away > world[HALF_THICKNESS] + _MARGIN_M * world[LOOK] or away < 1e-9:
         return count
     # The link may have got over the edge with its middle; the pipe's inside says which way is out.
     if x * points[at, P_IX] + y * points[at, P_IY] + z * points[at, P_IZ] < 0.0:
@@ -867,6 +880,21 @@ def _find_leaning(
 
 
 @compiled
+def _clear(c: int, m: int, mov: Floats, cor: Floats) -> float:
+    """Return the gap between a link and what it leans on after what it has moved."""
+    behind = cor[c, K_SHARE]
+    ahead = 1.0 - behind
+    gap = cor[c, K_GAP]
+    gap += cor[c, K_NX] * ahead * mov[m, 0]
+    gap += cor[c, K_NY] * ahead * mov[m, 1]
+    gap += cor[c, K_NZ] * ahead * mov[m, 2]
+    gap += cor[c, K_NX] * behind * mov[m + 1, 0]
+    gap += cor[c, K_NY] * behind * mov[m + 1, 1]
+    gap += cor[c, K_NZ] * behind * mov[m + 1, 2]
+    return float(gap)
+
+
+@compiled
 def _solve_leaning(
     count: int, mov: Floats, body: Floats, compliance: float, w: Floats, cor: Floats, who: Ints
 ) -> None:
@@ -875,13 +903,7 @@ def _solve_leaning(
         m = who[c]
         behind = cor[c, K_SHARE]
         ahead = 1.0 - behind
-        gap = cor[c, K_GAP]
-        gap += cor[c, K_NX] * ahead * mov[m, 0]
-        gap += cor[c, K_NY] * ahead * mov[m, 1]
-        gap += cor[c, K_NZ] * ahead * mov[m, 2]
-        gap += cor[c, K_NX] * behind * mov[m + 1, 0]
-        gap += cor[c, K_NY] * behind * mov[m + 1, 1]
-        gap += cor[c, K_NZ] * behind * mov[m + 1, 2]
+        gap = _clear(c, m, mov, cor)
         new = max(0.0, cor[c, K_PUSH] - (gap + compliance * cor[c, K_PUSH]) * cor[c, K_INV])
         delta = new - cor[c, K_PUSH]
         cor[c, K_PUSH] = new
@@ -918,6 +940,7 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
         nx *= share
         ny *= share
         nz *= share
+        parts[p, N_ROLLED] = 0.0
         parts[p, N_X] = nx
         parts[p, N_Y] = ny
         parts[p, N_Z] = nz
@@ -937,8 +960,9 @@ def _stand(pos: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
 def _keep(roll: Floats, parts: Floats, dt: float) -> None:
     """Turn the parts' normals by what they have rolled in a substep."""
     for p in range(2):
+        parts[p, N_ROLLED] += parts[p, N_ROLL]
         # Cosine and sine of an angle whose half has this tangent; it rolls by mrad.
-        half = 0.5 * parts[p, N_ROLL]
+        half = 0.5 * parts[p, N_ROLLED]
         share = 1.0 / (1.0 + half * half)
         cos = (1.0 - half * half) * share
         sin = 2.0 * half * share
@@ -1052,6 +1076,107 @@ def _solve_twist(roll: Floats, parts: Floats, dt: float, impulse: float) -> floa
 
 
 @compiled
+def _turned(i: int, mov: Floats, w: Floats) -> float:
+    """Return by how much a joint has turned in this substep."""
+    # Three short sums, because one long sum would wait for each of its terms in turn.
+    ahead = w[i, GA_X] * mov[i - 1, 0]
+    ahead += w[i, GA_Y] * mov[i - 1, 1]
+    ahead += w[i, GA_Z] * mov[i - 1, 2]
+    middle = w[i, GM_X] * mov[i, 0]
+    middle += w[i, GM_Y] * mov[i, 1]
+    middle += w[i, GM_Z] * mov[i, 2]
+    behind = w[i, GB_X] * mov[i + 1, 0]
+    behind += w[i, GB_Y] * mov[i + 1, 1]
+    behind += w[i, GB_Z] * mov[i + 1, 2]
+    return float(behind + middle + ahead)
+
+
+@compiled
+def _turn_motor(
+    i: int,
+    duty: float,
+    bend: Floats,
+    motor: Floats,
+    body: Floats,
+    dt: float,
+    w: Floats,
+    tally: Floats,
+) -> None:
+    """Turn the motor of a joint by one substep, and zero the joint's impulses.
+
+    It turns at rate * (duty - torque / stall torque) and is never driven back.
+    """
+    rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
+    rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
+    turned = motor[i] + body[i, JOINT_RATE] * rate * dt
+    motor[i] = min(
+        max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
+    )
+    tally[i, T_CURRENT] += abs(duty - rate)
+    w[i, J_LAM] = 0.0
+    w[i, J_FRICTION] = 0.0
+    w[i, J_STOP] = 0.0
+
+
+@compiled
+def _go_on(
+    n: int,
+    count: int,
+    leans: int,
+    mov: Floats,
+    roll: Floats,
+    bend: Floats,
+    motor: Floats,
+    anchor: Floats,
+    command: Floats,
+    body: Floats,
+    world: Floats,
+    w: Floats,
+    parts: Floats,
+    con: Floats,
+    who: Ints,
+    cor: Floats,
+    leaning: Ints,
+    tally: Floats,
+) -> None:
+    """Begin a substep with the directions and contacts of the one before.
+
+    Angles, distances and links change by what the wheels have moved.
+    """
+    r = int(world[ROLL_LINK])
+    roll[R_ANGLE] += parts[0, N_ROLL] - parts[1, N_ROLL]
+    for p in range(2):
+        nx = parts[p, N_X]
+        ny = parts[p, N_Y]
+        nz = parts[p, N_Z]
+        tilted = nx * (mov[r, 0] - mov[r + 1, 0])
+        tilted += ny * (mov[r, 1] - mov[r + 1, 1])
+        tilted += nz * (mov[r, 2] - mov[r + 1, 2])
+        for m in range(0 if p == 0 else r + 1, r if p == 0 else n - 1):
+            off = nx * (mov[m, 0] - mov[m + 1, 0])
+            off += ny * (mov[m, 1] - mov[m + 1, 1])
+            off += nz * (mov[m, 2] - mov[m + 1, 2])
+            w[m, P_C] += off + w[m, P_ROLL] * parts[p, N_ROLL] - w[m, P_TILT] * tilted
+            w[m, P_LAM] = 0.0
+    for m in range(n - 1):
+        for k in range(3):
+            w[m, D_X + k] += mov[m, k] - mov[m + 1, k]
+    for i in range(1, n - 1):
+        bend[i] += _turned(i, mov, w)
+        _turn_motor(i, command[i], bend, motor, body, world[DT], w, tally)
+    for c in range(count):
+        i = who[c, NODE]
+        con[c, DISTANCE] += con[c, NX] * mov[i, 0] + con[c, NY] * mov[i, 1] + con[c, NZ] * mov[i, 2]
+        _press(c, con)
+        if who[c, SURFACE] >= 0:
+            _recall(c, i, body, world, anchor, con, who)
+            con[c, TARGET] += w[i, SPIN] * con[c, K_RADIUS]
+    for c in range(leans):
+        cor[c, K_GAP] = _clear(c, leaning[c], mov, cor)
+        cor[c, K_PUSH] = 0.0
+
+
+@compiled
 def _begin(
     n: int,
     pos: Floats,
@@ -1064,10 +1189,7 @@ def _begin(
     parts: Floats,
     tally: Floats,
 ) -> None:
-    """Compute angles and gradients from the positions, and turn the motors by one substep.
-
-    A bend motor turns at rate * (duty - torque / stall torque) and is never driven back.
-    """
+    """Compute angles and gradients from the positions, and turn the motors by one substep."""
     dt = world[DT]
     r = int(world[ROLL_LINK])
     for i in range(n - 1):
@@ -1104,14 +1226,7 @@ def _begin(
         if abs(change) > np.pi:
             change -= 2.0 * np.pi * np.rint(change / (2.0 * np.pi))
         bend[i] += change
-        duty = command[i]
-        rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
-        rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
-        turned = motor[i] + body[i, JOINT_RATE] * rate * dt
-        motor[i] = min(
-            max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
-        )
-        tally[i, T_CURRENT] += abs(duty - rate)
+        _turn_motor(i, command[i], bend, motor, body, dt, w, tally)
         inv = 0.0
         for k in range(3):
             w[i, GA_X + k] = -w[i - 1, LR_X + k]
@@ -1122,9 +1237,6 @@ def _begin(
             inv += body[i + 1, MASS_INV] * w[i, GB_X + k] ** 2
         w[i, J_W] = inv
         w[i, J_INV] = 1.0 / ((1.0 + w[i, J_D]) * inv + w[i, J_C])
-        w[i, J_LAM] = 0.0
-        w[i, J_FRICTION] = 0.0
-        w[i, J_STOP] = 0.0
         free = body[i, JOINT_MIN] + _STOP_RAD < bend[i] < body[i, JOINT_MAX] - _STOP_RAD
         w[i, J_RESISTS] = 0.0 if free and body[i, JOINT_FRICTION] == 0.0 else 1.0
 
@@ -1164,17 +1276,7 @@ def _solve_joints(
 ) -> None:
     """Pull each joint once towards its motor-side angle through its spring."""
     for i in range(1, n - 1):
-        # Three short sums, because one long sum would wait for each of its terms in turn.
-        ahead = w[i, GA_X] * mov[i - 1, 0]
-        ahead += w[i, GA_Y] * mov[i - 1, 1]
-        ahead += w[i, GA_Z] * mov[i - 1, 2]
-        middle = w[i, GM_X] * mov[i, 0]
-        middle += w[i, GM_Y] * mov[i, 1]
-        middle += w[i, GM_Z] * mov[i, 2]
-        behind = w[i, GB_X] * mov[i + 1, 0]
-        behind += w[i, GB_Y] * mov[i + 1, 1]
-        behind += w[i, GB_Z] * mov[i + 1, 2]
-        turned = behind + middle + ahead
+        turned = _turned(i, mov, w)
         left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
         delta = left * w[i, J_INV]
         w[i, J_LAM] += delta
@@ -1526,27 +1628,36 @@ def advance(
     )
     current = 0.0
     deepest = 0.0
-    for _ in range(steps):
-        _stand(pos, roll, world, parts)
+    count = 0
+    leans = 0
+    for step in range(steps):
+        if step % int(world[LOOK]) == 0:
+            _stand(pos, roll, world, parts)
+            _begin(n, pos, bend, motor, command, body, world, w, parts, tally)
+            _lie_in_planes(n, body, world, w, parts)
+            count = _find_contacts(
+                n, pos, vel, solids, edges, points, world, near, nears, rims, rim_at, con, who, hit
+            )
+            _prepare_contacts(count, body, world, anchor, w, parts, con, who)
+            leans = _find_leaning(
+                n, pos, solids, edges, points, body, world, near, nears, rims, link_at,
+                cor, leaning, hit,
+            )  # fmt: skip
+        else:
+            _go_on(
+                n, count, leans, mov, roll, bend, motor, anchor, command, body, world, w, parts,
+                con, who, cor, leaning, tally,
+            )  # fmt: skip
         current += _turn_roll_motor(roll, world)
-        _begin(n, pos, bend, motor, command, body, world, w, parts, tally)
-        _lie_in_planes(n, body, world, w, parts)
-        count = _find_contacts(
-            n, pos, solids, edges, points, world, near, nears, rims, rim_at, con, who, hit
-        )
         for c in range(count):
-            deepest = min(deepest, con[c, GAP])
-        _prepare_contacts(count, body, world, anchor, w, parts, con, who)
-        leans = _find_leaning(
-            n, pos, solids, edges, points, body, world, near, nears, rims, link_at,
-            cor, leaning, hit,
-        )  # fmt: skip
+            deepest = min(deepest, con[c, DISTANCE])
         for c in range(leans):
             deepest = min(deepest, cor[c, K_GAP])
         _predict(n, mov, vel, roll, world, parts)
         twist = 0.0
-        for _ in range(int(world[ITERATIONS])):
-            _solve_joints(n, mov, bend, motor, body, dt * dt, w)
+        for k in range(int(world[ITERATIONS])):
+            if k >= world[PULL]:
+                _solve_joints(n, mov, bend, motor, body, dt * dt, w)
             _solve_planes(n, mov, body, world, w, parts, off)
             twist = _solve_twist(roll, parts, dt, twist)
             _solve_contacts(count, mov, body, compliance, parts, con, who)

@@ -18,7 +18,7 @@ from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import lying, normals_of
 from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
-from pirate_sm.simulation.xpbd.iterations import ITERATIONS, STEP_S
+from pirate_sm.simulation.xpbd.iterations import EFFORTS, STEP_S, Effort
 from pirate_sm.simulation.xpbd.space import kernel
 from pirate_sm.simulation.xpbd.space.glide import glide, pass_cycles
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
@@ -40,7 +40,7 @@ class SpaceWorld(ChainWorld):
         friction: Friction between wheels and walls.
         pose: The pose at the start.
         cycle_s: Duration of a cycle.
-        fidelity: How often each step is solved again.
+        fidelity: How finely steps are solved.
 
     Attributes:
         state: Positions, velocities and angles.
@@ -68,7 +68,7 @@ class SpaceWorld(ChainWorld):
         self._own = self.quantities[own:]
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, cycle_s / self._steps, ITERATIONS[fidelity])
+        self._world = _constants(chain, cycle_s / self._steps, EFFORTS[fidelity])
         self.turn_gravity(route.up)
         shape = shape_of(route)
         self._arrays = (
@@ -128,12 +128,12 @@ class SpaceWorld(ChainWorld):
         self._world[kernel.G_X : kernel.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
 
 
-def _constants(chain: ChainBody, dt: float, iterations: int) -> Floats:
+def _constants(chain: ChainBody, dt: float, effort: Effort) -> Floats:
     world = np.zeros(kernel.WORLD_ENTRIES)
     # A chain without a roll joint has one that stands still, in the middle.
     link = chain.roll_link if chain.roll_link >= 0 else (chain.nodes - 2) // 2
     world[kernel.DT] = dt
-    world[kernel.ITERATIONS] = iterations
+    world[[kernel.ITERATIONS, kernel.LOOK, kernel.PULL]] = effort
     world[kernel.RADIUS] = chain.wheel_radius_m
     world[kernel.HALF_THICKNESS] = chain.half_thickness_m
     world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
