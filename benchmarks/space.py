@@ -133,7 +133,7 @@ ROWS = (
     Row("120 to 105 mm", reducer("60 mm", "105 mm"), mission=DRIVE),
     Row("120 to 110, climbing", reducer("60 mm", "110 mm"), CLIMBING, DRIVE),
     Row("step to 110 mm", reducer("0 mm", "110 mm"), mission=DRIVE),
-    Row("step to 110 mm, climbing", reducer("0 mm", "110 mm"), CLIMBING, mission=DRIVE, bar=0.98),
+    Row("step to 110 mm, climbing", reducer("0 mm", "110 mm"), CLIMBING, mission=DRIVE),
     Row("110 to 120 mm", reducer("60 mm", "120 mm"), mission=DRIVE, diameter="110 mm"),
     Row("step to 120 mm", reducer("0 mm", "120 mm"), mission=DRIVE, diameter="110 mm"),
     Row("two planes, up", pipe="two_mitres_up", mission="two_bends_up", beyond_m=2.2),
