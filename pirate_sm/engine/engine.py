@@ -16,7 +16,7 @@ from pirate_sm.engine.gliding.lookout import Lookout
 from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.engine.mission import operator, scripted_signals
 from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.mission.signals_read import signals_read
+from pirate_sm.engine.mission.signals_read import signals_read, slip_watched
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot import commands, confirmation, robot_state
@@ -56,6 +56,12 @@ class Engine:
         spec = robot.traction
         self._follows_traction = (not nominal and spec is not None) and (
             every_signal or not signals_read(robot, program).isdisjoint(spec.targets)
+        )
+        # Under these controls slip is followed while they are in force.
+        self._slip_watched = frozenset(
+            control
+            for control, signals in slip_watched(robot)
+            if not nominal and spec is not None and not signals.isdisjoint(spec.targets)
         )
         self._lookout = Lookout(robot, program)
 
@@ -138,7 +144,7 @@ class Engine:
         """
         if state.mission.ended:
             return state, ()
-        moment = Moment(self.robot, self.program, self.nominal, now_s, self._follows_traction)
+        moment = Moment(self.robot, self.program, self.nominal, now_s, self._follows(state))
         if type(event) is events.SensorFrame:  # the most frequent event
             after = inputs.frame(moment, state, event)
         else:
@@ -155,9 +161,13 @@ class Engine:
         Returns:
             What must stay true; None where every frame must go through :meth:`step`.
         """
-        if self.nominal or self._follows_traction or state.mission.ended:
+        if self.nominal or self._follows(state) or state.mission.ended:
             return None
         return self._lookout.watch(state)
+
+    def _follows(self, state: EngineState) -> bool:
+        """Return whether slip and friction are estimated in every round."""
+        return self._follows_traction or state.robot.control in self._slip_watched
 
     def glided(self, state: EngineState, after: Glided) -> EngineState:
         """Return the state after frames that leave true what :meth:`watch` returned.
@@ -177,7 +187,7 @@ class Engine:
             Signals in the order of the vocabulary, SI; NaN is unknown.
         """
         spec, sensing, body = self.robot.traction, state.sensing, state.robot
-        if spec is None or self.nominal or self._follows_traction or sensing.sees_slip:
+        if spec is None or self.nominal or self._follows(state) or sensing.sees_slip:
             return sensing.shown
         at, around, at_s = body.configuration, state.surveyed.reported, max(sensing.heard_s)
         return with_traction(self.robot, spec, sensing, body.values, at, around, at_s).shown

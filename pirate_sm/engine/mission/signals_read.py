@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import isnan
 
 from pirate_sm.engine.mission.program import (
     Branch,
@@ -17,6 +18,7 @@ from pirate_sm.engine.mission.program import (
     SwitchControl,
     Wait,
 )
+from pirate_sm.engine.robot.command_spec import GripSpec
 from pirate_sm.engine.robot.criteria import BelowSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions import Expression
@@ -25,7 +27,9 @@ from pirate_sm.expressions import Expression
 def signals_read(robot: RobotSpec, program: Program) -> frozenset[int]:
     """Return the number indexes of signals in conditions, fault rules, criteria and grips.
 
-    Grips count where the mission uses their control; each run begins with the usual one.
+    Grips count that estimate the friction, which takes many rounds, where the mission uses their
+    control; each run begins with the usual one. Grips that know the friction read slip while their
+    control is in force, see :func:`slip_watched`.
     Not among them: angles, rates, torques and diameters that a robot's own parts are made of.
     """
     places = {name: at for at, name in enumerate(robot.vocabulary.with_changes.numbers)}
@@ -33,6 +37,14 @@ def signals_read(robot: RobotSpec, program: Program) -> frozenset[int]:
     conditions = (*_conditions(program), *(rule.when for rule in robot.faults))
     named = {places[name] % count for each in conditions for name in each.names if name in places}
     return frozenset((*named, *_in_criteria(robot), *_in_grips(robot, program)))
+
+
+def slip_watched(robot: RobotSpec) -> Iterator[tuple[int, frozenset[int]]]:
+    """Yield the controls whose grips watch slip, each with the number indexes of its signals."""
+    for control in range(len(robot.controls)):
+        signals = frozenset(index for grip in _grips(robot, control) for index in grip.slip_speeds)
+        if signals:
+            yield control, signals
 
 
 def _conditions(program: Program) -> Iterator[Expression]:
@@ -60,8 +72,13 @@ def _in_criteria(robot: RobotSpec) -> Iterator[int]:
 def _in_grips(robot: RobotSpec, program: Program) -> Iterator[int]:
     switches = [it for it in program.instructions if isinstance(it, SwitchControl)]
     for control in {0, *(it.control for it in switches)}:
-        for states in robot.controls[control].actuation:
-            writes = (each for stages in states.values() for stage in stages for each in stage)
-            for write in writes:
-                if write.grip is not None:
-                    yield from (*write.grip.estimates, *write.grip.slip_speeds)
+        for grip in _grips(robot, control):
+            if isnan(grip.friction):
+                yield from (*grip.estimates, *grip.slip_speeds)
+
+
+def _grips(robot: RobotSpec, control: int) -> Iterator[GripSpec]:
+    """Yield the grips of a control."""
+    for states in robot.controls[control].actuation:
+        writes = (each for stages in states.values() for stage in stages for each in stage)
+        yield from (write.grip for write in writes if write.grip is not None)

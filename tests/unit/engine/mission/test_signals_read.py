@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from driving import IDLE, PIRATE
 
-from pirate_sm.engine.mission.signals_read import signals_read
+from pirate_sm.engine.mission.signals_read import signals_read, slip_watched
 from pirate_sm.engine.robot.criteria import BelowSpec
 from pirate_sm.expressions import compile_condition
 
@@ -66,3 +66,17 @@ def test_a_grip_reads_its_estimates_where_the_mission_uses_its_control(read):
 
     assert not {"slip_speed_1", "mu_6"} & read()
     assert {"slip_speed_1", "mu_6"} <= read(switched)
+
+
+def test_a_grip_that_knows_the_friction_watches_slip_under_its_control_only(read, drive):
+    switched = IDLE.replace(WAITS, "do: [{control: exp_3c}]\n    " + WAITS)
+    robot = drive(IDLE, PIRATE).robot
+    names = [control.name for control in robot.controls]
+    slip = robot.vocabulary.numbers.index("slip_speed_1")
+
+    assert "slip_speed_1" not in read(switched)
+    assert {names[control] for control, signals in slip_watched(robot) if slip in signals} >= {
+        "exp_3c",
+        "gentle",
+    }
+    assert "exp_3a" not in {names[control] for control, _ in slip_watched(robot)}
