@@ -85,8 +85,10 @@ def _write_report(path: Path, place: Path) -> int:
     _refuse_read_only(place)
     _refuse_foreign(place)
     with progress(f"reading {visible(str(path))}") as watch:
-        text = html(report_of(read_recording(path, watch)))
+        recording = read_recording(path, watch)
+        text = html(report_of(recording))
     _write(place, text)
+    _warn(path, recording)
     return WRITTEN
 
 
@@ -138,12 +140,19 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
             run = listed(recording, link)
             if not _is_fresh(page, recording):
                 text = html(report_of(recording))
+            _warn(path, recording)
     except RecordingError as error:
         say(str(error))
         return unreadable(path, str(error))
     if text:
         _write(page, text)
     return run
+
+
+def _warn(path: Path, recording: Recording) -> None:
+    """Say what is wrong with a recording that could be read."""
+    for notice in recording.notices:
+        say(f"{path}: {notice}")
 
 
 def _is_fresh(page: Path, recording: Recording) -> bool:
