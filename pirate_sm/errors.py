@@ -7,6 +7,7 @@
     ├── RecordingError          exit code 2: a recording cannot be read or started
     ├── LoadError               (loading.problems) exit code 2: invalid files, with all faults
     └── BackendError            exit code 3: the backend or its link failed
+        └── DetectorError       a detector of another package failed
 
 A failure that a mission may handle (a refused command, a timeout, a silent sensor) is an event. An
 exception means a failure that no mission can handle.
@@ -86,3 +87,7 @@ class BackendError(PirateError):
     """Raised when a backend or its link fails in a way that no event reports."""
 
     exit_code: ClassVar[int] = 3
+
+
+class DetectorError(BackendError):
+    """Raised when a detector of another package fails during a run; the message names it."""

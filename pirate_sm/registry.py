@@ -56,10 +56,20 @@ class Registry(Generic[F]):
         group: Of the entry points with which other packages add some.
         ours: Where our own are, ``package.module:NAME`` by name. Nobody else can take these names.
         returns: What a function that makes a part must return.
+        guards: Guards a part of another package during a run; receives whose part it is, for
+            messages, and the part.
     """
 
-    def __init__(self, kind: str, group: str, ours: Mapping[str, str], returns: type) -> None:
+    def __init__(
+        self,
+        kind: str,
+        group: str,
+        ours: Mapping[str, str],
+        returns: type,
+        guards: Callable[[str, Any], Any] | None = None,
+    ) -> None:
         self._kind = kind
+        self._guards = guards
         self._group = group
         self._returns = returns
         self._ours = {name: EntryPoint(name, value, group) for name, value in ours.items()}
@@ -147,8 +157,8 @@ class Registry(Generic[F]):
 
     def _guarded(self, make: F, point: EntryPoint) -> F:
         """Return the function of another package so that its faults are said to be its own."""
-        what = f"the {self._kind} '{point.name}' cannot be used"
-        whose = f"{what}: package {package_name(point)}: {point.value}"
+        what, where = f"the {self._kind} '{point.name}'", f"{package_name(point)}: {point.value}"
+        whose = f"{what} cannot be used: package {where}"
 
         def guarded(*arguments: Any, **options: Any) -> Any:
             try:
@@ -161,7 +171,7 @@ class Registry(Generic[F]):
             if not isinstance(made, self._returns):
                 expected, found = self._returns.__name__, type(made).__name__
                 raise BackendError(f"{whose} returns a value of type {found}, expected {expected}")
-            return made
+            return made if self._guards is None else self._guards(f"{what} (package {where})", made)
 
         return cast(F, guarded)
 

@@ -36,7 +36,7 @@ EXIT_CODES = {
     FAILED: "The mission has failed, by its own end or by a fault of the robot; `pirate check` has "
     "found errors; two runs that were compared differ.",
     pirate_sm.UsageError.exit_code: "Files or arguments are refused. Nothing has moved.",
-    BACKEND: "The backend or the link to the robot has failed.",
+    BACKEND: "The backend, the link to the robot or a detector of another package has failed.",
     BUG: "A fault in this program. `--debug` shows the traceback.",
     RECORDING_LOST: "The mission has succeeded, but the recording that was asked for is incomplete "
     "(a full disk).",

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from types import TracebackType
 
-from pirate_sm.errors import BackendError
+from pirate_sm.errors import BackendError, DetectorError
 from pirate_sm.model.effects import Ended
+from pirate_sm.runtime.loop import raised_by_part
 from pirate_sm.runtime.pump import BackendRaisedError, Pump, described
 
 
@@ -29,11 +30,16 @@ class AbandonOnError:
 
         Raises:
             BackendError: It was the backend that raised.
+            DetectorError: It was a detector of another package.
         """
         if error is None or self._pump.ended is not None:
             return
+        cause = raised_by_part(error)
+        if isinstance(cause, DetectorError):
+            self._pump.abandon(Ended("fault", str(cause)))
+            raise cause
         if isinstance(error, BackendRaisedError):
-            message = f"the {self._backend} backend failed: {described(error.__cause__)}"
+            message = f"the {self._backend} backend failed: {described(cause)}"
             self._pump.abandon(Ended("fault", message))
-            raise BackendError(message) from error.__cause__
+            raise BackendError(message) from cause
         self._pump.abandon(Ended("interrupted", described(error)))

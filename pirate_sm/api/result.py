@@ -15,6 +15,7 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
+from pirate_sm.on_disk import is_file
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.read.steps import Step
@@ -51,7 +52,7 @@ class Page:
         """
         place = Path(path)
         try:
-            if place.exists() and GENERATOR not in place.read_bytes():
+            if is_file(place) and GENERATOR not in place.read_bytes():
                 raise UsageError(
                     f"{path} exists and is no report, so it stays: name another file, or remove it"
                 )

@@ -34,6 +34,7 @@ from pirate_sm.model.base import LONGEST_NAME
 from pirate_sm.model.campaign import Campaign, Expectation, TrueEnd
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.variations import StartJitter
+from pirate_sm.on_disk import is_file
 from pirate_sm.wiring import Order, load, prepare
 
 MOST_CELLS = 10_000
@@ -300,7 +301,7 @@ def _digest(order: Order, loaded: LoadedMission, end: TrueEnd) -> str:
         json.dumps(to_jsonable_python(rest), sort_keys=True),
         end.model_dump_json(),
         *(document.text for document in loaded.documents),
-        *(Path(each).read_text("utf-8") for each in named if each and Path(each).is_file()),
+        *(Path(each).read_text("utf-8") for each in named if each and is_file(Path(each))),
     ]
     digest = sha256()
     for part in parts:

@@ -22,6 +22,7 @@ from pirate_sm.loading.problems import Path as Keys
 from pirate_sm.loading.robot.twin_file import load_twin
 from pirate_sm.model.campaign import DefectSet
 from pirate_sm.model.profile import Profile
+from pirate_sm.on_disk import is_there
 from pirate_sm.units import QuantityError
 
 NONE, EACH = "none", "each"
@@ -154,7 +155,7 @@ class NameReader:
     def _twin(self, name: str, at: Keys) -> str | None:
         try:
             found = self._beside(name)
-            if not Path(found).exists():
+            if not is_there(Path(found)):
                 raise UsageError(f"there is no file '{name}' with numbers of a simulated robot")
         except UsageError as error:
             self._refer(error, "campaign.run", at)
@@ -172,7 +173,7 @@ class NameReader:
         """Return a name, or the path of a file beside the campaign's as seen from here."""
         path = self.folder / name
         try:
-            if not path.exists():
+            if not is_there(path):
                 return name
         except (OSError, ValueError):  # no file can have this name
             return name

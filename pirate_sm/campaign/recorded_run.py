@@ -17,6 +17,7 @@ from pirate_sm.campaign.chunk import Chunk, OtherVersionError, Sent, loaded_miss
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.campaign.watched_run import finished
+from pirate_sm.on_disk import is_there
 from pirate_sm.wiring import prepare
 
 Which: TypeAlias = Literal["first", "all", "none"]
@@ -65,7 +66,7 @@ def _recorded(chunk: Chunk, sent: Sent, seed: int) -> Recorded:
                 )
             finally:
                 recording.close(path)
-        return Recorded(chunk.cell, seed, path.read_bytes() if path.exists() else b"")
+        return Recorded(chunk.cell, seed, path.read_bytes() if is_there(path) else b"")
 
 
 def recording_name(tally: Tally, seed: int) -> str:

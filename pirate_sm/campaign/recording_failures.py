@@ -16,6 +16,7 @@ from pirate_sm.campaign.recorded_run import (
 )
 from pirate_sm.campaign.store import Store
 from pirate_sm.campaign.tally import Tally
+from pirate_sm.on_disk import is_there
 
 _LOOK_S = 0.5
 
@@ -28,7 +29,7 @@ def failures(tallies: Sequence[Tally], store: Store, which: Which) -> list[Chunk
 def _unrecorded(tallies: Sequence[Tally], store: Store, which: Which) -> Iterator[Chunk]:
     for tally in tallies:
         for seed in seeds_to_record(tally, which):
-            if not (store.recordings / recording_name(tally, seed)).exists():
+            if not is_there(store.recordings / recording_name(tally, seed)):
                 yield chunk_of(tally.cell, [seed])
 
 

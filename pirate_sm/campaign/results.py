@@ -14,6 +14,7 @@ from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.store import RECORDINGS
 from pirate_sm.campaign.tally import Cause, Tally
 from pirate_sm.model.campaign import Expectation
+from pirate_sm.on_disk import is_there
 
 _MOST_SEEDS = 10
 """The most seeds of a cause that are printed."""
@@ -210,7 +211,7 @@ def _cause(tally: Tally, cause: Cause, recordings: Path) -> CauseResult:
         cause.count,
         tuple(cause.seeds),
         command_of(tally.cell.order, seed),
-        str(place) if place.exists() else "",
+        str(place) if is_there(place) else "",
     )
 
 

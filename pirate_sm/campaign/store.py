@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
 from pirate_sm.campaign.chunk import Row
 from pirate_sm.errors import UsageError
+from pirate_sm.on_disk import is_file
 
 if TYPE_CHECKING:
     from pyarrow import Table as ArrowTable
@@ -44,7 +45,7 @@ _TYPES = {str: "string", int: "int64", float: "float64", bool: "bool_"}
 
 def is_store(place: Path) -> bool:
     """Return whether there is a store of results at this path."""
-    return (place / MARK).is_file()
+    return is_file(place / MARK)
 
 
 class DamagedMarkError(UsageError):

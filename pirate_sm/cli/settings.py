@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS, Value, expanded
+from pirate_sm.on_disk import is_there
 
 if TYPE_CHECKING:
     from pirate_sm.errors import PirateError
@@ -44,7 +45,7 @@ def project_file() -> Path | None:
         return None
     files = (folder / PROJECT_FILE for folder in (here, *here.parents))
     # A folder or a broken link of this name is reported by whoever reads the file.
-    return next((file for file in files if os.path.lexists(file)), None)
+    return next((file for file in files if is_there(file)), None)
 
 
 def values() -> dict[str, Value]:
@@ -56,7 +57,7 @@ def values() -> dict[str, Value]:
     user, project = user_file(), project_file()
     found = {name: Value(each.usual, BUILT_IN) for name, each in SETTINGS.items()}
     found["trusted"] = Value((), BUILT_IN)
-    if os.path.lexists(user) or project is not None:
+    if is_there(user) or project is not None:
         from pirate_sm.cli.settings_file import read_settings
 
         of_user, of_project = read_settings(user, project)
@@ -98,7 +99,7 @@ def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
 def _is_shipped(robot: str) -> bool:
     from pirate_sm.loading import library
 
-    return robot in {path.name for path in library.robots()} and not Path(robot).exists()
+    return robot in {path.name for path in library.robots()} and not is_there(Path(robot))
 
 
 def used(names: Collection[str], found: Mapping[str, Value]) -> dict[str, str]:

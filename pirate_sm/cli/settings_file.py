@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import re
 import tomllib
 from pathlib import Path
@@ -13,6 +12,7 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.library import is_path
 from pirate_sm.loading.problems import LoadError, Place, Problem
 from pirate_sm.loading.yaml.document import read_text
+from pirate_sm.on_disk import is_there
 from pirate_sm.spelling import nearest, one_of
 
 _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
@@ -40,7 +40,7 @@ def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], d
         LoadError: A file has faults; it lists those of both.
     """
     problems: list[Problem] = []
-    of_user = _read(user, problems, is_project=False) if os.path.lexists(user) else {}
+    of_user = _read(user, problems, is_project=False) if is_there(user) else {}
     of_project = _read(project, problems, is_project=True) if project is not None else {}
     if problems:
         raise LoadError(problems)

@@ -16,6 +16,7 @@ from typing import NamedTuple, Protocol
 from pirate_sm.companion import Companion
 from pirate_sm.detectors import known
 from pirate_sm.detectors.odometry_detector import Odometry
+from pirate_sm.detectors.of_others import OfOthers, guarded
 from pirate_sm.detectors.operator_keys import offer
 from pirate_sm.detectors.signal_words import SignalWords
 from pirate_sm.detectors.sim_detector import TruePlaces
@@ -245,6 +246,15 @@ def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
     return OutsideWords(address, accepted, token), how
 
 
+def _guards(whose: str, made: Detecting) -> Detecting:
+    """Return the detector of another package so that its faults are said to be its own."""
+    return made._replace(
+        companions=tuple(OfOthers(whose, each) for each in made.companions),
+        reckoned=made.reckoned and guarded(whose, "reckoned", made.reckoned),
+        camera=made.camera and guarded(whose, "camera", made.camera),
+    )
+
+
 SIM: Plugin[MakeDetector] = Plugin(known.ABOUT["sim"], _true_places)
 ODOMETRY: Plugin[MakeDetector] = Plugin(known.ABOUT["odometry"], _odometry)
 SIGNALS: Plugin[MakeDetector] = Plugin(known.ABOUT["signals"], _signals)
@@ -258,4 +268,5 @@ DETECTORS: Registry[MakeDetector] = Registry(
     known.GROUP,
     {name: f"{__name__}:{name.upper()}" for name in known.ABOUT} | _ELSEWHERE,
     returns=Detecting,
+    guards=_guards,
 )

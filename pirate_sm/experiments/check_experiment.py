@@ -15,6 +15,7 @@ from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
+from pirate_sm.on_disk import is_file
 from pirate_sm.units import QuantityError, parse_unit
 
 _Named = Iterable[tuple[At, str]]
@@ -80,7 +81,7 @@ def _missions(setup: Setup) -> Iterator[tuple[At, str]]:
 def _robot(path: Path, problems: Problems) -> LoadedRobot | None:
     """Return the robot that the experiment is of; None if its own files have faults."""
     folder = path.resolve().parent.parent
-    if not (folder / PROFILE_FILE).is_file():
+    if not is_file(folder / PROFILE_FILE):
         message = f"an experiment belongs in a folder beside the {PROFILE_FILE} of its robot"
         problems.add("experiment.robot", ("experiment",), message, key=True)
         return None

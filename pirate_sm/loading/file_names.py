@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pirate_sm.on_disk import is_file, is_folder
+
 PROFILE_FILE = "profile.yaml"
 
 
@@ -14,7 +16,7 @@ def shown(path: Path) -> str:
     """
     try:
         here = Path.cwd()
-        whole = path.resolve() if path.exists() else path.absolute()
+        whole = path.resolve() if is_file(path) or is_folder(path) else path.absolute()
     except (OSError, RuntimeError, ValueError):
         return str(path).replace("\0", "\\0")
     return str(whole.relative_to(here)) if whole.is_relative_to(here) else str(path)

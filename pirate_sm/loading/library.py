@@ -5,12 +5,12 @@ The shipped ones are inside the installed package, or at the root of a source tr
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.on_disk import is_file, is_folder, is_there, why_hidden
 from pirate_sm.spelling import meant
 
 _PACKAGE = Path(__file__).resolve().parent.parent
@@ -22,7 +22,7 @@ _LONGEST_MESSAGE = 600
 def shipped() -> Path:
     """Return the folder with the shipped files, each kind in a folder of its own."""
     packaged = _PACKAGE / "_data"
-    return packaged if packaged.is_dir() else _PACKAGE.parent
+    return packaged if is_folder(packaged) else _PACKAGE.parent
 
 
 def robots() -> list[Path]:
@@ -76,11 +76,14 @@ def find_robot(name: str, beside: Path | None = None) -> Path:
         UsageError: No such robot exists.
     """
     for path in _candidates(name, beside):
-        if _is_file(path / PROFILE_FILE):
+        if is_file(path / PROFILE_FILE):
             return path.resolve()
-        if path.name == PROFILE_FILE and _is_file(path):
+        if path.name == PROFILE_FILE and is_file(path):
             return path.parent.resolve()
     if is_path(name):
+        for path in _candidates(name, beside):
+            if why := why_hidden(path / PROFILE_FILE):
+                raise UsageError(f"the robot at '{_cut(name)}' cannot be read: {why}")
         where = f"there is no robot at '{_cut(name)}'"
         raise UsageError(f"{where}: expected a folder with {PROFILE_FILE}")
     return _by_name("robot", name, {path.name: path for path in robots()})
@@ -146,15 +149,14 @@ def _find_file(
 ) -> Path:
     folders = [beside] if isinstance(beside, Path) else list(beside or ())
     if is_path(name):
-        for folder in folders:
-            if _is_file(folder / name):
-                return folder / name
-        if not _is_file(Path(name)) if folders else _leads_nowhere(name):
-            raise UsageError(f"there is no {kind} at '{_cut(name)}'")
-        return Path(name)
+        places = [*(folder / name for folder in folders), Path(name)]
+        for is_right in (is_file, why_hidden, is_there):  # whoever opens it says why it cannot be
+            for place in filter(is_right, places if is_right is not is_there else places[-1:]):
+                return place
+        raise UsageError(f"there is no {kind} at '{_cut(name)}'")
     for folder in folders:
         for suffix in SUFFIXES:
-            if _is_file(folder / f"{name}{suffix}"):
+            if is_file(folder / f"{name}{suffix}"):
                 return folder / f"{name}{suffix}"
     shipped = {path.stem: path for path in known}
     if name not in shipped and (near := file_nearby(name, folders or [Path()])) is not None:
@@ -165,7 +167,7 @@ def _find_file(
 def file_nearby(name: str, folders: Iterable[Path]) -> Path | None:
     """Return a file in these folders that the name is meant for without its ending."""
     places = (folder / f"{name}{suffix}" for folder in folders for suffix in SUFFIXES)
-    return next(filter(_is_file, places), None)
+    return next(filter(is_file, places), None)
 
 
 def _candidates(name: str, beside: Path | None) -> list[Path]:
@@ -190,25 +192,6 @@ def _unknown(kind: str, name: str, known: list[str]) -> str:
     hints = (meant(name, known, limit=limit) for limit in range(len(known), -1, -1))
     messages = (f"there is no {kind} '{_cut(name)}'; {hint}" for hint in hints)
     return next(message for message in messages if len(message) < _LONGEST_MESSAGE)
-
-
-def _is_file(path: Path) -> bool:
-    """Return whether a file exists at this path; False for an invalid name."""
-    try:
-        return path.is_file()
-    except (OSError, ValueError):
-        return False
-
-
-def _leads_nowhere(name: str) -> bool:
-    """Return whether nothing is there; what cannot be looked at is refused where it is read."""
-    try:
-        os.lstat(name)
-    except (FileNotFoundError, NotADirectoryError):
-        return True
-    except (OSError, ValueError):
-        pass
-    return False
 
 
 def _cut(name: str) -> str:

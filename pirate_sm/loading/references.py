@@ -17,6 +17,7 @@ from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.yaml.document import LARGEST_FILE
+from pirate_sm.on_disk import is_there
 
 MISSION = ("mission", "robot", "start", "phases", "ends")
 PIPE = ("pipe", "diameter", "segments")
@@ -73,7 +74,7 @@ def _roots(folder: FilePath) -> Iterator[FilePath]:
     if here.is_relative_to(FilePath.cwd()):
         yield FilePath.cwd()
     for above in (here, *here.parents):
-        if any((above / mark).exists() for mark in ROOT_MARKS):
+        if any(is_there(above / mark) for mark in ROOT_MARKS):
             yield above
             return
 

@@ -12,6 +12,7 @@ from math import inf
 from typing import TYPE_CHECKING
 
 from pirate_sm.companion import Companion
+from pirate_sm.errors import DetectorError
 from pirate_sm.model.effects import Effect, Ended, Fault
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.runtime.clock import Clock, WallClock
@@ -31,6 +32,11 @@ BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code
 
 class _Insisted(Exception):  # noqa: N818 - not an error
     """A second signal asks for an immediate stop."""
+
+
+def raised_by_part(failure: BaseException) -> BaseException | None:
+    """Return what a backend or a detector has raised, from what its pump raises."""
+    return failure.__cause__ if isinstance(failure, BackendRaisedError) else failure
 
 
 class MissionRun:
@@ -124,8 +130,10 @@ class MissionRun:
             self._pump.start(paused=self._paused)
             ended = self._go_on()
             kept = self._keep_open
-        except BackendRaisedError as failure:
-            error = failure.__cause__
+        except (BackendRaisedError, DetectorError) as failure:
+            error = raised_by_part(failure)
+            if isinstance(error, DetectorError):
+                return self._abandon(Ended("fault", str(error)), BACKEND, error)
             message = f"the {self._name} backend failed: {described(error)}"
             stop = self._requests.stop
             if self.state is None and stop is not None:  # asked to stop while it was being opened

@@ -26,6 +26,7 @@ from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot.calibration_files import newest_calibration
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.model.true_position import InSpace
+from pirate_sm.on_disk import is_there
 from pirate_sm.wiring import Order, Prepared, prepare
 from pirate_sm.wiring.prepared import Say
 from pirate_sm.wiring.run_order import PutBack
@@ -225,7 +226,7 @@ def edited(header: RunHeader) -> tuple[str, ...]:
     return tuple(
         f"{shown(path)} has changed since; the {file.role} of the recording counts"
         for file in header.files
-        if (path := _place_of(file)).exists() and _text_now(path, file) != file.text
+        if is_there(path := _place_of(file)) and _text_now(path, file) != file.text
     )
 
 
@@ -243,7 +244,7 @@ def _missing(header: RunHeader) -> tuple[str, ...]:
     return tuple(
         f"{shown(path)} is not there any more; the {file.role} of the recording counts"
         for file in header.files
-        if not (path := _place_of(file)).exists()
+        if not is_there(path := _place_of(file))
     )
 
 

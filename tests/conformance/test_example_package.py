@@ -33,6 +33,20 @@ def make(*arguments):
     raise KeyError("rig")
 PART = Plugin("raises", make)
 """
+BLINKS = """
+from pirate_sm.detectors.registry import Detecting
+from pirate_sm.registry import Plugin
+class Blinks:
+    due_s = 0.0
+    listening = False
+    def react(self, effects, now_s):
+        pass
+    def look(self, state, now_s):
+        return state.eyes
+    def speak(self, now_s):
+        return ()
+PART = Plugin("raises as it looks", lambda asked: Detecting("blinking", (Blinks(),)))
+"""
 
 
 @pytest.fixture(scope="module")
@@ -43,9 +57,11 @@ def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (target / "breaks.py").write_text("raise RuntimeError('no licence found')\n")
     (target / "odd.py").write_text("THING = 3\n")
     (target / "raises.py").write_text(RAISES)
+    (target / "blinks.py").write_text(BLINKS)
     points = {"broken": "breaks:BACKEND", "odd": "odd:THING", "gone": "nowhere:X", "sim": "odd:X"}
     points["raising"] = "raises:PART"
-    groups = {"pirate_sm.backends": points, "pirate_sm.detectors": {"raising": "raises:PART"}}
+    detectors = {"raising": "raises:PART", "blinking": "blinks:PART"}
+    groups = {"pirate_sm.backends": points, "pirate_sm.detectors": detectors}
     install_metadata(target, "pirate-faulty", groups)
     return target
 
@@ -140,12 +156,29 @@ def test_a_faulty_package_is_named_with_its_entry_point_and_nothing_moves(
     assert "Traceback" not in result.stderr
 
 
+def test_a_detector_that_fails_in_a_run_is_named_with_its_entry_point(site: Path) -> None:
+    options = ("--detector", "blinking", "--quiet", "--no-record")
+    result = pirate(site, "run", "mitre_bend", *options)
+
+    whose = "the detector 'blinking' (package pirate-faulty: blinks:PART)"
+    assert result.returncode == 3
+    assert f"{whose} fails in look with AttributeError: 'EngineState'" in result.stdout
+    assert "a fault in this program" not in result.stdout + result.stderr
+
+
 def test_the_api_names_a_faulty_package_in_the_same_words(example: Path) -> None:
     with pytest.raises(pirate_sm.UsageError, match="pirate-faulty: odd:THING is of type int"):
         pirate_sm.run("mitre_bend", "odd")
     for options in ({"backend": "raising"}, {"detector": "raising"}):
         with pytest.raises(pirate_sm.BackendError, match="raises:PART fails with KeyError"):
             pirate_sm.run("mitre_bend", **options)  # type: ignore[arg-type]
+    whose = r"^the detector 'blinking' \(package pirate-faulty: blinks:PART\) fails in look"
+    assert re.match(whose, pirate_sm.run("mitre_bend", detector="blinking").message)
+    with (
+        pytest.raises(pirate_sm.BackendError, match=whose),
+        pirate_sm.session("mitre_bend", detector="blinking") as session,
+    ):
+        session.advance(1.0)
 
 
 def test_a_backend_that_is_misspelt_is_suggested(site: Path) -> None:

@@ -37,6 +37,7 @@ from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.twin import Twin
+from pirate_sm.on_disk import is_file
 
 
 def check_paths(
@@ -202,7 +203,7 @@ class _Check:
         document = self._document(target)
         calibration = validate(document, Calibration)
         folder = _folder(target.path)
-        if not (folder / PROFILE_FILE).is_file():
+        if not is_file(folder / PROFILE_FILE):
             try:
                 folder = library.find_robot(calibration.robot, Path.cwd())
             except UsageError as error:
@@ -282,7 +283,7 @@ class _Check:
         if self._wishes.robot is not None:
             return library.find_robot(self._wishes.robot, Path.cwd())
         beside = _folder(path)
-        return beside if (beside / PROFILE_FILE).is_file() else library.find_robot(name, Path.cwd())
+        return beside if is_file(beside / PROFILE_FILE) else library.find_robot(name, Path.cwd())
 
     def other(self, target: CheckTarget) -> None:
         """Report a file of no known kind, if it was named explicitly."""
@@ -320,7 +321,7 @@ class _Check:
             return
         with suppress(OSError, ValueError):
             path = Path(name)
-            if path.is_file() and path.stat().st_size <= LARGEST_FILE:
+            if is_file(path) and path.stat().st_size <= LARGEST_FILE:
                 self._texts[name] = path.read_text("utf-8-sig", errors="replace")
 
     def _add(self, code: str, name: str, message: str) -> None:

@@ -13,6 +13,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
+from pirate_sm.on_disk import is_folder, is_there
 from pirate_sm.spelling import nearest
 
 ROBOTS, MISSIONS, CAMERAS, PANELS = "hardware_profiles", "sequences", "cameras", "panels"
@@ -81,10 +82,10 @@ def _project(findings: list[Finding]) -> list[Path]:
     campaigns, and the files beside them. Without one, it is the whole directory, because missions
     may be anywhere.
     """
-    if not Path(MISSIONS).is_dir():
+    if not is_folder(Path(MISSIONS)):
         return [Path()]
     folders = (ROBOTS, MISSIONS, CAMERAS, PANELS, CAMPAIGNS)
-    own = [Path(folder) for folder in folders if Path(folder).is_dir()]
+    own = [Path(folder) for folder in folders if is_folder(Path(folder))]
     beside, _ = _listing(Path(), findings)
     return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]
 
@@ -96,7 +97,7 @@ def _existing(name: str) -> Path:
         UsageError: Neither exists.
     """
     try:
-        if os.path.lexists(name):
+        if is_there(name):
             return Path(name)
     except ValueError:
         pass  # no file can have this name
@@ -114,7 +115,7 @@ def _existing(name: str) -> Path:
 
 
 def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[CheckTarget]:
-    if not _is_folder(path):
+    if not is_folder(path):
         kind = kind_of(path)
         beside = path.parent / PROFILE_FILE
         if kind is Kind.CHART and kind_of(beside) is Kind.ROBOT:
@@ -159,20 +160,13 @@ def _listing(folder: Path, findings: list[Finding]) -> tuple[list[Path], list[Pa
             seen = sorted((e for e in entries if not e.name.startswith(".")), key=lambda e: e.name)
         inner = [Path(e.path) for e in seen if e.is_dir(follow_symlinks=False)]
         files = [
-            Path(e.path) for e in seen if e.name.endswith(library.SUFFIXES) and not _is_folder(e)
+            Path(e.path) for e in seen if e.name.endswith(library.SUFFIXES) and not is_folder(e)
         ]
     except OSError as error:
         message = f"cannot be searched: {error.strerror}"
         findings.append(_finding("check.folder", folder, message))
         return [], []
     return files, inner
-
-
-def _is_folder(path: Path | os.DirEntry[str]) -> bool:
-    try:
-        return path.is_dir()
-    except OSError:  # a link that leads round in a circle, or a folder that may not be entered
-        return False
 
 
 def _real(path: Path) -> Path:

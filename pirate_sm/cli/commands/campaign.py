@@ -27,6 +27,7 @@ from pirate_sm.cli.settings import runs, unusable_runs
 from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library
+from pirate_sm.on_disk import is_file, is_folder
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
 from pirate_sm.spelling import unknown
 from pirate_sm.visible import visible
@@ -91,6 +92,18 @@ def _chosen(plan: Plan, options: CampaignOptions) -> Plan:
     return replace(plan, cells=cells)
 
 
+def _is_empty(folder: Path) -> bool:
+    """Return whether nothing is in a folder.
+
+    Raises:
+        UsageError: It cannot be read.
+    """
+    try:
+        return not any(folder.iterdir())
+    except OSError as error:
+        raise UsageError(f"'{folder}' cannot be read: {error.strerror}") from None
+
+
 @contextmanager
 def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
     """Yield the store of the results, which is closed when the block ends."""
@@ -104,9 +117,9 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
             )
         before = _refuse_another(plan, store)
         described = _with_others(plan, before) if options.cells and before else plan
-    elif folder.exists() and not folder.is_dir():
+    elif is_file(folder):
         raise UsageError(f"'{folder}' is a file: name a folder for the results with --output")
-    elif folder.exists() and any(folder.iterdir()):
+    elif is_folder(folder) and not _is_empty(folder):
         raise UsageError(
             f"'{folder}' is there already and has no results of a campaign: name another folder "
             "with --output"

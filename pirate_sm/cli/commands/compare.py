@@ -11,6 +11,7 @@ from pirate_sm.cli.opened_recording import opened_recording, print_visible, titl
 from pirate_sm.cli.options.recordings import CompareOptions
 from pirate_sm.errors import UsageError
 from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.on_disk import is_folder, is_there, why_hidden
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.replay.compare import Comparison, compare, compared_run
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
@@ -53,13 +54,16 @@ def _refuse_folders(*places: Path) -> None:
     Raises:
         UsageError: There is one; the message says what is in it, and what is expected.
     """
-    missing = [f"there is no '{place}'" for place in places if not place.exists()]
+    missing = [f"there is no '{place}'" for place in places if not is_there(place)]
+    missing += [
+        f"'{place}' cannot be read: {why}" for place in places if (why := why_hidden(place))
+    ]
     if missing:
         raise UsageError("; ".join(missing))
     problems = [
         f"'{place}' is a folder with{'' if is_store(place) else 'out'} results of a campaign"
         for place in places
-        if place.is_dir()
+        if is_folder(place)
     ]
     if problems:
         wanted = "two recordings of runs (.mcap), or two folders with results of campaigns"

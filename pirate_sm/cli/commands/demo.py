@@ -36,7 +36,7 @@ from pirate_sm.visible import visible
 if TYPE_CHECKING:
     from pirate_sm.gallery.gallery_page import PlayedScene, PlayedStep
 
-AS_EXPECTED, NOT_SO, STOPPED = 0, 1, 130
+AS_EXPECTED, NOT_SO = 0, 1
 PAGE = "index.html"
 
 _THIS_PROGRAM = "from pirate_sm.cli.start import main; main()"
@@ -49,7 +49,15 @@ _PATIENCE_S = 120.0
 
 
 class StoppedError(Exception):
-    """Somebody has pressed Ctrl-C; the run has brought its robot to the safe state."""
+    """Somebody has pressed Ctrl-C or ended the demo; the run under way has ended.
+
+    Attributes:
+        number: The signal.
+    """
+
+    def __init__(self, number: int) -> None:
+        super().__init__(number)
+        self.number = number
 
 
 def play_demo(options: DemoOptions) -> int:
@@ -69,9 +77,9 @@ def play_demo(options: DemoOptions) -> int:
             return _play_all(options)
         if options.scene is not None:
             return _play_one(library.find_scene(options.scene), options)
-    except StoppedError:
-        say("stopped")
-        return STOPPED
+    except StoppedError as stopped:
+        say("interrupted" if stopped.number == signal.SIGINT else "stopped")
+        return 128 + stopped.number
     _list()
     return AS_EXPECTED
 
@@ -183,7 +191,7 @@ def _run(words: list[str], *, shows: bool) -> tuple[int, str]:
         shows: Whether it has the terminal to itself; then what it says is not known.
 
     Raises:
-        StoppedError: Somebody has pressed Ctrl-C.
+        StoppedError: Somebody has stopped it or the demo.
     """
     kept = subprocess.PIPE if not shows else None
     with _started(words, stdout=kept, stderr=subprocess.STDOUT if kept else None) as process:
@@ -191,8 +199,6 @@ def _run(words: list[str], *, shows: bool) -> tuple[int, str]:
     output = said or ""
     if output:
         print(visible(output.rstrip(), lines=True), flush=True)
-    if process.returncode == STOPPED:
-        raise StoppedError
     return process.returncode, output
 
 
@@ -207,8 +213,6 @@ def _cut_off(words: list[str], recording: Path, phase: str) -> list[str]:
                 sleep(_LOOK_EVERY_S)
         finally:
             process.kill()
-    if process.returncode == STOPPED:
-        raise StoppedError
     if process.returncode != -signal.SIGKILL:
         return [f"the run was over before the power cut, with exit code {process.returncode}"]
     if is_terminal(sys.stdout):
@@ -236,10 +240,16 @@ def _started(words: list[str], **pipes: Any) -> Iterator[subprocess.Popen[str]]:
 
     The terminal sends Ctrl-C to it as well; it ends in the safe state, and this process waits for
     it. Other requests to stop are handed on.
+
+    Raises:
+        StoppedError: Somebody has stopped it or the demo, however it has ended then: while it
+            starts, the signal itself ends it.
     """
     process: subprocess.Popen[str] | None = None
+    asked: list[int] = []
 
     def hand_on(number: int, frame: object) -> None:
+        asked.append(number)
         if process is not None and number != signal.SIGINT:
             process.send_signal(number)
 
@@ -249,12 +259,18 @@ def _started(words: list[str], **pipes: Any) -> Iterator[subprocess.Popen[str]]:
         process = subprocess.Popen(
             [sys.executable, "-c", _THIS_PROGRAM, *words], text=True, **pipes
         )
+        for number in asked:  # it was not there yet
+            process.send_signal(number)
         yield process
     finally:
         if process is not None:
             process.wait()
         for number, handler in before.items():
             signal.signal(number, handler)
+    if process.returncode in (-signal.SIGINT, 128 + signal.SIGINT):
+        asked.append(signal.SIGINT)
+    if asked:
+        raise StoppedError(asked[0])
 
 
 def _report(recording: Path, folder: Path) -> str:

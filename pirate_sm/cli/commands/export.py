@@ -14,6 +14,7 @@ from pirate_sm.cli.output.files import first_line, refuse_losses, take_place, wr
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.on_disk import is_there
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.tables.csv_files import write_tables
@@ -126,7 +127,7 @@ def _write_tables(
 @contextmanager
 def _new_folder_in(folder: Path) -> Iterator[Path]:
     """Make a folder in a folder, and that if it is not there; leave neither if they are empty."""
-    made = not folder.exists()
+    made = not is_there(folder)
     folder.mkdir(parents=True, exist_ok=True)
     try:
         with TemporaryDirectory(prefix=".tables-", dir=folder) as inside:

@@ -31,6 +31,7 @@ from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.on_disk import is_file, is_folder
 from pirate_sm.spelling import meant
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
@@ -143,7 +144,7 @@ def _content(path: Path, options: GraphOptions) -> _Chart | Pipe | LoadedMission
     Raises:
         LoadError: The files have errors.
     """
-    if path.name == PROFILE_FILE or path.is_dir():
+    if path.name == PROFILE_FILE or is_folder(path):
         robot = load_robot(library.find_robot(str(path), Path.cwd()))
         return _chart(robot.documents[1], robot.profile.robot)
     document = read_document(path, shown(path))
@@ -163,7 +164,7 @@ def _pipe(path: Path) -> Pipe:
 
 
 def _is_mission(path: Path) -> bool:
-    if path.name == PROFILE_FILE or path.is_dir():
+    if path.name == PROFILE_FILE or is_folder(path):
         return False
     data = read_document(path, shown(path)).data
     return isinstance(data, dict) and "phases" in data
@@ -172,7 +173,7 @@ def _is_mission(path: Path) -> bool:
 def _found(what: str) -> Path:
     """Return the file or the robot's folder with this path or name."""
     path = Path(what)
-    if path.is_dir() or path.is_file():
+    if is_folder(path) or is_file(path):
         return path
     if "/" in what or path.suffix:
         return library.find_mission(what)

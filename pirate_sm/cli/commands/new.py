@@ -27,6 +27,7 @@ from pirate_sm.loading.mission.route_mission import UndrivableError, course_alon
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.on_disk import is_file, is_there
 from pirate_sm.schemas.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.spelling import meant
 
@@ -59,7 +60,7 @@ def write_mission(options: NewMissionOptions) -> int:
     shipped = folder in library.robots()
     own = folder / _SCHEMA
     beside = Path(f"{loaded.profile.robot}.{_SCHEMA}")
-    schema = beside if shipped or not own.exists() else Path(os.path.relpath(own))
+    schema = beside if shipped or not is_there(own) else Path(os.path.relpath(own))
     modeline = f"{MODELINE}{schema}"
     called = folder.name if shipped else os.path.relpath(folder)
     if options.pipe is not None:
@@ -78,7 +79,7 @@ def write_mission(options: NewMissionOptions) -> int:
         )
     path = Path(f"{name}.yaml")
     texts = {path: text}
-    if not schema.exists():
+    if not is_there(schema):
         texts[schema] = mission_schema_text(loaded)
     _write(texts)
     print(f"{path} is a mission for {loaded.profile.robot}; run it with: pirate-run {path}")
@@ -136,7 +137,7 @@ def write_pipe(options: NewPipeOptions) -> int:
     )
     path = Path(f"{name}.yaml")
     texts = {path: text}
-    if not schema.exists():
+    if not is_there(schema):
         texts[schema] = schema_text("pipe")
     _write(texts)
     print(f"{path} is a pipe for {loaded.profile.robot}; draw it with: pirate graph {path}")
@@ -164,7 +165,7 @@ def write_campaign(options: NewCampaignOptions) -> int:
     )
     path = Path(f"{name}.yaml")
     texts = {path: text}
-    if not schema.exists():
+    if not is_there(schema):
         texts[schema] = schema_text("campaign")
     _write(texts)
     print(f"{path} is a campaign; run it with: pirate campaign {path}")
@@ -185,7 +186,7 @@ def write_robot(options: NewRobotOptions) -> int:
     name = options.name
     _check(name)
     folder = Path(name)
-    if folder.exists():
+    if is_there(folder):
         raise UsageError(f"'{folder}' is there already, nothing was written")
     if options.like is not None:
         texts = _like_robot(options.like, folder)
@@ -216,7 +217,7 @@ def _like_robot(like: str, folder: Path) -> dict[Path, str]:
     load_robot(source)
     texts = {}
     for file in sorted(source.rglob("*")):
-        if file.is_file() and not file.match("*.schema.json") and not file.match(_ZEROS):
+        if is_file(file) and not file.match("*.schema.json") and not file.match(_ZEROS):
             texts[folder / file.relative_to(source)] = file.read_text("utf-8")
     for file in (folder / PROFILE_FILE, folder / _ROBOT_FILES[1]):
         if base := re.search(r"^extends: *(\S+)", texts.get(file, ""), re.MULTILINE):
@@ -255,7 +256,7 @@ def _write_like(kind: str, name: str, source: Path) -> int:
     _, _, text = source.read_text("utf-8").partition("\n")  # the first line is its schema's
     path = Path(f"{name}.yaml")
     texts = {path: f"{MODELINE}{schema}\n{_renamed(kind, text, name)}"}
-    if not schema.exists():
+    if not is_there(schema):
         texts[schema] = schema_text(kind)
     _write(texts)
     print(f"{path} is a copy of {source.stem}; check it with: pirate check {path}")
@@ -287,7 +288,7 @@ def _fill(template: str, **values: str) -> str:
 def _write(texts: dict[Path, str]) -> None:
     """Write all files, or none if one exists already."""
     for path in texts:
-        if path.exists():
+        if is_there(path):
             raise UsageError(f"'{path}' is there already, nothing was written")
     for path, text in texts.items():
         try:

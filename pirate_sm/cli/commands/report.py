@@ -19,6 +19,7 @@ from pirate_sm.cli.output.files import (
 )
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.on_disk import is_folder, why_hidden
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.report import GENERATOR
 from pirate_sm.report.recording_report import report_of
@@ -72,7 +73,7 @@ def _write_campaign(folder: Path, output: Path | None) -> int:
 
 def _recordings(place: Path) -> Iterator[Path]:
     """Yield the recordings in a folder, or the file itself."""
-    if not place.is_dir():
+    if not is_folder(place):
         yield place
         return
     found = sorted(place.glob("*.mcap"))
@@ -82,11 +83,15 @@ def _recordings(place: Path) -> Iterator[Path]:
 
 
 def _write_report(path: Path, place: Path) -> int:
+    if why := why_hidden(path):
+        raise RecordingError(f"{path} cannot be read: {why}")
     _refuse_read_only(place)
     _refuse_foreign(place)
     with progress(f"reading {visible(str(path))}") as watch:
-        text = html(report_of(read_recording(path, watch)))
+        recording = read_recording(path, watch)
+        text = html(report_of(recording))
     _write(place, text)
+    _warn(path, recording)
     return WRITTEN
 
 
@@ -117,7 +122,7 @@ def _page(path: Path, index: Path) -> Path:
 
 def _is_writable(folder: Path) -> bool:
     """Return whether a file can be made in a folder; a missing one is reported elsewhere."""
-    return os.access(folder, os.W_OK) or not folder.is_dir()
+    return os.access(folder, os.W_OK) or not is_folder(folder)
 
 
 def _refuse_read_only(place: Path) -> None:
@@ -138,12 +143,19 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
             run = listed(recording, link)
             if not _is_fresh(page, recording):
                 text = html(report_of(recording))
+            _warn(path, recording)
     except RecordingError as error:
         say(str(error))
         return unreadable(path, str(error))
     if text:
         _write(page, text)
     return run
+
+
+def _warn(path: Path, recording: Recording) -> None:
+    """Say what is wrong with a recording that could be read."""
+    for notice in recording.notices:
+        say(f"{path}: {notice}")
 
 
 def _is_fresh(page: Path, recording: Recording) -> bool:

@@ -15,6 +15,7 @@ import typer
 from pirate_sm.cli.completion.reading import RECORDING, Candidate, about_file, line, read
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
+from pirate_sm.on_disk import is_file, is_folder
 
 MOST_FILES = 1000
 """The most files of a folder that are read."""
@@ -48,7 +49,7 @@ def robots(context: typer.Context, typed: str) -> Iterator[Candidate]:
             yield robot.name, about_file(robot / PROFILE_FILE)
     for folder, about in folders(context, typed):
         profile = Path(folder).expanduser() / PROFILE_FILE
-        yield (folder.rstrip("/"), about_file(profile)) if profile.is_file() else (folder, about)
+        yield (folder.rstrip("/"), about_file(profile)) if is_file(profile) else (folder, about)
 
 
 def cameras(context: typer.Context, typed: str) -> Iterator[Candidate]:
@@ -150,7 +151,7 @@ def _files(typed: str, fits: Callable[[Path], bool]) -> Iterator[Candidate]:
         if not each.name.startswith(name) or (each.name[0] == "." and not name):
             continue
         path = inside / each.name
-        if each.is_dir():
+        if is_folder(each):
             yield f"{folder}{slash}{each.name}/", ""
         elif fits(path):
             yield f"{folder}{slash}{each.name}", about_file(path)

@@ -8,6 +8,7 @@ from typing import Any, BinaryIO, TypeAlias
 
 from pirate_sm.errors import PirateError
 from pirate_sm.loading import library
+from pirate_sm.on_disk import is_file
 
 Candidate: TypeAlias = tuple[str, str]
 """A value, and a line about it."""
@@ -60,7 +61,7 @@ def open_file(path: Path) -> BinaryIO:
     Raises:
         OSError: It cannot be opened, or is a pipe, for which a shell would wait.
     """
-    if not path.is_file():
+    if not is_file(path):
         raise FileNotFoundError(path)
     return path.open("rb")
 

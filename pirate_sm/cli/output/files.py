@@ -8,6 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
+from pirate_sm.on_disk import is_file, is_folder, is_there
 from pirate_sm.report import GENERATOR
 
 HEAD = 20_000
@@ -65,7 +66,7 @@ def refuse_losses(
             problems.append(f"'{place}' is a recording: nothing is written over it")
         elif any(_is_same(place, each) for each in read):
             problems.append(f"'{place}' is read by this command: name another file to write")
-        elif not overwrite and place.is_file() and not is_made(place, tables):
+        elif not overwrite and is_file(place) and not is_made(place, tables):
             problems.append(
                 f"'{place}' exists and may be somebody's work, so it stays: "
                 "name another file, or lose this one with --overwrite"
@@ -89,7 +90,7 @@ def _files(inputs: Iterable[Path]) -> list[Path]:
     """Return the files, and those in the folders."""
     found: list[Path] = []
     for each in inputs:
-        found += each.rglob("*") if each.is_dir() else [each]
+        found += each.rglob("*") if is_folder(each) else [each]
     return found
 
 
@@ -109,7 +110,7 @@ def is_recording(place: Path) -> bool:
 def begins(place: Path, size: int) -> bytes:
     """Return the first bytes of a file; none of a terminal and the like, or where none is."""
     with suppress(OSError, ValueError):
-        if place.is_file():
+        if is_file(place):
             with place.open("rb") as file:
                 return file.read(size)
     return b""
@@ -123,7 +124,7 @@ def first_line(place: Path) -> str:
 def _ends(place: Path, size: int) -> bytes:
     """Return the last bytes of a file; none of a terminal and the like, or where none is."""
     with suppress(OSError, ValueError):
-        if place.is_file():
+        if is_file(place):
             with place.open("rb") as file:
                 file.seek(max(0, place.stat().st_size - size))
                 return file.read()
@@ -150,9 +151,9 @@ def write_bytes(place: Path, content: bytes) -> None:
     """
     try:
         whole = place.resolve()
-        if not whole.parent.exists():
+        if not is_there(whole.parent):
             raise UsageError(f"'{place}' cannot be written: there is no folder '{place.parent}'")
-        if whole.exists() and not whole.is_file():
+        if is_there(whole) and not is_file(whole):
             whole.write_bytes(content)
         else:
             _replace(whole, content)
@@ -180,7 +181,7 @@ def take_place(part: Path, place: Path) -> None:
         OSError: The other file is read-only, or it is none.
     """
     place = place.resolve()
-    if place.exists():
+    if is_there(place):
         place.open("r+b").close()  # a file that is read-only stays
         part.chmod(place.stat().st_mode & 0o7777)
     part.replace(place)

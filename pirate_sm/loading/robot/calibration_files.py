@@ -20,6 +20,7 @@ from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
+from pirate_sm.on_disk import is_folder
 
 LARGEST_ZERO_RAD = radians(30)
 """A larger zero means a slipped magnet, which a calibration must not hide."""
@@ -35,7 +36,7 @@ def find_calibration(robot: LoadedRobot) -> Path | None:
     found = [
         (match[1], -place, path)
         for place, folder in enumerate(_folders(robot))
-        if folder.is_dir()
+        if is_folder(folder)
         for path in folder.iterdir()
         if (match := _FILE.fullmatch(path.name))
     ]

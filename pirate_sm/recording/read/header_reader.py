@@ -29,23 +29,28 @@ def read_header(path: Path, content: Content) -> RunHeader:
     """
     attached = content.attachments
     if RUN not in attached:
-        if content.complete:
-            raise damaged(path, f"{RUN} is missing")
-        raise RecordingError(f"{shown(path)} was cut off before anything was recorded")
+        raise _lacking(path, content, f"{RUN} is missing")
     data = attached[RUN].data
     _check_versions(path, data)
     try:
         header = header_from_json(data, _texts(attached))
     except KeyError:
-        if content.complete or content.pieces:
-            raise damaged(path, "a text that the run was made from is missing") from None
-        raise RecordingError(f"{shown(path)} was cut off before anything was recorded") from None
+        raise _lacking(path, content, "a text that the run was made from is missing") from None
     except ValueError:
         raise damaged(path, f"{RUN} has unexpected content") from None
     for file in header.files:
         if sha256(file.text.encode()).hexdigest() != file.sha256:
             raise damaged(path, f"{file.name} is not the text that was run")
     return header
+
+
+def _lacking(path: Path, content: Content, what: str) -> RecordingError:
+    """Return the error for a part of the header that is not there: damaged, or not yet written."""
+    if content.damage:
+        return damaged(path, content.damage)
+    if content.complete or content.pieces:
+        return damaged(path, what)
+    return RecordingError(f"{shown(path)} was cut off before anything was recorded")
 
 
 def _texts(attached: dict[str, Attachment]) -> dict[str, str]:

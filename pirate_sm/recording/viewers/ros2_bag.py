@@ -16,6 +16,7 @@ import numpy as np
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.on_disk import is_there, why_hidden
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.viewers.complete_recording import write_complete
 from pirate_sm.recording.viewers.log_lines import LEVELS
@@ -78,7 +79,7 @@ def write_bag(recording: Recording, loaded: LoadedMission, folder: Path) -> None
         OSError: It cannot be written; nothing is left then.
         RecordingError: The recording is damaged, or has nothing to show.
     """
-    if folder.exists() or folder.is_symlink():
+    if is_there(folder) and not why_hidden(folder):
         raise FileExistsError(f"{folder} exists already")
     writer = Writer(folder, version=VERSION, storage_plugin=StoragePlugin.MCAP)
     try:

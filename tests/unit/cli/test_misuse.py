@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import builtins
 import json
+import os
 import subprocess
 import sys
 from collections.abc import Callable
@@ -282,3 +283,79 @@ def test_a_port_is_refused_where_no_real_robot_would_move(
     assert result.exit_code == 2
     assert "has no port: the real robot would not move" in result.stderr
     assert "leave out --port, --baud" in result.stderr
+
+
+HIDDEN = """
+import os, pathlib, sys
+from pirate_sm.cli.start import main
+inside = os.sep + "locked" + os.sep
+def look(path):
+    if not isinstance(path, int) and inside in os.path.abspath(os.fsdecode(path)):
+        raise PermissionError(13, "Permission denied", path)
+def refuse(event, arguments):
+    if event in ("open", "os.mkdir"):
+        look(arguments[0])
+def asking(ask):
+    def asked(path, *rest, **more):
+        look(path)
+        return ask(path, *rest, **more)
+    return asked
+sys.addaudithook(refuse)
+os.stat, os.lstat = asking(os.stat), asking(os.lstat)
+main()
+"""
+"""The command `pirate` where a folder `locked` may not be entered, whoever runs the tests."""
+
+
+@pytest.mark.parametrize("place", ["./locked/it", "n" * 300])
+@pytest.mark.parametrize(
+    "line",
+    [
+        *(
+            "report {}.mcap",
+            "report {}",
+            "graph {}.yaml",
+            "export {}.mcap --csv out",
+            "fit {}.mcap",
+        ),
+        *(
+            "compare {} .",
+            "compare . {}",
+            "run {}.yaml",
+            "run mitre_bend --pipe {}.yaml --no-check",
+        ),
+        *("robot {}/profile.yaml", "map {}.mcap", "graph mitre_bend -o {}.svg"),
+        "campaign mitre_bend --no-check --seeds 2 --output {}",
+    ],
+)
+def test_what_cannot_be_looked_at_is_refused_with_the_reason(
+    place: str, line: str, tmp_path: Path
+) -> None:
+    (tmp_path / "locked").mkdir()
+    result = subprocess.run(
+        [sys.executable, "-c", HIDDEN, *line.format(place).split()],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+
+    assert result.returncode == 2, result.stderr
+    reasons = ["Permission denied"] if "locked" in place else ["File name too long", "there is no"]
+    assert any(reason in result.stderr for reason in reasons), result.stderr
+    assert "a fault in this program" not in result.stderr
+
+
+def test_what_cannot_be_looked_at_is_checked_as_unreadable(tmp_path: Path) -> None:
+    result = subprocess.run(
+        [sys.executable, "-c", HIDDEN, "check", "./locked/it.yaml"],
+        capture_output=True,
+        text=True,
+        cwd=tmp_path,
+        env={**os.environ, "PYTHONPATH": str(ROOT)},
+        check=False,
+    )
+
+    assert "cannot be read: Permission denied" in result.stdout
+    assert "there is no" not in result.stdout + result.stderr

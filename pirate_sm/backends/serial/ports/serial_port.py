@@ -13,6 +13,7 @@ from pathlib import Path
 
 from pirate_sm.backends.serial.ports.protocol import PortLostError
 from pirate_sm.errors import BackendError, not_installed
+from pirate_sm.on_disk import is_file, is_folder
 
 try:
     import serial
@@ -160,9 +161,9 @@ def _advice(name: str, error: OSError) -> str:
         return f"you may not use {name}: join the group that owns it{join}"
     if code in {errno.EBUSY, errno.EAGAIN}:
         return f"{name} is in use by another program: close it, or wait until its mission has ended"
-    if Path(name).is_dir():
+    if is_folder(Path(name)):
         return f"{name} is a directory and no serial port"
-    if Path(name).is_file():
+    if is_file(Path(name)):
         return f"{name} is a file and no serial port"
     if code in _NO_PORT:
         return f"{name} is no serial port, or nothing is connected to it"

@@ -250,5 +250,36 @@ def test_ctrl_c_ends_the_run_in_its_safe_state_and_the_demo(tmp_path: Path) -> N
 
     assert process.returncode == 130
     assert "interrupted" in shown + rest
-    assert problems.endswith("stopped\n")
+    assert problems.endswith("interrupted\n")
     assert "Traceback" not in problems
+
+
+@pytest.mark.parametrize(
+    ("the_run", "code", "said"),
+    [
+        # While a run starts, Ctrl-C ends it at once.
+        ("signal.signal(2, signal.SIG_DFL); os.kill(os.getpid(), 2)", 130, "interrupted"),
+        # It may also have ended by itself just before.
+        ("os.kill(os.getppid(), signal.SIGINT)", 130, "interrupted"),
+        ("signal.signal(15, signal.SIG_IGN); os.kill(os.getppid(), 15)", 143, "stopped"),
+    ],
+)
+def test_nothing_more_is_played_after_a_request_to_stop(
+    pirate: Callable[..., Result],
+    own: Callable[..., Path],
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    the_run: str,
+    code: int,
+    said: str,
+) -> None:
+    scenes = [own("list robots", "{}", name) for name in ("one", "two")]
+    monkeypatch.setattr(library, "scenes", lambda: scenes)
+    monkeypatch.setattr(demo, "_THIS_PROGRAM", f"import os, signal; {the_run}")
+
+    result = pirate("demo", "--all", "-o", tmp_path / "out")
+
+    assert result.exit_code == code
+    assert result.stderr == f"{said}\n"
+    assert result.stdout.count("$ pirate list robots") == 1
+    assert "expected" not in result.stdout

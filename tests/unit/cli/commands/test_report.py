@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from pirate_sm import __version__
+from pirate_sm.recording.read.reader import read_recording
 
 from ..conftest import NEWT
 
@@ -263,3 +264,20 @@ def test_a_disk_that_is_full_is_no_fault_of_this_program(
     assert result.exit_code == 2
     assert "into a temporary folder: No space left on device" in result.stderr
     assert len(result.stderr.splitlines()) == 1
+
+
+def test_what_a_recording_lacks_is_said_beside_its_page(
+    pirate: Any, run: Path, tmp_path: Path
+) -> None:
+    whole, last = run.read_bytes(), read_recording(run).content.pieces[-1]
+    assert pirate("report", run).stderr == ""
+    assert pirate("report", tmp_path).stderr == ""
+    for lacking, said in ((whole[:-20], "missing or damaged"), (whole[: last.at], "ends early")):
+        run.write_bytes(lacking)
+
+        one, folder = pirate("report", run), pirate("report", tmp_path)
+
+        assert (one.exit_code, folder.exit_code) == (0, 0)
+        assert one.stderr == folder.stderr
+        assert one.stderr.startswith(f"{run}: ")
+        assert said in one.stderr

@@ -163,6 +163,17 @@ def test_a_recording_cut_off_in_its_beginning_holds_nothing(whole: bytes, tmp_pa
             steps_in(whole[:length], tmp_path)
 
 
+def test_a_recording_damaged_in_its_beginning_is_not_called_cut_off(
+    whole: bytes, tmp_path: Path
+) -> None:
+    begins, _ = chunks_of(whole)[0]
+    for at in (8, 60, *range(70, begins - 9, 61)):
+        data = bytearray(whole)
+        data[at : at + 8] = bytes(each ^ 0xFF for each in data[at : at + 8])
+        with pytest.raises(RecordingError, match=r"is damaged: at byte \d+$"):
+            steps_in(bytes(data), tmp_path)
+
+
 @pytest.mark.parametrize("junk", [b"\0" * 5_000, b"\7" * 5_000, bytes(range(1, 256)) * 20])
 @pytest.mark.parametrize("left", [0, 5, 300])
 def test_what_a_power_cut_leaves_behind_the_last_chunk_does_not_count(

@@ -1,0 +1,54 @@
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.on_disk import is_file, is_folder, is_there, why_hidden
+
+
+@pytest.fixture
+def hidden(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """A file in a folder that may not be entered, also for somebody who may enter any."""
+    path, stat, lstat = tmp_path / "locked" / "file", os.stat, os.lstat
+
+    def refusing(asked: object, *rest: object, **more: object) -> object:
+        if str(asked) == str(path):
+            raise PermissionError(13, "Permission denied")
+        return (stat if more.get("follow_symlinks", True) else lstat)(asked)  # type: ignore[arg-type]
+
+    monkeypatch.setattr(os, "stat", refusing)
+    monkeypatch.setattr(os, "lstat", refusing)
+    yield path
+    monkeypatch.undo()
+
+
+def test_what_is_hidden_is_there_and_whoever_opens_it_says_why(hidden: Path) -> None:
+    assert is_there(hidden)
+    assert why_hidden(hidden) == "Permission denied"
+    assert not is_file(hidden)
+    assert not is_folder(hidden)
+
+
+@pytest.mark.parametrize("name", ["nowhere", "file/inside", "n" * 300, "a\0b"])
+def test_nothing_is_at_a_path_that_no_file_has(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").touch()
+    path = tmp_path / name
+
+    assert not is_there(path)
+    assert not why_hidden(path)
+    assert not is_file(path)
+    assert not is_folder(path)
+
+
+def test_files_folders_and_broken_links_are_told_apart(tmp_path: Path) -> None:
+    file, link = tmp_path / "file", tmp_path / "link"
+    file.touch()
+    link.symlink_to("nowhere")
+
+    assert all(map(is_there, (file, link, tmp_path)))
+    assert list(map(is_file, (file, link, tmp_path))) == [True, False, False]
+    assert list(map(is_folder, (file, link, tmp_path))) == [False, False, True]
+    assert not any(map(why_hidden, (file, link, tmp_path)))
