@@ -307,8 +307,10 @@ def expectation(dimension: Dimension) -> str:
 
 
 def units_of(dimension: Dimension) -> str:
-    """Return the plain units of a dimension for messages: `one of mm, cm, m`."""
-    return one_of([name for name, unit in UNITS.items() if unit.dimension == dimension])
+    """Return the usual units of a dimension for messages: `one of mm, cm, m`."""
+    plain = [name for name, unit in UNITS.items() if unit.dimension == dimension]
+    composed = (example(dimension).partition(" ")[2], unit_of(dimension))
+    return one_of(plain or dict.fromkeys(filter(None, composed)))
 
 
 def _short(text: str) -> str:

@@ -87,11 +87,12 @@ def word(error: ErrorDetails, schema: Schema | None) -> Wording:
     if speak is not None:
         return speak(error, schema)
     context = error.get("ctx", {})
+    _, meant = misspelt_kind(error, schema) or ("", "")
     return Wording(
         error["type"].replace("_", "-"),
         error["msg"],
         str(context.get("expected", "")),
-        str(context.get("suggestion", "")),
+        str(context.get("suggestion", meant)),
     )
 
 
@@ -122,9 +123,17 @@ def _choice(error: ErrorDetails, schema: Schema | None) -> Wording:
         valid = [str(member.value) for member in schema["members"]]
     else:
         valid = re.findall(r"'([^']*)'", str(error.get("ctx", {}).get("expected", "")))
+    if error["loc"][-1:] == ("format",) and _is_newer(value, valid):
+        message = f"this program reads format {valid[-1]}, and this is format {value}"
+        return Wording("choice", message, f"`format: {valid[-1]}`; a newer program may read this")
     suggestion = nearest(value, valid) if isinstance(value, str) else None
     message = f"expected {one_of(valid)}, got {kind_of(value)}"
     return Wording("choice", message, suggestion=suggestion or "")
+
+
+def _is_newer(value: object, known: list[str]) -> bool:
+    """Return whether a value is the number of a format that came after the known ones."""
+    return type(value) is int and value > max(map(int, known))
 
 
 def _tag(error: ErrorDetails, schema: Schema | None) -> Wording:
@@ -143,6 +152,16 @@ def _tag(error: ErrorDetails, schema: Schema | None) -> Wording:
     else:
         got = kind_of(value)
     return Wording("choice", f"expected {one_of(valid)}, got {got}", suggestion=suggestion)
+
+
+def misspelt_kind(error: ErrorDetails, schema: Schema | None) -> tuple[str, str] | None:
+    """Return the key in place of the one that says a mapping's kind, and what that should be."""
+    if schema is None or schema.get("custom_error_type") != error["type"]:
+        return None
+    known, value = _tags(schema), error["input"]
+    written = [key for key in value if isinstance(key, str)] if isinstance(value, Mapping) else []
+    pairs = ((key, nearest(key, known)) for key in written)
+    return next(((key, close) for key, close in pairs if close), None)
 
 
 def _tags(schema: Schema | None) -> list[str]:

@@ -389,7 +389,7 @@ FAULTS = [
     (
         "{rate_of: roll_a}",
         "{rat_of: roll_a}",
-        "spin_a: {rat_of: roll_a",
+        "rat_of: roll_a",
         "expected a mapping with one of rate_of",
     ),
     (
@@ -528,7 +528,7 @@ FAULTS = [
         "chartt.yaml: there is no such file",
     ),
     ("chart: chart.yaml", "chart: .", ".", ""),
-    ("format: 1", "format: 2", "2", "expected 1, got the number 2"),
+    ("format: 1", "format: 2", "2", "this program reads format 1, and this is format 2"),
     ("resend_limit: 4", "resend_limit: true", "true", "expected a whole number, got true"),
     ("cycle: 10 ms", "cycle: 10", "10", "expected a duration such as '2 s', got '10' without"),
 ]
