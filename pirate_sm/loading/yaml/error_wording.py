@@ -16,7 +16,7 @@ from pirate_sm.model.calibration import Date
 from pirate_sm.model.pipe_runs import Port
 from pirate_sm.model.serial_link import TypeName
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import DIMENSIONLESS, QuantityError, format_quantity, parse_quantity
+from pirate_sm.units import DIMENSIONLESS, QuantityError, in_unit_of, parse_quantity
 
 
 class Wording(NamedTuple):
@@ -179,13 +179,13 @@ _BOUNDS: Final = {
 
 
 def _bound(error: ErrorDetails, _: Schema | None) -> Wording:
-    """Return the message for a value out of limits, with the SI limit in the value's unit."""
+    """Return the message for a value out of limits, with the limit in the value's unit."""
     key, relation = _BOUNDS[error["type"]]
     limit, value = error.get("ctx", {})[key], error["input"]
     shown = f"{limit}"
     if isinstance(value, str):
         with suppress(QuantityError):
-            shown = format_quantity(limit, parse_quantity(value).dimension)
+            shown = in_unit_of(value, limit)
     return Wording("range", f"expected {relation} {shown}, got '{value}'")
 
 

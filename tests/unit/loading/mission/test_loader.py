@@ -258,8 +258,16 @@ def test_a_file_that_is_not_there_or_a_folder_is_refused(tmp_path):
         (steps("{command: Brake, on_failure: b}"), "6:41", "expected one of continue, a, e"),
         (steps("{ask: Go on?, choices: {yes: b}}"), "6:41", "expected one of continue, fail, a, e"),
         (phase("do: [Brake], go: b"), "6:24", "expected one of a, e"),
-        (steps("{command: Brake, timeout: 5km}"), "6:38", "expected a number with a unit, one of us"),
-        (steps("Brake").replace("succeed: ok", "fail: 'no {couse}'"), "7:18", "did you mean 'cause'?"),
+        (
+            steps("{command: Brake, timeout: 5km}"),
+            "6:38",
+            "expected a number with a unit, one of us",
+        ),
+        (
+            steps("Brake").replace("succeed: ok", "fail: 'no {couse}'"),
+            "7:18",
+            "did you mean 'cause'?",
+        ),
     ],
 )
 def test_a_fault_is_told_with_a_way_to_mend_it(text, place, hint, tmp_path):

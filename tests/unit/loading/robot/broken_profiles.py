@@ -228,7 +228,7 @@ FAULTS = [
     ),
     ("angle: roll_a", "angle: rol_a", "rol_a", "there is no signal 'rol_a'"),
     ("speed: spin_a", "speed: roll_a", "roll_a", "'roll_a' is an angle"),
-    ("mass: 15 g", "mass: -15 g", "-15 g", "expected more than 0 kg, got '-15 g'"),
+    ("mass: 15 g", "mass: -15 g", "-15 g", "expected more than 0 g, got '-15 g'"),
     (
         "    - {module: rump, length: 80 mm, mass: 100 g}\n",
         "",
@@ -567,7 +567,7 @@ TRACTION_FAULTS = [
     (
         *_outside("  slid: {slip_of: left_fore, speed: ruler, unknown_below: 0 mm/s}\n"),
         "0 mm/s",
-        "expected more than 0 m/s, got '0 mm/s'",
+        "expected more than 0 mm/s, got '0 mm/s'",
     ),
     (
         *_outside(
@@ -612,7 +612,7 @@ TRACTION_FAULTS = [
     (
         *_outside("  mu: {friction_of: left_fore, slip_above: 0 mm/s, steady: 500 ms}\n"),
         "0 mm/s",
-        "expected more than 0 m/s, got '0 mm/s'",
+        "expected more than 0 mm/s, got '0 mm/s'",
     ),
     (*_outside("", "neck: {unit: m/s, valid_for: 300 ms}"), "neck: {", "'neck' is declared twice"),
     (
