@@ -100,8 +100,7 @@ def refuse_other(document: Document, wanted: Kind) -> None:
         LoadError: The file is of another kind.
     """
     kind = kind_of_text(document.text)
-    own = isinstance(document.data, dict) and wanted.value in document.data
-    if own or kind in (wanted, Kind.OTHER, Kind.UNREADABLE):
+    if kind in (wanted, Kind.OTHER, Kind.UNREADABLE):
         return
     problems = Problems(document)
     problems.add("kind", (), f"expected a {wanted}, and this is {_with_article(kind)}")
