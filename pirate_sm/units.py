@@ -266,6 +266,25 @@ def read_quantity(text: str, dimension: Dimension) -> float:
     return quantity.value
 
 
+def in_unit_of(text: str, value: float) -> str:
+    """Return an SI value with the unit of a quantity as written: `50 %` for 0.5 and `120 %`.
+
+    A value that is no short number in that unit has its SI unit.
+
+    Raises:
+        QuantityError: The text is not a quantity.
+    """
+    dimension = parse_quantity(text).dimension
+    stripped = text.strip()
+    match = _NUMBER.match(stripped)
+    unit = stripped[match.end() :].strip() if match else ""
+    number = value / (parse_unit(unit).value if unit else 1.0)
+    short = f"{number:.4g}"
+    if not math.isclose(float(short), number, rel_tol=1e-12):
+        return format_quantity(value, dimension)
+    return f"{short} {unit}".strip()
+
+
 def _fits(text: str, dimension: Dimension) -> bool:
     try:
         return parse_quantity(text).dimension == dimension
@@ -307,8 +326,10 @@ def expectation(dimension: Dimension) -> str:
 
 
 def units_of(dimension: Dimension) -> str:
-    """Return the plain units of a dimension for messages: `one of mm, cm, m`."""
-    return one_of([name for name, unit in UNITS.items() if unit.dimension == dimension])
+    """Return the usual units of a dimension for messages: `one of mm, cm, m`."""
+    plain = [name for name, unit in UNITS.items() if unit.dimension == dimension]
+    composed = (example(dimension).partition(" ")[2], unit_of(dimension))
+    return one_of(plain or dict.fromkeys(filter(None, composed)))
 
 
 def _short(text: str) -> str:

@@ -19,11 +19,11 @@ from pirate_sm.campaign.choices import Choices, choices_of, faultless_choices, t
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.named_parts import Named, NameReader
 from pirate_sm.campaign.plan import Cell, Plan
-from pirate_sm.checking.file_kinds import Kind, kind_of_text
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
 from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library, references
+from pirate_sm.loading.file_kinds import Kind, kind_of_text
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError, Problems

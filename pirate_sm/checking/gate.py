@@ -6,12 +6,12 @@ from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from pirate_sm.checking.allowances import settle
-from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import Hint, PirateError
+from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.mission import LoadedMission
 
 

@@ -9,12 +9,14 @@ from pathlib import Path
 from typing import TypeVar
 
 from pydantic import ValidationError
+from pydantic_core import ErrorDetails
 
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs, read_settings
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import trace_script as loading
 from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.error_wording import word
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.model.variations import LineFaults, StartJitter
@@ -90,8 +92,15 @@ def read_choices(option: str, texts: Iterable[str] | None, model: type[Choices])
             if each["type"] == "extra_forbidden":
                 wrong.append(f"{option} {name}: {meant(name, sorted(model.model_fields))}")
             else:
-                wrong.append(f"{option} {name}={pairs.get(name)}: {each['msg']}")
+                wrong.append(f"{option} {name}={pairs.get(name)}: {_refusal(each)}")
         raise UsageError("\n".join(wrong)) from None
+
+
+def _refusal(error: ErrorDetails) -> str:
+    said = word(error, None)
+    if said.suggestion:
+        return f"{said.message}; did you mean '{said.suggestion}'?"
+    return f"{said.message}; expected {said.expected}" if said.expected else said.message
 
 
 def read_fire(texts: Iterable[str]) -> list[Firing]:

@@ -26,7 +26,7 @@ def lens_line(lens: Lens) -> str:
 def pose_line(pose: CameraPose) -> str:
     """Return the line that gives a setup this pose of its camera."""
     at = ", ".join(f"{1000 * each:.1f} mm" for each in pose.at)
-    turn = ", ".join(f"{degrees(each):.3f} deg" for each in pose.turn)
+    turn = ", ".join(f"{degrees(each):z.3f} deg" for each in pose.turn)
     return f"pose: {{at: [{at}], turn: [{turn}]}}"
 
 

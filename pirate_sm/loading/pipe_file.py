@@ -7,12 +7,13 @@ from math import degrees, pi, radians
 from pathlib import Path
 
 from pirate_sm.geometry.clamping import height_m
+from pirate_sm.loading.file_kinds import Kind, refuse_other
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.pipe_shape import check_pipe, mm, part_of
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
-from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.pipe import Pipe, PipeFile
 from pirate_sm.model.pipe_segments import Reducer
 from pirate_sm.model.profile import Profile
@@ -33,7 +34,13 @@ def load_pipe(path: Path) -> tuple[Pipe, Document]:
         LoadError: The file has faults; holds all of them.
     """
     document = read_document(path, shown(path))
-    return validate(document, PipeFile), document
+    problems = Problems(document)
+    pipe = try_validate(document, PipeFile, problems)
+    if pipe is None:
+        refuse_other(document, Kind.PIPE)
+    problems.raise_errors()
+    assert pipe is not None
+    return pipe, document
 
 
 def reach(profile: Profile) -> tuple[float, float]:

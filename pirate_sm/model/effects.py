@@ -147,7 +147,7 @@ class Environment(NamedTuple):
     def measures(self) -> str:
         """Return what is known of roll, pitch, diameter and joint as text; empty if nothing is."""
         known = [
-            f"{name} {degrees(angle):.0f}°"
+            f"{name} {degrees(angle):z.0f}°"
             for name, angle in (("roll", self.roll_rad), ("pitch", self.pitch_rad))
             if not isnan(angle)
         ]

@@ -25,10 +25,12 @@ from pydantic_core import CoreSchema, PydanticCustomError, core_schema
 
 from pirate_sm import units
 from pirate_sm.model import quantity_patterns as patterns
+from pirate_sm.spelling import one_of
 from pirate_sm.units import Dimension, Quantity, QuantityError
 
 FROM_FILE: Final[Mapping[str, Any]] = {"from_file": True}
 _PARAMETER = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
+_ANY_UNIT = f"a number with a unit, {one_of(units.UNITS, len(units.UNITS))}"
 _PIXELS = re.compile(r"(\d{1,5}(?:\.\d{1,9})?) ?px")
 
 
@@ -78,18 +80,17 @@ def _is_number(value: object) -> bool:
 def _reader(dimension: Dimension) -> Callable[[Any, ValidationInfo], float]:
     """Return a validator that returns the SI value of a quantity of `dimension`."""
     expected = units.expectation(dimension)
+    hint = f"a number with a unit, {units.units_of(dimension)}"
 
     def read(value: Any, info: ValidationInfo) -> float:
         if isinstance(value, str):
             try:
                 return units.read_quantity(value, dimension)
             except QuantityError as error:
-                raise quantity_fault(error.message, suggestion=error.suggestion) from None
+                raise quantity_fault(error.message, hint, error.suggestion) from None
         if _is_number(value):
             if not (info.context or {}).get("from_file"):
                 return _finite(value, expected)
-            choices = units.units_of(dimension)
-            hint = f"a number with a unit, {choices}" if choices else "a number with a unit"
             raise quantity_fault(f"expected {expected}, got '{value}' without a unit", hint)
         raise quantity_fault(f"expected {expected}, got {_shown(value)}")
 
@@ -130,7 +131,7 @@ def _read_any(value: Any) -> Quantity:
         try:
             return units.parse_quantity(value)
         except QuantityError as error:
-            raise quantity_fault(error.message, suggestion=error.suggestion) from None
+            raise quantity_fault(error.message, _ANY_UNIT, error.suggestion) from None
     raise quantity_fault(f"expected a quantity such as '120 mm', got {_shown(value)}")
 
 

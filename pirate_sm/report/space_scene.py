@@ -98,4 +98,4 @@ def joint_name(joint: Joint) -> str:
     """Return the label of a joint: ``mitre 90°``, or a tee by its name."""
     if joint.junction:
         return joint.junction
-    return f"{joint.kind} {degrees(joint.turn_rad):.0f}°" if joint.turn_rad else joint.kind
+    return f"{joint.kind} {degrees(joint.turn_rad):z.0f}°" if joint.turn_rad else joint.kind

@@ -129,7 +129,7 @@ def changed_setpoints(
 
 def setpoint(slot: SlotSpec, value: float) -> str:
     """Return a setpoint as people read it: duty cycle in per cent, angle in degrees."""
-    return f"{degrees(value):.1f}°" if slot.unit == "angle" else f"{value * 100:.3g} %"
+    return f"{degrees(value):z.1f}°" if slot.unit == "angle" else f"{value * 100:.3g} %"
 
 
 def summary(

@@ -1,4 +1,4 @@
-"""A rule about conditions that cannot become true for this robot in this pipe."""
+"""A rule about conditions that are never or always true for this robot in this pipe."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.driving import driven_before, fastest_m_s
 from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.wait_triggers import numbers_known
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
@@ -58,6 +59,13 @@ def out_of_reach(view: MissionView) -> Iterator[Finding]:
 _Said = tuple[str, str]
 
 
+def _decided(condition: Expression) -> tuple[tuple[list[Fact], str], tuple[list[Fact], str]]:
+    """Return two sets of facts, each with what a condition is if they are impossible."""
+    node = condition.tree
+    known = [(node, False), *numbers_known(node)]
+    return ([(node, True)], "out of reach"), (known, "always true")
+
+
 class _Reach:
     def __init__(self, seen: Sequence[Explored], loaded: LoadedMission) -> None:
         self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
@@ -98,14 +106,14 @@ class _Reach:
 
     def asked(self, condition: Expression) -> str:
         """Return why the condition of a step is out of reach; empty if it is not."""
-        facts: list[Fact] = [(condition.tree, True)]
         every = self._robot.table.configurations
         for name, most, why in self._lasting(self._no_load, ""):
             if not self._is_about(condition, name, most):
                 continue
             narrower = self._with({name: Range(-most, most)})
-            if self._usual.anywhere(facts, every) and not narrower.anywhere(facts, every):
-                return f"'{condition.text}' is out of reach: {why}"
+            for facts, said in _decided(condition):
+                if self._usual.anywhere(facts, every) and not narrower.anywhere(facts, every):
+                    return f"'{condition.text}' is {said}: {why}"
         return ""
 
     def _is_about(self, condition: Expression, name: str, most: float) -> bool:
@@ -118,13 +126,16 @@ class _Reach:
     # --- too fast, too far ------------------------------------------------------------------
 
     def _beyond(self, wait: Wait, condition: Expression) -> _Said | None:
-        fact: Fact = condition.tree, True
+        never, always = _decided(condition)
         for name, most, why in self._limits(wait):
-            if self._is_about(condition, name, most):
-                narrower = self._with({name: Range(-most, most)})
-                if not self._possible(wait, [fact], narrower):
-                    message = f"'{condition.text}' is out of reach: {why}"
-                    return "condition.beyond", message
+            if not self._is_about(condition, name, most):
+                continue
+            narrower = self._with({name: Range(-most, most)})
+            # What changes in a wait is 0 at its beginning, which is judged elsewhere.
+            for facts, said in (never,) if name == self._changed else (never, always):
+                possible = self._possible(wait, facts, self._usual)
+                if possible and not self._possible(wait, facts, narrower):
+                    return "condition.beyond", f"'{condition.text}' is {said}: {why}"
         return None
 
     def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:

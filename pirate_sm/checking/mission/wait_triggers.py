@@ -195,7 +195,7 @@ class _Judge:
         if condition.tree not in self._constant:
             every = self._table.configurations
             self._constant[condition.tree] = ""
-            known: list[Fact] = [(tree.Known(each), True) for each in _numbers(condition.tree)]
+            known = numbers_known(condition.tree)
             questions: list[tuple[str, list[Fact]]] = [
                 ("true", [(condition.tree, False)]),
                 ("false", [(condition.tree, True)]),
@@ -213,9 +213,10 @@ def _signal(vocabulary: Vocabulary, name: str) -> tree.Signal:
     return tree.Signal(name, slot.kind, slot.index)
 
 
-def _numbers(node: tree.Node) -> list[tree.Signal]:
-    """Return the numeric signals whose values the condition uses."""
+def numbers_known(node: tree.Node) -> list[Fact]:
+    """Return the facts that the numeric signals are known whose values the condition uses."""
     parts = dict.fromkeys(tree.walk(node))
     if any(isinstance(each, tree.Known) for each in parts):
         return []
-    return [each for each in parts if isinstance(each, tree.Signal) and each.kind == "number"]
+    numbers = (each for each in parts if isinstance(each, tree.Signal) and each.kind == "number")
+    return [(tree.Known(each), True) for each in numbers]

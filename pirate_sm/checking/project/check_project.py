@@ -8,7 +8,6 @@ from dataclasses import replace
 from pathlib import Path
 
 from pirate_sm.checking.allowances import settle
-from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
@@ -23,6 +22,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
+from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
 from pirate_sm.loading.pipe_file import check_reach, load_pipe

@@ -7,10 +7,10 @@ from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pirate_sm.checking.file_kinds import Kind, kind_of
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.file_kinds import Kind, kind_of
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
 from pirate_sm.on_disk import is_folder, is_there

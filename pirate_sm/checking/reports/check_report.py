@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
+from pirate_sm.loading.file_kinds import Kind
 
 
 @dataclass(frozen=True)

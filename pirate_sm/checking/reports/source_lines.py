@@ -26,20 +26,21 @@ def end_column(finding: Finding) -> int:
     return match.end() + 1 if match else start + 1
 
 
-def marked(finding: Finding) -> Marked | None:
-    """Return the finding's line, cut to the width of a terminal; None without a line."""
+def marked(finding: Finding, width: int = _WIDTH) -> Marked | None:
+    """Return the finding's line, cut to a width; None without a line."""
     if not finding.excerpt.strip() or not finding.place.line:
         return None
     line = "".join(char if char.isprintable() else " " for char in finding.excerpt.rstrip())
     start, end = max(finding.place.column, 1) - 1, end_column(finding) - 1
     first = len(line) - len(line.lstrip(" "))
-    if len(line) - first > _WIDTH:
-        first = max(first, min(start - _WIDTH // 3, len(line) - _WIDTH))
-        line = line[: first + _WIDTH]
+    width = max(width, 20)
+    if len(line) - first > width:
+        first = max(first, min(start - width // 3, len(line) - width))
+        line = line[: first + width]
     shown = line[first:]
     if first and line[:first].strip():
         shown = "…" + shown[1:]
-    length = max(1, min(end, first + _WIDTH) - start)
+    length = max(1, min(end, first + width) - start)
     return Marked(shown, " " * (start - first) + "^" * length)
 
 

@@ -14,6 +14,8 @@ from pirate_sm.checking.reports.source_lines import marked
 from pirate_sm.model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100
+_LEAST = 20
+"""Columns for the text behind a label, however narrow the terminal is."""
 
 _MOST_CALLS = 3
 _MOST_PLACES = 3
@@ -22,17 +24,18 @@ Paint = Callable[[str, str], str]
 """Returns text that is safe for a terminal, in the colour of a role."""
 
 
-def text_report(report: Report, paint: Paint) -> str:
+def text_report(report: Report, paint: Paint, columns: int = _WIDTH) -> str:
     """Return the findings by place, the allowed findings, and the summary.
 
     Args:
         report: The report.
         paint: Makes text safe for the terminal, and optionally coloured. The roles are the
             severities, ``place``, ``mark``, ``label`` and ``""``.
+        columns: How wide source lines and explanations may be.
     """
     lines: list[str] = []
     for finding in report.open:
-        lines += [*_finding(finding, paint), ""]
+        lines += [*_finding(finding, paint, columns), ""]
     if report.allowed:
         lines.append(paint("label", "allowed:"))
         for each in report.allowed:
@@ -42,47 +45,48 @@ def text_report(report: Report, paint: Paint) -> str:
     if report.rehearsals:
         lines.append(paint("label", "rehearsed in the simulator, and what nearly happened:"))
         for rehearsal in report.rehearsals:
-            lines += _rehearsal(rehearsal, paint)
+            lines += _rehearsal(rehearsal, paint, columns)
         lines.append("")
     lines.append(paint("", summary(report)))
     return "\n".join(lines)
 
 
-def _finding(finding: Finding, paint: Paint) -> Iterator[str]:
+def _finding(finding: Finding, paint: Paint, columns: int) -> Iterator[str]:
     entry = catalogue.entry_of(finding.code)
     severity = finding.severity.word
     head = f"{paint('place', str(finding.place))}: {paint(severity, severity)}"
     yield f"{head} {paint('label', f'[{finding.code}]')} {paint('', finding.message)}"
-    source = marked(finding)
+    before = len(f"  {finding.place.line} | ")
+    source = marked(finding, min(_WIDTH, columns - before) if columns < _WIDTH else _WIDTH)
     if source is not None:
         margin = " " * len(str(finding.place.line))
         yield paint("label", f"  {finding.place.line} | ") + paint("", source.line)
         yield paint("label", f"  {margin} | ") + paint("mark", source.under)
     for place, what in finding.related:
         yield f"  {paint('place', str(place))}: {paint('', what)}"
-    yield from _story(finding, paint)
+    yield from _story(finding, paint, columns)
     said = ("why", entry.why), ("mend", _mend(finding, entry.mend)), ("example", finding.example)
     for label, text in said:
         if text:
-            yield from _wrapped(f"  {label + ': ':6}", text, paint)
+            yield from _wrapped(f"  {label + ': ':6}", text, paint, columns)
 
 
-def _story(finding: Finding, paint: Paint) -> Iterator[str]:
+def _story(finding: Finding, paint: Paint, columns: int) -> Iterator[str]:
     if finding.story:
         yield paint("label", "  how it comes about:")
     width = len(str(len(finding.story)))
     for number, sentence in enumerate(finding.story, start=1):
-        yield from _wrapped(f"    {number:>{width}}. ", sentence, paint)
+        yield from _wrapped(f"    {number:>{width}}. ", sentence, paint, columns)
 
 
-def _rehearsal(rehearsal: Rehearsal, paint: Paint) -> Iterator[str]:
+def _rehearsal(rehearsal: Rehearsal, paint: Paint, columns: int) -> Iterator[str]:
     """Yield the results of a mission's runs, and their near misses."""
     said = f"not run: {rehearsal.skipped}" if rehearsal.skipped else _runs(rehearsal.runs)
     yield f"  {paint('place', rehearsal.file)}: {paint('', said)}"
     for each in rehearsal.nearly[:_MOST_CALLS]:
         which = f", seed {each.seed}" if len(rehearsal.runs) > 1 else ""
         label = f"    {each.share:4.0%} at {each.at_s:.1f} s{which}: "
-        yield from _wrapped(label, each.text, paint)
+        yield from _wrapped(label, each.text, paint, columns)
 
 
 def _runs(runs: Sequence[RehearsedRun]) -> str:
@@ -97,9 +101,11 @@ def _runs(runs: Sequence[RehearsedRun]) -> str:
     )
 
 
-def _wrapped(label: str, text: str, paint: Paint) -> Iterator[str]:
+def _wrapped(label: str, text: str, paint: Paint, columns: int) -> Iterator[str]:
     """Yield the text after a label, wrapped to the width of a terminal."""
-    lines = wrap(text, _WIDTH - len(label), break_long_words=False, break_on_hyphens=False)
+    lines = wrap(
+        text, max(columns - len(label), _LEAST), break_long_words=False, break_on_hyphens=False
+    )
     for number, line in enumerate(lines):
         margin = " " * len(label) if number else paint("label", label)
         yield f"{margin}{paint('', line)}"

@@ -48,7 +48,7 @@ def look(options: LookOptions) -> int:
 def _lines(camera: Camera, sighting: Sighting) -> Iterator[str]:
     for mark in sighting.marks:
         x, y = (1000 * each for each in mark.place_m)
-        turned = "" if mark.heading_rad is None else f", {degrees(mark.heading_rad):6.1f} deg"
+        turned = "" if mark.heading_rad is None else f", {degrees(mark.heading_rad):z6.1f} deg"
         yield f"  {mark.on:<12} x {x:7.1f} mm, y {y:7.1f} mm{turned}"
     wanted = len(camera.robot.on) if isinstance(camera.robot, RobotTags) else 1
     yield f"{len(sighting.marks)} of {wanted} marks of the robot are seen"

@@ -17,6 +17,7 @@ from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.cli.output.terminal import is_terminal, shows_colour
+from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
 from pirate_sm.gallery.scene_file import check_scene
@@ -109,7 +110,11 @@ def _written(report: Report, wanted: str, fail_on: Severity) -> str:
 
             return visible(github_report(report), lines=True)
         case _:
-            return text_report(report, _painted if shows_colour(sys.stdout) else _plain)
+            paint, columns = _painted if shows_colour(sys.stdout) else _plain, columns_of()
+            if columns is None:
+                return text_report(report, paint)
+            text = text_report(report, paint, columns)
+            return "\n".join(wrapped(line, columns) for line in text.split("\n"))
 
 
 def _plain(_: str, text: str) -> str:

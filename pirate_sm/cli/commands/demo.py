@@ -17,6 +17,7 @@ from pirate_sm.cli.options.gallery import DemoOptions
 from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import is_terminal
+from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing
 from pirate_sm.gallery.scene_file import (
@@ -90,7 +91,8 @@ def _list() -> None:
     wide = max(len(each.scene) for each in scenes)
     for each in scenes:
         missing = _missing(each)
-        print(visible(f"  {each.scene:<{wide}}  {each.title}{f' ({missing})' if missing else ''}"))
+        said = visible(f"  {each.scene:<{wide}}  {each.title}{f' ({missing})' if missing else ''}")
+        print(wrapped(said, columns_of(), wide + 4))
     print("\nplay one: pirate demo SCENE   all at full speed: pirate demo --all")
 
 
@@ -144,7 +146,8 @@ def _play(
     except OSError as error:
         why = f"'{folder}' cannot be made: {error.strerror}"
         raise UsageError(f"{why}; name another folder with --output") from None
-    print(visible(f"{scene.title}\n\n{scene.look_at.strip()}", lines=True), flush=True)
+    about = visible(f"{scene.title}\n\n{scene.look_at.strip()}", lines=True)
+    print("\n".join(wrapped(line, columns_of(), 0) for line in about.splitlines()), flush=True)
     folders = {OUT: folder, HERE: _near(path.parent)}
     more = ["--speed", speed, *(["--quiet"] if quiet else [])]
     steps = [_play_step(step, words_of(step, folders), folder, more) for step in scene.steps]

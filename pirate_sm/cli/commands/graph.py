@@ -176,7 +176,10 @@ def _found(what: str) -> Path:
     if is_folder(path) or is_file(path):
         return path
     if "/" in what or path.suffix:
-        return library.find_mission(what)
+        try:
+            return library.find_mission(what)
+        except UsageError:
+            raise UsageError(f"there is no mission, robot or pipe at '{what}'") from None
     known = {robot.name: robot for robot in library.robots()}
     known |= {pipe.stem: pipe for pipe in library.pipes()}
     known |= {mission.stem: mission for mission in library.missions()}

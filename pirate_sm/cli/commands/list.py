@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pirate_sm.cli.options.files import ListOptions
+from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import PirateError
 from pirate_sm.expressions import EnumType, NumberType
 from pirate_sm.loading import library
@@ -122,10 +123,12 @@ def print_table(title: str, rows: Iterable[Row]) -> None:
     """Print rows under a title, in columns."""
     lines = [[visible(str(cell)) for cell in row] for row in rows]
     widths = [max(map(len, column)) for column in zip(*lines, strict=True)]
+    columns = columns_of()
+    before = 2 + sum(width + 2 for width in widths[:-1])
     print(f"{title}:")
     for line in lines or [["(none)"]]:
         cells = [cell.ljust(width) for cell, width in zip(line, widths or [0], strict=True)]
-        print(f"  {'  '.join(cells)}".rstrip())
+        print(wrapped(f"  {'  '.join(cells)}".rstrip(), columns, before))
     print()
 
 

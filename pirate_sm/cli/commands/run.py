@@ -28,6 +28,8 @@ def run_mission(options: RunOptions) -> int:
     """
     if options.json and options.quiet:
         raise UsageError("--json and --quiet exclude each other")
+    if options.json and options.plain:
+        raise UsageError("--json and --plain exclude each other")
     on_terminal = is_terminal(sys.stdout) and not (options.json or options.quiet)
     factor = read_speed(options.speed, ON_A_TERMINAL if is_terminal(sys.stdout) else inf)
     if options.resume is not None:

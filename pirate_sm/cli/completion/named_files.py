@@ -167,6 +167,6 @@ def _entries(folder: Path) -> list[os.DirEntry[str]]:
 
 
 def _is(path: Path, kinds: Collection[str]) -> bool:
-    from pirate_sm.checking.file_kinds import kind_of
+    from pirate_sm.loading.file_kinds import kind_of
 
     return path.suffix in library.SUFFIXES and kind_of(path) in kinds

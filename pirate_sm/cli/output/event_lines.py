@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.simulation import SIMULATORS
@@ -18,6 +19,10 @@ from pirate_sm.wiring import Order
 
 if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
+
+
+_INDENT = 22
+"""Where the text of a line begins, behind its time and its topic."""
 
 
 class Lines:
@@ -62,7 +67,8 @@ class Lines:
         self._out.flush()
 
     def _write(self, now_s: float, topic: str, text: str) -> None:
-        self._out.write(f"{now_s:9.3f}  {topic:<9}  {visible(text)}\n")
+        line = f"{now_s:9.3f}  {topic:<9}  {visible(text)}"
+        self._out.write(f"{wrapped(line, columns_of(self._out), _INDENT)}\n")
 
 
 class SaysWhyItWaits:

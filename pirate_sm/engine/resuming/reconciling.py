@@ -272,8 +272,8 @@ def _changed(
     tilt = _tilt_rad(robot, was, numbers)
     if tilt > dark.tilt_rad:
         yield (
-            f"the robot lies {degrees(tilt):.0f} deg otherwise than recorded, "
-            f"limit {degrees(dark.tilt_rad):.0f} deg"
+            f"the robot lies {degrees(tilt):z.0f} deg otherwise than recorded, "
+            f"limit {degrees(dark.tilt_rad):z.0f} deg"
         )
     marks = hypothesis.body.marks
     for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
@@ -284,8 +284,8 @@ def _changed(
             if off > dark.joint_rad:
                 yield (
                     f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
-                    f"{degrees(numbers[angle]):.1f} deg, recorded {degrees(was[angle]):.1f} deg, "
-                    f"limit {degrees(dark.joint_rad):.0f} deg off"
+                    f"{degrees(numbers[angle]):z.1f} deg, recorded {degrees(was[angle]):z.1f} deg, "
+                    f"limit {degrees(dark.joint_rad):z.0f} deg off"
                 )
 
 

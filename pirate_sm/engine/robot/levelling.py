@@ -144,7 +144,7 @@ def judged(
     turns = 1.0 if behind else -1.0
     off_rad = remainder(held_rad + turns * roll_rad - memory.target_rad, pi)
     if memory.turns and abs(off_rad) <= done.within:
-        return Verdict(done=f"{degrees(off_rad):.1f} deg off, as the accelerometer shows")
+        return Verdict(done=f"{degrees(off_rad):z.1f} deg off, as the accelerometer shows")
     if memory.turns >= MOST_TURNS:
         off = f"still {abs(degrees(off_rad)):.1f} deg off after a correction"
         return Verdict(failed=f"{off}, more than {degrees(done.within):g} deg")
@@ -164,8 +164,8 @@ def _turned(robot: RobotSpec, slot: int, wanted_rad: float, roll_rad: float) -> 
             return Verdict(quantised(angle_rad, spec.resolution))
     name = robot.vocabulary.numbers[spec.angle]
     return Verdict(
-        failed=f"impossible: {name} would have to turn to {degrees(nearest):.1f} or"
-        f" {degrees(other):.1f} deg, and turns to ±{degrees(spec.high):g} deg at most"
+        failed=f"impossible: {name} would have to turn to {degrees(nearest):z.1f} or"
+        f" {degrees(other):z.1f} deg, and turns to ±{degrees(spec.high):g} deg at most"
     )
 
 
@@ -186,7 +186,7 @@ def _too_steep(felt: Sequence[Vector], done: AlignedSpec) -> str:
     if isnan(across):
         return ""
     slope_rad = abs(atan2(along, across))
-    steep = f"impossible: the pipe is {degrees(slope_rad):.0f} deg steep here"
+    steep = f"impossible: the pipe is {degrees(slope_rad):z.0f} deg steep here"
     if across < _LEAST_ACROSS * GRAVITY_M_S2:
         return f"{steep}, and in more than 60 deg gravity shows no roll"
     unsure_rad = done.leaning * tan(slope_rad)
@@ -194,5 +194,5 @@ def _too_steep(felt: Sequence[Vector], done: AlignedSpec) -> str:
         return ""
     return (
         f"{steep}; a part that leans by {degrees(done.leaning):g} deg in it shows its roll to"
-        f" {degrees(unsure_rad):.1f} deg only, and {degrees(done.within):g} deg are asked for"
+        f" {degrees(unsure_rad):z.1f} deg only, and {degrees(done.within):g} deg are asked for"
     )

@@ -115,10 +115,10 @@ def shown_by(
             limit = f"{pipe} within {spec.span:.0%}, off beyond {spec.span_off:.0%}"
             rows.append((spec.diameter, 1000, ".0f} mm", limit))
         case AnglesSpec():
-            off = f", off beyond {degrees(spec.beyond):.0f} deg" if spec.beyond < inf else ""
-            within = f"within {degrees(spec.within):.0f} deg{off}"
+            off = f", off beyond {degrees(spec.beyond):z.0f} deg" if spec.beyond < inf else ""
+            within = f"within {degrees(spec.within):z.0f} deg{off}"
             rows = [
-                (angle, degrees(1), ".1f} deg", f"{degrees(target):.0f} deg {within}")
+                (angle, degrees(1), ".1f} deg", f"{degrees(target):z.0f} deg {within}")
                 for angle, target in spec.targets
             ]
         case StandingSpec():
@@ -216,8 +216,8 @@ def _angles(robot: RobotSpec, spec: AnglesSpec, numbers: Numbers) -> SensorVerdi
     names = robot.vocabulary.numbers
     agrees = all(abs(numbers[angle] - target) <= spec.within for angle, target in spec.targets)
     against = [
-        f"{names[angle]} shows {degrees(numbers[angle]):.0f} deg, not {degrees(target):.0f} deg, "
-        f"limit {degrees(spec.beyond):.0f} deg off"
+        f"{names[angle]} shows {degrees(numbers[angle]):z.0f} deg, not {degrees(target):z.0f} deg, "
+        f"limit {degrees(spec.beyond):z.0f} deg off"
         for angle, target in spec.targets
         if abs(numbers[angle] - target) > spec.beyond
     ]

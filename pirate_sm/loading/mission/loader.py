@@ -11,6 +11,7 @@ from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library, pickling, references
+from pirate_sm.loading.file_kinds import Kind, refuse_other
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
 from pirate_sm.loading.mission.partial_mission import without_faulty_phases
@@ -168,6 +169,8 @@ def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str
 def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
     """Return the mission of the document, without its faulty phases if `spare`."""
     mission = try_validate(document, Mission, problems)
+    if mission is None:
+        refuse_other(document, Kind.MISSION)
     if mission is None and spare:
         mission = without_faulty_phases(document)
     if mission is None:

@@ -37,7 +37,7 @@ class ProgramWriter:
         for name, end in scope.source.mission.ends.items():
             self.assembly.mark(scope.targets[name])
             outcome = "failed" if end.succeed is None else "succeeded"
-            message = scope.message(_message_of(end), ("ends", name))
+            message = _message_of(end, name, scope)
             self.assembly.emit(
                 out.Finish, "", scope.outer, outcome=outcome, message=message, end=name
             )
@@ -75,8 +75,11 @@ class ProgramWriter:
             _PhaseWriter(self, inside, handlers).write(phase, ("phases", name))
 
 
-def _message_of(end: model.End) -> str:
-    return end.fail if end.succeed is None else end.succeed  # type: ignore[return-value]
+def _message_of(end: model.End, name: str, scope: Scope) -> str:
+    """Return the message of an end, with the values of parameters."""
+    if end.succeed is not None:
+        return scope.message(end.succeed, ("ends", name, "succeed"))
+    return scope.message(end.fail or "", ("ends", name, "fail"))
 
 
 @dataclass
@@ -264,7 +267,8 @@ class _PhaseWriter:
                 refused.append((Label(), choice))
                 choices.append((choice, refused[-1][0]))
             else:
-                choices.append((choice, scope.target(leads, (*path, "choices", choice))))
+                at = (*path, "choices", choice)
+                choices.append((choice, scope.target(leads, at, model.CONTINUE, model.FAIL)))
         timeout = scope.limit(step.timeout, (*path, "timeout"))
         text = scope.message(step.ask, (*path, "ask"))
         self._emit(
@@ -316,9 +320,7 @@ class _PhaseWriter:
         self.compiler.begin(inside, source.mission.start, begin)
         for name, end in source.mission.ends.items():
             self.compiler.assembly.mark(inside.targets[name])
-            message = (
-                f"{source.mission.mission}: {inside.message(_message_of(end), ('ends', name))}"
-            )
+            message = f"{source.mission.mission}: {_message_of(end, name, inside)}"
             if end.succeed is not None:
                 self._emit(out.Say, level="info", message=message, next=after)
             else:

@@ -100,11 +100,11 @@ class Scope:
         if mission.start in mission.ends:
             add("mission.name", ("start",), f"'{mission.start}' is an end: start with a phase")
 
-    def target(self, name: str, path: Path) -> Label:
-        """Return the label of a phase or end; report an unknown name."""
+    def target(self, name: str, path: Path, *words: str) -> Label:
+        """Return the label of a phase or end; report an unknown name, where `words` fit too."""
         label = self.targets.get(name)
         if label is None:
-            self._unknown("phase or end", name, self.targets, path)
+            self._unknown("phase or end", name, [*words, *self.targets], path)
             return Label()
         return label
 
@@ -116,7 +116,7 @@ class Scope:
         mission = self.source.mission
         phase = mission.phases.get(self.phase)  # none at the head of a mission, for its control
         if own is not None:
-            return self.target(own, (*path, "on_failure"))
+            return self.target(own, (*path, "on_failure"), CONTINUE)
         if self.inner is not None:
             return self.inner
         if phase is not None and phase.on_failure is not None:

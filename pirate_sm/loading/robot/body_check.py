@@ -19,6 +19,9 @@ MOTOR_NEEDS = {
 }
 """The required keys of each kind of motor."""
 
+_DIVISORS = ("stall_torque", "stall_current", "no_load_speed", "stiffness")
+"""Keys of motors by which the program divides, in any kind of motor."""
+
 DEFECT_NEEDS = {
     "dead_wheel": ("wheels",),
     "stiff_joint": ("joint",),
@@ -83,13 +86,15 @@ def _check_joints(body: Body, problems: Problems) -> None:
 def _check_motors(profile: model.Profile, problems: Problems) -> None:
     used = {slot.motor for slot in profile.slots}
     for name, motor in profile.motors.items():
-        for key in MOTOR_NEEDS[motor.kind] if name in used else ():
-            value = getattr(motor, key)
-            path: Path = ("motors", name)
-            if value is None:
+        path: Path = ("motors", name)
+        needed = MOTOR_NEEDS[motor.kind] if name in used else ()
+        for key in needed:
+            if getattr(motor, key) is None:
                 message = f"a motor of the kind {motor.kind} needs `{key}`"
                 problems.add("robot.motor", path, message, key=True)
-            elif value <= 0:
+        for key in dict.fromkeys((*needed, *_DIVISORS)):
+            value = getattr(motor, key)
+            if value is not None and value <= 0:
                 problems.add("robot.motor", (*path, key), f"`{key}` must be more than 0")
 
 

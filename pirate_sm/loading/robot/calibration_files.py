@@ -67,7 +67,7 @@ def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
             )
         if abs(zero) > LARGEST_ZERO_RAD:
             most = f"at most {degrees(LARGEST_ZERO_RAD):g} deg either way"
-            message = f"{degrees(zero):.1f} deg is too far from zero to be calibrated away"
+            message = f"{degrees(zero):z.1f} deg is too far from zero to be calibrated away"
             problems.add("calibration.zero", ("zeros", name), message, expected=most)
     problems.raise_errors()
     return calibration

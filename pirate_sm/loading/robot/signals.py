@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from math import isfinite
 from typing import Literal
 
 from pirate_sm.engine.sensing.board_spec import LinkSpec, WheelSpec
@@ -75,10 +76,14 @@ class Signals:
         except ExpressionError as error:
             self.problems.add_expression(path, error)
             return 0.0, DIMENSIONLESS
-        value = expression.evaluate((), ())
-        if not isinstance(expression.type, NumberType) or not isinstance(value, float):
+        if not isinstance(expression.type, NumberType):
             self.problems.add("robot.scale", path, "expected a number with a unit")
             return 0.0, DIMENSIONLESS
+        value = expression.evaluate((), ())
+        if fault := _no_scale(value):
+            self.problems.add("robot.scale", path, f"'{text}' {fault}")
+            return 0.0, expression.type.dimension
+        assert value is not None
         return value, expression.type.dimension
 
     def first_of(self, kind: str) -> int:
@@ -94,6 +99,18 @@ class Signals:
             if isinstance(derived, kinds.RateOf) and derived.rate_of == name:
                 return self.vocabulary.numbers.index(rate)
         return -1
+
+
+def _no_scale(value: float | None) -> str:
+    """Return why a number cannot be a scale; empty if it can be one.
+
+    Simulators divide by scales, to get the counts that a sensor shows.
+    """
+    if value is None:
+        return "divides by zero"
+    if value == 0:
+        return "is zero: every count would mean the same"
+    return "" if isfinite(value) and isfinite(1 / value) else "is too large or too small"
 
 
 def check_name(

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pirate_sm.loading.file_kinds import Kind, refuse_other
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import read_document
-from pirate_sm.loading.yaml.validation import validate
+from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
 
@@ -28,9 +29,14 @@ def load_twin(path: Path, profile: Profile) -> Twin:
         LoadError: Everything that is wrong with the file.
     """
     document = read_document(path, shown(path))
-    twin, problems = validate(document, Twin), Problems(document)
-    check_twin(twin, profile, problems)
+    problems = Problems(document)
+    twin = try_validate(document, Twin, problems)
+    if twin is None:
+        refuse_other(document, Kind.TWIN)
+    else:
+        check_twin(twin, profile, problems)
     problems.raise_errors()
+    assert twin is not None
     return twin
 
 

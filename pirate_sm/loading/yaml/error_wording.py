@@ -16,7 +16,7 @@ from pirate_sm.model.calibration import Date
 from pirate_sm.model.pipe_runs import Port
 from pirate_sm.model.serial_link import TypeName
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import DIMENSIONLESS, QuantityError, format_quantity, parse_quantity
+from pirate_sm.units import DIMENSIONLESS, QuantityError, in_unit_of, parse_quantity
 
 
 class Wording(NamedTuple):
@@ -87,11 +87,12 @@ def word(error: ErrorDetails, schema: Schema | None) -> Wording:
     if speak is not None:
         return speak(error, schema)
     context = error.get("ctx", {})
+    _, meant = misspelt_kind(error, schema) or ("", "")
     return Wording(
         error["type"].replace("_", "-"),
         error["msg"],
         str(context.get("expected", "")),
-        str(context.get("suggestion", "")),
+        str(context.get("suggestion", meant)),
     )
 
 
@@ -122,9 +123,17 @@ def _choice(error: ErrorDetails, schema: Schema | None) -> Wording:
         valid = [str(member.value) for member in schema["members"]]
     else:
         valid = re.findall(r"'([^']*)'", str(error.get("ctx", {}).get("expected", "")))
+    if error["loc"][-1:] == ("format",) and _is_newer(value, valid):
+        message = f"this program reads format {valid[-1]}, and this is format {value}"
+        return Wording("choice", message, f"`format: {valid[-1]}`; a newer program may read this")
     suggestion = nearest(value, valid) if isinstance(value, str) else None
     message = f"expected {one_of(valid)}, got {kind_of(value)}"
     return Wording("choice", message, suggestion=suggestion or "")
+
+
+def _is_newer(value: object, known: list[str]) -> bool:
+    """Return whether a value is the number of a format that came after the known ones."""
+    return type(value) is int and value > max(map(int, known))
 
 
 def _tag(error: ErrorDetails, schema: Schema | None) -> Wording:
@@ -145,6 +154,16 @@ def _tag(error: ErrorDetails, schema: Schema | None) -> Wording:
     return Wording("choice", f"expected {one_of(valid)}, got {got}", suggestion=suggestion)
 
 
+def misspelt_kind(error: ErrorDetails, schema: Schema | None) -> tuple[str, str] | None:
+    """Return the key in place of the one that says a mapping's kind, and what that should be."""
+    if schema is None or schema.get("custom_error_type") != error["type"]:
+        return None
+    known, value = _tags(schema), error["input"]
+    written = [key for key in value if isinstance(key, str)] if isinstance(value, Mapping) else []
+    pairs = ((key, nearest(key, known)) for key in written)
+    return next(((key, close) for key, close in pairs if close), None)
+
+
 def _tags(schema: Schema | None) -> list[str]:
     if schema is None or schema["type"] != "tagged-union":
         return []
@@ -160,13 +179,13 @@ _BOUNDS: Final = {
 
 
 def _bound(error: ErrorDetails, _: Schema | None) -> Wording:
-    """Return the message for a value out of limits, with the SI limit in the value's unit."""
+    """Return the message for a value out of limits, with the limit in the value's unit."""
     key, relation = _BOUNDS[error["type"]]
     limit, value = error.get("ctx", {})[key], error["input"]
     shown = f"{limit}"
     if isinstance(value, str):
         with suppress(QuantityError):
-            shown = format_quantity(limit, parse_quantity(value).dimension)
+            shown = in_unit_of(value, limit)
     return Wording("range", f"expected {relation} {shown}, got '{value}'")
 
 

@@ -10,7 +10,7 @@ from pydantic_core import ErrorDetails
 
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.yaml.document import Document
-from pirate_sm.loading.yaml.error_wording import Wording, merged, wanted_kind, word
+from pirate_sm.loading.yaml.error_wording import Wording, merged, misspelt_kind, wanted_kind, word
 from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import nearest, one_of
@@ -153,6 +153,8 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
             path = (*path, *_last_key(error.detail))
         if kind == "union_tag_invalid":
             path, key = (*path, _discriminator(error.detail)), False
+        if misspelt := misspelt_kind(error.detail, error.trail.schema):
+            path = (*path, misspelt[0])
         problems.add(code, path, message, expected=expected, suggestion=suggestion, key=key)
 
 

@@ -106,7 +106,7 @@ def test_every_fault_is_reported_at_its_place(tmp_path: Path) -> None:
         "2:46 unknown key 'pip'",
         "3:8 there are no seeds in '9..0'",
         "4:19 expected a share of at most 100 %, got '101 %'",
-        "5:20 expected more than 0, got '0 %'",
+        "5:20 expected more than 0 %, got '0 %'",
         "6:1 unknown key 'colour'",
     ]
     assert problems_of(
@@ -219,7 +219,7 @@ def test_too_many_cells_are_refused(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("line", "message"),
     [
-        ("format: 2", "4:9 expected 1, got the number 2"),
+        ("format: 2", "4:9 this program reads format 1, and this is format 2"),
         ("jitter: {friction: 20 mm}", "4:20 expected a ratio such as '60 %'"),
         (
             "jitter: {diameter: 200 mm}",

@@ -63,6 +63,7 @@ def refused(result: Any) -> str:
         (("--fire", "look=-1", *TRACE), "expected TRIGGER or TRIGGER=SECONDS"),
         (("--script", "nowhere.yaml", *TRACE), "nowhere.yaml"),
         (("--json", "--quiet"), "exclude each other"),
+        (("--json", "--plain"), "exclude each other"),
         (("--no-such-option",), "--no-such-option"),
     ],
     ids=lambda value: " ".join(value) if isinstance(value, tuple) else "",

@@ -77,7 +77,9 @@ def test_a_trigger_fires_after_seconds(text: str) -> None:
         (["--jitter", "begin=20mm"], "--jitter begin: "),
         (["--jitter", "start"], "--jitter start: expected NAME=VALUE"),
         (["--jitter", "start=20"], "--jitter start=20: "),
-        (["--jitter", "friction=200%"], "--jitter friction=200%: "),
+        (["--jitter", "friction=100%"], "friction=100%: expected less than 100 %, got '100%'"),
+        (["--jitter", "start=-5mm"], "start=-5mm: expected at least 0 mm, got '-5mm'"),
+        (["--jitter", "start=5 inch"], "(unknown unit 'inch' in '5 inch'); expected a number with"),
         (["--backend", "bay", "--line", "loss=1%"], "--line loss: "),
     ],
 )

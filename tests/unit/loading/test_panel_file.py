@@ -81,7 +81,7 @@ def test_another_controller_for_another_robot_is_yaml_alone() -> None:
         ("{do: stop}", "{do: stop, hold: 1 s}", "6:3"),
         ("{do: stop}", "{do: stop, twice: true}", "6:3"),
         ("{do: stop}", "{do: halt}", "6:14"),
-        ("{answer: 1,", "{anser: 1,", "9:3"),
+        ("{answer: 1,", "{anser: 1,", "9:7"),
         ("answer: 1", "answer: 0", "9:15"),
         ("500 ms", "500", "9:24"),
         ("device: Small", "devise: Small", "3:1"),

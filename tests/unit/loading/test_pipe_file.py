@@ -95,7 +95,7 @@ def test_a_pipe_from_a_file_is_told_with_its_own_place(faults):
         ("segments: [{straight: 1 m}, {mitre: 90 deg}, {straight: 50 mm}]",
          "4:82: the walls of its mitres meet in a straight of 50 mm"),
         ("segments: [{straight: 0 m}]", "4:48: expected more than 0 m"),
-        ("segments: [{strait: 1 m}]", "4:37: expected a segment, {straight: 1.0 m},"),
+        ("segments: [{strait: 1 m}]", "4:38: expected a segment, {straight: 1.0 m},"),
         (f"{STRAIGHT}, start: {{at: 2 m}}", "4:67: 2.0 m is beyond the end of the pipe"),
         (f"{STRAIGHT}, start: {{at: -1 m}}", "4:67: expected at least 0 m"),
         (f"{STRAIGHT}, blockages: [{{at: 2 m, lasting: 1 s}}]", "4:72: 2.0 m is beyond the end"),

@@ -140,3 +140,23 @@ def test_a_control_that_turns_wheels_the_other_way_is_refused(tmp_path: Path) ->
 
     assert {each.code for each in found} == {"robot.control"}
     assert any("turns the other way than under `actuation`" in each.message for each in found)
+
+
+@pytest.mark.parametrize(
+    ("condition", "said"),
+    [
+        ("speed >= -3 m/s", "'speed >= -3 m/s' is always true: without a load the robot drives"),
+        ("odometry >= -100 m", "'odometry >= -100 m' is always true: the pipe is 1.14 m long"),
+        ("speed >= -5 mm/s", ""),  # it may be pushed back faster
+        ("odometry >= -200 mm", ""),  # it may have driven back before
+        ("known(speed) or speed < -3 m/s", ""),
+    ],
+)
+def test_a_condition_that_no_reachable_value_makes_false_is_found(
+    tmp_path: Path, condition: str, said: str
+) -> None:
+    do = f"DriveForward, {{wait: [{{when: {condition}}}], within: {{time: 10 h}}}}"
+
+    found = [each for each in findings(tmp_path, do) if each.code == "condition.beyond"]
+
+    assert [each.message[: len(said)] for each in found] == [said] * bool(said)

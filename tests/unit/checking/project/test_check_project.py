@@ -8,7 +8,6 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import MISSION
-from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.project import check_project as project
@@ -18,6 +17,7 @@ from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.sarif import sarif_report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import UsageError
+from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.problems import Place
 
 from ..robots import NEWT, ROOT, changed, swap

@@ -6,10 +6,10 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.project.find_files import DEEPEST_FOLDER, find_targets
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.file_kinds import Kind
 
 MISSION = "mission: m\nphases: {}\n"
 

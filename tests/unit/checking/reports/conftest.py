@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.checking.file_kinds import Kind
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
+from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.problems import Place
 
 LINE = "  - {command: RelaxRear, if: 'speed > 2 m/s'}  # 100 %, really: ünusual"

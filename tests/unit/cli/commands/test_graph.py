@@ -246,3 +246,10 @@ def test_an_unknown_ending_is_refused_with_the_possible_ones(pirate: Any, tmp_pa
     assert done.exit_code == 2
     assert "no drawing ends in '.bmp'; possible are .svg, .dot" in done.stderr
     assert not (tmp_path / "a.bmp").exists()
+
+
+def test_a_path_that_is_not_there_may_be_meant_as_any_kind(pirate) -> None:
+    told = pirate("graph", "nothere.yaml")
+
+    assert told.exit_code == 2
+    assert "there is no mission, robot or pipe at 'nothere.yaml'" in told.stderr

@@ -77,6 +77,7 @@ def test_what_is_shipped_loads(path):
         (steps("{command: Brake, on_failure: b}"), "6:41: there is no phase or end 'b'"),
         (steps("{command: Brake, if: 5}"), "6:33: expected text, got the number 5"),
         (steps("{command: Brake, if: odometry}"), "6:33: a condition is expected"),
+        (steps("{comand: Brake, timeout: 2 s}"), "6:13: expected a step: a command's name, or a"),
         # other steps
         (steps("{repeat: {times: 0, do: [Brake]}}"), "6:29: repeat at least once"),
         (steps("{repeat: {times: 2, do: []}}"), "6:36: this is empty"),
@@ -178,7 +179,7 @@ def test_what_is_shipped_loads(path):
         (HEAD.replace("pirate_ii", "pirat_ii") + f"start: a\nphases: {{a: {{go: e}}}}\n{ENDS}",
          "3:8: there is no robot 'pirat_ii'; did you mean 'pirate_ii'?"),
         (HEAD.replace("format: 1", "format: 2") + f"start: a\nphases: {{a: {{go: e}}}}\n{ENDS}",
-         "1:9: expected 1, got the number 2"),
+         "1:9: this program reads format 1, and this is format 2"),
         (f"{HEAD}start: b\nphases: {{a: {{go: e}}}}\n{ENDS}", "4:8: there is no phase or end 'b'"),
         (f"{HEAD}start: e\nphases: {{a: {{go: e}}}}\n{ENDS}",
          "4:8: 'e' is an end: start with a phase"),
@@ -249,6 +250,38 @@ def test_a_file_that_is_not_there_or_a_folder_is_refused(tmp_path):
             load_mission(path)
 
 
+@pytest.mark.parametrize(
+    ("text", "place", "hint"),
+    [
+        (steps("{comand: Brake}"), "6:13", "did you mean 'command'?"),
+        (steps("{command: Brake, on_failure: contineu}"), "6:41", "did you mean 'continue'?"),
+        (steps("{command: Brake, on_failure: b}"), "6:41", "expected one of continue, a, e"),
+        (steps("{ask: Go on?, choices: {yes: b}}"), "6:41", "expected one of continue, fail, a, e"),
+        (phase("do: [Brake], go: b"), "6:24", "expected one of a, e"),
+        (
+            steps("{command: Brake, timeout: 5km}"),
+            "6:38",
+            "expected a number with a unit, one of us",
+        ),
+        (
+            steps("Brake").replace("succeed: ok", "fail: 'no {couse}'"),
+            "7:18",
+            "did you mean 'cause'?",
+        ),
+    ],
+)
+def test_a_fault_is_told_with_a_way_to_mend_it(text, place, hint, tmp_path):
+    file = tmp_path / "m.yaml"
+    file.write_text(text, encoding="utf-8")
+
+    with pytest.raises(LoadError) as caught:
+        load_mission(file)
+
+    (problem,) = caught.value.problems
+    assert f"{problem.place.line}:{problem.place.column}" == place
+    assert f"\n  {hint}" in problem.render()
+
+
 def test_all_faults_of_a_mission_at_once(faults):
     said = faults(
         f"""{HEAD}start: nowhere
@@ -271,7 +304,7 @@ ends: {{e: {{succeed: "{{who}}"}}}}
         f"m.yaml:{place}"
         for place in (
             "4:8", "5:13", "6:13", "6:44", "8:13", "9:30", "12:10", "12:21", "12:64", "13:19",
-            "13:40", "13:62", "14:29", "15:11",
+            "13:40", "13:62", "14:29", "15:21",
         )
     ]  # fmt: skip
 

@@ -228,7 +228,7 @@ FAULTS = [
     ),
     ("angle: roll_a", "angle: rol_a", "rol_a", "there is no signal 'rol_a'"),
     ("speed: spin_a", "speed: roll_a", "roll_a", "'roll_a' is an angle"),
-    ("mass: 15 g", "mass: -15 g", "-15 g", "expected more than 0 kg, got '-15 g'"),
+    ("mass: 15 g", "mass: -15 g", "-15 g", "expected more than 0 g, got '-15 g'"),
     (
         "    - {module: rump, length: 80 mm, mass: 100 g}\n",
         "",
@@ -347,6 +347,36 @@ FAULTS = [
         "{scale: 1 rev / 2000}",
         "{scale: 1 rev / 0}",
         "1 rev / 0",
+        "'1 rev / 0' divides by zero",
+    ),
+    (
+        "{scale: 1 rev / 2000}",
+        "{scale: 1 rev / (2 - 2)}",
+        "1 rev / (2",
+        "'1 rev / (2 - 2)' divides by zero",
+    ),
+    (
+        "{scale: 1 rev / 2000}",
+        "{scale: 0 rev}",
+        "0 rev}",
+        "'0 rev' is zero: every count would mean the same",
+    ),
+    (
+        "{scale: 1 rev / 2000}",
+        "{scale: 1e-300 rev / 1e100}",
+        "1e-300",
+        "'1e-300 rev / 1e100' is zero",
+    ),
+    (
+        "{scale: 1 rev / 2000}",
+        "{scale: 1e-310 rev}",
+        "1e-310",
+        "'1e-310 rev' is too large or too small",
+    ),
+    (
+        "{scale: 1 rev / 2000}",
+        "{scale: 2000 > 1}",
+        "2000 > 1",
         "expected a number with a unit",
     ),
     ("{scale: 1 rev / 2000}", "{scale: neck}", "neck", "unknown name 'neck'"),
@@ -359,7 +389,7 @@ FAULTS = [
     (
         "{rate_of: roll_a}",
         "{rat_of: roll_a}",
-        "spin_a: {rat_of: roll_a",
+        "rat_of: roll_a",
         "expected a mapping with one of rate_of",
     ),
     (
@@ -414,6 +444,12 @@ FAULTS = [
         "expected at most 1, got '1.5'",
     ),
     ("Lit: {lamp: 60 %}", "Lit: {}", "{}", "other states of Lamp write lamp"),
+    (
+        "bulb: {kind: light}",
+        "bulb: {kind: light, no_load_speed: 0 rad/s}",
+        "0 rad/s",
+        "`no_load_speed` must be more than 0",
+    ),
     (
         "  Lamp:\n    Dark: {lamp: 0 %}\n    Lit: {lamp: 60 %}\n",
         "",
@@ -492,7 +528,7 @@ FAULTS = [
         "chartt.yaml: there is no such file",
     ),
     ("chart: chart.yaml", "chart: .", ".", ""),
-    ("format: 1", "format: 2", "2", "expected 1, got the number 2"),
+    ("format: 1", "format: 2", "2", "this program reads format 1, and this is format 2"),
     ("resend_limit: 4", "resend_limit: true", "true", "expected a whole number, got true"),
     ("cycle: 10 ms", "cycle: 10", "10", "expected a duration such as '2 s', got '10' without"),
 ]
@@ -531,7 +567,7 @@ TRACTION_FAULTS = [
     (
         *_outside("  slid: {slip_of: left_fore, speed: ruler, unknown_below: 0 mm/s}\n"),
         "0 mm/s",
-        "expected more than 0 m/s, got '0 mm/s'",
+        "expected more than 0 mm/s, got '0 mm/s'",
     ),
     (
         *_outside(
@@ -576,7 +612,7 @@ TRACTION_FAULTS = [
     (
         *_outside("  mu: {friction_of: left_fore, slip_above: 0 mm/s, steady: 500 ms}\n"),
         "0 mm/s",
-        "expected more than 0 m/s, got '0 mm/s'",
+        "expected more than 0 mm/s, got '0 mm/s'",
     ),
     (*_outside("", "neck: {unit: m/s, valid_for: 300 ms}"), "neck: {", "'neck' is declared twice"),
     (

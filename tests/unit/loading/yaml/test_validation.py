@@ -159,7 +159,7 @@ noise: {kind: whisper}
     ("text", "line", "column", "message", "suggestion"),
     [
         ("limti: 3 s", 2, 1, "unknown key 'limti'", "limit"),
-        ("format: 2", 2, 9, "expected 1, got the number 2", ""),
+        ("format: 2", 2, 9, "this program reads format 1, and this is format 2", ""),
         ("side: Left", 2, 7, "expected one of left, right, got the text 'Left'", "left"),
         ("gear: hihg", 2, 7, "expected one of low, high, got the text 'hihg'", "high"),
         ("gear: [low]", 2, 7, "expected one of low, high, got a list", ""),

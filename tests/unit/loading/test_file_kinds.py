@@ -2,15 +2,22 @@
 
 from __future__ import annotations
 
+from functools import partial
 from pathlib import Path
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.checking.file_kinds import Kind, kind_of, kind_of_text
+from pirate_sm.loading.file_kinds import Kind, kind_of, kind_of_text
+from pirate_sm.loading.mission import load_mission
+from pirate_sm.loading.pipe_file import load_pipe
+from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.robot.twin_file import load_twin
 
-from .robots import NEWT, PIRATE, ROOT
+ROOT = Path(__file__).resolve().parents[3]
+PIRATE = ROOT / "hardware_profiles" / "pirate_ii"
+NEWT = ROOT / "tests" / "robots" / "newt"
 
 
 @pytest.mark.parametrize(
@@ -98,3 +105,23 @@ def test_a_file_in_another_encoding_is_known(tmp_path: Path) -> None:
 @given(st.text())
 def test_no_text_is_too_strange(text: str) -> None:
     assert isinstance(kind_of_text(text), Kind)
+
+
+@pytest.mark.parametrize(
+    ("file", "load", "message"),
+    [
+        ("pipes/house.yaml", load_mission, "expected a mission, and this is a pipe"),
+        (
+            "climb.yaml",
+            partial(load_twin, profile=None),
+            "expected a twin, and this is a mission",
+        ),
+        ("climb.yaml", load_pipe, "expected a pipe, and this is a mission"),
+    ],
+)
+def test_a_file_of_another_kind_is_refused_in_one_sentence(file, load, message) -> None:
+    with pytest.raises(LoadError) as caught:
+        load(ROOT / "sequences" / file)
+
+    (problem,) = caught.value.problems
+    assert problem.message == message

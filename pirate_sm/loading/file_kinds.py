@@ -7,7 +7,8 @@ import stat
 from enum import StrEnum
 from pathlib import Path
 
-from pirate_sm.loading.yaml.document import LARGEST_FILE
+from pirate_sm.loading.problems import LoadError, Problems
+from pirate_sm.loading.yaml.document import LARGEST_FILE, Document
 
 
 class Kind(StrEnum):
@@ -90,6 +91,24 @@ def kind_of_text(text: str) -> Kind:
     if "course" in keys and ("format" in keys or re.search(r"\bhappens\b", text)):
         return Kind.SCRIPT
     return next((kind for kind, needed in _TELLING if needed <= keys), Kind.OTHER)
+
+
+def refuse_other(document: Document, wanted: Kind) -> None:
+    """Refuse a file of another known kind in one sentence, in place of all its unknown keys.
+
+    Raises:
+        LoadError: The file is of another kind.
+    """
+    kind = kind_of_text(document.text)
+    if kind in (wanted, Kind.OTHER, Kind.UNREADABLE):
+        return
+    problems = Problems(document)
+    problems.add("kind", (), f"expected a {wanted}, and this is {_with_article(kind)}")
+    raise LoadError(problems.all)
+
+
+def _with_article(kind: Kind) -> str:
+    return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 
 def _lists_triggers(text: str) -> bool:
