@@ -9,20 +9,20 @@ import numpy as np
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody, JointBody
-from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd import columns
 
 RIGID = JointBody(stiffness_nm_rad=200.0, rate_rad_s=0.0, stall_nm=1.0, stop_rad=math.pi)
 
 
 def body_array(chain: ChainBody, friction: Friction) -> Floats:
-    """Return the chain as an array for the kernel, `(wheels, kernel.BODY_COLUMNS)`."""
+    """Return the chain as an array for the kernel, `(wheels, columns.BODY_COLUMNS)`."""
     n = chain.nodes
-    body = np.zeros((n, kernel.BODY_COLUMNS))
+    body = np.zeros((n, columns.BODY_COLUMNS))
     for i, wheel in enumerate(chain.wheels):
         mass = wheel.mass_kg
         mass += sum(0.5 * chain.links[m].mass_kg for m in (i - 1, i) if 0 <= m < n - 1)
         joint = chain.joints.get(i, RIGID)
-        body[i, : kernel.LINK_LENGTH] = (
+        body[i, : columns.LINK_LENGTH] = (
             1.0 / mass,
             friction.static,
             friction.kinetic,
@@ -39,7 +39,7 @@ def body_array(chain: ChainBody, friction: Friction) -> Floats:
             joint.damping_nms_rad,
         )
         if i < n - 1:
-            body[i, kernel.LINK_LENGTH] = chain.links[i].length_m
+            body[i, columns.LINK_LENGTH] = chain.links[i].length_m
     return body
 
 
@@ -58,10 +58,10 @@ class ChainState:
 
     def __init__(self, nodes: int) -> None:
         n = nodes
-        self.array: Floats = np.zeros(kernel.S_ROLL * n + 3)
+        self.array: Floats = np.zeros(columns.S_ROLL * n + 3)
         self.position = self.array[: 2 * n].reshape(n, 2)
-        self.velocity = self.array[kernel.S_VELOCITY * n : kernel.S_MOTOR * n].reshape(n, 2)
-        self.motor = self.array[kernel.S_MOTOR * n : kernel.S_WHEEL * n]
-        self.wheel = self.array[kernel.S_WHEEL * n : kernel.S_BEND * n]
-        self.bend = self.array[kernel.S_BEND * n : kernel.S_ANCHOR * n]
-        self.roll = self.array[kernel.S_ROLL * n :]
+        self.velocity = self.array[columns.S_VELOCITY * n : columns.S_MOTOR * n].reshape(n, 2)
+        self.motor = self.array[columns.S_MOTOR * n : columns.S_WHEEL * n]
+        self.wheel = self.array[columns.S_WHEEL * n : columns.S_BEND * n]
+        self.bend = self.array[columns.S_BEND * n : columns.S_ANCHOR * n]
+        self.roll = self.array[columns.S_ROLL * n :]

@@ -68,7 +68,7 @@ def glide(
     """Let cycles pass until a frame is not quiet, or time is up.
 
     The first ten arguments are those of :func:`~pirate_sm.simulation.xpbd.kernel.advance`; the
-    others are in :mod:`~pirate_sm.simulation.gliding.groups` and `columns.py`.
+    others are in :mod:`~pirate_sm.simulation.gliding.groups` and `gliding/columns.py`.
     """
     electronics = sources, counts, rng, forced
     rows = boards, channels, derived, wheels, own, sensors, robot
@@ -112,7 +112,7 @@ def pass_cycles(
 ) -> None:
     """Let cycles pass with the duties in force, until the surroundings act or all have passed.
 
-    The arguments are those of :func:`glide`; `span` is in `columns.py`.
+    The arguments are those of :func:`glide`; `span` is in `gliding/columns.py`.
     """
     place = quantities, rolls, arcs, around
     while may_pass(span, around):

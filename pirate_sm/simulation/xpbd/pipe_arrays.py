@@ -11,18 +11,18 @@ from pirate_sm.geometry.plane import flat, walls
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd import columns
 
 
 def leg_rows(route: Route) -> Floats:
-    """Return the pieces as an array for the kernel, `(pieces, kernel.LEG_COLUMNS)`."""
+    """Return the pieces as an array for the kernel, `(pieces, columns.LEG_COLUMNS)`."""
     return np.array([_leg_row(route, piece) for piece in route.pieces])
 
 
 def wall_rows(route: Route) -> Floats:
-    """Return the walls of both sides for the kernel, `(2 * pieces, kernel.WALL_COLUMNS)`."""
+    """Return the walls of both sides for the kernel, `(2 * pieces, columns.WALL_COLUMNS)`."""
     pieces, both = route.pieces, walls(route)
-    rows = np.zeros((2 * len(pieces), kernel.WALL_COLUMNS))
+    rows = np.zeros((2 * len(pieces), columns.WALL_COLUMNS))
     for i, piece in enumerate(pieces):
         for side, wall in enumerate(both):
             (x0, y0), (x1, y1) = wall[i], wall[i + 1]

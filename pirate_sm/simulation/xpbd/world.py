@@ -16,7 +16,7 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
-from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd import columns, kernel
 from pirate_sm.simulation.xpbd.chain import ChainState, body_array
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
 from pirate_sm.simulation.xpbd.glide import glide, pass_cycles
@@ -46,7 +46,7 @@ class World(ChainWorld):
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
-    _kernel = kernel
+    _columns = columns
 
     def __init__(
         self,
@@ -62,7 +62,7 @@ class World(ChainWorld):
         self.state = ChainState(n)
         self.duties: Floats = np.zeros(2 * n)
         self.quantities: Floats = np.zeros(
-            (kernel.OUT_PER_WHEEL + kernel.OUT_OWN) * n + kernel.OUT_SINGLE
+            (columns.OUT_PER_WHEEL + columns.OUT_OWN) * n + columns.OUT_SINGLE
         )
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
@@ -110,28 +110,28 @@ class World(ChainWorld):
         """Put an obstacle in the way of one wheel; `ahead`: the obstacle is ahead of the wheel."""
         frame = self._route.frame_at(arc_m)
         sign = -1.0 if ahead else 1.0
-        self._world[kernel.BLOCK_NODE] = wheel
-        self._world[kernel.BLOCK_X], self._world[kernel.BLOCK_Y] = flat(frame.origin)
-        self._world[kernel.BLOCK_NX] = sign * frame.ahead[0]
-        self._world[kernel.BLOCK_NY] = sign * frame.ahead[1]
+        self._world[columns.BLOCK_NODE] = wheel
+        self._world[columns.BLOCK_X], self._world[columns.BLOCK_Y] = flat(frame.origin)
+        self._world[columns.BLOCK_NX] = sign * frame.ahead[0]
+        self._world[columns.BLOCK_NY] = sign * frame.ahead[1]
 
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
-        self._legs[:, kernel.L_GT :] = [gravity_along(piece, up) for piece in self._route.pieces]
+        self._legs[:, columns.L_GT :] = [gravity_along(piece, up) for piece in self._route.pieces]
 
 
 def _constants(chain: ChainBody, route: Route, dt: float, effort: Effort) -> Floats:
-    world = np.zeros(kernel.WORLD_ENTRIES)
-    world[kernel.DT] = dt
-    world[[kernel.ITERATIONS, kernel.LOOK, kernel.PULL]] = effort
-    world[kernel.RADIUS] = chain.wheel_radius_m
-    world[kernel.HALF_THICKNESS] = chain.half_thickness_m
-    world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
-    world[kernel.ANCHOR_MAX] = _ANCHOR_M
-    world[kernel.DEPTH] = route.pieces[0].diameter_m / 2.0
-    world[kernel.BLOCK_NODE] = -1
-    world[kernel.ROLL_LINK] = chain.roll_link
-    world[kernel.ROLL_RATE] = chain.roll_rate_rad_s
-    world[kernel.ROLL_STALL] = chain.roll_stall_nm
-    world[kernel.MAG_X : kernel.MAG_Z + 1] = _FIELD_UT
+    world = np.zeros(columns.WORLD_ENTRIES)
+    world[columns.DT] = dt
+    world[[columns.ITERATIONS, columns.LOOK, columns.PULL]] = effort
+    world[columns.RADIUS] = chain.wheel_radius_m
+    world[columns.HALF_THICKNESS] = chain.half_thickness_m
+    world[columns.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
+    world[columns.ANCHOR_MAX] = _ANCHOR_M
+    world[columns.DEPTH] = route.pieces[0].diameter_m / 2.0
+    world[columns.BLOCK_NODE] = -1
+    world[columns.ROLL_LINK] = chain.roll_link
+    world[columns.ROLL_RATE] = chain.roll_rate_rad_s
+    world[columns.ROLL_STALL] = chain.roll_stall_nm
+    world[columns.MAG_X : columns.MAG_Z + 1] = _FIELD_UT
     return world

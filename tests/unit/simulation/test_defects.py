@@ -12,7 +12,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Effect
 from pirate_sm.simulation.defects import named, put_to_work
-from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd import columns
 
 from .conftest import CYCLE_S, Driver, straight
 
@@ -38,7 +38,7 @@ def test_a_dead_wheel_drags_as_the_profile_says_of_its_motor(place: Place) -> No
     effect(robot, "dead_wheel", wheels=("wheel_3",))
     drag = robot.chain.wheels[2].dead_drag_nm
     assert drag == pytest.approx(0.05)
-    assert robot.physics.body[2, kernel.WHEEL_HOLD] == drag
+    assert robot.physics.body[2, columns.WHEEL_HOLD] == drag
 
 
 def test_a_dead_wheel_drags_and_shows_nothing(place: Place) -> None:

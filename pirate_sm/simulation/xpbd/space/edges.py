@@ -10,7 +10,7 @@ import numpy as np
 
 from pirate_sm.geometry.space import Frame, Vector, combined, dot, scaled
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns
 from pirate_sm.simulation.xpbd.space.solids import Hole, crossed
 
 MITRE_POINTS = 65
@@ -98,9 +98,9 @@ def mouth(main: Hole, branch: Hole, solids: tuple[int, ...]) -> Edge:
 def edge_rows(edges: Sequence[Edge]) -> tuple[Floats, Floats]:
     """Return edges and their points for the kernel.
 
-    The first is `(edges, kernel.EDGE_COLUMNS)`, the second `(points, kernel.POINT_COLUMNS)`.
+    The first is `(edges, columns.EDGE_COLUMNS)`, the second `(points, columns.POINT_COLUMNS)`.
     """
-    rows = np.zeros((len(edges), kernel.EDGE_COLUMNS))
+    rows = np.zeros((len(edges), columns.EDGE_COLUMNS))
     first, points = 0, []
     for row, edge in zip(rows, edges, strict=True):
         places = np.array([place for place, _ in edge.points])
@@ -110,7 +110,7 @@ def edge_rows(edges: Sequence[Edge]) -> tuple[Floats, Floats]:
         row[:] = (first, len(edge.points), float(edge.closed), *solids, *middle, away)
         points += [(*place, *into) for place, into in edge.points]
         first += len(edge.points)
-    return rows, np.array(points).reshape(-1, kernel.POINT_COLUMNS)
+    return rows, np.array(points).reshape(-1, columns.POINT_COLUMNS)
 
 
 def _unit(vector: Vector) -> Vector:

@@ -14,7 +14,7 @@ from pirate_sm.geometry.placement import Placement
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Frame, combined
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns
 from pirate_sm.simulation.xpbd.space.edges import Edge, edge_rows, mitre_edge, mouth, ring
 from pirate_sm.simulation.xpbd.space.solids import Hole, Plane, Row, disc, elbow, tube
 
@@ -25,10 +25,10 @@ class PipeShape(NamedTuple):
     """The shape of round pipes, as the kernel reads it.
 
     Attributes:
-        solids: `(solids, kernel.SOLID_COLUMNS)`.
-        edges: `(edges, kernel.EDGE_COLUMNS)`.
-        points: `(points, kernel.POINT_COLUMNS)`, of all edges in turn.
-        legs: `(pieces, kernel.LEG_COLUMNS)`, the centre line.
+        solids: `(solids, columns.SOLID_COLUMNS)`.
+        edges: `(edges, columns.EDGE_COLUMNS)`.
+        points: `(points, columns.POINT_COLUMNS)`, of all edges in turn.
+        legs: `(pieces, columns.LEG_COLUMNS)`, the centre line.
     """
 
     solids: Floats
@@ -233,12 +233,12 @@ def _legs(pieces: Sequence[Piece]) -> list[Row]:
 def _leg(piece: Piece) -> Row:
     row = _straight(piece.frame, piece.length_m, piece.arc_m)
     if piece.arc is not None:
-        row[kernel.C_RADIUS] = piece.arc.radius_m
-        row[kernel.C_UX : kernel.C_UZ + 1] = piece.arc.towards
+        row[columns.C_RADIUS] = piece.arc.radius_m
+        row[columns.C_UX : columns.C_UZ + 1] = piece.arc.towards
     return row
 
 
 def _straight(frame: Frame, length_m: float, arc_m: float) -> Row:
-    row = np.zeros(kernel.LEG_COLUMNS)
-    row[: kernel.C_SZ + 1] = (*frame.origin, *frame.ahead, length_m, arc_m, *frame.side)
+    row = np.zeros(columns.LEG_COLUMNS)
+    row[: columns.C_SZ + 1] = (*frame.origin, *frame.ahead, length_m, arc_m, *frame.side)
     return row

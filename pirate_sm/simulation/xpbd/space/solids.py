@@ -1,7 +1,7 @@
 """Solids of a pipe as rows for the kernel: cylinders, cones, elbows and flat discs.
 
 Each takes the frame at its beginning, where `ahead` is the axis, and returns a row of
-`kernel.SOLID_COLUMNS`. A wall counts where the foot of a point lies between two planes and
+`columns.SOLID_COLUMNS`. A wall counts where the foot of a point lies between two planes and
 outside a hole.
 """
 
@@ -15,7 +15,7 @@ import numpy as np
 from pirate_sm.geometry.piece import Arc
 from pirate_sm.geometry.space import Frame, Vector, combined, dot
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns
 
 
 class Plane(NamedTuple):
@@ -68,8 +68,8 @@ def tube(
     """
     end_m = radius_m if to_radius_m is None else to_radius_m
     ends = frame.point(length_m)
-    row = _row(kernel.CONE, frame.origin, frame.ahead, radius_m, (end_m - radius_m) / length_m)
-    row[kernel.COSINE] = cos(atan2(end_m - radius_m, length_m))
+    row = _row(columns.CONE, frame.origin, frame.ahead, radius_m, (end_m - radius_m) / length_m)
+    row[columns.COSINE] = cos(atan2(end_m - radius_m, length_m))
     widest = max(radius_m, end_m)
     planes = (first or Plane(frame.origin, frame.ahead), last or Plane(ends, frame.ahead))
     _clip(row, *planes)
@@ -77,8 +77,8 @@ def tube(
     more = [widest * _slope(frame.ahead, plane.direction) for plane in planes]
     begin = frame.point(-more[0])
     along = length_m + sum(more)
-    row[kernel.B_X : kernel.B_RADIUS] = (*begin, *(along * each for each in frame.ahead))
-    row[kernel.B_RADIUS] = widest
+    row[columns.B_X : columns.B_RADIUS] = (*begin, *(along * each for each in frame.ahead))
+    row[columns.B_RADIUS] = widest
     return row
 
 
@@ -93,7 +93,7 @@ def elbow(frame: Frame, arc: Arc, radius_m: float, hole: Hole | None = None) -> 
     """
     centre = combined((1.0, frame.origin), (arc.radius_m, arc.towards))
     axis = crossed(frame.ahead, arc.towards)
-    row = _row(kernel.TORUS, centre, axis, radius_m, arc.radius_m)
+    row = _row(columns.TORUS, centre, axis, radius_m, arc.radius_m)
     after = frame.bent(arc.towards, arc.angle_rad).ahead
     _clip(row, Plane(centre, frame.ahead), Plane(centre, after))
     _open(row, hole)
@@ -101,8 +101,8 @@ def elbow(frame: Frame, arc: Arc, radius_m: float, hole: Hole | None = None) -> 
     # The middle of the arc; no place of the centre line is farther away than its ends.
     forward, inward = arc.radius_m * sin(half), arc.radius_m * (1.0 - cos(half))
     middle = combined((1.0, frame.origin), (forward, frame.ahead), (inward, arc.towards))
-    row[kernel.B_X : kernel.B_Z + 1] = middle
-    row[kernel.B_RADIUS] = hypot(forward, inward) + radius_m
+    row[columns.B_X : columns.B_Z + 1] = middle
+    row[columns.B_RADIUS] = hypot(forward, inward) + radius_m
     return row
 
 
@@ -114,10 +114,10 @@ def disc(frame: Frame, radius_m: float, inner_m: float = 0.0) -> Row:
         radius_m: Its outer radius.
         inner_m: The radius of its opening: 0 for a closed end, more for a step.
     """
-    row = _row(kernel.DISC, frame.origin, frame.ahead, radius_m, inner_m)
-    row[kernel.F_VALUE], row[kernel.L_VALUE] = -inf, inf
-    row[kernel.B_X : kernel.B_Z + 1] = frame.origin
-    row[kernel.B_RADIUS] = radius_m
+    row = _row(columns.DISC, frame.origin, frame.ahead, radius_m, inner_m)
+    row[columns.F_VALUE], row[columns.L_VALUE] = -inf, inf
+    row[columns.B_X : columns.B_Z + 1] = frame.origin
+    row[columns.B_RADIUS] = radius_m
     return row
 
 
@@ -128,20 +128,20 @@ def crossed(one: Vector, other: Vector) -> Vector:
 
 
 def _row(kind: float, point: Vector, direction: Vector, *sizes: float) -> Row:
-    row = np.zeros(kernel.SOLID_COLUMNS)
-    row[: kernel.SLOPE_OR_SIZE + 1] = (kind, *point, *direction, *sizes)
+    row = np.zeros(columns.SOLID_COLUMNS)
+    row[: columns.SLOPE_OR_SIZE + 1] = (kind, *point, *direction, *sizes)
     return row
 
 
 def _clip(row: Row, first: Plane, last: Plane) -> None:
-    row[kernel.F_X : kernel.F_VALUE + 1] = (*first.direction, dot(first.point, first.direction))
-    row[kernel.L_X : kernel.L_VALUE + 1] = (*last.direction, dot(last.point, last.direction))
+    row[columns.F_X : columns.F_VALUE + 1] = (*first.direction, dot(first.point, first.direction))
+    row[columns.L_X : columns.L_VALUE + 1] = (*last.direction, dot(last.point, last.direction))
 
 
 def _open(row: Row, hole: Hole | None) -> None:
     if hole is not None:
-        row[kernel.HOLE] = kernel.WHOLE_HOLE if hole.whole else kernel.HALF_HOLE
-        row[kernel.H_X : kernel.H_RADIUS + 1] = (*hole.point, *hole.direction, hole.radius_m)
+        row[columns.HOLE] = columns.WHOLE_HOLE if hole.whole else columns.HALF_HOLE
+        row[columns.H_X : columns.H_RADIUS + 1] = (*hole.point, *hole.direction, hole.radius_m)
 
 
 def _slope(axis: Vector, direction: Vector) -> float:

@@ -9,7 +9,7 @@ import numpy as np
 from pirate_sm.geometry.space import Vector
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.physics import StartPose
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns
 
 
 class SpaceState:
@@ -31,15 +31,15 @@ class SpaceState:
     """
 
     def __init__(self, nodes: int) -> None:
-        n, last = nodes, kernel.S_ROLL * nodes
-        self.array: Floats = np.zeros(last + kernel.ROLL_ENTRIES)
+        n, last = nodes, columns.S_ROLL * nodes
+        self.array: Floats = np.zeros(last + columns.ROLL_ENTRIES)
         self.position = self.array[: 3 * n].reshape(n, 3)
-        self.velocity = self.array[kernel.S_VELOCITY * n : kernel.S_MOTOR * n].reshape(n, 3)
-        self.motor = self.array[kernel.S_MOTOR * n : kernel.S_WHEEL * n]
-        self.wheel = self.array[kernel.S_WHEEL * n : kernel.S_BEND * n]
-        self.bend = self.array[kernel.S_BEND * n : kernel.S_ANCHOR * n]
-        self.normals = self.array[last : last + kernel.R_RATE].reshape(2, 3)
-        self.roll = self.array[last + kernel.R_ANGLE :]
+        self.velocity = self.array[columns.S_VELOCITY * n : columns.S_MOTOR * n].reshape(n, 3)
+        self.motor = self.array[columns.S_MOTOR * n : columns.S_WHEEL * n]
+        self.wheel = self.array[columns.S_WHEEL * n : columns.S_BEND * n]
+        self.bend = self.array[columns.S_BEND * n : columns.S_ANCHOR * n]
+        self.normals = self.array[last : last + columns.R_RATE].reshape(2, 3)
+        self.roll = self.array[last + columns.R_ANGLE :]
 
     def take(
         self, pose: StartPose, places: Sequence[Vector], normals: tuple[Vector, Vector]

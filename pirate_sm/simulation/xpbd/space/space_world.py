@@ -19,7 +19,7 @@ from pirate_sm.simulation.start_pose import lying, normals_of
 from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
 from pirate_sm.simulation.xpbd.iterations import EFFORTS, STEP_S, Effort
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns, kernel
 from pirate_sm.simulation.xpbd.space.glide import glide, pass_cycles
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.space.space_state import SpaceState
@@ -48,7 +48,7 @@ class SpaceWorld(ChainWorld):
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
-    _kernel = kernel
+    _columns = columns
 
     def __init__(
         self,
@@ -63,8 +63,8 @@ class SpaceWorld(ChainWorld):
         self.body: Floats = body_array(chain, friction)
         self.state = SpaceState(n)
         self.duties: Floats = np.zeros(2 * n)
-        own = kernel.OUT_PER_WHEEL * n + kernel.OUT_SINGLE
-        self.quantities: Floats = np.zeros(own + kernel.OUT_OWN)
+        own = columns.OUT_PER_WHEEL * n + columns.OUT_SINGLE
+        self.quantities: Floats = np.zeros(own + columns.OUT_OWN)
         self._own = self.quantities[own:]
         self._route = route
         self._steps = max(1, round(cycle_s / STEP_S))
@@ -78,7 +78,7 @@ class SpaceWorld(ChainWorld):
             *kernel.scratch_arrays(n, len(shape.solids), len(shape.edges)),
         )
         places = pose.places if pose.rolls_rad else lying(pose, chain, route)
-        link = int(self._world[kernel.ROLL_LINK])
+        link = int(self._world[columns.ROLL_LINK])
         self.state.take(pose, places, normals_of(pose, route, link))
         self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
         # This fills in the quantities of the start pose; hardly any time passes.
@@ -91,7 +91,7 @@ class SpaceWorld(ChainWorld):
     @property
     def roll_angles(self) -> Floats:
         """Angle of the roll joint, then the roll of the parts ahead and behind, rad."""
-        return self._own[: kernel.OUT_DEEPEST]
+        return self._own[: columns.OUT_DEEPEST]
 
     def glide(self, *arrays: Any) -> None:
         """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
@@ -113,39 +113,39 @@ class SpaceWorld(ChainWorld):
     @property
     def deepest_m(self) -> float:
         """Return how deep a wheel or link has been in a wall so far, m."""
-        return float(self._own[kernel.OUT_DEEPEST])
+        return float(self._own[columns.OUT_DEEPEST])
 
     def block(self, wheel: int, arc_m: float, ahead: bool) -> None:
         """Put an obstacle in the way of one wheel; `ahead`: the obstacle is ahead of the wheel."""
         frame = self._route.frame_at(arc_m)
         sign = -1.0 if ahead else 1.0
-        self._world[kernel.BLOCK_NODE] = wheel
-        self._world[kernel.BLOCK_X : kernel.BLOCK_Z + 1] = frame.origin
-        self._world[kernel.BLOCK_NX : kernel.BLOCK_NZ + 1] = [sign * each for each in frame.ahead]
+        self._world[columns.BLOCK_NODE] = wheel
+        self._world[columns.BLOCK_X : columns.BLOCK_Z + 1] = frame.origin
+        self._world[columns.BLOCK_NX : columns.BLOCK_NZ + 1] = [sign * each for each in frame.ahead]
 
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
-        self._world[kernel.G_X : kernel.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
+        self._world[columns.G_X : columns.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
 
 
 def _constants(chain: ChainBody, dt: float, effort: Effort) -> Floats:
-    world = np.zeros(kernel.WORLD_ENTRIES)
+    world = np.zeros(columns.WORLD_ENTRIES)
     # A chain without a roll joint has one that stands still, in the middle.
     link = chain.roll_link if chain.roll_link >= 0 else (chain.nodes - 2) // 2
-    world[kernel.DT] = dt
-    world[[kernel.ITERATIONS, kernel.LOOK, kernel.PULL]] = effort
-    world[kernel.RADIUS] = chain.wheel_radius_m
-    world[kernel.HALF_THICKNESS] = chain.half_thickness_m
-    world[kernel.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
-    world[kernel.ANCHOR_MAX] = _ANCHOR_M
-    world[kernel.MAG_X : kernel.MAG_Z + 1] = _FIELD_UT
-    world[kernel.BLOCK_NODE] = -1
-    world[kernel.ROLL_LINK] = link
-    world[kernel.ROLL_RATE] = chain.roll_rate_rad_s if chain.roll_link >= 0 else 0.0
-    world[kernel.ROLL_STALL] = chain.roll_stall_nm
-    world[kernel.INERTIA_FRONT] = _roll_inertia(chain, 0, link)
-    world[kernel.INERTIA_REAR] = _roll_inertia(chain, link + 1, chain.nodes - 1)
-    world[kernel.IMU_LINK] = max(chain.roll_link, 0)
+    world[columns.DT] = dt
+    world[[columns.ITERATIONS, columns.LOOK, columns.PULL]] = effort
+    world[columns.RADIUS] = chain.wheel_radius_m
+    world[columns.HALF_THICKNESS] = chain.half_thickness_m
+    world[columns.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
+    world[columns.ANCHOR_MAX] = _ANCHOR_M
+    world[columns.MAG_X : columns.MAG_Z + 1] = _FIELD_UT
+    world[columns.BLOCK_NODE] = -1
+    world[columns.ROLL_LINK] = link
+    world[columns.ROLL_RATE] = chain.roll_rate_rad_s if chain.roll_link >= 0 else 0.0
+    world[columns.ROLL_STALL] = chain.roll_stall_nm
+    world[columns.INERTIA_FRONT] = _roll_inertia(chain, 0, link)
+    world[columns.INERTIA_REAR] = _roll_inertia(chain, link + 1, chain.nodes - 1)
+    world[columns.IMU_LINK] = max(chain.roll_link, 0)
     return world
 
 

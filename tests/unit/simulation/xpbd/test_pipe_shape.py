@@ -22,7 +22,7 @@ from pirate_sm.geometry.network import (
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns, walls
 from pirate_sm.simulation.xpbd.space.pipe_shape import PipeShape, shape_of
 
 Q = math.pi / 2
@@ -113,15 +113,15 @@ def seen(shape: PipeShape, point: Floats) -> float:
     hit, least = np.zeros(7), math.inf
     x, y, z = point
     for k in range(len(shape.solids)):
-        if kernel._foot(x, y, z, shape.solids, k, hit) and hit[3] > -0.024:
+        if walls.foot(x, y, z, shape.solids, k, hit) and hit[3] > -0.024:
             least = min(least, hit[3])
     for edge in shape.edges:
-        at = kernel._nearest_point(x, y, z, edge, shape.points, 1.0)
-        kernel._on_edge(x, y, z, edge, shape.points, at, hit)
+        at = walls._nearest_point(x, y, z, 0.0, 0.0, 0.0, edge, shape.points, 1.0)
+        walls.on_edge(x, y, z, edge, shape.points, at, hit)
         away = math.sqrt(hit[3])
         beside = [
-            kernel._foot(x, y, z, shape.solids, int(k), hit)
-            for k in edge[kernel.E_ONE : kernel.E_X]
+            walls.foot(x, y, z, shape.solids, int(k), hit)
+            for k in edge[columns.E_ONE : columns.E_X]
             if k >= 0
         ]
         if not any(beside):
@@ -161,15 +161,15 @@ def test_the_nearest_wall_is_where_the_pipes_surface_is(
 
 def test_a_closed_end_is_a_wall_and_an_open_one_a_rim() -> None:
     shape = shape_of(Route(tee()))
-    discs = shape.solids[shape.solids[:, kernel.KIND] == kernel.DISC]
-    assert discs[:, kernel.O_X].tolist() == pytest.approx([0.6])
-    assert discs[:, kernel.A_X].tolist() == pytest.approx([-1.0])
+    discs = shape.solids[shape.solids[:, columns.KIND] == columns.DISC]
+    assert discs[:, columns.O_X].tolist() == pytest.approx([0.6])
+    assert discs[:, columns.A_X].tolist() == pytest.approx([-1.0])
     assert len(shape.edges) == 3  # entry, exit and the mouth
-    assert len(shape.points) == shape.edges[:, kernel.E_COUNT].sum()
+    assert len(shape.points) == shape.edges[:, columns.E_COUNT].sum()
 
 
 def test_the_centre_line_of_a_route_goes_on_straight_behind_an_elbow() -> None:
     legs = shape_of(Route(line(Straight(0.2), Elbow(Q, 0.18)))).legs
-    assert legs[:, kernel.C_ARC] == pytest.approx([0.0, 0.2, 0.2 + Q * 0.18])
-    assert legs[-1, kernel.C_TX : kernel.C_TZ + 1] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
-    assert legs[-1, kernel.C_LENGTH] == 0.0
+    assert legs[:, columns.C_ARC] == pytest.approx([0.0, 0.2, 0.2 + Q * 0.18])
+    assert legs[-1, columns.C_TX : columns.C_TZ + 1] == pytest.approx([0.0, 1.0, 0.0], abs=1e-12)
+    assert legs[-1, columns.C_LENGTH] == 0.0

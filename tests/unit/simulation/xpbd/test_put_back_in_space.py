@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import normals_of
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns
 from pirate_sm.wiring import Order, prepare
 
 
@@ -22,7 +22,7 @@ def test_the_normals_of_the_parts_follow_from_places_and_rolls(mission: str) -> 
     still = (0.0,) * len(places)
 
     pose = StartPose(places, still, still, rolls_rad=rolls)
-    link = int(physics._world[kernel.ROLL_LINK])
+    link = int(physics._world[columns.ROLL_LINK])
     found = normals_of(pose, prepared.loaded.pipe.route(), link)
 
     for normal, true in zip(found, physics.state.normals, strict=True):

@@ -11,9 +11,9 @@ from pirate_sm.geometry.space import Vector
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE
-from pirate_sm.simulation.xpbd import kernel as plane
+from pirate_sm.simulation.xpbd import columns as plane
 from pirate_sm.simulation.xpbd.kinematic import kinematic
-from pirate_sm.simulation.xpbd.space import kernel
+from pirate_sm.simulation.xpbd.space import columns
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import World
 
@@ -48,10 +48,10 @@ def into_bend(robot: Driver) -> None:
 
 def test_both_kernels_have_one_layout_of_a_chain_and_of_quantities() -> None:
     for name in BODY:
-        assert getattr(plane, name) == getattr(kernel, name), name
-    assert len(BODY) == kernel.BODY_COLUMNS + 1
-    assert len(PER_WHEEL) == kernel.OUT_PER_WHEEL
-    assert len(SINGLE) == kernel.OUT_SINGLE
+        assert getattr(plane, name) == getattr(columns, name), name
+    assert len(BODY) == columns.BODY_COLUMNS + 1
+    assert len(PER_WHEEL) == columns.OUT_PER_WHEEL
+    assert len(SINGLE) == columns.OUT_SINGLE
 
 
 def test_a_round_pipe_takes_the_kernel_in_space(place: Place) -> None:

@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE
-from pirate_sm.simulation.xpbd import kernel
+from pirate_sm.simulation.xpbd import columns
 
 from ..conftest import CYCLE_S, DIAMETER_M, Driver, bend, straight, vertical
 
@@ -324,4 +324,4 @@ def test_an_unclamped_robot_slides_where_the_floor_is_steep(
 
 
 def test_the_kernel_writes_the_quantities_that_every_physics_has() -> None:
-    assert (len(PER_WHEEL), len(SINGLE)) == (kernel.OUT_PER_WHEEL, kernel.OUT_SINGLE)
+    assert (len(PER_WHEEL), len(SINGLE)) == (columns.OUT_PER_WHEEL, columns.OUT_SINGLE)

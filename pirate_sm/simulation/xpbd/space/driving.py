@@ -1,0 +1,219 @@
+"""Motors of joints, wheels and the roll joint, and what they turn."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.xpbd.space.columns import (
+    ANCHOR_MAX,
+    ANCHORS,
+    DRIVE,
+    DT,
+    GI_X,
+    GI_Y,
+    GI_Z,
+    GO_X,
+    GO_Y,
+    GO_Z,
+    J_FRICTION,
+    J_LAM,
+    J_STOP,
+    JOINT_K,
+    JOINT_MAX,
+    JOINT_MIN,
+    JOINT_RATE,
+    JOINT_STALL,
+    K_CREEP,
+    K_FORCE,
+    K_MU,
+    K_RADIUS,
+    K_SLOPE,
+    N_ROLL,
+    NODE,
+    OTHER,
+    PART,
+    PUSH,
+    R_ANGLE,
+    R_MOTOR,
+    ROLL_RATE,
+    ROLL_STALL,
+    ROLL_TARGET,
+    S_TARGET,
+    S_TURN,
+    SIDE,
+    SPIN,
+    STUCK,
+    SURFACE,
+    SX,
+    SY,
+    SZ,
+    T_CURRENT,
+    T_DRIVE,
+    T_GRIP,
+    T_PRESS,
+    TARGET,
+    TWIST_NM_RAD,
+)
+
+# The motor side of a spring may wind this far beyond the joint's own end stop.
+_WINDING_RAD = 0.6
+_REACHED = 0.9999
+
+
+@compiled
+def turn_motor(
+    i: int,
+    duty: float,
+    bend: Floats,
+    motor: Floats,
+    body: Floats,
+    dt: float,
+    w: Floats,
+    tally: Floats,
+) -> None:
+    """Turn the motor of a joint by one substep, and zero the joint's impulses.
+
+    It turns at rate * (duty - torque / stall torque) and is never driven back.
+    """
+    rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
+    rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
+    turned = motor[i] + body[i, JOINT_RATE] * rate * dt
+    motor[i] = min(
+        max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
+    )
+    tally[i, T_CURRENT] += abs(duty - rate)
+    w[i, J_LAM] = 0.0
+    w[i, J_FRICTION] = 0.0
+    w[i, J_STOP] = 0.0
+
+
+@compiled
+def turn_roll_motor(roll: Floats, world: Floats) -> float:
+    """Turn the motor side of the roll joint by one substep; return the current's share.
+
+    It turns at rate * (1 - torque / stall torque) and is never driven back.
+    """
+    wanted = world[ROLL_TARGET] - roll[R_MOTOR]
+    if wanted == 0.0:
+        return 0.0
+    against = TWIST_NM_RAD * (roll[R_MOTOR] - roll[R_ANGLE]) / world[ROLL_STALL]
+    if wanted < 0.0:
+        against = -against
+    load = min(max(against, 0.0), 1.0)
+    reach = world[ROLL_RATE] * (1.0 - load) * world[DT]
+    roll[R_MOTOR] += min(max(wanted, -reach), reach)
+    return float(load)
+
+
+@compiled
+def _rolled(c: int, i: int, o: int, mov: Floats, con: Floats) -> float:
+    """Return how far a wheel without its motor would have rolled along the wall."""
+    own = con[c, GI_X] * mov[i, 0]
+    own += con[c, GI_Y] * mov[i, 1]
+    own += con[c, GI_Z] * mov[i, 2]
+    other = con[c, GO_X] * mov[o, 0]
+    other += con[c, GO_Y] * mov[o, 1]
+    other += con[c, GO_Z] * mov[o, 2]
+    return float(own + other)
+
+
+@compiled
+def _slid(c: int, i: int, mov: Floats, parts: Floats, con: Floats, p: int) -> float:
+    """Return how far a wheel has slid along its axle."""
+    slid = con[c, SX] * mov[i, 0]
+    slid += con[c, SY] * mov[i, 1]
+    slid += con[c, SZ] * mov[i, 2]
+    return float(slid + con[c, S_TURN] * parts[p, N_ROLL])
+
+
+@compiled
+def _crept(c: int, rolled: float, con: Floats) -> float:
+    """Return how far a wheel has crept along its axle while it rolled."""
+    friction = con[c, K_MU] * con[c, PUSH]
+    return float(con[c, K_CREEP] * abs(rolled) * con[c, SIDE] / friction) if friction > 0.0 else 0.0
+
+
+@compiled
+def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: Floats) -> None:
+    """Write the strongest wall contact of each wheel to `touch`, -1 without any."""
+    for i in range(n):
+        touch[i] = -1
+    for c in range(count):
+        i = who[c, NODE]
+        if con[c, PUSH] > 0.0 and who[c, SURFACE] >= 0:
+            tally[i, T_PRESS] += con[c, PUSH]
+            if touch[i] < 0 or con[c, PUSH] > con[touch[i], PUSH]:
+                touch[i] = c
+
+
+@compiled
+def _remember(anchor: Floats, surface: float, drive: float, side: float) -> None:
+    """Keep what a wheel has left unsolved at a surface, where there is room."""
+    for k in range(0, 3 * ANCHORS, 3):
+        if anchor[k] == 0.0:
+            anchor[k] = surface
+            anchor[k + 1] = drive
+            anchor[k + 2] = side
+            return
+
+
+@compiled
+def turn_wheels(
+    n: int,
+    count: int,
+    mov: Floats,
+    wheel: Floats,
+    anchor: Floats,
+    world: Floats,
+    w: Floats,
+    parts: Floats,
+    con: Floats,
+    who: Ints,
+    touch: Ints,
+    tally: Floats,
+) -> None:
+    """Turn the wheels, and carry unsolved rolling and sliding over as the anchor.
+
+    As in the plane: a wheel slips only if the force along the wall has reached its friction, and a
+    stalled wheel keeps no anchor along its drive.
+    """
+    bound = world[ANCHOR_MAX]
+    _strongest(n, count, con, who, touch, tally)
+    anchor[:] = 0.0
+    for c in range(count):
+        if con[c, PUSH] <= 0.0 or who[c, SURFACE] < 0:
+            continue
+        i = who[c, NODE]
+        drive = con[c, DRIVE]
+        side = con[c, SIDE]
+        rolled = _rolled(c, i, who[c, OTHER], mov, con)
+        left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
+        aside = (
+            con[c, S_TARGET] - _slid(c, i, mov, parts, con, who[c, PART]) - _crept(c, rolled, con)
+        )
+        tally[i, T_DRIVE] += abs(drive) * con[c, K_RADIUS]
+        tally[i, T_GRIP] += drive
+        friction = con[c, K_MU] * con[c, PUSH]
+        stalled = con[c, K_FORCE] < friction and abs(drive) >= _REACHED * con[c, K_FORCE]
+        if stalled:
+            left = 0.0
+        away = np.sqrt(left * left + aside * aside)
+        force = np.sqrt(drive * drive + side * side)
+        slips = away >= bound and force >= _REACHED * friction
+        most = bound if slips else STUCK * bound
+        if away > most:
+            left *= most / away
+            aside *= most / away
+        _remember(anchor[i], who[c, SURFACE] + 1.0, left, aside)
+        if touch[i] == c:
+            if con[c, K_RADIUS] == 0.0 or (slips and not stalled):
+                wheel[i] += w[i, SPIN]
+                if con[c, K_RADIUS] != 0.0:
+                    wheel[i] -= con[c, K_SLOPE] * drive / con[c, K_RADIUS]
+            else:
+                wheel[i] += rolled / con[c, K_RADIUS]
+    for i in range(n):
+        if touch[i] < 0:
+            wheel[i] += w[i, SPIN]
