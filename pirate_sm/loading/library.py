@@ -150,9 +150,11 @@ def _find_file(
     folders = [beside] if isinstance(beside, Path) else list(beside or ())
     if is_path(name):
         places = [*(folder / name for folder in folders), Path(name)]
-        for is_right in (is_file, why_hidden, is_there):  # whoever opens it says why it cannot be
-            for place in filter(is_right, places if is_right is not is_there else places[-1:]):
-                return place
+        found = [*filter(is_file, places), *filter(why_hidden, places)]
+        if not folders:
+            found += filter(is_there, places)
+        if found:
+            return found[0]  # whoever opens it says why it cannot be read
         raise UsageError(f"there is no {kind} at '{_cut(name)}'")
     for folder in folders:
         for suffix in SUFFIXES:
