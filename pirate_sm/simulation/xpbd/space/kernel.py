@@ -250,12 +250,6 @@ def advance(
     out[own + OUT_ROLL] = roll[R_ANGLE]
     out[own + OUT_DEEPEST] = max(out[own + OUT_DEEPEST], -deepest)
     feel(
-        n,
-        pos,
-        (vel[imu, 0] - vx) / passed,
-        (vel[imu, 1] - vy) / passed,
-        (vel[imu, 2] - vz) / passed,
-        world,
-        parts,
-        out,
-    )
+        n, pos, (vel[imu, 0] - vx) / passed, (vel[imu, 1] - vy) / passed,
+        (vel[imu, 2] - vz) / passed, world, parts, out,
+    )  # fmt: skip
