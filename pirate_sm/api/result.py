@@ -188,8 +188,14 @@ class Run:
 
     @property
     def _engine(self) -> Engine:
-        loaded, nominal = self.loaded, self.header.nominal
-        return Engine(loaded.robot, loaded.program, nominal=nominal, every_signal=True)
+        loaded, header = self.loaded, self.header
+        return Engine(
+            loaded.robot,
+            loaded.program,
+            nominal=header.nominal,
+            every_signal=True,
+            alphabet=header.alphabet,
+        )
 
     @cached_property
     def _last(self) -> tuple[Ended | None, float]:

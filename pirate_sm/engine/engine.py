@@ -45,14 +45,23 @@ class Engine:
             without motion and sensors.
         every_signal: Whether the state has every signal in every round of the boards, also those
             of slip and friction that nothing reads; they take some time.
+        alphabet: The version of the alphabet by whose rules it decides: that of a recording in its
+            replay.
     """
 
     def __init__(
-        self, robot: RobotSpec, program: Program, *, nominal: bool, every_signal: bool = False
+        self,
+        robot: RobotSpec,
+        program: Program,
+        *,
+        nominal: bool,
+        every_signal: bool = False,
+        alphabet: int = events.ALPHABET_VERSION,
     ) -> None:
         self.robot = robot
         self.program = program
         self.nominal = nominal
+        self.alphabet = alphabet
         spec = robot.traction
         self._follows_traction = (not nominal and spec is not None) and (
             every_signal or not signals_read(robot, program).isdisjoint(spec.targets)
@@ -115,7 +124,7 @@ class Engine:
         faults = no_faults(self.robot)
         state = EngineState(robot, sensing, mission, faults, words)
         state = state._replace(rules=following, surveyed=surveyed, look=look)
-        moment = Moment(self.robot, self.program, self.nominal, now_s)
+        moment = Moment(self.robot, self.program, self.nominal, now_s, alphabet=self.alphabet)
         moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
             if isinstance(report, events.SignalReport):
@@ -144,7 +153,8 @@ class Engine:
         """
         if state.mission.ended:
             return state, ()
-        moment = Moment(self.robot, self.program, self.nominal, now_s, self._follows(state))
+        follows, alphabet = self._follows(state), self.alphabet
+        moment = Moment(self.robot, self.program, self.nominal, now_s, follows, alphabet)
         if type(event) is events.SensorFrame:  # the most frequent event
             after = inputs.frame(moment, state, event)
         else:

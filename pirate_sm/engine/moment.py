@@ -5,6 +5,7 @@ from __future__ import annotations
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.effects import Effect, Log
+from pirate_sm.model.events import ALPHABET_VERSION
 
 
 class Moment:
@@ -19,13 +20,23 @@ class Moment:
         nominal: Whether commands count as done after their nominal duration.
         now_s: Seconds since the run began.
         follows_traction: Whether the signals of slip and friction are estimated in every round.
+        alphabet: The version of the alphabet by whose rules the engine decides.
 
     Attributes:
         effects: The effects so far, in order.
         emit: Appends one effect.
     """
 
-    __slots__ = ("effects", "emit", "follows_traction", "nominal", "now_s", "program", "robot")
+    __slots__ = (
+        "alphabet",
+        "effects",
+        "emit",
+        "follows_traction",
+        "nominal",
+        "now_s",
+        "program",
+        "robot",
+    )
 
     def __init__(
         self,
@@ -34,18 +45,27 @@ class Moment:
         nominal: bool,
         now_s: float,
         follows_traction: bool = False,
+        alphabet: int = ALPHABET_VERSION,
     ) -> None:
         self.robot = robot
         self.program = program
         self.now_s = now_s
         self.nominal = nominal
         self.follows_traction = follows_traction
+        self.alphabet = alphabet
         self.effects: list[Effect] = []
         self.emit = self.effects.append
 
     def trial(self) -> Moment:
         """Return a copy without effects, to try a step whose effects are discarded."""
-        return Moment(self.robot, self.program, self.nominal, self.now_s, self.follows_traction)
+        return Moment(
+            self.robot,
+            self.program,
+            self.nominal,
+            self.now_s,
+            self.follows_traction,
+            self.alphabet,
+        )
 
     def warn(self, message: str) -> None:
         """Append a warning for the operator to the effects."""

@@ -168,6 +168,11 @@ class EngineState(NamedTuple):
     look: Look | None = None
 
     @property
+    def connection(self) -> int:
+        """Return the number of the present connection to the robot, see :class:`.Sensing`."""
+        return self.sensing.connection
+
+    @property
     def looking(self) -> Look | None:
         """Return the running start check; None while an array is awaited that holds the robot."""
         return self.look if self.robot.awaited is None else None

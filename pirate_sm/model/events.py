@@ -11,10 +11,13 @@ from __future__ import annotations
 from math import inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
-ALPHABET_VERSION = 9
+ALPHABET_VERSION = 10
 
-READABLE_ALPHABETS = (5, 6, 7, 8, 9)
+READABLE_ALPHABETS = (5, 6, 7, 8, 9, 10)
 """Recordings of these are read: 6 has an event more than 5."""
+
+EVIDENCE_ENDS = 10
+"""Since this alphabet belief ends with its evidence. Older recordings replay by their own rules."""
 
 SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
 

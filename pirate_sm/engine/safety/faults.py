@@ -124,6 +124,7 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
         checked_s=now,
         records=records,
         loss=sensing.loss,
+        connection=sensing.connection + 1,
     )
 
 

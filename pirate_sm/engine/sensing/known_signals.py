@@ -50,6 +50,8 @@ class Sensing(NamedTuple):
             counts.
         adrift: Number indexes of signals of which only changes are known: what they count from
             is not known any more. Conditions see them as unknown.
+        connection: Counts the connections to the robot in this run. Each return of its controller
+            begins the next one, and what was known before is no evidence in it.
     """
 
     numbers: Numbers
@@ -65,6 +67,7 @@ class Sensing(NamedTuple):
     traction: Traction = Traction()
     outside_until_s: tuple[tuple[int, float], ...] = ()
     adrift: frozenset[int] = frozenset()
+    connection: int = 0
 
     @property
     def counted(self) -> Numbers:

@@ -76,8 +76,14 @@ class Replayed:
 
 def engine_of(recording: Recording, loaded: LoadedMission, *, every_signal: bool = False) -> Engine:
     """Return the engine with the options of the run."""
-    nominal = recording.header.nominal
-    return Engine(loaded.robot, loaded.program, nominal=nominal, every_signal=every_signal)
+    header = recording.header
+    return Engine(
+        loaded.robot,
+        loaded.program,
+        nominal=header.nominal,
+        every_signal=every_signal,
+        alphabet=header.alphabet,
+    )
 
 
 def rerun(
