@@ -24,11 +24,25 @@ def plan(*cells: Cell, stop: StoppingRule | None = None) -> Plan:
     return Plan("trial", "1+a", cells, 0.95, stop or StoppingRule(), {"m": b""})
 
 
-def row(key: str, seed: int, verdict: str = "passed", why: str = "", time_s: float = 30.0) -> Row:
-    outcome = "succeeded" if verdict in ("passed", "false") else "failed"
+OUTCOMES = {"passed": "succeeded", "false": "succeeded", "failed": "failed", "bug": "bug"}
+"""What a mission says, by what it was in truth."""
+
+
+def row(
+    key: str,
+    seed: int,
+    verdict: str = "passed",
+    why: str = "",
+    time_s: float = 30.0,
+    *,
+    unsafe: str = "",
+    short_m: float = nan,
+    deepest_m: float = nan,
+) -> Row:
     passed = verdict == "passed"
     why = "" if passed else why or "Holding"
-    return Row(key, seed, outcome, verdict, why, passed, "", time_s, 0.8, nan, nan)
+    outcome = OUTCOMES[verdict]
+    return Row(key, seed, outcome, verdict, why, passed, unsafe, time_s, 0.8, short_m, deepest_m)
 
 
 def fails(seed: int) -> bool:

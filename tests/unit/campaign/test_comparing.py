@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import pytest
+
 from pirate_sm.campaign.comparing import compare, comparison_text
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.model.campaign import StoppingRule
@@ -46,6 +48,28 @@ def test_of_many_cells_one_may_look_worse_by_chance() -> None:
 
     assert compare(one[:1], other[:1]).differences[0].significant
     assert not compare(one, other).worse
+
+
+@pytest.mark.parametrize(
+    ("failing", "significant"),
+    [
+        # Chances 0.011, 0.020 and 0.037: each at most 5 % shared among those that are left.
+        ((10, 9, 8), (True, True, True)),
+        # Chances 0.020, 0.037 and 0.037: the smallest is more than a third of 5 %.
+        ((9, 8, 8), (False, False, False)),
+        # Chances 0.006, 0.037 and 0.037: after the first, 0.037 is more than a half of 5 %.
+        ((11, 8, 8), (True, False, False)),
+    ],
+)
+def test_the_smaller_chances_of_several_cells_make_way_for_the_larger_ones(
+    failing: tuple[int, ...], significant: tuple[bool, ...]
+) -> None:
+    before = [tally(str(cell), range(1)) for cell in range(3)]
+    after = [tally(str(cell), range(count)) for cell, count in enumerate(failing)]
+
+    found = compare(before[::-1], after).differences[::-1]
+
+    assert tuple(each.significant for each in found) == significant
 
 
 def test_cells_of_one_campaign_alone_are_named() -> None:

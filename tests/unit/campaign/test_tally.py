@@ -109,6 +109,43 @@ def test_a_false_success_is_missed_unless_it_is_allowed() -> None:
     assert (strict.missed(), lenient.missed()) == (("truthful",), ())
 
 
+def test_a_run_that_broke_safety_is_missed_although_it_passed() -> None:
+    rows = [row("key_bend", 0), row("key_bend", 1, unsafe="a wheel turns at the end")]
+    strict = tally(seeds=range(2), expect=Expectation(safe=1.0))
+    strict.add(rows)
+    half = tally(seeds=range(2), expect=Expectation(safe=0.5))
+    half.add(rows)
+    assert (strict.passed, strict.unsafe) == (2, 1)
+    assert (strict.missed(), half.missed()) == (("safe",), ())
+    (cause,) = strict.unsafe_causes.values()
+    assert (cause.verdict, cause.why) == ("unsafe", "a wheel turns at the end")
+    assert (cause.count, cause.seeds) == (1, [1])
+
+
+def test_a_run_that_holds_counts_for_holding_alone() -> None:
+    counted = tally(seeds=range(2), expect=Expectation(success=0.5, holding=1.0))
+    held = row("key_bend", 1, "failed")._replace(held=True)
+    counted.add([row("key_bend", 0), held])
+    assert (counted.passed, counted.held, counted.missed()) == (1, 2, ())
+    lost = tally(seeds=range(2), expect=Expectation(success=0.5, holding=1.0))
+    lost.add([row("key_bend", 0), row("key_bend", 1, "failed")])
+    assert lost.missed() == ("holding",)
+
+
+def test_the_worst_of_all_runs_is_kept() -> None:
+    counted = tally(seeds=range(4))
+    counted.add(
+        [
+            row("key_bend", 0, short_m=0.004, deepest_m=0.001),
+            row("key_bend", 1, short_m=0.011, deepest_m=0.003),
+            row("key_bend", 2, short_m=0.002, deepest_m=0.002),
+            row("key_bend", 3, "failed", short_m=0.9),
+        ]
+    )
+    assert counted.farthest_short_m == 0.011
+    assert counted.deepest_m == 0.003
+
+
 def test_causes_that_differ_in_what_was_measured_alone_are_one() -> None:
     counted = tally(seeds=range(3))
     counted.add(

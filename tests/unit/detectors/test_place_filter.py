@@ -82,3 +82,35 @@ def test_an_unknown_place_is_unknown_and_does_not_spoil_the_next() -> None:
     assert isnan(tracker.place(0))
     tracker.see(0.55, (0.055,), driven=True)
     assert tracker.place(0) == pytest.approx(0.055)
+
+
+@pytest.mark.parametrize("driven", [True, False])
+@pytest.mark.parametrize(("later_s", "known"), [(0.55, True), (0.65, False)])
+def test_belief_in_a_place_ends_when_it_has_not_been_seen_for_too_long(
+    driven: bool, later_s: float, known: bool
+) -> None:
+    tracker = follow(drive(20), driven=driven)
+    tracker.see(0.95 + later_s, None, driven=driven)
+
+    assert isnan(tracker.place(0)) != known
+    assert isnan(tracker.speed()) != known
+
+
+def test_belief_in_a_place_ends_where_wheels_begin_or_cease_to_be_driven() -> None:
+    tracker = follow([0.5] * 20, driven=False)
+    tracker.see(1.0, None, driven=True)
+    assert isnan(tracker.place(0))
+
+    tracker.see(1.1, (0.5,), driven=True, seen_s=0.99)
+    assert isnan(tracker.place(0))
+    assert list(tracker.seen) == []
+
+    tracker.see(1.2, (0.51,), driven=True, seen_s=1.0)
+    assert tracker.place(0) == pytest.approx(0.51)
+    tracker.see(1.3, (0.53,), driven=False, seen_s=1.25)
+    assert isnan(tracker.place(0))
+
+
+def test_a_speed_takes_two_positions() -> None:
+    assert isnan(follow([0.5], driven=True).speed())
+    assert follow([0.5, 0.505], driven=True).speed() == pytest.approx(0.1)

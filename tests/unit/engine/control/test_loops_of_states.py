@@ -175,6 +175,29 @@ def test_what_was_accepted_before_it_was_overtaken_is_in_force(newt):
     assert driver.state.robot.flight.values == driver.setpoints.values
 
 
+def test_belief_in_newer_values_outlasts_a_late_result_of_an_older_array(newt):
+    driver = driving(newt(DRIVE))
+    driver.run(driver.now + 0.3, **SLOW)
+    older, newer, newest, *_ = driver.state.robot.overtaken
+    driver.give(ev.SubmitResult(newer.setpoint_id, "accepted"))
+
+    driver.give(ev.SubmitResult(older.setpoint_id, "accepted"))
+
+    assert older.values != newer.values
+    assert driver.state.robot.values == newer.values
+    assert driver.state.robot.overtaken[0] == newest
+
+
+def test_an_overtaken_array_that_is_refused_leaves_the_others_awaited(newt):
+    driver = driving(newt(DRIVE))
+    driver.run(driver.now + 0.3, **SLOW)
+    older, newer, *others = driver.state.robot.overtaken
+
+    driver.give(ev.SubmitResult(newer.setpoint_id, "rejected", "not now"))
+
+    assert driver.state.robot.overtaken == (older, *others)
+
+
 def test_an_array_of_unknown_fate_is_followed_by_the_newest(newt):
     driver = driving(newt(DRIVE))
     driver.run(driver.now + 0.1, **SLOW)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import pi
+from math import nan, pi
 
 import pytest
 from cut_off import CutOff
@@ -45,6 +45,24 @@ def test_wheels_that_do_not_agree_leave_an_interval(drive):
 
     assert not way.exact
     assert way.low_m == -way.high_m == pytest.approx(-0.4 * 4.17 * RADIUS_M)
+
+
+def test_belief_in_an_exact_place_takes_more_than_one_wheel(drive):
+    others = {f"theta_{number}": nan for number in WHEELS if number != 2}
+
+    way = driving(drive).look(**rolled(0.52, **others)).way
+
+    assert not way.exact
+    assert way.low_m == -way.high_m < 0.0
+
+
+def test_two_wheels_are_enough_for_an_exact_place(drive):
+    others = {f"theta_{number}": nan for number in WHEELS if number not in (2, 5)}
+
+    way = driving(drive).look(**rolled(0.52, **others)).way
+
+    assert way.exact
+    assert way.low_m == pytest.approx(0.02, abs=1e-4)
 
 
 def test_counters_that_began_anew_show_nothing(drive):

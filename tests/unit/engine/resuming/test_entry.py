@@ -6,7 +6,7 @@ from math import isnan
 
 import pytest
 from cut_off import GRIPPING, CutOff
-from driving import BOTH_CLAMPED, FRONT_CLAMPED
+from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, command
 
 from pirate_sm.engine.sensing.known_signals import with_changes
 from pirate_sm.model import effects as fx
@@ -241,6 +241,48 @@ def test_a_paused_mission_goes_on_paused(drive):
 
     assert again.state.mission.paused
     assert not again.statuses
+
+
+def test_a_pause_that_was_pressed_just_before_the_crash_counts(drive):
+    driver = waiting(drive)
+    command(driver, "DriveBackward")
+    driver.give(ev.Pause())
+    assert driver.state.mission.pause_wanted
+    assert not driver.state.mission.paused
+
+    again = begun(CutOff(driver).go_on())
+
+    assert again.state.mission.paused
+    assert not again.statuses
+
+
+def test_a_mission_does_not_go_on_if_the_operator_changed_the_clamps_in_its_pause(drive):
+    driver = clamped(drive, QUESTION)
+    driver.give(ev.Pause())
+    driver.until(lambda seen: seen.state.mission.paused)
+    assert begun(CutOff(driver).go_on()).state.mission.paused
+    command(driver, "RelaxRear")
+    driver.accept()
+    assert driver.states["BendingState"] == "FrontClampedRearRelaxed"
+
+    assert "the operator had changed the configuration" in CutOff(driver).why_not()
+
+
+def test_the_first_array_stops_a_joint_that_a_position_loop_was_turning(drive):
+    driver = drive(IDLE, states=REAR_CLAMPED)
+    driver.run(0.4)
+    command(driver, "BendInto")
+    driver.accept()
+    driver.run(1.0)
+    while driver.in_flight:
+        driver.accept()
+    turning = driver.state.robot.seeking
+    assert turning
+    assert all(driver.state.robot.values[slot] != 0.0 for slot in turning)
+
+    held = CutOff(driver).go_on().setpoints.values
+
+    assert [held[slot] for slot in turning] == [0.0] * len(turning)
 
 
 def test_a_crash_while_resuming_resumes(drive):

@@ -53,6 +53,24 @@ def test_a_sensor_without_value_confirms_nothing_and_contradicts_nothing(clamped
     assert found.chosen is not None
 
 
+@pytest.mark.parametrize(("frames", "word"), [(1, UNKNOWN), (4, UNKNOWN), (8, CONFIRMED)])
+def test_belief_in_a_clamp_takes_more_than_one_frame(clamped, frames, word):
+    clamped.driver.signals |= {"bend_torque_1": nan, "bend_torque_2": nan}
+    for turn in range(20):
+        if turn == 20 - frames:
+            clamped.driver.signals |= GRIPPING
+        clamped.frames += [
+            (10.0 + turn / 10, clamped.driver.frame(board)) for board in clamped.robot.boards
+        ]
+
+    found = reconcile(
+        clamped.robot, clamped.program, clamped.last, clamped.frames, 11.9, clamped.driven_s
+    )
+
+    assert verdict_of(found, "front").word == word
+    assert verdict_of(found, "rear").word == CONFIRMED
+
+
 def test_a_light_is_unknown_since_nothing_sees_it(clamped):
     assert verdict_of(clamped.look(), "LightingState").word == UNKNOWN
 

@@ -7,8 +7,11 @@ from __future__ import annotations
 
 from functools import cache
 from math import isnan, nan
+from pathlib import Path
+from tempfile import TemporaryDirectory
 
-from driving import NEWT, ROOT
+from cut_off import GRIPPING
+from driving import BOTH_CLAMPED, IDLE, NEWT, REAR_CLAMPED, ROOT, write_mission
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from world import COURSES, Action, Course
@@ -40,9 +43,10 @@ def loaded(name: str) -> LoadedMission:
 class Resumed(Course):
     """A course of events after a crash; what must hold is checked after every event."""
 
-    def __init__(self, before: Course, found: Resumption) -> None:
+    def __init__(self, before: Course, found: Resumption, *, recorded: bool) -> None:
         self.found = found
         self.before = before
+        self.recorded = recorded
         super().__init__(before.robot, found.program(before.program), nominal=False)
 
     def __post_init__(self) -> None:
@@ -64,8 +68,11 @@ class Resumed(Course):
         assert len(arrays) == 1
         assert not any(isinstance(each, fx.CommandStatus) for each in effects)
         assert body.loops == ()
-        zero = set(self.robot.safe_zero)
-        assert all(arrays[0].values[slot] == 0.0 for slot in zero)
+        last = self.before.state
+        turning = last.robot.seeking if self.recorded else set[int]()
+        assert all(arrays[0].values[slot] == 0.0 for slot in {*self.robot.safe_zero, *turning})
+        pausing = (last.mission.paused, last.mission.pause_wanted)
+        assert any(pausing) == (self.state.mission.paused or self.state.mission.pause_wanted)
         assert not confirmed_parts(self.robot, body)
         assert {mark.which for mark in body.marks if mark.kind == "region"} == set(
             range(len(self.robot.regions))
@@ -132,7 +139,7 @@ def go_on(run: Course, which: int, way: DarkWay, at: str) -> Resumed | None:
     if not isinstance(it, Resumption):
         assert it.reason
         return None
-    return Resumed(run, it)
+    return Resumed(run, it, recorded=chosen.name == "recorded")
 
 
 @settings(max_examples=settings.default.max_examples * 2)
@@ -164,6 +171,105 @@ def test_the_rules_hold_after_any_crash_and_after_a_crash_while_resuming(
     twice = go_on(once, which, way, "here")
     if twice is not None:
         twice.run(after)
+
+
+BENDING = """\
+start: bend
+phases: {bend: {do: [BendInto], go: done}}
+ends: {done: {succeed: Bent}}
+"""
+"""A mission that turns the joints of the front part by position loops."""
+
+
+@cache
+def written(body: str, held: str) -> LoadedMission:
+    """A mission in which these parts are declared to hold: `rear` or `both`."""
+    states = {"rear": REAR_CLAMPED, "both": BOTH_CLAMPED}[held]
+    with TemporaryDirectory() as folder:
+        return load_mission(write_mission(Path(folder), body), states=states)
+
+
+def started(body: str, held: str) -> Course:
+    mission = written(body, held)
+    run = Course(mission.robot, mission.program, nominal=False)
+    run.signals |= GRIPPING
+    return run
+
+
+def hear(run: Course, elapsed_s: float) -> None:
+    """All boards report, one after the other."""
+    for board in run.robot.boards:
+        run.give(run._frame(board), run.now + elapsed_s / len(run.robot.boards))
+
+
+@given(
+    wait=st.sampled_from(["result", "motion", "duty"]),
+    elapsed_s=st.sampled_from([0.05, 0.3, 1.0]),
+    pause=st.booleans(),
+    way=WAYS,
+    after=COURSES,
+)
+def test_a_crash_while_joints_turn_and_a_pause_is_pending_stops_them_and_stays_paused(
+    wait: str, elapsed_s: float, pause: bool, way: DarkWay, after: list[Action]
+) -> None:
+    run = started(BENDING, "rear")
+    while run.state.robot.flight is None:
+        hear(run, 0.1)
+    if wait != "result":
+        run.act("accepted", 0.0, 0)
+        hear(run, elapsed_s)
+        assert run.state.robot.seekers
+    if wait == "duty":
+        run.act("accepted", 0.0, 0)
+        assert run.state.robot.seeking
+    if pause:
+        run.give(ev.Pause())
+        assert run.state.mission.pause_wanted or run.state.mission.paused
+
+    again = go_on(run, 0, way, "here")
+
+    assert again is not None
+    again.run(after)
+
+
+SEEN = st.lists(st.sampled_from(["holds", "slack", "nothing"]), min_size=1, max_size=4)
+TORQUES_NM = {"holds": 0.7, "slack": 0.0, "nothing": nan}
+EVERY_S = 0.1
+
+
+def looks(seen: list[str], turns: list[int]) -> list[str]:
+    """What a part shows at each frame: each of what is seen, for so many frames."""
+    return [each for each, count in zip(seen, turns, strict=False) for _ in range(count)]
+
+
+@given(front=SEEN, rear=SEEN, turns=st.lists(st.integers(1, 9), min_size=4, max_size=4))
+def test_belief_in_a_part_takes_what_was_seen_long_enough_and_to_the_end_of_the_look(
+    front: list[str], rear: list[str], turns: list[int]
+) -> None:
+    run = started(IDLE, "both")
+    shown = {"front": looks(front, turns), "rear": looks(rear, turns[::-1])}
+    count = min(map(len, shown.values()))
+    frames = []
+    for turn in range(count):
+        for part, first in (("front", 1), ("rear", 3)):
+            torque = TORQUES_NM[shown[part][turn]]
+            run.signals |= {f"bend_torque_{first}": -torque, f"bend_torque_{first + 1}": torque}
+        frames += [(turn * EVERY_S, run._frame(board)) for board in run.robot.boards]
+
+    found = reconcile(run.robot, run.program, run.state, frames, (count - 1) * EVERY_S, 0.0)
+
+    for number, part in enumerate(run.robot.parts):
+        spec = run.robot.sight.parts[number]
+        assert spec is not None
+        seen = shown[part][:count]
+        lasting = next((n for n, each in enumerate(seen[::-1]) if each != seen[-1]), count)
+        if seen[-1] == "holds":  # before the second frame no joint is known to stand still
+            lasting = min(lasting, count - 1)
+        words = {"holds": "confirmed", "slack": "contradicted"}
+        long_enough = (lasting - 1) * EVERY_S >= spec.for_s - 1e-9
+        expected = words.get(seen[-1], "unknown") if long_enough else "unknown"
+        word = next(each.word for each in found.tables[0].verdicts if each.about == part)
+        assert word == expected, (part, seen)
 
 
 NUMBERS = st.one_of(st.floats(-4096, 4096), st.just(nan), st.just(0.0))

@@ -498,6 +498,23 @@ def test_a_board_that_is_silent_again_is_reported_again(drive):
     assert driver.faults == [("sensor.silent", "continue")] * 2
 
 
+@pytest.mark.parametrize("code", ["firmware.reset", "link.interrupted"])
+def test_each_board_has_its_full_time_to_report_after_a_silence_that_ended(drive, code):
+    driver = drive(f"on_fault: [{{fault: {code}, then: continue}}]\n" + IDLE, doubting=True)
+    report_all_but(driver, -1, 1.0)
+    silent_after_s = driver.robot.link.silent_after_s
+    back_s = driver.now + 3.0 * silent_after_s
+    driver.give(ev.FaultReport(code, "it is back"), back_s)
+
+    driver.tick(back_s + 0.8 * silent_after_s)
+    assert driver.faults == [(code, "continue")]
+
+    while len(driver.faults) < 2:
+        driver.tick(driver.now + 0.1 * silent_after_s)
+    assert driver.faults[-1] == ("link.silent", "stop")
+    assert driver.now < back_s + 1.3 * silent_after_s
+
+
 def test_a_fault_rule_still_sees_the_detector_while_a_pause_has_stopped_the_wheels(drive, tmp_path):
     rule = ("when: amps_a > 280 mA\n    held: 10 s", "when: detector == near\n    held: 0.1 s")
     driven = {"Grip": "BothHeld", "Crawl": "Ahead", "Lamp": "Dark"}

@@ -154,3 +154,46 @@ def test_where_the_disk_is_full_there_is_no_new_file(
     with pytest.raises(OSError, match="No space left"):
         repair(torn, tmp_path / "new.mcap")
     assert not (tmp_path / "new.mcap").exists()
+
+
+@pytest.mark.parametrize("kind", ["content", "length"])
+def test_a_file_that_is_damaged_inside_is_not_called_complete(
+    whole: bytes, tmp_path: Path, kind: str
+) -> None:
+    pieces = cut(whole, tmp_path, len(whole)).content.pieces
+    hit = pieces[len(pieces) // 7]
+    data = bytearray(whole)
+    data[hit.at - 1 if kind == "length" else hit.at + hit.size // 2] ^= 0x40
+    spoilt = tmp_path / "spoilt.mcap"
+    spoilt.write_bytes(data)
+    recording = read_recording(spoilt, damaged=True)
+    assert not is_whole(recording)
+
+    done = repair(recording, tmp_path / "good.mcap")
+
+    again = read_recording(tmp_path / "good.mcap")
+    every = list(read_recording(tmp_path / "cut.mcap").steps())
+    kept = list(again.steps())
+    assert 0 < len(kept) < len(every) / 4
+    assert kept == every[: len(kept)]
+    assert (done.steps, done.complete) == (len(kept), False)
+    assert done.damage
+    assert not again.complete
+    assert again.lost == done.damage
+    assert "the recording ends early" in again.notices[0]
+    assert is_whole(again)
+
+
+def test_the_time_of_its_end_counts_from_the_beginning_of_the_run(tmp_path: Path) -> None:
+    memory, begun, began_s = Memory(), header(), 5_000.0
+    one = Recorder(RecordingFile(memory, begun), begun, real_time=False, commit_s=3600.0)
+    one.start((), began_s, ())
+    for event, at_s, effects in course(100):
+        one.take(event, began_s + at_s, effects)
+    one.close()
+    torn = cut(memory.data, tmp_path, len(memory.data) - 1)
+
+    done = repair(torn, tmp_path / "good.mcap")
+
+    assert done.until_s == pytest.approx(1.6)
+    assert done.until_s == torn.until_s == read_recording(tmp_path / "good.mcap").until_s

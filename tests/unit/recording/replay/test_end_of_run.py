@@ -6,11 +6,13 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
-from pirate_sm.recording.read.reader import read_end_of_recording, read_recording
+from pirate_sm.recording.format.samples import Placed
+from pirate_sm.recording.read.reader import Recording, read_end_of_recording, read_recording
 from pirate_sm.recording.replay import end_of_run as module
 from pirate_sm.recording.replay.end_of_run import end_of_run
-from pirate_sm.recording.write import recorder
+from pirate_sm.recording.write import piece_maker, recorder
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import record, record_cut_off
 
@@ -95,3 +97,35 @@ def test_a_replay_that_differs_is_refused(cut: Path, monkeypatch: pytest.MonkeyP
 
     with pytest.raises(RecordingError, match=r"differs from it at .* cannot be relied on"):
         end_of_run(cut)
+
+
+def test_a_recorded_state_that_differs_from_the_replay_is_refused(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path, right = tmp_path / "cut.mcap", piece_maker.state_to_text
+    monkeypatch.setattr(recorder, "CHECKPOINT_S", 1.0)
+    record_cut_off(path, Order("prepare_bend"), 2.5)
+    # As where no checkpoint can be used, so that the replay passes those states.
+    monkeypatch.setattr(Recording, "checkpoint", lambda recording, at_s: None)
+    assert end_of_run(path).last_s == pytest.approx(2.5, abs=0.1)
+
+    def wrong(state: EngineState) -> str:
+        return right(state._replace(sensing=state.sensing._replace(loss=0.875)))
+
+    monkeypatch.setattr(piece_maker, "state_to_text", wrong)
+    record_cut_off(path, Order("prepare_bend"), 2.5)
+
+    with pytest.raises(RecordingError, match="cannot be relied on"):
+        end_of_run(path)
+
+
+@pytest.mark.parametrize(("before_s", "known"), [(0.0, True), (0.95, True), (1.05, False)])
+def test_belief_in_a_place_ends_a_second_after_it_was_noted(
+    cut: Path, monkeypatch: pytest.MonkeyPatch, before_s: float, known: bool
+) -> None:
+    until_s = read_recording(cut).until_s
+    noted = Placed(until_s - before_s, True, ((0.1, 0.0),) * 6)
+    earlier = noted._replace(at_s=noted.at_s - 0.1)
+    monkeypatch.setattr(module, "recorded_places", lambda *_: iter([earlier, noted]))
+
+    assert end_of_run(cut).placed == (noted if known else None)
