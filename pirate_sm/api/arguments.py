@@ -17,6 +17,7 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.defect_text import as_text
 from pirate_sm.model.fidelity import Fidelity
 from pirate_sm.spelling import unknown
 from pirate_sm.wiring import Order, Prepared
@@ -37,7 +38,9 @@ class Options(TypedDict, total=False):
         set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
         start_phase: The phase to begin with, in place of the mission's own.
         states: State names by region that the robot is in, in place of ``starts_in``.
-        defects: Names of known defects of the simulated robot.
+        defects: Known defects of the simulated robot, each as text,
+            ``"stiff_joint:friction=0.5Nm,after=2s"``, or as a mapping,
+            ``{"defect": "stiff_joint", "after": "2 s"}``.
         twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
@@ -56,7 +59,7 @@ class Options(TypedDict, total=False):
     set: Mapping[str, object] | None
     start_phase: str | None
     states: Mapping[str, str] | None
-    defects: Iterable[str]
+    defects: Iterable[str | Mapping[str, object]]
     twin: str | None
     start_jitter_m: float
     diameter_jitter_m: float
@@ -177,7 +180,9 @@ def _order(
         name = path_of(mission)
     for option in ("robot", "pipe"):
         rest[option] = _path_or_none(rest.get(option))
-    defects = (defects,) if isinstance(defects, str) else defects
+    defects = (defects,) if isinstance(defects, str | Mapping) else defects
+    if isinstance(defects, Iterable):
+        defects = tuple(as_text(each) for each in defects)
     _refuse_kinds({**rest, "backend": backend, "defects": defects})
     rest |= {name: float(rest[name]) for name in _NUMBERS if rest.get(name) is not None}
     return Order(
@@ -185,7 +190,7 @@ def _order(
         backend,
         seed=whole(seed, "seed", 0),
         settings=settings,
-        defects=tuple(defects),
+        defects=defects,
         check=check,
         **rest,
     )
@@ -244,7 +249,7 @@ def _refuse_kinds(options: Mapping[str, object]) -> None:
         (("ruler", "view"), lambda value: isinstance(value, bool), "True or False"),
         (("backend",), lambda value: isinstance(value, str), "the name of a backend"),
         (("states",), _are_states, "names of states by region"),
-        (("defects",), lambda value: isinstance(value, Iterable), "names of defects"),
+        (("defects",), _are_defects, "names of defects"),
     ):
         for name in names:
             if name in options and not fits(options[name]):
@@ -255,6 +260,10 @@ def _are_states(value: object) -> bool:
     if not isinstance(value, Mapping):
         return value is None
     return all(isinstance(text, str) for text in (*value.keys(), *value.values()))
+
+
+def _are_defects(value: object) -> bool:
+    return isinstance(value, tuple) and all(isinstance(each, str) for each in value)
 
 
 def _refuse_unknown(options: Mapping[str, object]) -> None:

@@ -55,7 +55,7 @@ class Switches:
         sensors_started: Whether the sensors were started ([Set]); if not, no board reports.
         old_client: The client of 2014 to 2017, which is unconfigured after an overrun.
         dead_man: Whether the firmware has the dead man's switch that the profile describes.
-        defects: Names of defects in the profile.
+        defects: Defects of the profile, as text with their numbers.
     """
 
     loss_in: float = 0.0

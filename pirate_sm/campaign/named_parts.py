@@ -23,6 +23,7 @@ from pirate_sm.loading.robot.twin_file import load_twin
 from pirate_sm.model.campaign import DefectSet
 from pirate_sm.model.profile import Profile
 from pirate_sm.on_disk import is_there
+from pirate_sm.simulation.defects import named
 from pirate_sm.units import QuantityError
 
 NONE, EACH = "none", "each"
@@ -267,11 +268,22 @@ class NameReader:
                 yield from ((name,) for name in known)
                 continue
             names = () if listed == (NONE,) else listed
-            for place, name in enumerate(names):
-                if name not in known:
-                    at = (*choices.place("defects"), number, place)
-                    self.problems.add_unknown("campaign.defect", at, "defect", name, known)
+            for place, text in enumerate(names):
+                at = (*choices.place("defects"), number, place)
+                check_defect(text, profile, "campaign.defect", at, self.problems)
             yield names
+
+
+def check_defect(text: str, profile: Profile, code: str, at: Keys, problems: Problems) -> None:
+    """Report a defect that the robot does not have, or whose numbers do not fit."""
+    name, known = text.partition(":")[0], profile.simulation.defects
+    if name not in known:
+        problems.add_unknown(code, at, "defect", name, known)
+        return
+    try:
+        named([text], profile, seed=0)
+    except UsageError as error:
+        problems.add(code, at, str(error))
 
 
 def _listed(choices: Choices, key: str) -> Iterator[tuple[str, Keys]]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
+from pirate_sm.campaign.named_parts import check_defect
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.experiment_files import Setup, parts_of, read_setup
 from pirate_sm.experiments.mission_setups import BendSetup
@@ -101,8 +102,8 @@ def _check_robot(setup: Setup, robot: LoadedRobot, problems: Problems) -> None:
         _known(problems, "level of noise", noise, setup.noise)
         _known(problems, "part of the robot", _of_robot(setup), body.parts)
         return
-    defects = _listed(("defects",), setup.defects)
-    _known(problems, "defect", defects, robot.profile.simulation.defects)
+    for place, text in _listed(("defects",), setup.defects):
+        check_defect(text, robot.profile, "experiment.name", place, problems)
     if not isinstance(setup, BendSetup):
         _known(problems, "wheel", _listed(("wheels",), setup.wheels), wheels)
         return

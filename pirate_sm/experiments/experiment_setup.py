@@ -5,6 +5,7 @@ from __future__ import annotations
 from pirate_sm.experiments.thesis_rows import ThesisRow
 from pirate_sm.model.base import Format, Frozen, Name
 from pirate_sm.model.quantities import Count
+from pirate_sm.model.simulation import DefectText
 
 
 class ExperimentSetup(Frozen):
@@ -34,5 +35,5 @@ class MissionSetup(ExperimentSetup):
     """
 
     missions: dict[str, Name]
-    defects: tuple[Name, ...] = ()
+    defects: tuple[DefectText, ...] = ()
     seen: dict[str, Name] = {}  # noqa: RUF012 - pydantic copies it

@@ -39,7 +39,7 @@ class Scenario:
         states: States of the robot at the start by region, in place of the mission's.
         backend: ``sim`` or ``physics``.
         fidelity: ``usual`` or ``fast``, as for :func:`pirate_sm.run`.
-        defects: Names of known defects of the robot.
+        defects: Known defects of the robot, as for :func:`pirate_sm.run`.
         start_jitter_m: How far the robot may start from its place; likewise ``diameter_jitter_m``
             of the pipe, and ``friction_jitter`` as a share.
         reach_m: The place along the pipe that every wheel must reach; None: behind the last bend
@@ -53,7 +53,7 @@ class Scenario:
     states: Mapping[str, str] | None = None
     backend: str = "sim"
     fidelity: str = "usual"
-    defects: Iterable[str] = ()
+    defects: Iterable[str | Mapping[str, object]] = ()
     start_jitter_m: float = 0.01
     friction_jitter: float = 0.1
     diameter_jitter_m: float = 0.0
@@ -66,7 +66,7 @@ class Scenario:
             value = getattr(self, name)
             if value is not None and (not is_number(value) or not 0 < value < inf):
                 raise UsageError(f"{name}: expected a number above 0, got {value!r}")
-        if isinstance(self.defects, str):
+        if isinstance(self.defects, str | Mapping):
             object.__setattr__(self, "defects", (self.defects,))
 
     @property

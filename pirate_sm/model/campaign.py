@@ -19,6 +19,7 @@ from pirate_sm.model.quantities import (
     quantity_fault,
     range_fault,
 )
+from pirate_sm.model.simulation import DefectText
 from pirate_sm.model.variations import LineFaults, StartJitter
 from pirate_sm.units import DIMENSIONLESS, QuantityError, read_quantity
 
@@ -110,7 +111,7 @@ Texts: TypeAlias = Annotated[tuple[str, ...], _ONE_IS_A_LIST, Field(min_length=1
 Backends: TypeAlias = Annotated[
     tuple[SimulatedBackend, ...], _ONE_IS_A_LIST, Field(min_length=1), _ONE_OR_MANY
 ]
-DefectSet: TypeAlias = Annotated[tuple[str, ...], _ONE_IS_A_LIST, _ONE_OR_MANY]
+DefectSet: TypeAlias = Annotated[tuple[DefectText, ...], _ONE_IS_A_LIST, _ONE_OR_MANY]
 """Defects that are switched on together."""
 
 DefectSets: TypeAlias = Annotated[
@@ -209,8 +210,8 @@ class RunChoices(Frozen):
     Attributes:
         robot: Name or path, in place of the missions' own.
         pipe: Names or paths, in place of the missions' own; one, or a list.
-        defects: Each item is `none`, a defect, or a list of defects at once; `each` stands for
-            every defect of the robot.
+        defects: Each item is `none`, a defect with its numbers, or a list of defects at once;
+            `each` stands for every defect of the robot.
         set: Values of parameters by name: one, a list, or a range with `from`, `to` and `by`.
         backend: `sim`, `physics`, or `bay`, the serial link to an emulated robot; one, or a list.
         detector: Names of detectors, in place of the backend's usual one; one, or a list.

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, Self
+from typing import Annotated, Literal, Self, TypeAlias
 
-from pydantic import Field, model_validator
+from pydantic import BeforeValidator, Field, model_validator
 
-from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.base import AlsoWritten, Frozen, Name
+from pirate_sm.model.defect_text import as_text
 from pirate_sm.model.quantities import (
     Acceleration,
     Angle,
@@ -91,6 +92,7 @@ Kind = Literal[
     "sensor_spike",
     "zero_jump",
     "silent_bay",
+    "silent_boards",
     "lost_messages",
     "stale_repeats",
     "firmware_reset",
@@ -131,6 +133,16 @@ class Defect(Frozen):
     lasting: Annotated[Duration, Field(ge=0)] = 0.0
     friction: Annotated[Torque, Field(ge=0)] = 0.0
     share: Annotated[Ratio, Field(ge=0, le=0.5)] = 0.0
+
+
+_MAPPED = {
+    "type": "object",
+    "required": ["defect"],
+    "additionalProperties": {"type": ["string", "number"]},
+    "description": "A defect with numbers: {defect: NAME, after: 2 s}.",
+}
+DefectText: TypeAlias = Annotated[str, BeforeValidator(as_text), AlsoWritten(lambda _: [_MAPPED])]
+"""A defect with its numbers; see :mod:`pirate_sm.model.defect_text`."""
 
 
 class Simulation(Frozen):

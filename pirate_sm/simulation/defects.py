@@ -9,16 +9,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
 from pirate_sm.errors import NO_HINT, Hint, UsageError
+from pirate_sm.expressions import NumberType, Vocabulary, compile_expression
+from pirate_sm.model.defect_text import KEYS, ends_of, numbers_of
+from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.loss import Loss
+from pirate_sm.simulation.sensors import scale_of
 from pirate_sm.spelling import unknown
+from pirate_sm.units import ANGLE, Dimension
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
 """A defect and its own random numbers."""
@@ -27,11 +32,21 @@ _WANDER_EVERY_S = 0.5
 _WANDER_DUTY = 0.3
 
 
-class DeadWheel(Effect):
-    """A wheel that its motor does not turn, that drags, and whose sensors show zero."""
+class Lasting(Sudden):
+    """A defect that changes the robot for good; at the start of a run before anything moves."""
 
     def begin(self) -> None:
-        """Make the wheels drag and their channels show zero."""
+        """Strike now if it is there from the start."""
+        if self.due_s <= 0.0:
+            self.due_s = math.inf
+            self.strike(0.0)
+
+
+class DeadWheel(Lasting):
+    """A wheel that its motor does not turn, that drags, and whose sensors stand still."""
+
+    def strike(self, now: float) -> None:
+        """Make the wheels drag and their channels stand still."""
         chain = self.robot.chain
         for name in self.defect.wheels:
             wheel = chain.wheel_index[name]
@@ -39,23 +54,15 @@ class DeadWheel(Effect):
             self.robot.physics.disable_wheel(wheel, drag)
             self.robot.mute_wheel(wheel)
 
-    def glides_until_s(self, now: float) -> float:
-        """Return infinity: all of it was done at the start."""
-        return math.inf
 
-
-class StiffJoint(Effect):
+class StiffJoint(Lasting):
     """A joint with added dry friction."""
 
-    def begin(self) -> None:
+    def strike(self, now: float) -> None:
         """Add the friction to the joint."""
         if self.defect.joint is not None:
             wheel = self.robot.chain.joint_index[self.defect.joint]
             self.robot.physics.stiffen_joint(wheel, self.defect.friction)
-
-    def glides_until_s(self, now: float) -> float:
-        """Return infinity: all of it was done at the start."""
-        return math.inf
 
 
 class StuckSensor(Effect):
@@ -105,7 +112,19 @@ class ZeroJump(Sudden):
             self.robot.shift(signal, counts)
 
 
-class SilentBay(Effect):
+class SilentBoards(Effect):
+    """Boards that report nothing; their motors obey."""
+
+    def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
+        """Lose the frames of the boards."""
+        return None if board in self.defect.boards and self.active(now) else counts
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it begins; while it is active frames are lost."""
+        return -math.inf if now < self._until else self._phase_until_s(now)
+
+
+class SilentBay(SilentBoards):
     """A bay that publishes and echoes nothing, while motors move without a command."""
 
     _wander = -math.inf
@@ -123,10 +142,6 @@ class SilentBay(Effect):
         """Lose every frame."""
         return None if self.active(now) else counts
 
-    def glides_until_s(self, now: float) -> float:
-        """Return when it begins; while it is active motors move and frames are lost."""
-        return -math.inf if now < self._until else self._phase_until_s(now)
-
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Lose every array and echo."""
         arrives = not self.active(now)
@@ -142,10 +157,16 @@ class LostMessages(Effect):
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
         """Return the counts, or lose the frame at random."""
-        return counts if self._loss.arrives("frame") else None
+        return None if self.active(now) and not self._loss.arrives("frame") else counts
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it begins; while it is active frames are lost."""
+        return -math.inf if now < self._until else self._phase_until_s(now)
 
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Lose the array or its echo at random."""
+        if not self.active(now):
+            return True, True
         arrives = self._loss.arrives("array")
         return arrives, arrives and self._loss.arrives("echo")
 
@@ -233,6 +254,7 @@ KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]
     "sensor_spike": StuckSensor,
     "zero_jump": ZeroJump,
     "silent_bay": SilentBay,
+    "silent_boards": SilentBoards,
     "lost_messages": LostMessages,
     "stale_repeats": StaleRepeats,
     "firmware_reset": FirmwareReset,
@@ -245,17 +267,66 @@ KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]
 _ONE_EACH = Hint("; repeat --defect for each", "; each name is an item of its own")
 
 
-def named(names: Sequence[str], defects: Mapping[str, Defect], seed: int) -> list[AtWork]:
-    """Return the defects with these names, each with its own random numbers.
+def named(texts: Sequence[str], profile: Profile, seed: int) -> list[AtWork]:
+    """Return the defects with these names and numbers, each with its own random numbers.
+
+    Args:
+        texts: The defects, see :mod:`pirate_sm.model.defect_text`.
+        profile: The robot's profile.
+        seed: Of their random numbers, with which ranges are drawn first.
 
     Raises:
-        UsageError: Some do not exist; the message has all of them and suggests the nearest.
+        UsageError: Some do not exist, or their numbers do not fit; the message has all of them and
+            suggests the nearest.
     """
+    defects, names = profile.simulation.defects, [text.partition(":")[0] for text in texts]
     if wrong := unknown("there is no defect", names, defects):
         raise UsageError(wrong, hint=_ONE_EACH if any("," in name for name in names) else NO_HINT)
-    return [
-        (defects[name], np.random.default_rng((seed, number))) for number, name in enumerate(names)
-    ]
+    found, faults = [], []
+    for number, (name, text) in enumerate(zip(names, texts, strict=True)):
+        rng = np.random.default_rng((seed, number))
+        try:
+            found.append((_drawn(defects[name], text, profile, rng), rng))
+        except UsageError as error:
+            faults.append(str(error))
+    if faults:
+        raise UsageError("\n".join(faults))
+    return found
+
+
+def _drawn(defect: Defect, text: str, profile: Profile, rng: np.random.Generator) -> Defect:
+    """Return the defect with the numbers in its text, ranges drawn."""
+    numbers = numbers_of(text, defect.kind)
+    scales = _scales(defect, profile) if numbers else {}
+    measured = [dimension for _, dimension in scales.values()] or [ANGLE]
+    changed: dict[str, Any] = {}
+    for key, written in numbers.items():
+        try:
+            least, most = ends_of(key, written, measured)
+        except UsageError as error:
+            raise UsageError(f"{text.partition(':')[0]}: {key}: {error}") from None
+        value = least.value if least == most else float(rng.uniform(least.value, most.value))
+        if KEYS[key].dimension is not None:
+            changed[key] = value
+            continue
+        shown = {
+            name: float(round(value / scale))
+            for name, (scale, dimension) in scales.items()
+            if dimension == least.dimension
+        }
+        changed["raw"] = {**defect.raw, **shown}
+    return defect.model_copy(update=changed)
+
+
+def _scales(defect: Defect, profile: Profile) -> dict[str, tuple[float, Dimension]]:
+    """Return what a count of each affected signal means in SI units, and its dimension."""
+    scales = {}
+    for channel in (channel for board in profile.boards for channel in board.channels):
+        if channel.convert and channel.signal in (*defect.signals, *defect.raw):
+            scale = compile_expression(profile.conversions[channel.convert].scale, Vocabulary({}))
+            if isinstance(scale.type, NumberType):
+                scales[channel.signal] = scale_of(scale.text), scale.type.dimension
+    return scales
 
 
 def put_to_work(defects: Sequence[AtWork], robot: Electronics) -> tuple[Effect, ...]:

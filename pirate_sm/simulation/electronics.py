@@ -108,9 +108,11 @@ class Electronics:
             self.channels[row, digitizing.OFFSET] = -counts
 
     def mute_wheel(self, wheel: int) -> None:
-        """Make every channel of a wheel show zero."""
+        """Make the angle of a wheel stand still, and its other channels show zero."""
         rows = self._showing(("wheel", "turned", "drive"), (wheel,))
         self.channels[rows, digitizing.GAIN : digitizing.SIGMA + 1] = 0.0
+        for row in self._showing(("wheel",), (wheel,)):
+            self.channels[row, digitizing.OFFSET] = self.counts[row]
 
     def shift(self, signal: str, counts: float) -> None:
         """Add this many counts to the offset of the signal's channel."""

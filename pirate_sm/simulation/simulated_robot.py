@@ -91,7 +91,7 @@ class SimulatedRobot:
         start_values: Setpoints of the configuration at the start, one per slot, for a start with
             clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
-        defects: Names of the profile's defects to switch on.
+        defects: Which of the profile's defects to switch on, as text with their numbers.
         more_defects: Further defects.
         put_back: How the robot stands, in place of where its pipe says; None: there.
 
@@ -143,7 +143,7 @@ class SimulatedRobot:
         self._arcs = self.physics.quantities[self._layout.block("arc")]
         noise_seed = int(rng.integers(2**63))
         self.electronics = Electronics(chain, routes, sensors, self.physics, noise_seed)
-        at_work = [*named(defects, profile.simulation.defects, seed), *more_defects]
+        at_work = [*named(defects, profile, seed), *more_defects]
         self._effects = put_to_work(at_work, self.electronics)
         self._obstacles = Obstacles(self.physics, chain, around.route, around.obstacles)
         self._changes = PipeChanges(

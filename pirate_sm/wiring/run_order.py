@@ -50,7 +50,7 @@ class Order:
         start_jitter_m: How far a simulated robot may start from its position; likewise
             ``diameter_jitter_m`` for the pipe, and ``friction_jitter`` as a share.
         fidelity: How finely the kinematic simulator computes; ``fast`` has half the iterations.
-        defects: Defects of the simulated robot.
+        defects: Defects of the simulated robot, as text with their numbers.
         twin: File with numbers of the simulated robot, in place of its profile's.
         firings: Triggers that a trace fires instead of the first trigger of each wait.
         course: All events of a trace, in order.

@@ -25,6 +25,15 @@ ROUND = ("level", "take_branch", "take_elbow", "turn_left")
 QUICK = (*IN_PLANE, *ROUND)
 SHIPPED = [path.stem for path in library.missions()]
 DEFECTS = sorted(load_robot(library.find_robot("pirate_ii")).profile.simulation.defects)
+TIMED = (
+    "wheel_2_dead:after=5s",
+    "gamma_2_stiff:friction=0.4Nm,after=3s..9s",
+    "board_23_silent:after=7s",
+    "front_wheels_stick:after=4s,lasting=1s",
+    "gamma_4_zero_jumps:by=-8deg,after=6s",
+    "messages_lost:after=5s",
+    "gamma_1_sticks:after=3s,lasting=2s,every=2s",
+)
 DETECTORS = ("sim", "odometry")
 PIPES_OF_PIRATE = ("mitre_90", "elbow_90", "mitre_90_round")
 SOMEWHERE = {"start_jitter_m": 0.02, "friction_jitter": 0.2, "diameter_jitter_m": 0.002}
@@ -102,6 +111,14 @@ def test_robots_with_two_defects() -> None:
         defects = tuple(lot.sample(DEFECTS, 2))
         for mission in ("mitre_bend", "take_elbow"):
             assert_the_same(Order(mission, seed=seed, defects=defects), after_s=12.0)
+
+
+@pytest.mark.parametrize("defect", TIMED)
+def test_belief_meets_a_defect_that_begins_while_frames_are_taken(defect: str) -> None:
+    mission = ("mitre_bend", "take_elbow")[TIMED.index(defect) % 2]
+    order = Order(mission, seed=3, defects=(defect,), detector="odometry")
+
+    assert assert_the_same(order, after_s=12.0) > 50
 
 
 @pytest.mark.parametrize("defect", ["wheels_3_4_dead", "gamma_2_stiff", "gamma_2_sticks"])

@@ -65,6 +65,18 @@ OF_THE_CONTROLLER = {
 }
 
 
+DEFECTS = load_robot(SIX_WHEELED).profile.simulation.defects
+TIMED = [
+    "wheel_1_dead:after=6s",
+    "gamma_1_stiff:friction=0.5Nm,after=12s",
+    "board_26_silent:after=13s",
+    "gamma_1_zero_jumps:by=-25deg,after=12s",
+]
+"""Defects that begin in the middle of the mission."""
+
+FEW = [*list(DEFECTS)[: list(DEFECTS).index("wheel_1_dead")], *OF_THE_CONTROLLER, *TIMED]
+
+
 class Course(NamedTuple):
     """How a mission went."""
 
@@ -127,9 +139,7 @@ def loaded(tmp_path_factory: pytest.TempPathFactory) -> LoadedMission:
 
 
 @pytest.mark.parametrize("seed", thorough_but([1], [1, 2]))
-@pytest.mark.parametrize(
-    "defect", [*load_robot(SIX_WHEELED).profile.simulation.defects, *OF_THE_CONTROLLER]
-)
+@pytest.mark.parametrize("defect", thorough_but(FEW, [*DEFECTS, *OF_THE_CONTROLLER, *TIMED]))
 def test_a_defect_has_the_same_consequences_in_the_simulator_and_behind_the_bay(
     loaded: LoadedMission, defect: str, seed: int
 ) -> None:

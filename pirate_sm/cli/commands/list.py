@@ -15,6 +15,7 @@ from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.camera import Camera
+from pirate_sm.model.defect_text import keys_of
 from pirate_sm.model.mission import Mission
 from pirate_sm.model.panel import Panel
 from pirate_sm.model.pipe import Pipe
@@ -72,7 +73,8 @@ def _vocabulary(robot: LoadedRobot) -> Iterable[Row]:
 def _defects(folders: Iterable[Path]) -> None:
     for folder in folders:
         defects = load_robot(folder).profile.simulation.defects
-        print_table(f"defects of {folder.name}", [(n, d.description) for n, d in defects.items()])
+        rows = [(n, ", ".join(keys_of(d.kind)), d.description) for n, d in defects.items()]
+        print_table(f"defects of {folder.name}", rows)
 
 
 def _missions(_: Iterable[Path]) -> None:

@@ -32,6 +32,7 @@ from pirate_sm.cli.completion.reading import (
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
+from pirate_sm.model.defect_text import KEYS, keys_of
 
 LONGEST_LINE = 100_000
 """The most characters that are read of the first line of a table."""
@@ -136,8 +137,15 @@ def states_of_several(context: typer.Context, typed: str) -> Iterator[Candidate]
 
 
 def defects(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the known defects of the robot."""
-    yield from described(mapping(_profile(_robot(context)).get("simulation")).get("defects"))
+    """Yield the known defects of the robot, and after a colon or comma the numbers they take."""
+    known = mapping(mapping(_profile(_robot(context)).get("simulation")).get("defects"))
+    name, colon, _ = typed.partition(":")
+    if not colon:
+        yield from described(known)
+        return
+    before = typed[: max(typed.rfind(":"), typed.rfind(",")) + 1]
+    for key in keys_of(line(mapping(known.get(name)).get("kind"))):
+        yield f"{before}{key}=", KEYS[key].meaning
 
 
 def joints(context: typer.Context, typed: str) -> Iterator[Candidate]:

@@ -121,9 +121,9 @@ Defects = Annotated[
     list[str] | None,
     typer.Option(
         "--defect",
-        metavar="NAME",
+        metavar="NAME[:KEY=VALUE,…]",
         autocompletion=candidates.defects,
-        help="Switch on a known defect. Repeatable.",
+        help="Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
     ),
 ]
 FidelityOfSim = Annotated[

@@ -28,6 +28,7 @@ DEFECT_NEEDS = {
     "sensor_spike": ("raw",),
     "zero_jump": ("raw",),
     "lost_messages": ("share",),
+    "silent_boards": ("boards",),
 }
 """The required keys of each kind of defect."""
 

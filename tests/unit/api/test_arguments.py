@@ -64,6 +64,7 @@ def test_a_loaded_mission_takes_no_options_of_loading(patrol: pirate_sm.LoadedMi
         (lambda: pirate_sm.load(PATROL, set=3), "set: expected values by the names of parameters"),
         (lambda: pirate_sm.check(PATROL, pipe=3), "expected a name or a path, got 3"),
         (lambda: pirate_sm.run(PATROL, "trace", defects=3), "defects: expected names of defects"),
+        (lambda: pirate_sm.run(PATROL, defects=[{"a": 1}]), "defects: expected names of defects"),
         (lambda: pirate_sm.run(PATROL, start_jitter_m="1"), "start_jitter_m: expected a number"),
         (lambda: pirate_sm.run(PATROL, friction_jitter=7), "jitter of the friction: expected from"),
         (lambda: pirate_sm.run(PATROL, diameter_jitter_m=-1), "jitter of the diameter: expected"),

@@ -62,6 +62,24 @@ def test_cells_are_all_combinations(tmp_path: Path) -> None:
     assert plan.cells[0].seeds == range(10)
 
 
+def test_belief_is_tried_with_timed_defects_in_campaigns(tmp_path: Path) -> None:
+    drawn = "{defect: gamma_2_stiff, friction: 0.3 Nm, after: 2 s..20 s}"
+    text = CAMPAIGN.replace("gamma_2_stiff", f"{drawn}, {{defect: wheel_1_dead}}")
+    order = planned(tmp_path, text).cells[1].order
+
+    expected = "gamma_2_stiff:friction=0.3Nm,after=2s..20s"
+    assert order.defects == ("messages_lost", expected, "wheel_1_dead")
+    assert f"--defect {expected} --defect wheel_1_dead" in command_of(order, 7)
+    assert problems_of(
+        tmp_path,
+        "campaign: trial\nmissions: [mitre_bend]\nseeds: 5\n"
+        "defects: [none, {defect: gamma_2_stiff, friction: 2 mm}, 'wheel_1_dead:lasting=1s']\n",
+    ) == [
+        "4:17 gamma_2_stiff: friction: expected a torque such as '0.8 Nm', got '2mm', a length",
+        "4:58 the defect wheel_1_dead takes no number 'lasting': expected one of friction, after",
+    ]
+
+
 def test_a_cell_has_the_command_that_repeats_a_run(tmp_path: Path) -> None:
     cell = planned(tmp_path, CAMPAIGN).cells[3]
 

@@ -2,9 +2,11 @@ from __future__ import annotations
 
 import itertools
 import math
+import re
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
@@ -21,7 +23,7 @@ Place = Callable[..., Driver]
 
 def effect(robot: Driver, kind: str, **numbers: Any) -> Effect:
     defect = Defect(kind=kind, description="", **numbers)  # type: ignore[arg-type]
-    (made,) = put_to_work(named(["it"], {"it": defect}, seed=3), robot.electronics)
+    (made,) = put_to_work([(defect, np.random.default_rng(3))], robot.electronics)
     return made
 
 
@@ -199,11 +201,113 @@ def test_sudden_defects_come_again_at_random(place: Place) -> None:
 def test_every_defect_of_the_profile_can_be_switched_on(profile: Profile, place: Place) -> None:
     defects = profile.simulation.defects
     robot = place(straight())
-    made = put_to_work(named(list(defects), defects, seed=1), robot.electronics)
+    made = put_to_work(named(list(defects), profile, seed=1), robot.electronics)
     assert len(made) == len(defects)
 
 
 def test_an_unknown_defect_is_refused_with_a_suggestion(profile: Profile) -> None:
     name = next(iter(profile.simulation.defects))
     with pytest.raises(UsageError, match=f"did you mean '{name}'"):
-        named([name + "x"], profile.simulation.defects, seed=1)
+        named([name + "x"], profile, seed=1)
+
+
+@pytest.mark.parametrize(
+    ("text", "numbers"),
+    [
+        ("gamma_4_stiff:friction=0.5Nm,after=2s", {"friction": 0.5, "after": 2.0}),
+        ("gamma_2_drops: every = 20 s , lasting = 300 ms", {"every": 20.0, "lasting": 0.3}),
+        ("gamma_1_zero_jumps:by=-13deg", {"raw": {"gamma_1": -148.0}}),
+        ("gamma_2_sticks:shows=45deg", {"raw": {"gamma_2": 512.0}}),
+        ("gamma_3_spikes:shows=90deg", {"raw": {"gamma_3": 1024.0, "bend_torque_3": 400.0}}),
+        ("imu_spikes:shows=0m/s^2", {"raw": {"acc_x": 0.0, "acc_z": 0.0}}),
+        ("messages_lost:share=25%", {"share": 0.25}),
+        ("wheel_1_dead:", {}),
+    ],
+)
+def test_belief_is_tried_with_defects_whose_numbers_and_times_are_given(
+    profile: Profile, text: str, numbers: dict[str, Any]
+) -> None:
+    plain = profile.simulation.defects[text.partition(":")[0]]
+    ((defect, _),) = named([text], profile, seed=1)
+    assert defect == plain.model_copy(update=numbers)
+
+
+def test_a_range_is_drawn_from_the_seed(profile: Profile) -> None:
+    text = "gamma_4_stiff:friction=0.2Nm..0.9Nm,after=0s..20s"
+    drawn = [named([text, text], profile, seed=seed) for seed in range(40)]
+    for numbers, least, most in (
+        ([one.friction for pair in drawn for one, _ in pair], 0.2, 0.9),
+        ([one.after for pair in drawn for one, _ in pair], 0.0, 20.0),
+    ):
+        assert least <= min(numbers) < 0.8 * least + 0.2 * most
+        assert 0.2 * least + 0.8 * most < max(numbers) <= most
+        assert len(set(numbers)) == 80
+    assert named([text], profile, seed=7)[0][0] == drawn[7][0][0]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        ("gamma_4_stiff:fricton=2Nm", "takes no number 'fricton': did you mean 'friction'?"),
+        ("wheel_1_dead:lasting=2s", "'lasting': expected one of friction, after"),
+        ("gamma_4_stiff:friction=2mm", "friction: expected a torque such as '0.8 Nm', got '2mm'"),
+        ("gamma_4_stiff:after=2", "after: expected a duration such as '2 s', got '2' without a"),
+        ("gamma_4_stiff:after", "after: expected KEY=VALUE, got 'after'"),
+        ("gamma_4_stiff:after=1s,after=2s", "after: given twice"),
+        ("gamma_4_stiff:friction=-1Nm", "friction: expected at least 0, got '-1Nm'"),
+        ("messages_lost:share=80%", "share: expected at least 0 and at most 0.5, got '80%'"),
+        ("gamma_1_zero_jumps:by=3s", "by: expected an angle such as '28 deg', got '3s'"),
+        ("wheel_1_dead:after=5s..2s", "expected a range from the smaller to the larger value"),
+        ("wheel_1_dead:after=5s..", "after: expected a duration such as '2 s', got ''"),
+    ],
+)
+def test_numbers_that_do_not_fit_are_refused(profile: Profile, text: str, message: str) -> None:
+    with pytest.raises(UsageError, match=re.escape(message)):
+        named([text], profile, seed=1)
+
+
+def test_all_defects_whose_numbers_do_not_fit_are_named(profile: Profile) -> None:
+    with pytest.raises(UsageError, match=r"(?s)gamma_4_stiff: friction.*wheel_1_dead: after"):
+        named(["gamma_4_stiff:friction=1", "wheel_1_dead:after=1"], profile, seed=1)
+
+
+def test_a_wheel_dies_in_the_middle_of_a_run_and_its_angle_stands_still(place: Place) -> None:
+    robot = place(straight())
+    made = effect(robot, "dead_wheel", wheels=("wheel_3",), after=2.0)
+    robot.clamp(1, 2, 3, 4)
+    robot.drive(1.0)
+    robot.run(2.0)
+    made.step(1.9)
+    before = shown(robot, made, 1.9, "theta_3")
+    made.step(2.0)
+    robot.run(1.0)
+    assert before != 0.0
+    assert shown(robot, made, 3.0, "theta_3") == before
+    assert shown(robot, made, 3.0, "wheel_current_3") == 0.0
+    assert robot.physics.body[2, columns.WHEEL_RATE] == 0.0
+
+
+def test_a_joint_becomes_stiff_in_the_middle_of_a_run(place: Place) -> None:
+    robot = place(straight(), clamped=0.0)
+    made = effect(robot, "stiff_joint", joint="gamma_2", friction=0.9, after=1.0)
+    made.step(0.9)
+    assert robot.physics.body[2, columns.JOINT_FRICTION] < 0.1
+    assert (made.due_s, made.glides_until_s(0.9)) == (1.0, 1.0)
+    made.step(1.0)
+    assert robot.physics.body[2, columns.JOINT_FRICTION] == 0.9
+    assert made.glides_until_s(1.0) == math.inf
+
+
+def test_a_silent_board_reports_nothing_for_a_while_and_the_others_report(place: Place) -> None:
+    robot = place(straight())
+    made = effect(robot, "silent_boards", boards=(26,), after=1.0, lasting=0.5)
+    silent = [shown(robot, made, t, "gamma_3") is None for t in (0.9, 1.0, 1.4, 1.6)]
+    assert silent == [False, True, True, False]
+    assert shown(robot, made, 1.2, "gamma_4") is not None
+    assert made.delivery(1.2) == (True, True)
+
+
+def test_messages_are_lost_from_a_certain_time_on(place: Place) -> None:
+    made = effect(place(straight()), "lost_messages", share=0.5, after=1.0)
+    assert all(made.delivery(0.5) == (True, True) for _ in range(50))
+    assert not all(made.delivery(1.5) == (True, True) for _ in range(50))

@@ -78,6 +78,8 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         ("pirate run mitre_bend --state LightingState=", ["LightingState=Off", "LightingState=On"]),
         ("pirate run mitre_bend --defect wheels", ["wheels_3_4_dead"]),
         ("pirate run mitre_bend --defect wheels_3_4_dead --defect wheels", []),
+        ("pirate run --defect wheel_1_dead:", ["wheel_1_dead:friction=", "wheel_1_dead:after="]),
+        ("pirate run --defect wheel_1_dead:friction=1Nm,a", ["wheel_1_dead:friction=1Nm,after="]),
         ("pirate run --robot pirate_ii_imu --defect wheels", ["wheels_3_4_dead"]),
         ("pirate run --backend s", ["serial", "sim"]),
         ("pirate run --detector vis", ["vision:"]),
