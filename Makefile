@@ -8,7 +8,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery wheel test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -24,6 +24,8 @@ help:
 	@echo "make seeds   the bend in many pipes, up to 1,000 seeds each"
 	@echo "make campaigns  what campaigns cost: two workers beside one, the client, memory; and one that is disturbed beside one left alone"
 	@echo "make space   how often each fitting of a round pipe is passed, by 100 seeds each"
+	@echo "make belief  missions that claim a distance or a place, with any defects in any pipe, judged by the truth"
+	@echo "make robots  the bend with robots of other motors, springs and friction"
 	@echo "make maps    how far maps of driven pipes are from these, by 10 seeds each"
 	@echo "make align   how level a part comes that is turned by the accelerometer, from twelve rolls, and the mission level"
 	@echo "make upright up and down an upright pipe, clamped as friction asks for and by a fixed torque, over a bad line and without"
@@ -127,6 +129,12 @@ seeds: $(VENV)/.ready-campaign
 
 upright: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.upright
+
+belief: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.belief
+
+robots: $(VENV)/.ready-sim
+	$(BIN)/python -m benchmarks.robots
 
 maps: $(VENV)/.ready-sim
 	$(BIN)/python -m benchmarks.maps

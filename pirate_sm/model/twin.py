@@ -7,7 +7,7 @@ from typing import Annotated
 from pydantic import Field
 
 from pirate_sm.model.base import Format, Frozen, Name
-from pirate_sm.model.quantities import AngularSpeed, Torque
+from pirate_sm.model.quantities import AngularSpeed, Stiffness, Torque
 from pirate_sm.model.simulation import Friction
 
 
@@ -17,12 +17,14 @@ class MotorNumbers(Frozen):
     Attributes:
         no_load_speed: Speed at full duty without load.
         stall_torque: Torque at full duty at standstill.
+        stiffness: Of the spring behind a worm.
         hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
         dead_drag: Drag torque of a failed geared motor.
     """
 
     no_load_speed: Annotated[AngularSpeed, Field(gt=0)] | None = None
     stall_torque: Annotated[Torque, Field(gt=0)] | None = None
+    stiffness: Annotated[Stiffness, Field(gt=0)] | None = None
     hold_torque: Annotated[Torque, Field(ge=0)] | None = None
     dead_drag: Annotated[Torque, Field(ge=0)] | None = None
 

@@ -12,6 +12,9 @@ from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
 
+_OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sprung_worm"}
+"""Numbers that only one kind of motor has."""
+
 
 def simulated_profile(profile: Profile, file: str | None) -> Profile:
     """Return the profile for a simulated robot, with the numbers in a file where one is named.
@@ -51,11 +54,11 @@ def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
         if motor is None:
             known = sorted(profile.motors)
             problems.add_unknown("twin.motor", at, "kind of motor", name, known, key=True)
-        elif motor.kind != "geared":
-            for key in ("hold_torque", "dead_drag"):
-                if getattr(numbers, key) is not None:
-                    message = f"only a geared motor has a `{key}`, and '{name}' is {motor.kind}"
-                    problems.add("twin.motor", (*at, key), message)
+            continue
+        for key, kind in _OF_ONE_KIND.items():
+            if motor.kind != kind and getattr(numbers, key) is not None:
+                message = f"only a {kind} motor has a `{key}`, and '{name}' is {motor.kind}"
+                problems.add("twin.motor", (*at, key), message)
 
 
 def with_twin(profile: Profile, twin: Twin) -> Profile:

@@ -41,6 +41,11 @@ def test_its_numbers_take_the_place_of_the_profiles_and_all_others_stay(twin_fil
             "bend: {",
             "only a geared motor has a `hold_torque`",
         ),
+        (
+            "hold_torque: 50 mNm",
+            "stiffness: 2 Nm/rad",
+            "only a sprung_worm motor has a `stiffness`",
+        ),
         ("kinetic: 0.3", "kinetic: 0.9", "kinetic friction cannot be more"),
     ],
 )
