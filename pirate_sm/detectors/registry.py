@@ -103,6 +103,10 @@ class Detecting(NamedTuple):
     camera: Callable[[], CameraView | None] | None = None
 
 
+NOBODY = Detecting("none")
+"""No detector."""
+
+
 class MakeDetector(Protocol):
     """The factory in a detector's entry point; see ``docs/extending.md``."""
 

@@ -7,7 +7,14 @@ from typing import get_args
 
 from pirate_sm.backends import known
 from pirate_sm.detectors.beside import Beside
-from pirate_sm.detectors.registry import Asked, Detecting, counts, detecting, speaks_of_bends
+from pirate_sm.detectors.registry import (
+    NOBODY,
+    Asked,
+    Detecting,
+    counts,
+    detecting,
+    speaks_of_bends,
+)
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
@@ -19,7 +26,7 @@ from pirate_sm.wiring.chosen_panel import choose_panel
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
 from pirate_sm.wiring.run_order import Order
 
-__all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "prepare"]
+__all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "placed", "prepare"]
 
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
@@ -90,6 +97,7 @@ def prepare(
         reckoned=None if made.truth else found.reckoned,
         camera=found.camera,
         detector=found.kind,
+        detecting=found,
         panel=choose_panel(order.panel, loaded.loaded_robot) if order.panel is not None else None,
     )
 
@@ -142,7 +150,7 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
                 f"the backend {order.backend} takes no detector and no start position",
                 hint=Hint(" (--detector, --start-at)", " (detector, start_at_m)"),
             )
-        return Detecting("none")
+        return NOBODY
     profile, robot = loaded.loaded_robot.profile, loaded.robot
     asked = Asked(
         profile, robot, loaded.pipe, order.start_at_m, made.places, made.wheels, order.seed
@@ -165,6 +173,27 @@ def _with_another(found: Detecting, also: str, asked: Asked) -> Detecting:
     notices = tuple(f"also {notice}" for notice in other.notices)
     return found._replace(
         companions=(*found.companions, *beside), notices=(*found.notices, *notices)
+    )
+
+
+def placed(prepared: Prepared, start_at_m: float) -> Prepared:
+    """Return the run with its detector counting from this place of the first wheel, in m.
+
+    Raises:
+        UsageError: The place is outside the pipe.
+    """
+    order, before = replace(prepared.order, start_at_m=start_at_m), prepared.detecting
+    found = _detecting(order, prepared.loaded, prepared)
+    others = (each for each in prepared.companions if each not in before.companions)
+    notices = (each for each in prepared.notices if each not in before.notices)
+    return replace(
+        prepared,
+        order=order,
+        companions=(*others, *found.companions),
+        notices=(*notices, *found.notices),
+        reckoned=None if prepared.truth else found.reckoned,
+        camera=found.camera,
+        detecting=found,
     )
 
 

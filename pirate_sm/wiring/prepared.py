@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
 from pirate_sm.companion import Companion
-from pirate_sm.detectors.registry import Places
+from pirate_sm.detectors.registry import NOBODY, Detecting, Places
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import LoadedMission
@@ -84,6 +84,7 @@ class Prepared(Equipment):
         reckoned: Returns the detector's estimate of the position, if it has one; None if unknown.
         camera: Returns what a recording keeps of the detector's camera, if it has one.
         detector: Name of the detector; ``operator`` still needs a keyboard or a panel.
+        detecting: The detector itself.
         panel: The control panel, unopened; None if there is none.
         resumed: The header of the run that it goes on from, with what it goes on with; None if it
             is a run of its own.
@@ -95,6 +96,7 @@ class Prepared(Equipment):
     reckoned: Callable[[], Truth | None] | None = None
     camera: Callable[[], CameraView | None] | None = None
     detector: str = "none"
+    detecting: Detecting = NOBODY
     panel: ChosenPanel | None = None
     resumed: RunHeader | None = None
 

@@ -12,7 +12,7 @@ from pirate_sm.engine.resuming.entry import FAILURE, Refused
 from pirate_sm.engine.resuming.hypotheses import Hypothesis
 from pirate_sm.engine.resuming.reconciling import Reconciled, VerdictTable, reconcile, verdicts
 from pirate_sm.engine.resuming.resumption import Resumption, resumption
-from pirate_sm.engine.resuming.unknowns import unknowns
+from pirate_sm.engine.resuming.unknowns import unknown_position, unknowns
 from pirate_sm.engine.robot.confirmation import declared_in
 from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED
 from pirate_sm.errors import BackendError, UsageError
@@ -20,8 +20,9 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.recording.replay.end_of_run import EndOfRun
 from pirate_sm.runtime.first_look import FirstLook, look
 from pirate_sm.spelling import meant
+from pirate_sm.wiring import placed
 from pirate_sm.wiring.prepared import Prepared, Say
-from pirate_sm.wiring.resumed_run import COUNTING, edited, lost, said_way
+from pirate_sm.wiring.resumed_run import COUNTING, edited, first_wheel_m, lost, said_way
 
 _MOST_STOPS = 3
 """How often a stop is written and the robot looked at again before a person must help."""
@@ -73,6 +74,7 @@ class Offer(NamedTuple):
         forecast: What can become of it, if that was explored.
         changed: Which files are others than recorded, and what the recording has lost; a person
             must agree to that too.
+        unplaced: Why a person must say where the robot is before it goes on; empty if not.
     """
 
     table: VerdictTable | None
@@ -81,6 +83,7 @@ class Offer(NamedTuple):
     it: Resumption | None = None
     forecast: Forecast | None = None
     changed: tuple[str, ...] = ()
+    unplaced: tuple[str, ...] = ()
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -89,7 +92,7 @@ class Offer(NamedTuple):
         if self.refusals or expected is None:
             return self.refusals or ("nobody knows what would become of it",)
         expects = () if expected.word == "possible" else (f"it {expected.word}: {expected.why}",)
-        return (*self.changed, *self.unknown, *expects)
+        return (*self.changed, *self.unknown, *self.unplaced, *expects)
 
 
 def check_said(loaded: LoadedMission, said: Said) -> None:
@@ -168,18 +171,37 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     )
     if isinstance(it, Refused):
         return Offer(table, (it.reason,))
-    unknown = unknowns(loaded.robot, it.program(loaded.program), it, table)
-    if prepared.detector in COUNTING and not way.exact:
-        unknown += (f"where the detector {prepared.detector} counts from: {shows.way.why}",)
+    program = it.program(loaded.program)
+    unknown, unplaced = unknowns(loaded.robot, program, table), tuple[str, ...]()
+    if position := unknown_position(loaded.robot, program, it):
+        # Where the recording does not say where it was, nobody can say how far it has come.
+        if said.start_at_m is None and first_wheel_m(end) is not None:
+            unplaced = (position,)
+        else:
+            unknown += (position,)
+    if prepared.detector in COUNTING and said.start_at_m is None and not way.exact:
+        unplaced += (f"where the detector {prepared.detector} counts from: {shows.way.why}",)
     expected = forecast(
         loaded, it, frozenset(each.mark for each in table.verdicts if each.word == "confirmed")
     )
     # Somebody who regrips wants the robot to hold, and knows that the mission fails after it.
     if expected.word == "impossible" or (expected.word == "fails" and said.at != FAILURE):
-        return Offer(table, (f"it cannot succeed: {expected.why}",), unknown, None, expected)
+        reasons = (f"it cannot succeed: {expected.why}",)
+        return Offer(table, reasons, (*unknown, *unplaced), None, expected)
     it = it._replace(body=it.body._replace(next_id=seen.next_id))
     changed = (*lost(end.recording), *edited(end.recording.header))
-    return Offer(table, (), unknown, it, expected, changed)
+    return Offer(table, (), unknown, it, expected, changed, unplaced)
+
+
+def counting_from(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Prepared:
+    """Return the run with its detector counting from where the robot is now."""
+    was_m, way = first_wheel_m(end), said_way(end, seen.shows.way, said.start_at_m)
+    now_m = said.start_at_m
+    if now_m is None and was_m is not None and way.exact:
+        now_m = was_m + way.low_m
+    if now_m is None or prepared.detector not in COUNTING:
+        return prepared
+    return placed(prepared, now_m)
 
 
 def _refusals(shows: Reconciled, table: VerdictTable | None, said: Said) -> tuple[str, ...]:

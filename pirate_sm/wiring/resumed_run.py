@@ -73,7 +73,7 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
         UsageError: An option does not fit, or the robot's calibration has changed.
     """
     header = end.recording.header
-    _check_place(end.loaded, again.start_at_m)
+    check_place(end.loaded, again.start_at_m)
     order = _order(header, again)
     loaded = with_folder(end.loaded, header)
     if order.backend == "serial":
@@ -254,7 +254,7 @@ def _place_of(file: RecordedFile) -> Path:
     return Path(inside) if inside == file.path else library.shipped() / inside
 
 
-def _check_place(loaded: LoadedMission, start_at_m: float | None) -> None:
+def check_place(loaded: LoadedMission, start_at_m: float | None) -> None:
     """Refuse a place of the first wheel that is outside the pipe.
 
     Raises:
@@ -265,8 +265,7 @@ def _check_place(loaded: LoadedMission, start_at_m: float | None) -> None:
     length_m = loaded.pipe.route().length_m
     if not 0.0 <= start_at_m <= length_m:
         raise UsageError(
-            f"--start-at: the first wheel cannot be at {start_at_m:g} m, the pipe goes from 0 to "
-            f"{length_m:g} m"
+            f"the first wheel cannot be at {start_at_m:g} m, the pipe goes from 0 to {length_m:g} m"
         )
 
 

@@ -65,4 +65,4 @@ def serial_backend(
         UsageError: pyserial is missing, which the guardian needs.
     """
     port = guarded_port(plan, url, baud, stay_s)
-    return SerialBackend(plan, port, baud=baud or plan.serial.baud)
+    return SerialBackend(plan, port, baud=baud or plan.serial.baud, tended=True)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from contextlib import suppress
+from collections.abc import Collection, Iterator, Sequence
+from contextlib import contextmanager, suppress
+from threading import Event as Flag
+from threading import Lock, Thread
 
 from pirate_sm.backends.protocol import Completion
 from pirate_sm.backends.serial.health import LinkHealth, health_of
@@ -27,6 +29,9 @@ _FLUSH_WITHIN_S = 0.8
 _RESET_SHOWS_S = SILENT_AFTER_S + 0.1
 """A silence of this length has been noticed by then, and the link counts as away."""
 
+_TEND_S = 0.05
+"""How long the link is served at a time while nobody calls; a call waits no longer than this."""
+
 
 class SerialBackend:
     """Runs the robot at the other end of a serial port.
@@ -35,6 +40,7 @@ class SerialBackend:
         plan: The robot's link plan.
         port: The port that the robot is connected to.
         baud: Baud rate of the line.
+        tended: Whether a thread serves the link while nobody calls, see :meth:`tend`.
 
     Attributes:
         exchange: The driver of the link.
@@ -51,6 +57,7 @@ class SerialBackend:
         port: Port,
         *,
         baud: int | None = None,
+        tended: bool = False,
     ) -> None:
         self.plan = plan
         self.port = port
@@ -62,6 +69,12 @@ class SerialBackend:
         self._events: list[Event] = []
         self._open = False
         self._closed = False
+        self._turn = Lock()
+        self._calls = 0
+        self._tending = False
+        self._failure: Exception | None = None
+        self._leaving = Flag()
+        self._tender = Thread(target=self._attend, daemon=True) if tended else None
         self.confirmed = True
 
     def _begin(self) -> None:
@@ -90,13 +103,16 @@ class SerialBackend:
             raise
         self._time.begin(self.port.now())
         self.exchange.watch()
+        if self._tender is not None:
+            self._tender.start()
         return events
 
     def submit(self, setpoint_id: int, values: tuple[float, ...]) -> None:
         """Hand an array over; its result comes from ``advance``."""
         if self._closed or not self._open:
             raise BackendError("the port is closed")
-        self.exchange.submit(setpoint_id, values, self.port.now())
+        with self._called():
+            self.exchange.submit(setpoint_id, values, self.port.now())
 
     def advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         """Run until an event, until ``until_s`` or for a tenth of a second; return time and events.
@@ -105,6 +121,10 @@ class SerialBackend:
         """
         if self._closed or not self._open:
             raise BackendError("the port is closed")
+        with self._called():
+            return self._advance(until_s)
+
+    def _advance(self, until_s: float) -> tuple[float, Sequence[Event]]:
         if until_s < self._time.now_s:
             return self._time.now_s, ()
         self.exchange.resume(self.port.now())
@@ -127,6 +147,9 @@ class SerialBackend:
         if self._closed:
             return
         self._closed = True
+        self._leaving.set()
+        if self._tender is not None and self._tender.is_alive():
+            self._tender.join()
         stopped = self.exchange.stopped
         if self._open:
             with suppress(BackendError):
@@ -148,7 +171,30 @@ class SerialBackend:
             values: The safe array.
             seeking: Slots that a position loop drives; the firmware's switch stops them too.
         """
-        self.exchange.hold(values, seeking)
+        with self._called():
+            self.exchange.hold(values, seeking)
+
+    def tend(self) -> None:
+        """Serve the link for a moment while nobody runs a mission; mission time stands still.
+
+        Whoever has opened the backend may think, ask a person or write a report for as long as that
+        takes: reports are read, the newest of each board is kept, the controller gets its answers
+        and setpoints are refreshed. A robot that may be moving is not tended, because nobody
+        watches it: its guardian stops it.
+        """
+        if not (self._tending or self.exchange.at_rest):
+            return
+        self._tending = True
+        until_s = self.port.now() + _TEND_S
+        while self.port.now() < until_s:
+            self._pump.turn(until_s)
+        now = self.port.now()
+        self._time.follow(self.exchange, now)
+        self._time.stand(now)
+        events = [*self._events, *self._pump.take()]
+        newest = {each.board: each for each in events if isinstance(each, SensorFrame)}
+        others = (each for each in events if not isinstance(each, SensorFrame))
+        self._events = [*others, *newest.values()]
 
     @property
     def health(self) -> LinkHealth:
@@ -180,6 +226,28 @@ class SerialBackend:
         )
 
     # --- inside -----------------------------------------------------------------------------
+
+    @contextmanager
+    def _called(self) -> Iterator[None]:
+        """Use the link alone; raise what has gone wrong while it was tended."""
+        with self._turn:
+            self._calls += 1
+            self._tending = False
+            if self._failure is not None:
+                raise self._failure
+            yield
+
+    def _attend(self) -> None:
+        """Tend the link whenever nobody has called for a while."""
+        calls = -1
+        while not self._leaving.wait(_TEND_S):
+            with self._turn:
+                if self._calls == calls and self._failure is None:
+                    try:
+                        self.tend()
+                    except Exception as error:  # raised at the next call
+                        self._failure = error
+                calls = self._calls
 
     def _negotiate(self) -> None:
         conversation = self.exchange.conversation

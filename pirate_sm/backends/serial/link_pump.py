@@ -51,8 +51,9 @@ class LinkPump:
         able = not self.lost
         try:
             while data := exchange.write(now, able):
+                port.beat(exchange.guarded_frame())  # before the robot moves
                 port.write(data)
-            port.beat(exchange.safe_frame())
+            port.beat(exchange.guarded_frame())
             data = port.read(min(until_s, self._due_s(now))) if able else b""
         except PortLostError as error:
             self._lose(str(error))

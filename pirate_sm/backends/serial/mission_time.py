@@ -45,6 +45,11 @@ class MissionTime:
                 self._zero_s += now - self._held_s
             self._held_s = inf
 
+    def stand(self, now: float) -> None:
+        """Leave out the time since mission time was last advanced."""
+        self._zero_s = min(now, self._held_s) - self.now_s
+        self._late = False
+
     def reach(self, now: float, until_s: float) -> bool:
         """Advance mission time to this time of the clock, at most to ``until_s``.
 

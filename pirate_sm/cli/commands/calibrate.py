@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import os
-import select
 import sys
 from collections.abc import Callable, Sequence
 from datetime import date
@@ -11,6 +9,7 @@ from math import degrees
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.links import CalibrateOptions
+from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.robot_connection import connection, find_loaded, named_port, subject_of
 from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.diagnosis.listening import Listening
@@ -167,14 +166,14 @@ def _wait_for_enter(
 
 def _serve_until_enter(listening: Listening, status: Callable[[], str]) -> None:
     shown_s = listening.port.now()
-    while True:
-        ready, _, _ = select.select([sys.stdin], [], [], 0)
-        if ready:
-            if not os.read(sys.stdin.fileno(), 1024):
-                raise UsageError("nobody answers; nothing was kept")
-            return
+
+    def turn() -> None:
+        nonlocal shown_s
         listening.turn(listening.port.now() + _TURN_S)
         text = status()
         if text and listening.port.now() >= shown_s + _SHOW_EVERY_S:
             shown_s = listening.port.now()
             print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
+
+    if not answered_line(turn, look_s=0.0):
+        raise UsageError("nobody answers; nothing was kept")

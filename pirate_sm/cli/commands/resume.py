@@ -17,14 +17,21 @@ from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.cli.stop_checks import StoppedError, stopper
 from pirate_sm.engine.mission.program import HERE
 from pirate_sm.engine.resuming.entry import FAILURE
+from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.errors import UsageError
 from pirate_sm.recording.replay.end_of_run import EndOfRun, end_of_run
 from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.resume_offer import Offer, Said, Seen, check_said, offer, see
-from pirate_sm.wiring.resumed_run import Again, driven_s, prepare_again, with_resumption
+from pirate_sm.wiring.resume_offer import Offer, Said, Seen, check_said, counting_from, offer, see
+from pirate_sm.wiring.resumed_run import (
+    Again,
+    check_place,
+    driven_s,
+    prepare_again,
+    with_resumption,
+)
 
 CAN, CANNOT, LEFT = 0, 1, 2
 
@@ -37,6 +44,7 @@ _MEANT_FOR = {
 _FLAGS = {"states": "--state", "settings": "--set", "start_phase": "--from", "defects": "--defect"}
 
 _QUESTION = "[g]o on, [r]egrip (on_failure), [l]ook again, or leave [enter]? "
+_PLACE = "wheel 1 is at which length along the pipe, such as 0.70 m [enter: unknown]? "
 
 
 def resume_run(options: RunOptions, manner: Manner) -> int:
@@ -133,6 +141,8 @@ class ResumeDialog:
         self.prepared = prepared
         self._end, self._said, self._wishes = end, said, wishes
         self._stopper = stopper(requests)
+        self._seen: Seen | None = None
+        self._asked = False
         # A simulated robot that is put back has not been in the dark at all.
         self._dark_s = _dark_s(end) if prepared.backend.real_time else 0.0
 
@@ -157,11 +167,11 @@ class ResumeDialog:
         return chosen
 
     def _decide(self) -> tuple[Prepared, Resuming] | None:
-        prepared, end, seen = self.prepared, self._end, None
+        prepared, end = self.prepared, self._end
         for notice in prepared.notices:
             say(notice)
         while True:
-            seen = see(prepared, end, driven_s(end, self._dark_s), seen, self._check)
+            seen = self._see()
             found = offer(prepared, end, seen, self._said)
             self._print(seen, found, self._said)
             if self._wishes.look:
@@ -177,12 +187,41 @@ class ResumeDialog:
                     break
                 answer, said = self._ask(), self._said  # the reason was printed last
             if answer in ("g", "r") and found.it is not None:
-                resumed = with_resumption(prepared, end, found.it, said.words)
-                return resumed, Resuming(found.it, seen.look.now_s, seen.look.newest)
-            if answer != "l":
+                if found.unplaced:
+                    self._ask_place()
+                elif chosen := self._agreed(seen, found.it, said):
+                    return chosen
+            elif answer != "l":
                 say("left as it is: nothing has moved")
                 self.code = LEFT
                 return None
+
+    def _agreed(self, seen: Seen, it: Resumption, said: Said) -> tuple[Prepared, Resuming] | None:
+        """Return with what it goes on; None if the robot has changed since it was looked at."""
+        prepared, end = self.prepared, self._end
+        now = self._see() if self._asked and prepared.backend.real_time else seen
+        if not now.shows.is_as(seen.shows, prepared.loaded.robot):
+            say("the robot has changed since that was shown")
+            return None
+        it = it._replace(body=it.body._replace(next_id=now.next_id))
+        resumed = with_resumption(counting_from(prepared, end, now, said), end, it, said.words)
+        return resumed, Resuming(it, now.look.now_s, now.look.newest)
+
+    def _see(self) -> Seen:
+        end, driven = self._end, driven_s(self._end, self._dark_s)
+        self._seen = see(self.prepared, end, driven, self._seen, self._check)
+        return self._seen
+
+    def _ask_place(self) -> None:
+        """Let the operator say where the robot is."""
+        print(_PLACE, end="", file=sys.stderr, flush=True)
+        try:
+            said_m = read_length("the first wheel", answered_line(self._stopper).strip() or None)
+            check_place(self._end.loaded, said_m)
+        except UsageError as error:
+            say(str(error))
+        else:
+            self._said = replace(self._said, start_at_m=said_m)
 
     def _close(self) -> None:
         self.prepared.backend.close()
@@ -218,6 +257,7 @@ class ResumeDialog:
         return self._ask()
 
     def _ask(self) -> str:
+        self._asked = True
         print(_QUESTION, end="", file=sys.stderr, flush=True)
         return answered_line(self._stopper).strip().lower()[:1]
 

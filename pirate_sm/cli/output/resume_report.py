@@ -45,14 +45,14 @@ def report_lines(facts: Facts) -> Iterator[str]:
     if offer.it is not None:
         names = list(_next_commands(facts.loaded, offer.it))
         yield f"next: {', '.join(names) or 'no command'}"
-    yield from (f"unknown: {each}" for each in offer.unknown)
+    yield from (f"unknown: {each}" for each in (*offer.unknown, *offer.unplaced))
     if offer.forecast is not None:
         why = f": {offer.forecast.why}" if offer.forecast.why else ""
         yield f"expected: {offer.forecast.word}{why}"
         yield from (f"    {each}" for each in offer.forecast.course)
     yield from (f"cannot go on: {each}" for each in offer.refusals)
     if not offer.refusals:
-        yield "can go on"
+        yield "can go on" + " once you say where the robot is" * bool(offer.unplaced)
 
 
 def _table(table: VerdictTable) -> Iterator[str]:

@@ -41,20 +41,22 @@ def agree(question: str, nobody: str) -> None:
         raise UsageError("nothing has moved")
 
 
-def answered_line(check: Callable[[], None]) -> str:
+def answered_line(turn: Callable[[], None], look_s: float = 0.1) -> str:
     """Return the line that the user types at the terminal; empty if the terminal is gone.
 
     A read would wait on through a signal, so its request to stop would not be seen.
 
     Args:
-        check: Is called ten times a second while nothing is typed; may raise, to end the wait.
+        turn: Is called again and again while nothing is typed, to do what must not wait for an
+            answer; may raise, to end the wait.
+        look_s: How long the terminal is looked at between two turns; 0 if a turn takes its time.
     """
     terminal = sys.stdin.fileno()
-    while not select.select([terminal], [], [], 0.1)[0]:
-        check()
+    while not select.select([terminal], [], [], look_s)[0]:
+        turn()
     try:
         typed = os.read(terminal, 4096)  # a terminal gives one line at a time
     except OSError:
         typed = b""
-    check()
+    turn()
     return typed.decode("utf-8", "replace")

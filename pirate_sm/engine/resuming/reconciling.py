@@ -97,6 +97,19 @@ class Reconciled(NamedTuple):
     way: DarkWay
     numbers: Numbers
 
+    def is_as(self, before: Reconciled, robot: RobotSpec) -> bool:
+        """Return whether the robot is still as an earlier look has shown it."""
+        words = [
+            [(each.mark, each.word) for table in seen.tables for each in table.verdicts]
+            for seen in (self, before)
+        ]
+        rolled_m = [
+            abs((self.numbers[wheel.angle] - before.numbers[wheel.angle]) * wheel.metres_per_rad)
+            for wheel in robot.wheels
+        ]
+        rolled = any(way_m > robot.sight.dark.agree_m for way_m in rolled_m)
+        return words[0] == words[1] and self.refusals == before.refusals and not rolled
+
 
 def reconcile(
     robot: RobotSpec,

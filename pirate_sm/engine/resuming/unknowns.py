@@ -1,4 +1,4 @@
-"""List what a mission that goes on still depends on and nobody knows."""
+"""Find what a mission that goes on still depends on and nobody knows."""
 
 from __future__ import annotations
 
@@ -16,34 +16,33 @@ from pirate_sm.engine.robot.sensor_verdict import spec_of
 from pirate_sm.engine.sensing.known_signals import Numbers
 
 
-def unknowns(
-    robot: RobotSpec, program: Program, it: Resumption, table: VerdictTable
-) -> tuple[str, ...]:
-    """Return clamps, angles and positions that the mission depends on and the sensors do not show.
+def unknowns(robot: RobotSpec, program: Program, table: VerdictTable) -> tuple[str, ...]:
+    """Return the clamps and angles that the sensors do not show.
 
     A state that the command under way was to bring about is left out: it is given again at once.
 
     Args:
         robot: The robot.
         program: The program of the resumption.
-        it: With what the mission goes on.
         table: What the sensors have shown.
     """
     names = states_of(robot, table.hypothesis.body)
     goal = program.instructions[-1]
     under_way = goal.command if isinstance(goal, Do) else None
-    found = [
+    return tuple(
         f"{each.about} {each.state}: {each.why}"
         for each in table.verdicts
         if each.word != "confirmed"
         and each.mark.command != under_way
         and (each.mark.kind == "part" or isinstance(spec_of(robot, names, each.mark), AnglesSpec))
-    ]
-    if it.adrift:
-        place = next((place for _, place in position_read(robot, program, it.entry.origin)), "")
-        if place:
-            found.append(f"the position: the mission reads it ({place})")
-    return tuple(found)
+    )
+
+
+def unknown_position(robot: RobotSpec, program: Program, it: Resumption) -> str:
+    """Return where the mission still reads a position that nobody knows; empty if nowhere."""
+    read = position_read(robot, program, it.entry.origin) if it.adrift else iter(())
+    place = next((place for _, place in read), "")
+    return f"the position: the mission reads it ({place})" if place else ""
 
 
 def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterator[tuple[int, str]]:

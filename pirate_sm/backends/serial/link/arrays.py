@@ -133,6 +133,12 @@ class SetpointLink:
         return self._latest.counts if self._latest is not None else None
 
     @property
+    def confirmed(self) -> Integers | None:
+        """The array in force if it is known for sure: the last one wanted, written and echoed."""
+        latest = self._latest.counts if self._latest is not None else None
+        return self.applied if self.idle and self.applied == latest else None
+
+    @property
     def due_s(self) -> float:
         """When an array is due to be written or given up."""
         flight, waiting = self._flight, self._waiting

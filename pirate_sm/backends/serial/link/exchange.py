@@ -240,6 +240,21 @@ class Exchange:
         return self._safe_frame  # until topics are known again, their old numbers
 
     @property
+    def at_rest(self) -> bool:
+        """Whether the robot needs no stop: its last array is the safe one, and it has echoed that.
+
+        This is also so before anything has been sent, because the robot stands as it was found.
+        """
+        if self.link.in_force is None:
+            return True
+        self._safe.payload(self.link.in_force)
+        return self.outage is None and self.link.confirmed == self._safe.counts
+
+    def guarded_frame(self) -> bytes:
+        """Return the frame with which a guardian stops the robot; empty if it needs no stop."""
+        return b"" if self.at_rest else self.safe_frame()
+
+    @property
     def settled(self) -> bool:
         """Whether nothing is under way, so that the right array is in force, as far as known.
 

@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import sys
+from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import pytest
 from click.testing import Result
 from typer.testing import CliRunner
 
+from benchmarks.resume_rides import LIES, World, _Grip, prepared_on, ride_on, world
+from pirate_sm.backends.serial.backend import SerialBackend
+from pirate_sm.cli.commands.resume import ResumeDialog, _Wishes
 from pirate_sm.cli.entry import commands, only_run
+from pirate_sm.detectors.registry import Detecting
 from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.replay.end_of_run import end_of_run
 from pirate_sm.recording.write import recorder
-from pirate_sm.wiring import Order
+from pirate_sm.runtime.stop_requests import StopRequests
+from pirate_sm.wiring import Order, placed
+from pirate_sm.wiring.resume_offer import Said
+from pirate_sm.wiring.resumed_run import first_wheel_m
 from tests.unit.recording.recording_runs import record_cut_off
 
 from ..terminals import on_a_terminal, once
@@ -286,3 +296,153 @@ def test_a_wheel_outside_the_pipe_is_not_believed(cut: Path, place: str) -> None
 
     assert result.exit_code == 2
     assert "the pipe goes from 0 to" in result.stderr
+
+
+# --- a robot on a link, asked about for as long as it takes -----------------------------------
+
+
+class Operator:
+    """Thinks before each answer, while the backend serves the link."""
+
+    def __init__(
+        self,
+        backend: SerialBackend,
+        answers: Sequence[str | Callable[[], str]],
+        thinks_s: float,
+    ) -> None:
+        self.backend, self.left, self.thinks_s = backend, list(answers), thinks_s
+
+    def __call__(self, check: Callable[[], None]) -> str:
+        until_s = self.backend.port.now() + self.thinks_s
+        while self.backend.port.now() < until_s:
+            self.backend.tend()
+        answer = self.left.pop(0)
+        return answer if isinstance(answer, str) else answer()
+
+
+class Cut(NamedTuple):
+    """A mission on the emulated bay whose program was killed while the wheels drove."""
+
+    it: World
+    path: Path
+
+    def dialog(self, detector: str, **said: Any) -> ResumeDialog:
+        prepared = prepared_on(self.it, self.it.port.next_port())
+        if detector == "odometry":
+            counting = replace(prepared, usual_detector="odometry", detector="odometry")
+            found = Detecting("", counting.companions[1:2])
+            prepared = placed(replace(counting, detecting=found), 0.7)
+        dialog = ResumeDialog(
+            prepared, end_of_run(self.path), Said(**said), _Wishes(), StopRequests()
+        )
+        dialog._dark_s = 10.0
+        return dialog
+
+
+@pytest.fixture
+def operator(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Operator]:
+    def answering(
+        dialog: ResumeDialog, *answers: str | Callable[[], str], thinks_s: float = 1.0
+    ) -> Operator:
+        backend = dialog.prepared.backend
+        assert isinstance(backend, SerialBackend)
+        someone = Operator(backend, answers, thinks_s)
+        monkeypatch.setattr("pirate_sm.cli.commands.resume.answered_line", someone)
+        for stream in (sys.stdin, sys.stderr):
+            monkeypatch.setattr(stream, "isatty", lambda: True)
+        return someone
+
+    return answering
+
+
+def cut_on_a_link(path: Path, mission: str, until_s: float) -> Cut:
+    it = world(mission, 0)
+    ride_on(prepared_on(it, it.port), _Grip(it.loaded, it.bay), until_s, path)
+    it.port.die(it.port.now() + 1.0)
+    return Cut(it, path)
+
+
+def test_belief_a_person_may_think_for_a_minute_before_a_mission_goes_on(
+    tmp_path: Path, operator: Callable[..., Operator]
+) -> None:
+    """It was `link.silent` after 14 s, and both clamps were not confirmed."""
+    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
+    dialog = cut.dialog("sim")
+    operator(dialog, "l", "g", thinks_s=60.0)
+    chosen = dialog.decide()
+    assert chosen is not None
+    after, _ = ride_on(chosen[0], _Grip(cut.it.loaded, cut.it.bay), resuming=chosen[1])
+
+    assert (after.outcome, after.loose) == ("succeeded", frozenset())
+
+
+@pytest.mark.parametrize(
+    ("mission", "until_s", "detector", "why"),
+    [
+        ("mitre_bend", 10.5, "odometry", "where the detector odometry counts from"),
+        ("drive_on", 2.5, "sim", "the position: the mission reads it"),
+    ],
+)
+def test_belief_an_unknown_place_is_not_passed_over_by_a_key(
+    mission: str,
+    until_s: float,
+    detector: str,
+    why: str,
+    tmp_path: Path,
+    operator: Callable[..., Operator],
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    """The robot bent, because the detector had counted from a place that nobody knew."""
+    cut = cut_on_a_link(tmp_path / "cut.mcap", mission, until_s)
+    cut.it.bay.robot.electronics.restart()  # its counters are lost
+    dialog = cut.dialog(detector)
+    where = f"{cut.it.bay.truth.arcs_m[0]:.3f} m"
+    someone = operator(dialog, "g", "99 m", "g", "nowhere", "g", "", "g", where, "g")
+    chosen = dialog.decide()
+    shown = capsys.readouterr()
+
+    assert chosen is not None
+    assert someone.left == []
+    assert f"unknown: {why}" in shown.out
+    assert "can go on once you say where the robot is\n" in shown.out
+    assert shown.out.endswith("can go on\n")
+    assert "the pipe goes from 0 to" in shown.err
+    assert "nowhere" in shown.err
+    if detector == "odometry":
+        assert f"{cut.it.bay.truth.arcs_m[0] * 1000:.0f}" in chosen[0].notices[-1]
+    else:
+        assert not chosen[1].resumption.adrift
+
+
+def test_a_robot_that_has_changed_while_somebody_thought_is_shown_again(
+    tmp_path: Path, operator: Callable[..., Operator], capsys: pytest.CaptureFixture[str]
+) -> None:
+    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
+    dialog = cut.dialog("sim")
+
+    def pushed() -> str:
+        LIES["moved by hand"](cut.it, cut.path)
+        return "g"
+
+    operator(dialog, pushed, "")
+
+    assert dialog.decide() is None
+    assert "the robot has changed since that was shown" in capsys.readouterr().err
+
+
+def test_belief_a_detector_counts_from_where_the_robot_has_rolled_in_the_dark(
+    tmp_path: Path, operator: Callable[..., Operator]
+) -> None:
+    """It counted from where the recording ends, although the wheels show where the robot is."""
+    cut = cut_on_a_link(tmp_path / "cut.mcap", "mitre_bend", 10.5)
+    dialog = cut.dialog("odometry")
+    operator(dialog, "g")
+    chosen = dialog.decide()
+
+    assert chosen is not None
+    counted_m = chosen[0].order.start_at_m
+    assert counted_m == pytest.approx(cut.it.bay.truth.arcs_m[0], abs=0.01)
+    was_m = first_wheel_m(end_of_run(cut.path))
+    assert counted_m is not None
+    assert was_m is not None
+    assert counted_m > was_m + 0.005
