@@ -113,7 +113,7 @@ class Judged(NamedTuple):
     """A run and what is thought of it.
 
     Attributes:
-        verdict: ``claimed`` truly, ``false``, ``failed`` truly, or ``bug``.
+        verdict: ``claimed`` truly, ``false``, ``failed`` truly, ``refused`` at once, or ``bug``.
         why: What is wrong, else how it ended.
         claim: What it said of its way at the end.
         covered: Whether the bound holds the truth, of each claim with one.
@@ -215,7 +215,7 @@ def main() -> int:
 def _shown(found: Iterable[Judged]) -> Iterator[Judged]:
     """Yield what was found; print the false claims as they come."""
     for each in found:
-        if each.verdict in ("false", "bug"):
+        if each.verdict in ("false", "bug", "refused"):
             print(f"{each.verdict.upper()} {each.case.number} [{each.case.trouble}]: {each.why}")
             print(f"    {command_of(each.case.order, each.case.order.seed)}", flush=True)
         yield each
@@ -228,7 +228,7 @@ def _summed(found: Sequence[Judged]) -> bool:
     for mission, trouble in sorted({(each.case.way.mission, each.case.trouble) for each in found}):
         mine = [e for e in found if (e.case.way.mission, e.case.trouble) == (mission, trouble)]
         print(" | ".join([mission, trouble, *_cells(mine)]))
-    false = [each for each in found if each.verdict in ("false", "bug")]
+    false = [each for each in found if each.verdict in ("false", "bug", "refused")]
     plain = [each for each in found if each.case.trouble == "nothing"]
     good = sum(each.verdict == "claimed" for each in plain)
     covered = [held for each in found for held in each.covered]

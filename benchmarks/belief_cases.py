@@ -13,6 +13,7 @@ import yaml
 
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.units import LENGTH, read_quantity
 from pirate_sm.wiring import Order
 
 LEAST_FRICTION, MOST_FRICTION, GOOD_FRICTION = 0.05, 0.9, 0.3
@@ -169,15 +170,23 @@ def _pipe(lot: Random, way: Way, wrong: bool, driven_m: float) -> dict[str, Any]
         stepped = wrong and trouble == "step"
         pipe |= _course(lot, slope, stepped, driven_m) if stepped or not way.loose else _bars(slope)
     if wrong and trouble == "patch":
-        at_m = float(
-            str(pipe.get("start", {}).get("at", "700 mm")).removesuffix("mm").removesuffix("m")
-        )
-        at_m = at_m / 1000 if at_m > 10 else at_m
-        begin_m = max(0.0, at_m + lot.uniform(-0.3, max(0.3, driven_m)))
-        end_m = begin_m + lot.uniform(0.05, 0.3)
-        coefficients = _coefficients(lot, lot.uniform(LEAST_FRICTION, 0.2))
-        pipe["patches"] = [{"from": f"{begin_m:.3f} m", "to": f"{end_m:.3f} m", **coefficients}]
+        pipe["patches"] = [_patch(lot, pipe, driven_m)]
     return pipe
+
+
+def _patch(lot: Random, pipe: Mapping[str, Any], driven_m: float) -> dict[str, Any]:
+    """Return a slippery patch of the wall, somewhere on the robot's way."""
+    length_m = sum(_metres(each["straight"]) for each in pipe["segments"] if "straight" in each)
+    start = pipe.get("start", {}).get("at")
+    at_m = _metres(start) if start else 0.5 * length_m
+    begin_m = min(max(0.0, at_m + lot.uniform(-0.3, max(0.3, driven_m))), length_m - 0.1)
+    end_m = min(begin_m + lot.uniform(0.05, 0.3), length_m)
+    coefficients = _coefficients(lot, lot.uniform(LEAST_FRICTION, 0.2))
+    return {"from": f"{begin_m:.3f} m", "to": f"{end_m:.3f} m", **coefficients}
+
+
+def _metres(text: str) -> float:
+    return read_quantity(text, LENGTH)
 
 
 def _course(lot: Random, slope: float, stepped: bool, driven_m: float) -> dict[str, Any]:
@@ -205,8 +214,8 @@ def _bars(slope: float) -> dict[str, str]:
     return {"tilt": f"{slope:.1f} deg", "uphill": "0 deg"}
 
 
-def _coefficients(lot: Random, kinetic: float) -> dict[str, float]:
-    return {"static": round(kinetic * lot.uniform(1.0, 1.4), 3), "kinetic": round(kinetic, 3)}
+def _coefficients(lot: Random, static: float) -> dict[str, float]:
+    return {"static": round(static, 3), "kinetic": round(static * lot.uniform(0.7, 1.0), 3)}
 
 
 def _names(lot: Random, robot: str, count: int) -> list[str]:

@@ -155,11 +155,7 @@ class Firmware:
         """Read the board whose turn it is."""
         turn = self._turns[self._turn]
         self._turn = (self._turn + 1) % len(self._turns)
-        counts = (
-            self._robot.read(now_s, turn)
-            if self._switches.speaks(turn.board.board, now_s)
-            else None
-        )
+        counts = self._robot.read(now_s, turn) if self._switches.sensors_started else None
         self._state = (
             None if counts is None else self._wire.state(turn.board.board, turn.channel, counts)
         )

@@ -47,7 +47,6 @@ class Switches:
         unconfigured_at_s: When the firmware forgets that it was configured: it obeys setpoints
             but neither echoes nor publishes until the host asks for its topics.
         no_echo_at_s: When it stops echoing; it still obeys and publishes.
-        silent_boards: Boards that report nothing from ``silent_boards_at_s`` on.
         spontaneous_at_s: When a motor moves without a command.
         spontaneous_every_s: Mean time between further such motions, 0 for none.
         motors_started: Whether the actuators were started on the panel ([Play], thesis App. D);
@@ -77,8 +76,6 @@ class Switches:
     wrong_md5: tuple[Topic, ...] = ()
     unconfigured_at_s: tuple[float, ...] = ()
     no_echo_at_s: float = math.inf
-    silent_boards: tuple[int, ...] = ()
-    silent_boards_at_s: float = 0.0
     spontaneous_at_s: tuple[float, ...] = ()
     spontaneous_every_s: float = 0.0
     motors_started: bool = True
@@ -86,11 +83,6 @@ class Switches:
     old_client: bool = False
     dead_man: bool = True
     defects: tuple[str, ...] = ()
-
-    def speaks(self, board: int, now_s: float) -> bool:
-        """Return whether the board reports."""
-        mute = board in self.silent_boards and now_s >= self.silent_boards_at_s
-        return self.sensors_started and not mute
 
     def more_defects(self, seed: int, chances: Sequence[np.random.Generator]) -> list[AtWork]:
         """Return the switched-on defects that a profile can name as well.

@@ -324,7 +324,7 @@ def test_no_echo_within_its_budget(go: Go) -> None:
 
 
 def test_one_silent_board(go: Go) -> None:
-    course = go(silent_boards=(25,), silent_boards_at_s=8.0)
+    course = go(defects=("board_25_silent:after=8s",))
 
     assert course.message == ("sensor.silent: board 25 (rotation) has not reported for 1 s")
     assert course.is_safe
@@ -413,7 +413,7 @@ def test_a_motor_held_too_long_too_hot(go: Go) -> None:
 
 
 def test_boards_that_all_fall_silent_while_arrays_are_confirmed(go: Go) -> None:
-    course = go(silent_boards=tuple(range(20, 29)), silent_boards_at_s=8.0)
+    course = go(defects=[f"board_{number}_silent:after=8s" for number in range(22, 28)])
 
     assert course.message.startswith(
         "link.silent: the robot's controller answers but none of its boards reports any more: "
