@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from random import Random
@@ -143,11 +143,6 @@ def case_of(seed: int, number: int, folder: Path, missions: Sequence[str] = ()) 
     )
     asked_m = None if way.asked is None else way.asked * driven_m
     return Case(number, trouble, way, order, asked_m, way.path * driven_m)
-
-
-def without_file(case: Case, file: Path) -> Case:
-    """Return the run with another file as its pipe."""
-    return replace(case, order=replace(case.order, pipe=str(file)))
 
 
 def _pipe(lot: Random, way: Way, wrong: bool, driven_m: float) -> dict[str, Any]:
