@@ -48,10 +48,29 @@ def compose(text: str) -> tuple[Node | None, tuple[YamlFault, ...]]:
     except _FatalError as stop:
         composer.faults.append(stop.fault)
     except yaml.MarkedYAMLError as error:
-        composer.faults.append(syntax_fault(error, composer.innermost))
+        composer.faults.append(
+            _earlier_fault(text, error) or syntax_fault(error, composer.innermost)
+        )
     except (yaml.YAMLError, UnicodeError) as error:
         composer.faults.append(YamlFault("syntax", 1, 1, f"is not YAML: {error}"))
     return composer.root, tuple(composer.faults)
+
+
+def _earlier_fault(text: str, error: yaml.MarkedYAMLError) -> YamlFault | None:
+    """Return the fault that ends reading before the place of a syntax error, if there is one.
+
+    libyaml looks up to a thousand characters ahead and has limits of its own, so it can refuse a
+    text before it returns the events that break ours.
+    """
+    composer = _Composer()
+    try:
+        for event in _events(text[: error.problem_mark.index] if error.problem_mark else ""):
+            composer.take(event)
+    except _FatalError as stop:
+        return stop.fault
+    except yaml.YAMLError:
+        return None
+    return None
 
 
 def _events(text: str) -> Iterator[yaml.Event]:

@@ -175,6 +175,8 @@ def test_a_byte_order_mark_and_wide_characters_move_no_place() -> None:
         ("a: 1\n- b", [("syntax", 2, 1)]),
         ("a: \"\\q\"", [("syntax", 1, 5)]),
         ("[" * 33 + "]" * 33, [("too-deep", 1, 33)]),
+        ("[" * 100_000, [("too-deep", 1, 33)]),
+        ("a: 1\na: 2\nb: " + "[" * 5_000, [("duplicate-key", 2, 1), ("too-deep", 3, 35)]),
         ("a: \x01", [("binary", 1, 4)]),
         (b"ok: 1\na: \xff", [("encoding", 2, 4)]),
         (b"ok: 1\ra: \xff", [("encoding", 2, 4)]),

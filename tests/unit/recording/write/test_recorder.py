@@ -6,7 +6,7 @@ import threading
 from pathlib import Path
 
 import pytest
-from keeping import Memory, course, header, mission, recorder, tell
+from keeping import Memory, Told, course, header, mission, recorder, tell
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_state import Mark, RobotState, at_rest_in
@@ -17,7 +17,7 @@ from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
 from pirate_sm.recording.write import recorder as module
-from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recorder import AHEAD_S, Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.recording.write.side_channel import SideChannel
 from pirate_sm.runtime.first_choice import FirstChoice
@@ -97,14 +97,26 @@ def test_the_texts_are_kept_with_their_hashes(tmp_path: Path) -> None:
     assert {file.text for file in found.files} == {each.text for each in mission().documents}
 
 
-def test_a_full_disk_ends_the_recording_and_keeps_what_was_there(tmp_path: Path) -> None:
-    empty = Memory()
-    recorder(empty).close()
-    memory, told = Memory(room=len(empty.data) + 20_000), course(100)
-    one = recorder(memory, commit_s=0.0)
+def tell_to_the_disk(one: Recorder, told: list[Told]) -> None:
+    """All of this is in the file, as one piece."""
     tell(one, told)
+    one.ahead_s = 60.0
+    one.secure()
+
+
+@pytest.mark.parametrize("room_for_more", [0, 1, 20_000])
+def test_a_full_disk_ends_the_recording_and_keeps_what_was_there(
+    tmp_path: Path, room_for_more: int
+) -> None:
+    roomy, told = Memory(), course(100)
+    tell_to_the_disk(recorder(roomy), told)
+    memory = Memory(room=len(roomy.data) + room_for_more)
+    one = recorder(memory)
+    tell_to_the_disk(one, told)
+    one.ahead_s = AHEAD_S
     while not one.failure:
         one.take(Tick(), 2.0, (WakeAt(3.0),) * 50)
+        one.secure()
     one.take(Tick(), 3.0, ())
     one.close()
 
@@ -115,7 +127,26 @@ def test_a_full_disk_ends_the_recording_and_keeps_what_was_there(tmp_path: Path)
     assert one.kept_s == recording.until_s == steps[-1].at_s
     assert not recording.complete
     assert len(recording.notices) == 1
-    assert [(step.event, step.at_s, step.effects) for step in steps[1:102]] == told[: len(steps)]
+    assert [(step.event, step.at_s, step.effects) for step in steps[1:102]] == told
+
+
+def test_a_disk_too_small_for_the_first_piece_keeps_what_is_needed_to_name_the_run(
+    tmp_path: Path,
+) -> None:
+    empty = Memory()
+    recorder(empty)
+    memory = Memory(room=len(empty.data) + 1)
+    one = recorder(memory)
+    tell(one, course(100))
+    one.close()
+
+    recording = read(memory, tmp_path)
+
+    assert one.failure == "No space left on device"
+    assert one.kept_s is None
+    assert list(recording.steps()) == []
+    assert not recording.complete
+    assert recording.header == header()
 
 
 def test_a_disk_full_from_the_beginning_is_told_at_once() -> None:
