@@ -4,6 +4,9 @@ A seeded sample of faults is made in the packages that decide what a robot does:
 comparisons, dropped terms, removed statements, swapped arguments, changed constants. Each is tried
 by the tests that run its line. ``equivalent.yaml`` lists those that change nothing that matters,
 with the reason; of the others 95 % must die in each package.
+
+`--paths` takes files and folders in place of the packages. Their mutants are tried by the files and
+folders of tests that mirror them, without a record of what all tests run, which takes many minutes.
 """
 
 from __future__ import annotations
@@ -11,10 +14,12 @@ from __future__ import annotations
 import argparse
 import random
 from collections import defaultdict
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from queue import SimpleQueue
 from tempfile import TemporaryDirectory
+from typing import TypeAlias
 
 import yaml
 
@@ -41,7 +46,19 @@ PACKAGES = {
         )
     ),
     "exploration": ("pirate_sm/checking/exploring",),
+    "recordings": ("pirate_sm/recording/read", "pirate_sm/recording/replay"),
+    "campaign": tuple(
+        f"pirate_sm/campaign/{name}.py"
+        for name in ("comparing", "intervals", "results", "tally", "verdict")
+    ),
+    "places": ("pirate_sm/detectors/place_filter.py", "pirate_sm/geometry/joints.py"),
 }
+
+_QUICK = 200
+"""So many of the tests, the quickest, are tried before the others."""
+
+Parts: TypeAlias = Sequence[Sequence[str]]
+"""Tests, or their files and folders, in parts that are run one after the other."""
 
 
 def files_of(places: tuple[str, ...]) -> list[str]:
@@ -62,11 +79,21 @@ def mirrored(path: str) -> list[str]:
     return [str(tests)] if (ROOT / tests).exists() else []
 
 
-def sample(number: int, seed: int, only: str | None) -> dict[str, list[Mutant]]:
+def nearby(path: str) -> Parts:
+    """Return the file of tests that mirrors a file, then the nearest folder of tests there is."""
+    folder = Path("tests", "unit", *Path(path).parts[1:-1])
+    while not (ROOT / folder).exists():
+        folder = folder.parent
+    return [each for each in (mirrored(path), [str(folder)]) if each]
+
+
+def sample(
+    packages: Mapping[str, tuple[str, ...]], number: int, seed: int, only: str | None
+) -> dict[str, list[Mutant]]:
     """Return a seeded choice of mutants by package, as many as its share of all there are."""
     every = {
         name: [m for path in files_of(places) for m in mutants_of(path, (ROOT / path).read_bytes())]
-        for name, places in PACKAGES.items()
+        for name, places in packages.items()
     }
     total = sum(len(each) for each in every.values())
     least = number // (2 * len(every))
@@ -84,16 +111,24 @@ def known_equivalents() -> dict[tuple[str, str, str, str], str]:
     return {(e["file"], e["function"], e["before"], e["after"]): e["reason"] for e in listed}
 
 
+def recorded(coverage: Coverage, mutant: Mutant) -> Parts:
+    """Return the tests that run the line of a mutant, quick ones first."""
+    tests = coverage.tests(mutant.path, mutant.line) or mirrored(mutant.path)
+    return [part for part in (tests[:_QUICK], tests[_QUICK:]) if part]
+
+
 def try_all(
-    mutants: list[Mutant], coverage: Coverage, copies: SimpleQueue[Copy], at_once: int
+    mutants: list[Mutant],
+    tests: Callable[[Mutant], Parts],
+    copies: SimpleQueue[Copy],
+    at_once: int,
 ) -> list[Fate]:
-    """Return the fate of each mutant; each is shown as it becomes known, if it did not die."""
+    """Return the fate of each mutant; each is shown as it becomes known, if no test failed."""
 
     def attempt(mutant: Mutant) -> Fate:
         copy = copies.get()
         try:
-            tests = coverage.tests(mutant.path, mutant.line) or mirrored(mutant.path)
-            fate = copy.fate(mutant, tests)
+            fate = copy.fate(mutant, tests(mutant))
         finally:
             copies.put(copy)
         if fate != "killed":
@@ -105,12 +140,25 @@ def try_all(
         return list(pool.map(attempt, mutants))
 
 
+def which_tests(options: argparse.Namespace, copy: Copy) -> Callable[[Mutant], Parts]:
+    """Return what says which tests try a mutant; exit where these fail without one."""
+    if options.paths:
+        for folder in {nearby(path)[-1][0] for path in files_of(tuple(options.paths))}:
+            if not copy.passes([[folder]]):
+                raise SystemExit(f"{folder} fails without any mutant: mend that first")
+        return lambda mutant: nearby(mutant.path)
+    files = [path for places in PACKAGES.values() for path in files_of(places)]
+    coverage = measure(ROOT, files, KEPT, options.at_once, options.tests)
+    return lambda mutant: recorded(coverage, mutant)
+
+
 def main() -> None:
     """Try a sample of mutants and show what became of them; exit 1 where too many live."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--number", type=int, default=250)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--only", choices=PACKAGES, help="one package alone")
+    parser.add_argument("--paths", nargs="+", default=[], help="files and folders instead")
     parser.add_argument("--at-once", type=int, default=2)
     parser.add_argument("--again", action="store_true", help="run all tests for coverage anew")
     parser.add_argument("--tests", nargs="*", default=[], help="folders of tests; all otherwise")
@@ -118,26 +166,27 @@ def main() -> None:
     if options.again:
         (KEPT / "coverage").unlink(missing_ok=True)
         (KEPT / "times").unlink(missing_ok=True)
-    files = [path for places in PACKAGES.values() for path in files_of(places)]
-    coverage = measure(ROOT, files, KEPT, options.at_once, options.tests)
+    packages = {"paths": tuple(options.paths)} if options.paths else PACKAGES
     reasons = known_equivalents()
     short = []
     with TemporaryDirectory() as folder:
         copies: SimpleQueue[Copy] = SimpleQueue()
         for number in range(options.at_once):
-            copies.put(Copy(ROOT, Path(folder, str(number))))
-        for name, mutants in sample(options.number, options.seed, options.only).items():
+            copies.put(copy := Copy(ROOT, Path(folder, str(number))))
+        tests = which_tests(options, copy)
+        for name, mutants in sample(packages, options.number, options.seed, options.only).items():
             print(f"{name}: {len(mutants)} mutants", flush=True)
             real = [m for m in mutants if (m.path, m.function, m.before, m.after) not in reasons]
             fates: dict[Fate, int] = defaultdict(int)
-            for fate in try_all(real, coverage, copies, options.at_once):
+            for fate in try_all(real, tests, copies, options.at_once):
                 fates[fate] += 1
-            killed = fates["killed"] / max(len(real), 1)
+            died = fates["killed"] + fates["timed out"]
+            share = died / max(len(real), 1)
             print(
-                f"{name}: {fates['killed']} of {len(real)} died ({killed:.0%}), "
+                f"{name}: {died} of {len(real)} died ({share:.0%}), "
                 f"{len(mutants) - len(real)} change nothing", flush=True,
             )  # fmt: skip
-            short += [name] * (killed < ASKED)
+            short += [name] * (share < ASKED)
     raise SystemExit(f"below {ASKED:.0%}: {', '.join(short)}" if short else 0)
 
 

@@ -102,7 +102,7 @@ class _Maker:
         elif isinstance(node, ast.BoolOp | ast.BinOp | ast.UnaryOp):
             yield from (("term", node, text) for text in self._shorter(node))
         elif isinstance(node, ast.Call):
-            if not any(isinstance(each, ast.Starred) for each in node.args):
+            if not (_is_symmetric(node) or any(isinstance(a, ast.Starred) for a in node.args)):
                 yield from (("arguments", node, text) for text in self._swapped(node))
         elif isinstance(node, ast.Constant) and isinstance(node.value, bool | int | float):
             other = not node.value if isinstance(node.value, bool) else node.value + 1
@@ -155,6 +155,11 @@ class _Maker:
             begins[node.lineno - 1] + node.col_offset,
             begins[node.end_lineno - 1] + node.end_col_offset,
         )
+
+
+def _is_symmetric(node: ast.Call) -> bool:
+    """Whether the order of the arguments changes nothing: the least or the most of some numbers."""
+    return isinstance(node.func, ast.Name) and node.func.id in ("min", "max") and not node.keywords
 
 
 def _is_removable(node: ast.stmt) -> bool:

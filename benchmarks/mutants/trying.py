@@ -12,13 +12,13 @@ from typing import Literal, TypeAlias
 
 from benchmarks.mutants.making import Mutant
 
-Fate: TypeAlias = Literal["killed", "survived", "not covered"]
+Fate: TypeAlias = Literal["killed", "timed out", "survived", "not covered"]
 
-_QUICK = 200
-"""So many of the tests, the quickest, are tried before the others."""
+_BUILT = "pirate_sm/simulation/machine_code/functions.library"
+"""The simulator's machine code, kept by no version control; tests compile what they lack."""
 
 _TEST_TIMEOUT_S = 30
-"""A mutant that makes one test last longer is killed by that; no test takes a third of it."""
+"""A mutant that makes one test last longer has died of that; no test takes a third of it."""
 
 
 class Copy:
@@ -36,32 +36,43 @@ class Copy:
             ["git", "ls-files", "-z", "--cached", "--others", "--exclude-standard"],
             cwd=root, capture_output=True, text=True, check=True,
         )  # fmt: skip
-        for name in filter(None, listed.stdout.split("\0")):
+        for name in (*filter(None, listed.stdout.split("\0")), _BUILT):
             if (root / name).exists():
                 target = folder / name
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copy2(root / name, target)
+        # Modules that are known by what is in them: a mutant is never taken for what it was.
+        subprocess.run(
+            [sys.executable, "-m", "compileall", "-q", "--invalidation-mode", "checked-hash", "."],
+            cwd=folder, capture_output=True, check=False,
+        )  # fmt: skip
 
-    def fate(self, mutant: Mutant, tests: Sequence[str]) -> Fate:
+    def fate(self, mutant: Mutant, parts: Sequence[Sequence[str]]) -> Fate:
         """Return what the tests make of the mutant; the copy is as before afterwards.
 
         Args:
             mutant: The fault.
-            tests: The tests that run its line, quick ones first.
+            parts: Tests or their folders, in parts that are run one after the other, quick ones
+                first.
         """
-        if not tests:
+        if not parts:
             return "not covered"
         source = (self._root / mutant.path).read_bytes()
         target = self._folder / mutant.path
         target.write_bytes(mutant.apply(source))
         try:
-            parts = (tests[:_QUICK], tests[_QUICK:])
-            killed = any(self._fails(part) for part in parts if part)
+            for part in parts:
+                if (fate := self._run(part)) != "survived":
+                    return fate
         finally:
             target.write_bytes(source)
-        return "killed" if killed else "survived"
+        return "survived"
 
-    def _fails(self, tests: Sequence[str]) -> bool:
+    def passes(self, parts: Sequence[Sequence[str]]) -> bool:
+        """Return whether the tests pass without any mutant."""
+        return all(self._run(part) == "survived" for part in parts)
+
+    def _run(self, tests: Sequence[str]) -> Fate:
         names = self._folder / "tests_to_run.txt"
         names.write_text("\n".join(tests) + "\n")
         run = subprocess.run(
@@ -70,4 +81,6 @@ class Copy:
             cwd=self._folder, capture_output=True, check=False,
             env={**os.environ, "PYTHONPATH": str(self._folder), "PYTHONDONTWRITEBYTECODE": "1"},
         )  # fmt: skip
-        return run.returncode != 0
+        if run.returncode == 0:
+            return "survived"
+        return "timed out" if b"Failed: Timeout" in run.stdout else "killed"

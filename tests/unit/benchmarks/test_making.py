@@ -37,7 +37,11 @@ def test_code_gets_the_fault(code: str, kind: str, after: str) -> None:
 
 
 @pytest.mark.parametrize(
-    "code", ['"""Says it."""', "assert a > 7", "return f'{a + b}'", "return f(*a, b)", "return a"]
+    "code",
+    [
+        *('"""Says it."""', "assert a > 7", "return f'{a + b}'", "return f(*a, b)", "return a"),
+        "return max(a, b)",
+    ],
 )
 def test_what_decides_nothing_gets_none(code: str) -> None:
     assert changes(code) == set()

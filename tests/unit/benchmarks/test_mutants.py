@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from benchmarks.mutants.__main__ import mirrored
+from benchmarks.mutants.__main__ import mirrored, nearby, sample
 
 
 def test_what_runs_in_another_process_is_tried_by_the_file_that_mirrors_it() -> None:
@@ -12,3 +12,24 @@ def test_what_runs_in_another_process_is_tried_by_the_file_that_mirrors_it() -> 
         f"tests/unit/{guardian}/test_process.py"
     ]
     assert mirrored("pirate_sm/engine/engine.py") == []
+
+
+def test_a_file_is_tried_by_the_tests_that_mirror_it_and_then_by_those_next_to_them() -> None:
+    folder = "tests/unit/engine/resuming"
+
+    assert nearby("pirate_sm/engine/resuming/entry.py") == [[f"{folder}/test_entry.py"], [folder]]
+    assert nearby("pirate_sm/engine/resuming/hypotheses.py") == [[folder]]
+    assert nearby("pirate_sm/engine/gliding/no_tests/file.py") == [["tests/unit/engine/gliding"]]
+
+
+def test_another_seed_makes_other_mutants_of_the_same_files() -> None:
+    packages = {"some": ("pirate_sm/engine/resuming", "pirate_sm/geometry/joints.py")}
+
+    one, again, other = (sample(packages, 12, seed, None)["some"] for seed in (1, 1, 2))
+
+    assert len(one) == 12
+    assert one == again != other
+    assert {each.path.rpartition("/")[0] for each in (*one, *other)} <= {
+        "pirate_sm/engine/resuming",
+        "pirate_sm/geometry",
+    }
