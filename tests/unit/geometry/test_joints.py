@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi, radians, sqrt, tan
+from math import isnan, pi, radians, sqrt, tan
 
 import pytest
 
 from pirate_sm.geometry.joints import Bend, Joint, bend_at
+from pirate_sm.geometry.network import Elbow, Network, Reducer, Run, Straight, Tee, planar
+from pirate_sm.geometry.route import Route
 
 DIAMETER_M = 0.12
 
@@ -37,3 +39,44 @@ def test_the_reach_of_an_elbow_lacks_the_wall_that_a_mitre_takes_of_a_right_angl
 
 def test_a_narrow_elbow_has_no_reach() -> None:
     assert bend_at(elbow(90, behind_m=0.05), DIAMETER_M) == Bend(1.5, 0.0)
+
+
+def test_a_route_may_begin_with_a_fitting() -> None:
+    (joint,) = Route(planar(0.12, (Elbow(pi / 2, 0.2), Straight(1.0)))).joints
+
+    half_m = 0.2 * pi / 4
+    assert joint[:5] == pytest.approx(("elbow", half_m, half_m, half_m, pi / 2))
+
+
+def test_a_sudden_step_between_two_runs_is_a_reducer_without_length() -> None:
+    runs = {
+        "wide": Run(0.12, (Straight(1.0),), ends="sleeve"),
+        "narrow": Run(0.11, (Straight(1.0), Straight(0.5)), begins="sleeve"),
+    }
+    (joint,) = Route(Network(runs, {"all": ("wide", "narrow")})).joints
+
+    assert joint[:5] == ("reducer", 1.0, 0.0, 0.0, 0.0)
+    assert isnan(joint.towards_rad)
+
+
+def test_a_tee_into_a_narrower_run_is_one_joint() -> None:
+    runs = {
+        "trunk": Run(0.12, (Straight(1.0),), ends="tee"),
+        "on": Run(0.1, (Straight(1.0),), begins="tee.on"),
+        "branch": Run(0.1, (Straight(1.0),), begins="tee.branch"),
+    }
+    network = Network(
+        runs, {"on": ("trunk", "on"), "off": ("trunk", "branch")}, tees={"tee": Tee()}
+    )
+    (on,), (off,) = Route(network, "on").joints, Route(network, "off").joints
+
+    assert on[:5] == pytest.approx(("tee", 1.0, 0.05, 0.06, 0.0))
+    assert off[:5] == pytest.approx(("tee", 1.0, 0.05, 0.06, pi / 2))
+    assert (on.junction, off.junction) == ("tee", "tee")
+
+
+def test_a_reducer_reaches_from_its_beginning_to_its_end() -> None:
+    parts = (Straight(1.0), Reducer(0.06, 0.1), Straight(1.0))
+    (joint,) = Route(planar(0.12, parts)).joints
+
+    assert joint[:5] == pytest.approx(("reducer", 1.0, 0.0, 0.06, 0.0))

@@ -104,6 +104,19 @@ class TestGoingOnInAWait:
         odometry = driver.engine.signals(driver.state)["odometry"]
         assert odometry == pytest.approx(way_m, abs=1e-6)
 
+    def test_a_change_needs_only_what_was_left_of_it(self, drive):
+        driver = begun(CutOff(waiting(drive)).go_on())
+        driver.until(lambda seen: seen.of(fx.WaitArmed))
+        driver.accept()
+        forward = {f"theta_{n}": (3.0 if n in (1, 3, 5) else -3.0) for n in range(1, 7)}
+        before_m = driver.engine.signals(driver.state)["odometry"]
+        assert 0.3 < before_m < 0.9
+
+        driver.run(driver.now + (0.95 - before_m) / (3.0 * 0.024), **forward)
+        assert not driver.fired
+        driver.run(driver.now + 0.1 / (3.0 * 0.024), **forward)
+        assert driver.fired == ["done"]
+
     def test_a_phase_that_counts_on_does_so_after_it_was_cut_off_before_its_wait(self, drive):
         legs = STEPS.replace("1 m, go: done}", "1 m, go: done}\n      - {after: 1 s, go: rest}")
         rest = "  rest:\n    do: [{wait: [{after: 5 s}]}]\n    counts_on: true\n"
