@@ -292,7 +292,7 @@ class SimulatorBackend:
     def _react_to(self, incident: Incident) -> Sequence[Event]:
         """Return the faults that follow at once from an incident on the boards."""
         if incident.what == "boards_restarted":
-            return (BuiltInFault.FIRMWARE_RESET.report("the boards have started again"),)
+            return (BuiltInFault.FIRMWARE_RESET.report("the boards have started again", 0.0),)
         if incident.what == "controller_restarted":
             return (self._start_again(incident.until_s),)
         return ()
@@ -302,11 +302,12 @@ class SimulatorBackend:
 
         The motors go on meanwhile. Mission time stands still, as during a silence of the link.
         """
-        for _ in range(round((until_s - self._now) / self._cycle_s)):
+        away_s = until_s - self._now
+        for _ in range(round(away_s / self._cycle_s)):
             self.robot.step(self._now, self._turns[0])
             self.robot.meet_obstacles()
         self.robot.electronics.rest()
-        return BuiltInFault.FIRMWARE_RESET.report("the controller has started again")
+        return BuiltInFault.FIRMWARE_RESET.report("the controller has started again", away_s)
 
     def _frame(self, board: BoardChannels) -> Sequence[Event]:
         counts = self.robot.frame(self._now, board)

@@ -66,9 +66,10 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
 
 
 def _go_on(moment: Moment, state: EngineState) -> EngineState:
-    if state.look is None:  # no commands during the start check
-        if state.mission.diverting is not None:
-            state = divert(moment, state)
+    look = state.look
+    if state.mission.diverting is not None and (look is None or look.before is not None):
+        state = divert(moment, state)
+    if look is None:  # no commands during a comparison
         if state.mission.pause_wanted:
             state = pausing.begin_if_wanted(moment, state)
         state = advance(moment, state)

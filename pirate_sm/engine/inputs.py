@@ -9,6 +9,7 @@ from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.resuming import reconnection
 from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
@@ -18,6 +19,7 @@ from pirate_sm.engine.sensing.traction_memory import nothing_estimated
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Detected
 from pirate_sm.model.events import (
+    EVIDENCE_ENDS,
     DetectorWord,
     FaultReport,
     OutsideNumber,
@@ -75,7 +77,7 @@ def _exhausted(moment: Moment, before: RobotState, after: RobotState) -> list[Fo
 
 
 def _found(moment: Moment, report: FaultReport) -> FoundFault:
-    code, message = report
+    code, message = report.code, report.message
     denies = moment.robot.denied_by_report(code, message)
     return FoundFault(code, message, moment.robot.fault_codes.get(code, True), denies)
 
@@ -141,10 +143,16 @@ def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
 
 
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
-    """Handle a fault that a backend reports; after some faults all signals start as unknown."""
-    if event.code in ANEW:
-        state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
-        words = state.obeyed_words(moment.robot)
-        faults = unsettle(moment.robot, state.faults, state.sensing, words)
-        state = state._replace(faults=faults)
-    return meet(moment, state, _found(moment, event))
+    """Handle a fault that a backend reports; after some faults nothing is known any more."""
+    if event.code not in ANEW:
+        return meet(moment, state, _found(moment, event))
+    before = state
+    state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
+    words = state.obeyed_words(moment.robot)
+    faults = unsettle(moment.robot, state.faults, state.sensing, words)
+    state = state._replace(faults=faults)
+    if moment.nominal or moment.alphabet < EVIDENCE_ENDS:
+        return meet(moment, state, _found(moment, event))
+    state = reconnection.doubt(moment, before, state)
+    state = meet(moment, state, _found(moment, event))
+    return reconnection.begin(moment, before, state, event)

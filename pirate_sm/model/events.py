@@ -115,10 +115,14 @@ class FaultReport(NamedTuple):
 
     A report with code and message of one of the robot's fault rules counts as raised by that rule,
     and denies the same clamps.
+
+    Attributes:
+        away_s: How long the controller was silent that is back; NaN if nobody knows.
     """
 
     code: str
     message: str
+    away_s: float = nan
 
 
 class OperatorCommand(NamedTuple):

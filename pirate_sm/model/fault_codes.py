@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import Enum
+from math import nan
 from typing import Final, Literal, NamedTuple, TypeAlias
 
 from pirate_sm.model.events import FaultReport
@@ -98,6 +99,12 @@ class BuiltInFault(Enum):
     START_CONTRADICTED = _About(
         "start.contradicted", "sensors", False, "the robot does not stand as the mission says"
     )
+    STATE_CONTRADICTED = _About(
+        "state.contradicted",
+        "sensors",
+        False,
+        "after its controller was away, the robot is not as it was known",
+    )
     PANEL_LOST = _About(
         "panel.lost", "link", True, "the control panel is gone, and nobody is at a keyboard"
     )
@@ -108,9 +115,9 @@ class BuiltInFault(Enum):
     def __init__(self, code: str, origin: Origin, catchable: bool, meaning: str) -> None:
         self.code, self.origin, self.catchable, self.meaning = code, origin, catchable, meaning
 
-    def report(self, message: str) -> FaultReport:
-        """Return a report of this fault."""
-        return FaultReport(self.code, message)
+    def report(self, message: str, away_s: float = nan) -> FaultReport:
+        """Return a report of this fault, with how long the controller was silent."""
+        return FaultReport(self.code, message, away_s)
 
 
 BUILT_IN_FAULTS: Final[Mapping[str, BuiltInFault]] = {each.code: each for each in BuiltInFault}

@@ -170,15 +170,16 @@ class Recovery:
         return BuiltInFault.LINK_NO_ECHO.report(f"{back} and {_UNCONFIRMED}")
 
     def _recovered(self, outage: Outage, stopped: bool) -> FaultReport:
+        away_s = outage.silence_s
         state = (
-            "it has confirmed that its clamps hold as before and its wheels are stopped"
+            "it has confirmed that the safe setpoints have arrived"
             if stopped
             else "nothing had been sent to it before"
         )
         if outage.gone:
-            what = f"the link was away for {outage.silence_s:.1f} s ({outage.gone}) and is back"
-            return BuiltInFault.LINK_INTERRUPTED.report(f"{what}: {state}")
-        return BuiltInFault.FIRMWARE_RESET.report(f"{was_reset(outage.silence_s)}: {state}")
+            what = f"the link was away for {away_s:.1f} s ({outage.gone}) and is back"
+            return BuiltInFault.LINK_INTERRUPTED.report(f"{what}: {state}", away_s)
+        return BuiltInFault.FIRMWARE_RESET.report(f"{was_reset(away_s)}: {state}", away_s)
 
 
 def was_reset(silence_s: float) -> str:

@@ -109,6 +109,6 @@ def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
     """Return the signals after quiet frames."""
     numbers, heard_s, shares, angles, records, asked, loss, checked_s, *_ = after
     return Sensing(
-        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, records),
-        *(asked, loss, sensing.told, sensing.traction, sensing.outside_until_s, sensing.adrift),
+        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, records, asked, loss),
+        *sensing[9:],
     )

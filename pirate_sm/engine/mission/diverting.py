@@ -52,6 +52,8 @@ def divert(moment: Moment, state: EngineState) -> EngineState:
         robot = commands.stop(moment, robot, state.sensing)
         mission = mission._replace(stopped=True, begun=False)
         return state._replace(robot=robot, mission=mission)
+    if state.look is not None:
+        return state
     mission = pausing.forget(mission, robot).at(handler.go)
     return state._replace(
         mission=mission._replace(diverting=None, stopped=False, handling=handler.go_name)

@@ -28,6 +28,12 @@ def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
     mission, body = state.mission, state.robot
     if not mission.pause_wanted or mission.ending or mission.diverting or body.awaited:
         return state
+    return begin(moment, state)
+
+
+def begin(moment: Moment, state: EngineState) -> EngineState:
+    """Begin a pause now: stop the wheels and all loops, and freeze deadlines."""
+    mission, body = state.mission, state.robot
     before = BeforePause(body.values, body.loops, body.configuration, body.motion is not None)
     if not robot_state.is_safe(moment.robot, body):
         doubted = commands.doubt(moment.robot, body)

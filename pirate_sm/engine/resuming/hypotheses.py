@@ -73,6 +73,45 @@ def hypotheses(
     return tuple(found)
 
 
+def unproven(robot: RobotSpec, body: RobotState) -> Marks:
+    """Return the marks of a robot of which nothing is confirmed any more.
+
+    What had been confirmed is *declared*: sensors may confirm it. What was not confirmed keeps its
+    mark, which only a command removes.
+    """
+    here = body.configuration
+    kept = {mark for mark in body.marks if mark.command not in (DECLARED, STOPPED)}
+    known = {(mark.kind, mark.which) for mark in kept}
+    every = {Mark("part", part, DECLARED) for part in robot.held[here]}
+    every |= {Mark("region", region, DECLARED) for region in range(len(robot.regions))}
+    kept |= {mark for mark in every if (mark.kind, mark.which) not in known}
+    return frozenset(kept | {Mark("region", each, STOPPED) for each in robot.driven[here]})
+
+
+def denied(
+    robot: RobotSpec, program: Program, last: EngineState, rest: RobotState
+) -> Iterator[Mark]:
+    """Yield the marks; those that the last known signals contradict are denied.
+
+    A part that stands across the mouth of a tee, for example, shows another diameter. There the
+    sensors say nothing now either, and a command must confirm the part. Wheels that turned may
+    have come to rest since.
+    """
+    names, setpoints = states_of(robot, rest), at_rest_in(robot, rest.configuration).values
+    for mark in rest.marks:
+        numbers, diameter_m = last.sensing.numbers, program.diameter_m
+        wheels = isinstance(spec_of(robot, names, mark), StandingSpec | DrivenSpec)
+        if mark.command != DECLARED or wheels:
+            yield mark
+        elif verdict(robot, setpoints, rest, mark, numbers, diameter_m).against:
+            yield mark._replace(command=DENIED)
+        else:
+            yield mark
+
+
+# --- inside ---------------------------------------------------------------------------------
+
+
 def _after(robot: RobotSpec, body: RobotState, flight: Flight, motion: Motion) -> RobotState:
     """Return the robot after the acceptance of a command's first array."""
     return body._replace(
@@ -91,44 +130,8 @@ def _at_rest(robot: RobotSpec, program: Program, last: EngineState, body: RobotS
     rest = RobotState(
         body.configuration,
         tuple(values),
-        marks=_unproven(robot, body),
+        marks=unproven(robot, body),
         next_id=body.next_id + (body.flight is not None),
         control=body.control,
     )
-    return rest._replace(marks=frozenset(_denied(robot, program, last, rest)))
-
-
-def _unproven(robot: RobotSpec, body: RobotState) -> Marks:
-    """Return the marks of a robot of which nothing is confirmed any more.
-
-    What the recording had confirmed is *declared*: sensors may confirm it. What was not confirmed
-    keeps its mark, which only a command removes.
-    """
-    here = body.configuration
-    kept = {mark for mark in body.marks if mark.command not in (DECLARED, STOPPED)}
-    known = {(mark.kind, mark.which) for mark in kept}
-    every = {Mark("part", part, DECLARED) for part in robot.held[here]}
-    every |= {Mark("region", region, DECLARED) for region in range(len(robot.regions))}
-    kept |= {mark for mark in every if (mark.kind, mark.which) not in known}
-    return frozenset(kept | {Mark("region", each, STOPPED) for each in robot.driven[here]})
-
-
-def _denied(
-    robot: RobotSpec, program: Program, last: EngineState, rest: RobotState
-) -> Iterator[Mark]:
-    """Yield the marks; those that the recorded signals contradict are denied.
-
-    A part that stands across the mouth of a tee, for example, shows another diameter. There the
-    sensors say nothing now either, and a command must confirm the part. Wheels that turned may
-    have come to rest since.
-    """
-    names, setpoints = states_of(robot, rest), at_rest_in(robot, rest.configuration).values
-    for mark in rest.marks:
-        numbers, diameter_m = last.sensing.numbers, program.diameter_m
-        wheels = isinstance(spec_of(robot, names, mark), StandingSpec | DrivenSpec)
-        if mark.command != DECLARED or wheels:
-            yield mark
-        elif verdict(robot, setpoints, rest, mark, numbers, diameter_m).against:
-            yield mark._replace(command=DENIED)
-        else:
-            yield mark
+    return rest._replace(marks=frozenset(denied(robot, program, last, rest)))

@@ -18,6 +18,7 @@ from pirate_sm.engine.robot.robot_state import (
     DENIED,
     STOPPED,
     Mark,
+    Marks,
     RobotState,
     at_rest_in,
     states_of,
@@ -140,7 +141,7 @@ def reconcile(
     way = dark_way(robot, last, sensing.numbers, driven_s)
     refusals = list(_silent(robot, frames, now_s))
     if last.robot.motion is None and not driven_s:
-        refusals += _changed(robot, last, found[0], sensing.numbers)
+        refusals += changed(robot, last.sensing.numbers, found[0].body.marks, sensing.numbers)
     chosen, choices, none = _choose(tables)
     return Reconciled(
         tables,
@@ -217,6 +218,38 @@ def turning(robot: RobotSpec, numbers: Numbers) -> bool:
     )
 
 
+def changed(
+    robot: RobotSpec, was: Numbers, marks: Marks, numbers: Numbers, then: str = "recorded"
+) -> Iterator[str]:
+    """Yield what a robot at rest does not change by itself: its attitude, its clamped joints.
+
+    Args:
+        robot: The robot.
+        was: Signals as they were, SI.
+        marks: The marks; the joints of a part that is declared to hold are compared.
+        numbers: Signals now, SI.
+        then: The word for how they were.
+    """
+    dark = robot.sight.dark
+    tilt = _tilt_rad(robot, was, numbers)
+    if tilt > dark.tilt_rad:
+        yield (
+            f"the robot lies {degrees(tilt):z.0f} deg otherwise than {then}, "
+            f"limit {degrees(dark.tilt_rad):z.0f} deg"
+        )
+    for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
+        spec = robot.sight.parts[part] if robot.sight.parts else None
+        for joint in () if spec is None else spec.joints:
+            angle = robot.slots[joint.slot].angle
+            off = abs(numbers[angle] - was[angle])
+            if off > dark.joint_rad:
+                yield (
+                    f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
+                    f"{degrees(numbers[angle]):z.1f} deg, {then} {degrees(was[angle]):z.1f} deg, "
+                    f"limit {degrees(dark.joint_rad):z.0f} deg off"
+                )
+
+
 # --- inside ---------------------------------------------------------------------------------
 
 
@@ -275,31 +308,6 @@ def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
     for number, board in robot.boards.items():
         if not now_s - heard.get(number, -inf) < robot.link.stale_after_s:
             yield f"board {number} ({board.module}) does not report"
-
-
-def _changed(
-    robot: RobotSpec, last: EngineState, hypothesis: Hypothesis, numbers: Numbers
-) -> Iterator[str]:
-    """Yield what a robot at rest does not change by itself: its attitude, its clamped joints."""
-    was, dark = last.sensing.numbers, robot.sight.dark
-    tilt = _tilt_rad(robot, was, numbers)
-    if tilt > dark.tilt_rad:
-        yield (
-            f"the robot lies {degrees(tilt):z.0f} deg otherwise than recorded, "
-            f"limit {degrees(dark.tilt_rad):z.0f} deg"
-        )
-    marks = hypothesis.body.marks
-    for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
-        spec = robot.sight.parts[part] if robot.sight.parts else None
-        for joint in () if spec is None else spec.joints:
-            angle = robot.slots[joint.slot].angle
-            off = abs(numbers[angle] - was[angle])
-            if off > dark.joint_rad:
-                yield (
-                    f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
-                    f"{degrees(numbers[angle]):z.1f} deg, recorded {degrees(was[angle]):z.1f} deg, "
-                    f"limit {degrees(dark.joint_rad):z.0f} deg off"
-                )
 
 
 def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:

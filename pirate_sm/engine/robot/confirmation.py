@@ -1,9 +1,10 @@
 """Compare the declared states of the robot with its sensors before it moves.
 
-At the start of a run with sensors every state and every held part is marked as declared. For a
-limited time the sensors are compared with the marks, by the criteria in the profile's ``seen``. A
-confirmed mark is removed. A contradicted mark refuses the start. A mark that stays open, because
-a signal is unknown or lies between the limits, remains until a command confirms the state.
+At the start of a run with sensors every state and every held part is marked as declared, and again
+each time that the controller was away. For a limited time the sensors are compared with the marks,
+by the criteria in the profile's ``seen``. A confirmed mark is removed. A contradicted mark refuses
+the start, or ends the run. A mark that stays open, because a signal is unknown or lies between the
+limits, remains until a command confirms the state.
 """
 
 from __future__ import annotations
@@ -25,6 +26,7 @@ from pirate_sm.engine.robot.robot_state import (
     states_of,
 )
 from pirate_sm.engine.robot.sensor_verdict import spec_of, verdict
+from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.model.fault_codes import BuiltInFault
 
 CODE = BuiltInFault.START_CONTRADICTED.code
@@ -45,6 +47,26 @@ class Watched(NamedTuple):
     for_s: float = 0.0
 
 
+class Before(NamedTuple):
+    """The robot as it was known when the connection to it was interrupted.
+
+    Attributes:
+        sensing: What its sensors had shown.
+        latest: The newest array.
+        idle: Whether no command was under way.
+        away_s: How long its controller was silent; NaN if nobody knows.
+        held: Parts whose clamps were confirmed.
+        resumes: Whether the mission is paused until the comparison is over.
+    """
+
+    sensing: Sensing
+    latest: Numbers
+    idle: bool
+    away_s: float
+    held: frozenset[int]
+    resumes: bool = False
+
+
 class Look(NamedTuple):
     """The state of a running comparison of sensors and declared states.
 
@@ -52,11 +74,15 @@ class Look(NamedTuple):
         until_s: Latest end of the comparison.
         setpoints: Setpoints of the declared configuration.
         marks: Marks that are not decided yet.
+        before: The robot before the connection was interrupted; None at the start of a run.
+        strange_s: Since when it differs from that; NaN while it does not.
     """
 
     until_s: float
     setpoints: Numbers
     marks: tuple[Watched, ...]
+    before: Before | None = None
+    strange_s: float = nan
 
     @property
     def due_s(self) -> float:
@@ -71,12 +97,14 @@ class LookResult(NamedTuple):
     Attributes:
         look: The comparison; None once it is over.
         turning: Whether wheels turn that were declared to stand or to turn the other way.
+        denied: Parts that do not hold.
     """
 
     look: Look | None
     confirmed: frozenset[Mark]
     contradictions: tuple[str, ...] = ()
     turning: bool = False
+    denied: frozenset[int] = frozenset()
 
 
 def declared_in(robot: RobotSpec, configuration: int) -> RobotState:
@@ -94,18 +122,23 @@ def declared_in(robot: RobotSpec, configuration: int) -> RobotState:
     return rest._replace(values=tuple(values), marks=frozenset(marks))
 
 
-def begin(robot: RobotSpec, body: RobotState, now: float) -> Look | None:
-    """Return a new comparison; None where the sensors could show none of the declared states."""
+def begin(
+    robot: RobotSpec, body: RobotState, now: float, before: Before | None = None
+) -> Look | None:
+    """Return a new comparison; None where the sensors could show none of the declared states.
+
+    After an interruption there always is one, because the whole robot is compared.
+    """
     names = states_of(robot, body)
     marks = tuple(
         Watched(mark)
         for mark in sorted(body.marks)
         if mark.command == DECLARED and not isinstance(spec_of(robot, names, mark), _NEVER_SHOWN)
     )
-    if not marks:
+    if not marks and before is None:
         return None
     setpoints = at_rest_in(robot, body.configuration).values
-    return Look(now + robot.sight.within_s, setpoints, marks)
+    return Look(now + robot.sight.within_s, setpoints, marks, before)
 
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
@@ -139,6 +172,7 @@ def look(
     numbers: Numbers,
     diameter_m: float | None,
     now: float,
+    strange: tuple[str, ...] = (),
 ) -> LookResult:
     """Return the result of the comparison at this moment.
 
@@ -149,28 +183,38 @@ def look(
         numbers: Signals in SI.
         diameter_m: Inner diameter of the pipe; None where it is unknown.
         now: Time in seconds.
+        strange: What the robot cannot have changed while it was away. While there is any, nothing
+            is confirmed; once it has lasted, the comparison is over.
     """
     open_: list[Watched] = []
     confirmed: set[Mark] = set()
+    lasting_s = max((part.for_s for part in robot.sight.parts if part is not None), default=0.0)
+    strange_s = _since(before.strange_s, bool(strange), now)
+    over = has_come(now, before.until_s) or has_come(now, strange_s + lasting_s)
     for each in before.marks:
         if each.mark not in body.marks:
             continue
         shown = verdict(robot, before.setpoints, body, each.mark, numbers, diameter_m)
-        agrees_s = _since(each.agrees_s, shown.agrees, now)
+        agrees_s = _since(each.agrees_s, shown.agrees and not strange, now)
         against_s = _since(each.against_s, bool(shown.against), now)
         if shown.agrees and has_come(now, agrees_s + shown.for_s):
             confirmed.add(each.mark)
         else:
             open_.append(Watched(each.mark, agrees_s, against_s, shown.against, shown.for_s))
-    if open_ and not has_come(now, before.until_s):
-        return LookResult(before._replace(marks=tuple(open_)), frozenset(confirmed))
+    if (open_ or strange) and not over:
+        following = before._replace(marks=tuple(open_), strange_s=strange_s)
+        return LookResult(following, frozenset(confirmed))
     wrong = [each for each in open_ if has_come(now, each.against_s + each.for_s)]
     turning = any(
         isinstance(spec_of(robot, states_of(robot, body), each.mark), StandingSpec | DrivenSpec)
         for each in wrong
     )
-    told = tuple(f"{_declared(robot, body, each.mark)}, but {each.told}" for each in wrong)
-    return LookResult(None, frozenset(confirmed), told, turning)
+    held = "was" if before.before else "is declared"
+    told = tuple(f"{_declared(robot, body, each.mark, held)}, but {each.told}" for each in wrong)
+    denied = frozenset(each.mark.which for each in wrong if each.mark.kind == "part")
+    if strange:
+        denied |= robot.held[body.configuration]
+    return LookResult(None, frozenset(confirmed), strange or told, turning, denied)
 
 
 def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
@@ -188,11 +232,12 @@ def _since(since_s: float, holds: bool, now: float) -> float:
     return now if isnan(since_s) else since_s
 
 
-def _declared(robot: RobotSpec, body: RobotState, mark: Mark) -> str:
+def _declared(robot: RobotSpec, body: RobotState, mark: Mark, held: str) -> str:
     names = states_of(robot, body)
     if mark.kind == "region":
-        return f"{robot.regions[mark.which]} is declared {names[mark.which]}"
+        return f"{robot.regions[mark.which]} {held} {names[mark.which]}"
     states = ", ".join(
         f"{robot.regions[each]} {names[each]}" for each in sorted(robot.part_regions[mark.which])
     )
-    return f"the {robot.parts[mark.which]} part is declared to hold ({states})"
+    verb = "held" if held == "was" else f"{held} to hold"
+    return f"the {robot.parts[mark.which]} part {verb} ({states})"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.engine.mission.ending import end, withdraw
 from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.resuming import reconnection
 from pirate_sm.engine.robot import confirmation, robot_state
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Ended, Fault
@@ -13,7 +14,8 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
     """Continue the comparison of declared states and sensors; a contradiction ends the run."""
     robot, body = moment.robot, state.robot
     numbers, diameter_m = state.sensing.numbers, moment.program.diameter_m
-    seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s)
+    strange = reconnection.strange(moment, state, look.before) if look.before else ()
+    seen = confirmation.look(robot, look, body, numbers, diameter_m, moment.now_s, strange)
     state = state._replace(look=seen.look)
     if seen.confirmed:
         before = robot_state.state_change(robot, body)
@@ -24,6 +26,8 @@ def go_on(moment: Moment, state: EngineState, look: confirmation.Look) -> Engine
             moment.emit(change)
     if seen.look is not None:
         return state
+    if look.before is not None:
+        return reconnection.decide(moment, state, look.before, seen)
     if seen.contradictions:
         return _refuse(moment, state, seen)
     for part in confirmation.parts_left_open(robot, body):

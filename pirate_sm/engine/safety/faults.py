@@ -15,7 +15,9 @@ from pirate_sm.engine.state import FaultState, Words
 from pirate_sm.model.fault_codes import BuiltInFault
 
 ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
-"""Faults after which all signals are unknown again, and counters may start at zero."""
+"""Faults after which all signals are unknown again, and counters may start at zero.
+
+The robot is another one until its sensors show the one that was known."""
 
 
 class FoundFault(NamedTuple):
@@ -124,6 +126,7 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
         checked_s=now,
         records=records,
         loss=sensing.loss,
+        adrift=sensing.adrift,
         connection=sensing.connection + 1,
     )
 

@@ -20,7 +20,7 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     accepted = old.configuration != new.configuration
     if not accepted and old.marks == new.marks and old.values == new.values:
         return state
-    diverting = state.mission.diverting is not None
+    diverting = state.mission.diverting is not None or state.look is not None
     if not accepted and diverting:
         return state
     name = moment.robot.commands[motion.command].name if motion is not None else None
@@ -30,7 +30,8 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     if places != state.rules:
         state = state._replace(rules=places)
     # While a fault is being handled the mission breaks no rule: rules were checked before its last
-    # command was sent, and its wheels are stopped before the handler begins.
+    # command was sent, and its wheels are stopped before the handler begins. While sensors are
+    # compared with states no command begins either.
     for rule in () if diverting else broken:
         if motion is not None and not motion.place:
             moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")

@@ -26,4 +26,5 @@ def test_each_return_of_the_controller_begins_the_next_connection(drive, code):
 
     driver.give(ev.FaultReport(code, "it is back"))
     driver.give(ev.FaultReport(code, "it is back again"))
+    driver.run(driver.now + 1.0)
     assert driver.state.connection == 2

@@ -60,7 +60,7 @@ def test_the_alphabet_is_what_its_version_says():
             *AHEAD,
         ),
         "Fault": ("code", "message", "handling"),
-        "FaultReport": ("code", "message"),
+        "FaultReport": ("code", "message", "away_s"),
         "GoTo": ("phase", "states", "unconfirmed"),
         "Log": ("level", "message"),
         "OperatorCommand": ("command",),

@@ -9,7 +9,8 @@ answers. An echo with other values, or with a number that was never written, mea
 two directions was damaged; the array is then written again at once.
 
 The array in force is repeated while nothing else is written (*refreshed*), so that the firmware's
-dead man's switch knows that the line is alive. Nothing waits for the echo of a refresh.
+dead man's switch knows that the line is alive. Nothing waits for the echo of a refresh; but if none
+comes for long, the array in force is sent again like a new one.
 """
 
 from __future__ import annotations
@@ -29,6 +30,9 @@ BUDGET = 8
 
 _REPEAT_BUDGET = 5
 """An array that had been confirmed before is given this many times as long."""
+
+_REFRESH_BUDGET = 2
+"""An array in force whose refreshes are not echoed for this many times as long is sent again."""
 
 _HURRY = 0.6
 """The share of the least time between two arrays after which a copy may follow."""
@@ -77,6 +81,7 @@ class SetpointLink:
         self._flight: ArrayUnderWay | None = None
         self._latest: WantedArray | None = None
         self._sent_s = -inf
+        self._echoed_s = inf
         self.quality = LineQuality(echo_within_s)
         self._recent: dict[int, tuple[Array, float]] = {}
         self._refreshing = refreshing
@@ -194,7 +199,12 @@ class SetpointLink:
         if flight is not None and flight.reported and waiting is not None:
             flight = self._flight = None  # the waiting array replaces it
         budget_s = BUDGET * self._longest_s
-        if flight is not None and flight.numbers and now >= flight.sent_s + self._patience_s:
+        if (
+            flight is not None
+            and flight.numbers
+            and (now >= flight.sent_s + self._patience_s or (flight.again and waiting is None))
+        ):
+            # A wrong echo asks for another copy each time, so that none would ever be overdue.
             patience_s = budget_s * (_REPEAT_BUDGET if flight.needed else 1)
             if waiting is not None:
                 self._overtake(flight, waiting)
@@ -203,7 +213,10 @@ class SetpointLink:
                 self._end(flight, f"no echo after {len(flight.numbers)} copies")
             else:
                 flight.again = True
+        quiet = self.idle and self._unanswered
         self._miss(now)
+        if quiet and now >= self._echoed_s + _REFRESH_BUDGET * budget_s:
+            self.reassert(now)
         if able:
             return
         flight = self._flight
@@ -290,6 +303,7 @@ class SetpointLink:
             else:
                 self._correct(now)
             return
+        self._echoed_s = now
         unanswered = self._unanswered.pop(number, None)
         if unanswered is not None:
             self.quality.lose(0.0)

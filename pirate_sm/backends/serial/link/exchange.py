@@ -384,7 +384,8 @@ class Exchange:
             self.link.reassert(now)
         if known.again and self._flowing and not self._watching:
             self._flowing = False
-            self._events.append(BuiltInFault.FIRMWARE_RESET.report(was_reset(known.silence_s)))
+            away_s = known.silence_s
+            self._events.append(BuiltInFault.FIRMWARE_RESET.report(was_reset(away_s), away_s))
 
     def _refuse(self, refused: TopicRefused) -> None:
         self.refused.append(refused.reason)

@@ -26,13 +26,15 @@ from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect, Fault, Log
 from pirate_sm.model.simulation import Defect
+from pirate_sm.rosserial.frames import Frame
+from pirate_sm.rosserial.messages import Array
 from pirate_sm.runtime.backend_links import Messenger
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 
 from .conftest import without_refresh
 
-SAFE = "it has confirmed that its clamps hold as before and its wheels are stopped"
+SAFE = "it has confirmed that the safe setpoints have arrived"
 
 LOSSY = {"loss_in": 0.2, "loss_out": 0.2, "corruption": 0.01}
 
@@ -112,16 +114,25 @@ class Watching:
 
 
 class ActingPort(VirtualPort):
-    """A port whose cable is pulled and put in again at given times."""
+    """A port whose cable is pulled and put in again at given times, perhaps into another robot."""
 
-    def __init__(self, bay: VirtualBay, plan: LinkPlan, pulled: tuple[float, float]) -> None:
+    def __init__(
+        self,
+        bay: VirtualBay,
+        plan: LinkPlan,
+        pulled: tuple[float, float],
+        other: VirtualBay | None,
+    ) -> None:
         super().__init__(bay, plan.serial.heartbeat_within, plan.wanted)
         self._pulled = pulled
+        self._other = other
 
     def now(self) -> float:
         now = super().now()
         out, back = self._pulled
         self.plugged = not out <= now < back
+        if now >= back and self._other is not None:
+            self.device = self._other
         return now
 
 
@@ -138,13 +149,16 @@ def go(tmp_path: Path) -> Go:
         longest: str = "40 s",
         extra: Defect | None = None,
         pulled: tuple[float, float] = (1e9, 1e9),
+        other: bool = False,
+        wrong_echo_s: float = inf,
+        text: str = DRIVING,
         breaks: bool = False,
         seed: int = 3,
         refreshed: bool = True,
         **switches: Any,
     ) -> Course:
         file = tmp_path / "driving.yaml"
-        text = DRIVING.replace("HANDLED", handled).replace("FAR", far).replace("LONGEST", longest)
+        text = text.replace("HANDLED", handled).replace("FAR", far).replace("LONGEST", longest)
         file.write_text(text.replace("COMMANDS", commands))
         loaded = load_mission(file)
         robot = loaded.loaded_robot
@@ -157,11 +171,14 @@ def go(tmp_path: Path) -> Go:
         texts = message_texts(robot.folder, profile)
         assert loaded.pipe is not None
         switches.setdefault("dead_man", refreshed)
-        bay = VirtualBay(profile, loaded.pipe, texts, Switches(**switches), seed)
+        bay, another = (
+            VirtualBay(profile, loaded.pipe, texts, Switches(**switches), seed) for _ in range(2)
+        )
         plan = read_plan(robot.folder, robot.profile, loaded.robot)
         if not refreshed:  # a refresh ends what moves by itself before it is a fault
             plan = without_refresh(plan)
-        port = ActingPort(bay, plan, pulled)
+        port = ActingPort(bay, plan, pulled, another if other else None)
+        off_by_one(bay, port, wrong_echo_s)
         watching = Watching(breaks)
         engine = Engine(loaded.robot, loaded.program, nominal=False)
         backend = SerialBackend(plan, port)
@@ -194,7 +211,9 @@ def test_a_mission_that_handles_a_reset_goes_on_where_it_was(go: Go) -> None:
     assert (course.message, course.codes) == ("There", ["firmware.reset"])
     assert course.logs == [
         "no data comes from the robot, which may continue its motion; the mission waits for it, "
-        "up to 8 s"
+        "up to 8 s",
+        "paused: wheels stopped, deadlines frozen",
+        "resumed",
     ]
     assert course.is_safe
 
@@ -293,6 +312,52 @@ def test_a_mission_that_handles_the_cable_goes_on(go: Go) -> None:
     assert course.is_safe
 
 
+SHIFT = """
+format: 1
+mission: shift
+robot: pirate_ii
+pipe: {diameter: 120 mm, segments: [{straight: 3 m}], start: {at: 500 mm}}
+on_fault: [{fault: [link.interrupted, firmware.reset], HANDLED}]
+start: clamp
+phases:
+  clamp: {do: [ClampFront, ClampRear], wait: [{after: 10 s, go: shift}]}
+  shift: {do: [RelaxRear], go: done}
+ends: {done: {succeed: The rear is free}}
+"""
+
+
+@pytest.mark.parametrize("handled", ["go: shift", "then: continue"])
+def test_belief_in_clamps_ends_where_another_robot_answers_on_the_same_link(
+    go: Go, handled: str
+) -> None:
+    """A straight robot succeeded with "its clamps hold as before" and a diameter of 49 mm."""
+    course = go(text=SHIFT, handled=handled, pulled=(15.0, 17.0), other=True)
+
+    assert course.codes == ["link.interrupted", "state.contradicted"]
+    assert "gamma_1 of the front part shows" in course.message
+    assert course.result.ended.outcome == "fault"
+    assert not any("hold" in fault.message for fault in course.faults)
+
+
+@pytest.mark.parametrize(
+    ("handled", "out_s"),
+    [
+        ("go: shift", 15.0),
+        ("then: continue", 15.0),
+        ("then: continue", 4.0),
+        ("then: continue", 9.0),
+    ],
+)
+def test_belief_returns_where_the_robot_has_held_meanwhile(
+    go: Go, handled: str, out_s: float
+) -> None:
+    course = go(text=SHIFT, handled=handled, pulled=(out_s, out_s + 2.0))
+
+    assert course.message == "The rear is free"
+    assert course.codes == ["link.interrupted"]
+    assert course.driven() == {"bend_1", "bend_2"}
+
+
 def test_a_robot_that_stays_unplugged_is_a_lost_link(go: Go) -> None:
     course = go(pulled=(8.0, 1e9), handled="link.interrupted")
 
@@ -321,6 +386,34 @@ def test_no_echo_within_its_budget(go: Go) -> None:
 
     assert course.message.startswith("link.no_echo: setpoints were not confirmed after 5 repeats")
     assert course.message.endswith("(the safe setpoints were not confirmed)")
+
+
+LONG_SHIFT = SHIFT.replace("10 s", "60 s")
+
+
+def off_by_one(bay: VirtualBay, port: ActingPort, from_s: float) -> None:
+    """From then on each echo of the bay has one value that is wrong by one count."""
+    right = bay._wire.echo
+
+    def echo(array: Array) -> Frame:
+        first, *others = array.counts
+        wrong = array._replace(counts=(first + (port._now_s >= from_s), *others))
+        return right(wrong)
+
+    bay._wire.echo = echo  # type: ignore[method-assign]
+
+
+@pytest.mark.parametrize("from_s", [4.0, 12.0], ids=["clamping", "waiting"])
+def test_belief_in_setpoints_ends_as_soon_with_a_wrong_echo_as_with_none(
+    go: Go, from_s: float
+) -> None:
+    """An echo that was wrong by one count each time was found after 50 s, or never."""
+    none = go(text=LONG_SHIFT, handled="then: continue", no_echo_at_s=from_s)
+    wrong = go(text=LONG_SHIFT, handled="then: continue", wrong_echo_s=from_s)
+
+    assert none.codes == wrong.codes == ["link.no_echo"]
+    assert wrong.port.now() <= none.port.now() + 0.5
+    assert none.port.now() < from_s + 15.0
 
 
 def test_one_silent_board(go: Go) -> None:

@@ -1,0 +1,247 @@
+"""After its controller was away, the robot is another one until its sensors show the known one."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+from driving import BOTH_CLAMPED, Driver, command
+
+from pirate_sm.engine.engine import Engine
+from pirate_sm.model import effects as fx
+from pirate_sm.model import events as ev
+
+ANGLE = 2 * math.asin((0.120 - 0.048) / 0.09)
+HOLDING = {
+    "gamma_1": -ANGLE,
+    "gamma_2": ANGLE,
+    "gamma_3": -ANGLE,
+    "gamma_4": ANGLE,
+    "bend_torque_1": -0.6,
+    "bend_torque_2": 0.6,
+    "bend_torque_3": -0.6,
+    "bend_torque_4": 0.6,
+}
+STRAIGHT = dict.fromkeys(HOLDING, 0.0)
+SLACK = {f"bend_torque_{n}": 0.0 for n in (1, 2, 3, 4)}
+BACK = ev.FaultReport("link.interrupted", "the link is back", 2.0)
+
+MISSION = """
+pipe: {diameter: 120 mm, segments: [{straight: 1 m}]}
+on_fault: [{fault: [link.interrupted, firmware.reset], HANDLED}, {fault: clamp.lost, then: continue}]
+start: wait
+phases:
+  wait: {do: [BEGIN], wait: [{operator: x, go: shift}], within: {time: 1 h, go: late}}
+  shift: {do: [RelaxRear], go: done}
+ends: {done: {succeed: The rear is free}, late: {fail: Too late}}
+"""  # noqa: E501
+
+
+def holding(drive, handled: str = "go: shift", begin: str = "ToggleLighting") -> Driver:
+    """A robot that holds with both parts, as its sensors show, and waits."""
+    text = MISSION.replace("HANDLED", handled).replace("BEGIN", begin)
+    driver = drive(text, states=BOTH_CLAMPED)
+    driver.signals |= HOLDING
+    driver.until_waiting("wait")
+    driver.signals |= HOLDING
+    driver.run(driver.now + 1.0)
+    assert not driver.unconfirmed
+    return driver
+
+
+def look(driver: Driver, lasting_s: float = 3.5, **shown: float) -> None:
+    """Arrays are accepted and boards report, for as long as the sensors are compared."""
+    driver.signals |= shown
+    until_s = driver.now + lasting_s
+    while driver.now < until_s and not driver.ended:
+        if driver.in_flight:
+            driver.accept()
+        driver.run(driver.now + 0.1)
+
+
+def test_belief_in_a_clamp_ends_when_the_controller_was_away(drive):
+    driver = holding(drive)
+
+    driver.give(BACK)
+
+    assert {"FrontWheelsState", "RearWheelsState", "BendingState"} <= driver.unconfirmed
+    look(driver, 0.3)
+    assert ("RelaxRear", "sent") not in driver.statuses, "no sensor has shown a clamp since"
+
+
+@pytest.mark.parametrize("handled", ["go: shift", "then: continue"])
+def test_belief_returns_with_the_sensors_and_the_mission_with_it(drive, handled):
+    driver = holding(drive, handled)
+    driver.give(BACK)
+
+    look(driver)
+
+    assert [code for code, _ in driver.faults] == ["link.interrupted"]
+    if handled == "go: shift":
+        assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
+    else:
+        assert not driver.unconfirmed
+        assert not driver.state.mission.paused
+
+
+@pytest.mark.parametrize("handled", ["go: shift", "then: continue"])
+@pytest.mark.parametrize(
+    ("shown", "why"),
+    [
+        (STRAIGHT, "gamma_1 of the front part shows 0.0 deg, before -106.3 deg"),
+        ({"gamma_3": -ANGLE + 0.2}, "gamma_3 of the rear part shows -94.8 deg, before -106.3 deg"),
+        ({"acc_y": 9.81, "acc_z": 0.0}, "the robot lies 90 deg otherwise than before"),
+        ({"theta_2": 40.0}, "no wheel was driven, but wheels have rolled"),
+        (SLACK, "the front part held (BendingState DoubleClamped), but bend_torque_1"),
+    ],
+    ids=["straight", "joint", "tilt", "counter", "slack"],
+)
+def test_another_robot_on_the_same_link_ends_the_run(drive, handled, shown, why):
+    driver = holding(drive, handled)
+    driver.give(BACK)
+
+    look(driver, 4.0, **shown)
+
+    assert [code for code, _ in driver.faults] == ["link.interrupted", "state.contradicted"]
+    assert why in driver.ended.message
+    assert driver.ended.outcome == "fault"
+    assert ("RelaxRear", "sent") not in driver.statuses
+    assert "BendingState" in driver.unconfirmed
+
+
+def test_counters_that_restart_at_zero_are_no_other_robot(drive):
+    driver = holding(drive)
+    look(driver, 1.0, **{f"theta_{n}": 0.0 for n in range(1, 7)})
+    driver.give(BACK)
+    look(driver, **{f"theta_{n}": 0.0 for n in range(1, 7)})
+
+    assert driver.ended.outcome == "succeeded"
+
+
+HALF_WOUND = {"bend_torque_1": -0.3}
+"""Too much for a part that is slack, too little for one that holds."""
+
+
+def test_unknown_is_no_agreement_what_lets_go_is_refused(drive):
+    driver = holding(drive)
+    driver.give(BACK)
+
+    look(driver, 4.0, **HALF_WOUND)
+
+    assert "RelaxRear" in [status.name for status in driver.of(fx.CommandStatus)]
+    assert driver.last_status.reason.startswith("impossible: it would let go of the last confirmed")
+    assert driver.ended.outcome == "failed"
+
+
+def test_unknown_is_no_agreement_a_mission_that_continues_ends(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(BACK)
+
+    look(driver, 4.0, **HALF_WOUND)
+
+    assert driver.ended.message == (
+        "state.contradicted: after its controller was away, the sensors do not show that the front "
+        "part holds"
+    )
+
+
+def test_wheels_turn_again_only_after_the_clamps_have_been_shown(drive):
+    driver = holding(drive, "then: continue", "DriveForward")
+    assert driver.nonzero["wheel_1"] == 1
+
+    driver.give(BACK)
+    assert "wheel_1" not in driver.nonzero
+    look(driver, 0.2)
+    assert "wheel_1" not in driver.nonzero
+    look(driver, 0.6)
+
+    assert driver.nonzero["wheel_1"] == 1
+    assert [code for code, _ in driver.faults] == ["link.interrupted"]
+    assert not driver.unconfirmed
+
+
+def test_a_command_whose_fate_is_unknown_has_failed(drive):
+    text = MISSION.replace("HANDLED", "then: continue").replace("BEGIN", "ToggleLighting")
+    driver = drive(text, states=BOTH_CLAMPED)
+    driver.signals |= HOLDING
+    driver.until_sent("ToggleLighting")
+
+    driver.give(BACK)
+
+    assert driver.last_status.status == "failed"
+    assert driver.last_status.reason == "interrupted by link.interrupted"
+    look(driver)
+    assert driver.ended.outcome == "failed"
+
+
+def test_an_operator_who_has_paused_keeps_the_pause_and_is_refused_meanwhile(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(ev.Pause())
+    driver.give(BACK)
+
+    command(driver, "RelaxRear")
+    assert driver.last_status.status == "refused"
+    assert "still being compared" in driver.last_status.reason
+    look(driver)
+
+    assert driver.state.mission.paused
+    assert not driver.unconfirmed
+
+
+COUNTING = """
+pipe: {diameter: 120 mm, segments: [{straight: 1 m}]}
+on_fault: [{fault: firmware.reset, then: continue}]
+start: wait
+phases:
+  wait:
+    do: [ToggleLighting]
+    wait: [{when: abs(change(theta_1)) > 3 rad, go: done}]
+    within: {time: 1 h, go: late}
+ends: {done: {succeed: It has turned}, late: {fail: Too late}}
+"""
+
+
+def test_belief_in_a_counter_ends_a_restart_from_zero_is_no_turn(drive):
+    driver = drive(COUNTING, states=BOTH_CLAMPED)
+    driver.signals |= HOLDING | {"theta_1": 12.0}
+    driver.report_all(0.1)
+    driver.until_waiting("wait")
+    assert driver.state.mission.origin[driver.robot.wheels[0].angle] == pytest.approx(12.0)
+
+    driver.give(BACK._replace(code="firmware.reset"))
+    look(driver, theta_1=0.0)
+
+    assert not driver.ended
+
+
+def test_belief_in_a_word_ends_with_the_connection(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(ev.DetectorWord("close", 60.0))
+    assert driver.state.outside("detector") == "close"
+
+    driver.give(BACK)
+
+    assert driver.state.outside("detector") is None
+
+
+def test_an_unknown_place_stays_unknown_when_the_controller_restarts(drive):
+    driver = holding(drive, "then: continue")
+    adrift = frozenset({driver.robot.odometry})
+    sensing = driver.state.sensing._replace(adrift=adrift)
+    driver.state = driver.state._replace(sensing=sensing)
+
+    driver.give(BACK._replace(code="firmware.reset"))
+    look(driver, 1.0)
+
+    assert math.isnan(driver.engine.signals(driver.state)["odometry"])
+
+
+def test_a_recording_of_before_replays_by_its_own_rules(drive):
+    driver = holding(drive)
+    driver.engine = Engine(driver.robot, driver.engine.program, nominal=False, alphabet=9)
+
+    driver.give(BACK)
+
+    assert not driver.unconfirmed
+    look(driver, 0.3)
+    assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
