@@ -112,16 +112,20 @@ class ZeroJump(Sudden):
             self.robot.shift(signal, counts)
 
 
-class SilentBoards(Effect):
+class Spell(Effect):
+    """A defect that, while it is active, looks at each frame or each message."""
+
+    def glides_until_s(self, now: float) -> float:
+        """Return when it begins; before ``now`` while it is active."""
+        return -math.inf if now < self._until else self._phase_until_s(now)
+
+
+class SilentBoards(Spell):
     """Boards that report nothing; their motors obey."""
 
     def frame(self, now: float, board: int, first: int, counts: Counts) -> Counts | None:
         """Lose the frames of the boards."""
         return None if board in self.defect.boards and self.active(now) else counts
-
-    def glides_until_s(self, now: float) -> float:
-        """Return when it begins; while it is active frames are lost."""
-        return -math.inf if now < self._until else self._phase_until_s(now)
 
 
 class SilentBay(SilentBoards):
@@ -148,7 +152,7 @@ class SilentBay(SilentBoards):
         return arrives, arrives
 
 
-class LostMessages(Effect):
+class LostMessages(Spell):
     """A share of messages is lost; of two in a row one always arrives (thesis 4-2-2)."""
 
     def begin(self) -> None:
@@ -159,10 +163,6 @@ class LostMessages(Effect):
         """Return the counts, or lose the frame at random."""
         return None if self.active(now) and not self._loss.arrives("frame") else counts
 
-    def glides_until_s(self, now: float) -> float:
-        """Return when it begins; while it is active frames are lost."""
-        return -math.inf if now < self._until else self._phase_until_s(now)
-
     def delivery(self, now: float) -> tuple[bool, bool]:
         """Lose the array or its echo at random."""
         if not self.active(now):
@@ -171,7 +171,7 @@ class LostMessages(Effect):
         return arrives, arrives and self._loss.arrives("echo")
 
 
-class StaleRepeats(Effect):
+class StaleRepeats(Spell):
     """Boards that repeat their last values for a time."""
 
     def begin(self) -> None:
@@ -186,10 +186,6 @@ class StaleRepeats(Effect):
             return list(self._last[board])
         self.took(board, counts)
         return counts
-
-    def glides_until_s(self, now: float) -> float:
-        """Return when it begins; while it is active each board repeats its own counts."""
-        return -math.inf if now < self._until else self._phase_until_s(now)
 
     def took(self, board: int, counts: Counts) -> None:
         """Remember the board's last counts."""
