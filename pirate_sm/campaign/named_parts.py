@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
+from itertools import product
 from pathlib import Path
 from typing import NamedTuple
 
@@ -264,26 +265,37 @@ class NameReader:
         known = profile.simulation.defects
         wanted: tuple[DefectSet, ...] = choices.of("defects") or ((),)
         for number, listed in enumerate(wanted):
-            if listed == (EACH,):
-                yield from ((name,) for name in known)
-                continue
-            names = () if listed == (NONE,) else listed
-            for place, text in enumerate(names):
+            written = () if listed == (NONE,) else listed
+            for place, text in enumerate(written):
                 at = (*choices.place("defects"), number, place)
-                check_defect(text, profile, "campaign.defect", at, self.problems)
-            yield names
+                for one in _each(text, known):
+                    if not check_defect(one, profile, "campaign.defect", at, self.problems):
+                        break
+            sets: dict[frozenset[str], tuple[str, ...]] = {}
+            for together in product(*(_each(text, known) for text in written)):
+                if len(set(together)) == len(together):
+                    sets.setdefault(frozenset(together), together)
+            yield from sets.values()
 
 
-def check_defect(text: str, profile: Profile, code: str, at: Keys, problems: Problems) -> None:
-    """Report a defect that the robot does not have, or whose numbers do not fit."""
+def _each(text: str, known: Iterable[str]) -> list[str]:
+    """Return what a defect of a campaign stands for: every known one, or itself."""
+    name, colon, numbers = text.partition(":")
+    return [f"{one}{colon}{numbers}" for one in known] if name == EACH else [text]
+
+
+def check_defect(text: str, profile: Profile, code: str, at: Keys, problems: Problems) -> bool:
+    """Report a defect that the robot does not have, or whose numbers do not fit; return if none."""
     name, known = text.partition(":")[0], profile.simulation.defects
     if name not in known:
         problems.add_unknown(code, at, "defect", name, known)
-        return
+        return False
     try:
         named([text], profile, seed=0)
     except UsageError as error:
         problems.add(code, at, str(error))
+        return False
+    return True
 
 
 def _listed(choices: Choices, key: str) -> Iterator[tuple[str, Keys]]:

@@ -211,7 +211,8 @@ class RunChoices(Frozen):
         robot: Name or path, in place of the missions' own.
         pipe: Names or paths, in place of the missions' own; one, or a list.
         defects: Each item is `none`, a defect with its numbers, or a list of defects at once;
-            `each` stands for every defect of the robot.
+            `each` stands for every defect of the robot, with numbers too, and twice in a list for
+            every pair.
         set: Values of parameters by name: one, a list, or a range with `from`, `to` and `by`.
         backend: `sim`, `physics`, or `bay`, the serial link to an emulated robot; one, or a list.
         detector: Names of detectors, in place of the backend's usual one; one, or a list.

@@ -80,6 +80,28 @@ def test_belief_is_tried_with_timed_defects_in_campaigns(tmp_path: Path) -> None
     ]
 
 
+def test_belief_is_tried_with_every_defect_alone_and_in_pairs_at_any_time(tmp_path: Path) -> None:
+    text = "campaign: trial\nmissions: [mitre_bend]\nseeds: 5\ndefects: [{}]\n"
+    late = "each:after=0s..20s"
+    alone = planned(tmp_path, text.format("each")).cells
+    timed = planned(tmp_path, text.format(f"none, {late}")).cells
+    pairs = planned(tmp_path, text.format(f"[{late}, {late}]")).cells
+    with_one = planned(tmp_path, text.format("[each, messages_lost]")).cells
+
+    count = len(alone)
+    assert [cell.order.defects for cell in timed] == [
+        (),
+        *((f"{cell.order.defects[0]}:after=0s..20s",) for cell in alone),
+    ]
+    assert len({frozenset(cell.order.defects) for cell in pairs}) == len(pairs)
+    assert len(pairs) == count * (count - 1) / 2
+    assert len(with_one) == count - 1
+    assert problems_of(tmp_path, text.format("each:friction=1Nm")) == [
+        "4:11 the defect gamma_2_drops takes no number 'friction': expected one of "
+        "shows, after, every, lasting"
+    ]
+
+
 def test_a_cell_has_the_command_that_repeats_a_run(tmp_path: Path) -> None:
     cell = planned(tmp_path, CAMPAIGN).cells[3]
 
