@@ -81,7 +81,7 @@ class _Maker:
                 yield from self.of(child, names)
 
     def _inside(self, node: ast.AST, name: str) -> Iterator[Mutant]:
-        if isinstance(node, _SKIPPED):
+        if isinstance(node, _SKIPPED) or _is_promise(node):
             return
         for kind, part, after in self._changes(node):
             start, end = self._range(part)
@@ -160,6 +160,11 @@ class _Maker:
 def _is_symmetric(node: ast.Call) -> bool:
     """Whether the order of the arguments changes nothing: the least or the most of some numbers."""
     return isinstance(node.func, ast.Name) and node.func.id in ("min", "max") and not node.keywords
+
+
+def _is_promise(node: ast.AST) -> bool:
+    """Whether this is the ``strict=True`` of a ``zip``, which only documents equal lengths."""
+    return isinstance(node, ast.keyword) and ast.unparse(node) == "strict=True"
 
 
 def _is_removable(node: ast.stmt) -> bool:

@@ -112,7 +112,7 @@ class Tally:
             name
             for name, share, count in shares
             # A share of a count may be off by a rounding error.
-            if share is not None and count + left < share * most - 1e-9 * most
+            if share is not None and count + left < share * most - 1e-9
         )
 
     def add(self, rows: Iterable[Row]) -> None:

@@ -77,3 +77,53 @@ def test_cells_of_one_campaign_alone_are_named() -> None:
 
     assert (compared.only_first, compared.only_second) == (("a", "b"), ("c",))
     assert "no cell is in both" in comparison_text(compared)
+
+
+def partly(name: str, failing: range, runs: int, of: int) -> Tally:
+    """A cell that has the first of its runs only."""
+    counted = Tally(cell(name, range(of)), 0.95, StoppingRule())
+    verdicts = ("failed" if seed in failing else "passed" for seed in range(runs))
+    counted.add(row(f"key_{name}", seed, verdict) for seed, verdict in enumerate(verdicts))
+    return counted
+
+
+def test_a_cell_that_is_not_complete_is_compared_by_what_it_has() -> None:
+    (only,) = compare([partly("a", range(2), 5, 20)], [partly("a", range(1, 4), 4, 9)]).differences
+
+    assert (only.passed, only.then) == ((3, 5), (1, 4))
+    assert (only.lost, only.gained) == ((2, 3), (0,))
+
+
+def test_what_is_written_for_people() -> None:
+    first = [tally("a", range(10)), tally("cell_b", range(30), 2_000), tally("gone", range(1))]
+    second = [
+        tally("cell_b", range(20, 80), 2_000),
+        tally("a", range(1)),
+        partly("new", range(1), 0, 5),
+    ]
+
+    assert comparison_text(compare(first, second)).splitlines() == [
+        "                      A passed                B passed  by chance",
+        "a            190 of 200  95.0%       199 of 200  99.5%      0.011  better",
+        "    9 gained in B: seeds 1, 2, 3, 4, 5, 6, 7, 8, 9",
+        "cell_b   1,970 of 2,000  98.5%   1,940 of 2,000  97.0%     0.0018  WORSE",
+        "    50 lost in B: seeds 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, …",
+        "    20 gained in B: seeds 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, …",
+        "gone: only in A",
+        "new: only in B",
+        "B is worse than A",
+    ]
+
+
+def test_ten_seeds_are_written_without_dots() -> None:
+    text = comparison_text(compare([tally("a", range(0))], [tally("a", range(10))]))
+
+    assert "    10 lost in B: seeds 0, 1, 2, 3, 4, 5, 6, 7, 8, 9\n" in text
+
+
+def test_without_a_cell_in_both_there_is_the_head_alone() -> None:
+    (no_runs,) = compare([partly("a", range(0), 0, 5)], [tally("a", range(1))]).differences
+    text = comparison_text(compare([], []))
+
+    assert (no_runs.chance, no_runs.significant) == (1.0, False)
+    assert text == f"{'':2}{'A passed':>22}  {'B passed':>22}  by chance\nno cell is in both\n"

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
+from pirate_sm.campaign.store import RECORDINGS
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.model.campaign import Expectation, StoppingRule
 
@@ -89,6 +92,76 @@ def test_the_numbers_of_a_cell() -> None:
     assert only.times_s == (20.0, 28.0, 30.0)
     assert (only.farthest_short_m, only.deepest_m) == (0.004, 0.001)
     assert only.expected == "success >= 50 %, truthful >= 50 %, safe >= 50 %"
+
+
+TEXT = """\
+                         passed      95% interval  mission time, least/median/most
+bend             4 of 16  25.0%    10.2% to 49.5%  120.0/135.0/150.0 s  BELOW EXPECTED: success, safe
+       12 × failed: Holding after 4.0 s (seeds 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, …; numbers of seed 0)
+            pirate run mitre_bend --seed 0 --speed max --defect wheels_3_4_dead --jitter start=20mm
+            recorded in FOLDER/recordings/RECORDING
+        1 × unsafe: fell (seeds 13)
+            pirate run mitre_bend --seed 13 --speed max --defect wheels_3_4_dead --jitter start=20mm
+long_name         0 of 2   0.0%     0.0% to 65.8%  -  BELOW EXPECTED: success
+        2 × bug: KeyError: 'x' (seeds 0, 1)
+            pirate run mitre_bend --seed 0 --speed max --defect wheels_3_4_dead --jitter start=20mm
+none                    no runs
+    not complete: no result for 3 of 3 seeds, the first is 0; later ones do not count until the \
+campaign's command with --resume has run it
+left: not run, a cell before it is not as expected
+18 runs of 3 cells: 2 not as expected, 1 not complete
+results in FOLDER
+"""  # noqa: E501
+
+
+def test_what_is_written_for_people(tmp_path: Path) -> None:
+    wanted = Expectation(success=0.75, safe=1.0)
+    seeds = {"bend": range(16), "long_name": range(2), "none": range(3), "left": range(1)}
+    cells = [cell(name, each, wanted) for name, each in seeds.items()]
+    bend, long, none = (Tally(each, 0.95, StoppingRule()) for each in cells[:3])
+    for seed in range(16):
+        why = f"Holding after {4 - seed % 2}.0 s"
+        verdict = "failed" if seed < 12 else "passed"
+        unsafe = "fell" if seed == 13 else ""
+        bend.add([row("key_bend", seed, verdict, why, time_s=10.0 * seed, unsafe=unsafe)])
+    long.add(row("key_long_name", seed, "bug", "KeyError: 'x'") for seed in range(2))
+    recording = tmp_path / RECORDINGS / recording_name(bend, 0)
+    recording.parent.mkdir()
+    recording.touch()
+
+    found = result_of(plan(*cells), [bend, long, none], tmp_path)
+
+    text = as_text(found).replace(str(tmp_path), "FOLDER")
+    assert text == TEXT.replace("RECORDING", recording.name, 1)
+    assert (found.name, found.results, found.version) == ("trial", str(tmp_path), "1+a")
+    assert [each.recording for each in found.cells[0].causes] == [str(recording), ""]
+    assert found.cells[0].summary == "4 of 16 passed, 10.2% to 49.5%"
+    assert found.cells[0].deepest_m is None
+    assert found.cells[0].incomplete == ""
+
+
+def test_each_count_of_a_cell_has_its_place() -> None:
+    verdicts = ["failed"] * 6 + ["false"] * 4 + ["bug"] * 3 + ["passed"] * 2
+    wanted = replace(cell(seeds=range(25)), column="in 90 mm")
+    counted = Tally(wanted, 0.95, StoppingRule())
+    for seed, verdict in enumerate(verdicts):
+        unsafe = "fell" if seed < 5 else ""
+        each = row("key_bend", seed, verdict, unsafe=unsafe, deepest_m=0.0)
+        counted.add([each._replace(held=verdict == "passed" or seed == 0)])
+    counted.add([row("key_bend", 20)])
+
+    (only,) = result_of(plan(wanted), [counted], Path("results")).cells
+
+    assert (only.name, only.row, only.column) == ("bend: in 90 mm", "bend", "in 90 mm")
+    assert (only.runs, only.of, only.passed, only.held) == (15, 25, 2, 3)
+    assert (only.false, only.unsafe, only.bugs) == (4, 5, 3)
+    assert (only.without_result, only.first_without) == (9, 15)
+    assert (only.least, only.most) == (counted.interval.least, counted.interval.most)
+    assert only.least is not None
+    assert only.most is not None
+    assert only.least < 2 / 15 < only.most
+    assert only.deepest_m == 0.0
+    assert only.missed == ("truthful",)
 
 
 def test_the_most_frequent_cause_comes_first() -> None:

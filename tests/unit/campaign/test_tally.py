@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from random import Random
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -58,7 +59,7 @@ def test_a_result_that_comes_twice_counts_once() -> None:
     counted = tally(seeds=range(10))
     counted.add([row("key_bend", 0), row("key_bend", 0, "failed"), row("key_bend", 99)])
     counted.add([row("key_bend", 0, "failed")])
-    assert (counted.runs, counted.passed) == (1, 1)
+    assert (counted.runs, counted.passed, counted.without_result) == (1, 1, 9)
 
 
 def test_seeds_of_a_list_are_counted_in_its_order() -> None:
@@ -78,6 +79,20 @@ def test_a_narrow_interval_ends_a_cell() -> None:
     assert tally_of(counted.runs - 1).interval.half_width > 0.01
 
 
+def test_an_interval_as_narrow_as_asked_is_narrow_enough() -> None:
+    limit = tally_of(50).interval.half_width
+    counted = tally(StoppingRule(half_width=limit), seeds=range(1000))
+    counted.add(row("key_bend", seed) for seed in range(1000))
+    assert counted.runs == 50
+
+
+def test_a_cause_keeps_its_first_hundred_seeds() -> None:
+    counted = tally(seeds=range(130))
+    counted.add(row("key_bend", seed, "failed") for seed in range(130))
+    (cause,) = counted.causes.values()
+    assert (cause.count, cause.seeds) == (130, list(range(100)))
+
+
 def tally_of(runs: int) -> Tally:
     counted = tally(seeds=range(1000))
     counted.add(row("key_bend", seed) for seed in range(runs))
@@ -94,10 +109,37 @@ def test_a_cell_ends_when_it_can_no_longer_be_as_expected() -> None:
     assert (counted.runs, counted.missed()) == (36, ("success",))
 
 
-def test_exactly_the_expected_share_is_enough() -> None:
-    counted = tally(seeds=range(100), expect=Expectation(success=0.97))
-    counted.add(row("key_bend", seed, "failed" if seed < 3 else "passed") for seed in range(100))
-    assert counted.missed() == ()
+@pytest.mark.parametrize(
+    ("share", "failed", "runs", "missed"),
+    [
+        (0.97, 3, 100, ()),
+        (0.97, 4, 100, ("success",)),
+        (0.07, 93, 100, ()),  # 0.07 times 100 is a little more than 7
+        (0.5, 2, 3, ("success",)),
+        (0.5, 1, 2, ()),
+    ],
+)
+def test_exactly_the_expected_share_is_enough(
+    share: float, failed: int, runs: int, missed: tuple[str, ...]
+) -> None:
+    counted = tally(seeds=range(runs), expect=Expectation(success=share))
+    verdicts = ["failed"] * failed + ["passed"] * (runs - failed)
+    counted.add(row("key_bend", seed, verdict) for seed, verdict in enumerate(verdicts))
+    assert counted.decided
+    assert counted.missed() == missed
+
+
+def test_the_seeds_without_a_result_are_those_that_have_not_come() -> None:
+    counted = tally(seeds=range(10, 18))
+    counted.add([row("key_bend", seed) for seed in (10, 11, 13, 16)])
+
+    assert counted.runs == 2
+    assert list(counted.missing(0)) == [2, 4, 5, 7]
+    assert list(counted.missing(5)) == [5, 7]
+    assert counted.without_result == 4
+    counted.add([row("key_bend", seed) for seed in range(10, 18)])
+    assert list(counted.missing(0)) == []
+    assert counted.without_result == 0
 
 
 def test_a_false_success_is_missed_unless_it_is_allowed() -> None:

@@ -72,7 +72,7 @@ def test_belief_in_a_clamp_takes_more_than_one_frame(clamped, frames, word):
 
 
 def test_belief_in_an_earlier_look_ends_where_a_later_one_shows_something_else(clamped):
-    first = clamped.look()
+    first = clamped.look(theta_1=1.0)
     later = CutOff(clamped.driver)
 
     def again(**signals: float) -> bool:
@@ -81,10 +81,10 @@ def test_belief_in_an_earlier_look_ends_where_a_later_one_shows_something_else(c
         return found.is_as(first, clamped.robot)
 
     assert again()
-    assert again(theta_1=0.5 * clamped.robot.sight.dark.agree_m / 0.024)
-    assert not again(theta_1=1.5 * clamped.robot.sight.dark.agree_m / 0.024)
-    assert not again(theta_1=-1.5 * clamped.robot.sight.dark.agree_m / 0.024)
-    assert again(theta_1=0.0)
+    assert again(theta_1=1.0 + 0.5 * clamped.robot.sight.dark.agree_m / 0.024)
+    assert not again(theta_1=1.0 + 1.5 * clamped.robot.sight.dark.agree_m / 0.024)
+    assert not again(theta_1=1.0 - 1.5 * clamped.robot.sight.dark.agree_m / 0.024)
+    assert again(theta_1=1.0)
     assert not again(bend_torque_1=-0.3)
     assert not again(bend_torque_1=-0.7, acc_z=0.0)
 
