@@ -1,14 +1,23 @@
 # Two commands set everything up: `make demo` and `make test`. Both need Python >= 3.11 only.
+# They install what requirements.lock names; with `LOCK=`, the newest that pyproject.toml allows.
 
 PYTHON ?= python3
 VENV   ?= .venv
+LOCK   ?= requirements.lock
 BIN    := $(VENV)/bin
+PIP    := $(BIN)/python -m pip install --quiet --no-build-isolation
+
+comma  := ,
+LOCKED := $(if $(LOCK),--require-hashes --no-deps,--upgrade --upgrade-strategy eager)
+PINS   := $(if $(LOCK),build/pins.txt)
+PINNED := $(if $(LOCK),PIP_CONSTRAINT=$(CURDIR)/$(PINS) PIP_BUILD_CONSTRAINT=$(CURDIR)/$(PINS))
+TOOLS  := build$(if $(filter never,$(PIRATE_SM_BUILD)),,$(comma)machine-code)
 
 export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -45,6 +54,7 @@ help:
 	@echo "make pictures the documents' pictures of pages in Chromium anew, and of cameras"
 	@echo "make schemas the JSON Schemas anew, after a change of models or of a robot"
 	@echo "make format  every Python file in the one style"
+	@echo "make update  requirements.lock with the newest of everything, and the tests with it"
 	@echo "make wheel   the wheel for this kind of machine, and the source archive, in dist/"
 	@echo "make clean   the tree without environments and caches"
 
@@ -69,9 +79,8 @@ test-browser: $(VENV)/.ready-browser
 	$(BIN)/python -m pytest -m browser tests/browser
 
 # The archive and the wheel of this machine; they need PIRATE_SM_BUILD=always to hold its kernel.
-wheel: $(VENV)/.created
-	$(BIN)/python -m pip wheel --quiet --no-deps --wheel-dir dist .
-	$(BIN)/python -m pip install --quiet 'hatchling>=1.27,<2'
+wheel: $(VENV)/.tools-$(TOOLS)
+	$(BIN)/python -m pip wheel --quiet --no-deps --no-build-isolation --wheel-dir dist .
 	$(BIN)/python -c "from hatchling.build import build_sdist; print(build_sdist('dist'))"
 
 check: $(VENV)/.ready-dev
@@ -86,14 +95,14 @@ test-pty: $(VENV)/.ready-dev
 test-cluster: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/unit/campaign
 
-test-built: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -m slow tests/unit/simulation/machine_code tests/installation
+test-built: $(VENV)/.ready-dev $(PINS)
+	$(PINNED) $(BIN)/python -m pytest -m slow tests/unit/simulation/machine_code tests/installation
 
 # Nothing of the source tree is used: neither its modules nor its environment.
-test-wheel:
+test-wheel: $(PINS)
 	rm -rf build/installed
 	$(PYTHON) -m venv build/installed
-	build/installed/bin/python -m pip install --quiet dist/*.whl
+	$(PINNED) build/installed/bin/python -m pip install --quiet dist/*.whl
 	cd build/installed && bin/pirate-run mitre_bend --quiet --record bend.mcap
 	cd build/installed && bin/pirate report bend.mcap
 	cd build/installed && bin/pirate demo tee
@@ -191,8 +200,22 @@ clean:
 	find . -name __pycache__ -type d -prune -exec rm -rf {} +
 	find pirate_sm -name functions.library -delete -o -name not_built.txt -delete
 
-# One environment; each set of extras is installed once, and again when pyproject.toml changes. The
-# simulator's machine code is built with it. The extra `jit` serves trees whose sources have changed.
+update: $(VENV)/.created
+	$(BIN)/python locked.py requirements.lock lock > $(VENV)/lock.txt
+	$(PIP) --require-hashes --no-deps -r $(VENV)/lock.txt
+	$(BIN)/uv pip compile --quiet --no-config --upgrade --universal --all-extras --group build --group machine-code \
+	    --group lock --generate-hashes --no-header --no-emit-index-url -o $(VENV)/newest.lock pyproject.toml
+	mv $(VENV)/newest.lock requirements.lock
+	$(MAKE) test
+
+# For environments that pip makes itself, which it compares with no hashes.
+build/pins.txt: $(LOCK)
+	@mkdir -p build
+	@sed -e '/--hash=/d' -e 's/ *\\$$//' $(LOCK) > $@
+
+# One environment; each set of extras is installed once, and again when pyproject.toml or the lock
+# changes. The simulator's machine code is built with it, by tools that are locked too. The extra
+# `jit` serves trees whose sources have changed.
 $(VENV)/.ready-sim: EXTRAS := jit
 $(VENV)/.ready-dev: EXTRAS := dev,docs,jit,campaign,physics,gym,serial,live,vision
 $(VENV)/.ready-physics: EXTRAS := jit,physics,campaign
@@ -206,9 +229,16 @@ $(VENV)/.ready-vision: EXTRAS := jit,vision
 $(VENV)/.ready-soak: EXTRAS := jit,serial
 $(VENV)/.ready-mutants: EXTRAS := mutants,dev,docs,jit,campaign,physics,serial,live,vision
 
-$(VENV)/.ready-%: pyproject.toml hatch_build.py | $(VENV)/.created
+$(VENV)/.ready-%: pyproject.toml hatch_build.py $(LOCK) | $(VENV)/.tools-$(TOOLS)
 	@echo "Installing pirate_sm with its extras [$(EXTRAS)] into $(VENV) (takes a minute, once) ..."
-	@$(BIN)/python -m pip install --quiet -e '.[$(EXTRAS)]'
+	@$(BIN)/python locked.py '$(LOCK)' $(EXTRAS) > $@.txt
+	@$(PIP) $(LOCKED) -r $@.txt
+	@$(PIP) --no-deps -e .
+	@touch $@
+
+$(VENV)/.tools-%: pyproject.toml $(LOCK) locked.py | $(VENV)/.created
+	@$(BIN)/python locked.py '$(LOCK)' $* > $@.txt
+	@$(PIP) $(LOCKED) -r $@.txt
 	@touch $@
 
 $(VENV)/.created:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import sys
 import tempfile
+import tomllib
 from contextlib import suppress
 from pathlib import Path
 from typing import Any
@@ -30,7 +31,8 @@ class MachineCodeHook(BuildHookInterface[Any]):
         """Return the tools of the build; none where nothing is built or all is built already."""
         if WISH == "never" or linker.this_target() is None or self._is_built():
             return []
-        return list(self.config["tools"])
+        project = tomllib.loads((Path(self.root) / "pyproject.toml").read_text("utf-8"))
+        return list(project["dependency-groups"]["machine-code"])
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:
         """Build the library, or write down why there is none."""

@@ -13,6 +13,8 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from pirate_sm.simulation.machine_code.built_library import find_library
+
 # The same examples on every machine and no wall clock; HYPOTHESIS_PROFILE=explore draws new ones.
 same = {"derandomize": True, "database": None, "deadline": None}
 settings.register_profile("repeatable", max_examples=40, **same)
@@ -32,6 +34,16 @@ os.environ["PIRATE_SM_RUNS"] = ""
 def pytest_xdist_auto_num_workers() -> int:
     """Return one worker more than there are cores: some tests wait for processes and ports."""
     return (os.cpu_count() or 1) + 1
+
+
+def pytest_report_header() -> list[str]:
+    """Return why the simulator is compiled while tests wait for it, as after changes of sources.
+
+    The first test that simulates something can then take more than a minute, which looks as if it
+    had stopped.
+    """
+    found = find_library()
+    return [] if found.library else [f"slow, the simulator is compiled as it runs: {found.why_not}"]
 
 
 def pytest_collection_finish() -> None:

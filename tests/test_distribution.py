@@ -160,6 +160,22 @@ def test_the_workflow_may_fail_only_on_pythons_that_no_classifier_names() -> Non
         assert {*may_fail} == {*tested} - {*named}
 
 
+def test_only_the_job_with_the_newest_of_everything_uses_no_lock() -> None:
+    workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text("utf-8"))
+    unlocked = {
+        (name, "LOCK=" in step["run"].split())
+        for name, job in workflow["jobs"].items()
+        for step in job["steps"]
+        if "run" in step
+    }
+
+    assert unlocked == {
+        ("test", False), ("newest", True), ("wheel", False), ("installed", False)
+    }  # fmt: skip
+    assert "schedule" in workflow[True]  # YAML 1.1 reads the key `on` so
+    assert "LOCK" not in (ROOT / ".ci" / "run").read_text("utf-8")
+
+
 def test_every_wheel_of_the_workflow_is_installed_on_every_python() -> None:
     workflow = yaml.safe_load((ROOT / ".github" / "workflows" / "tests.yml").read_text("utf-8"))
     test, wheel, installed = (
