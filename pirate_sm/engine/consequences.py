@@ -42,6 +42,8 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     elif not state.mission.ended:
         if state.looking is not None:
             state = start_check.go_on(moment, state, state.looking)
+        if state.robot.marks or state.lapsed is not None:
+            state = start_check.see_again(moment, state)
         if state.robot.motion is not None and not state.mission.suspended:
             state = _watch(moment, state)
         # The next command is judged by the progress of the rules, so bring that up to date first.
@@ -59,6 +61,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
         or state.mission is not before.mission
         or state.word_until_s != before.word_until_s
         or state.look is not before.look
+        or state.lapsed is not before.lapsed
     )
     if changed or moment.effects or due:
         state = _set_wake(moment, state)

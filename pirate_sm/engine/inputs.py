@@ -56,7 +56,7 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     # Faster than replacing two fields by name; this runs for every frame.
     state = EngineState(body, sensing, state.mission, faults, *state[4:])
     for report in reports:
-        state = meet(moment, state, _found(moment, report))
+        state = meet(moment, state, FoundFault.reported(robot, report))
     for fault in (*found, *exhausted):
         state = meet(moment, state, fault)
     return state
@@ -70,16 +70,11 @@ def _exhausted(moment: Moment, before: RobotState, after: RobotState) -> list[Fo
         FoundFault.built_in(
             BuiltInFault.GRIP_EXHAUSTED,
             f"{slots[each.slot].name} presses all it may, and friction may not bear the robot",
+            slots[each.slot].drives,
         )
         for each in after.loops
         if isinstance(each, TorqueLoop) and each.exhausted and each.slot not in known
     ]
-
-
-def _found(moment: Moment, report: FaultReport) -> FoundFault:
-    code, message = report.code, report.message
-    denies = moment.robot.denied_by_report(code, message)
-    return FoundFault(code, message, moment.robot.fault_codes.get(code, True), denies)
 
 
 def word(moment: Moment, state: EngineState, event: DetectorWord) -> EngineState:
@@ -145,14 +140,14 @@ def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
     """Handle a fault that a backend reports; after some faults nothing is known any more."""
     if event.code not in ANEW:
-        return meet(moment, state, _found(moment, event))
+        return meet(moment, state, FoundFault.reported(moment.robot, event))
     before = state
     state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
     words = state.obeyed_words(moment.robot)
     faults = unsettle(moment.robot, state.faults, state.sensing, words)
     state = state._replace(faults=faults)
     if moment.nominal or moment.alphabet < EVIDENCE_ENDS:
-        return meet(moment, state, _found(moment, event))
+        return meet(moment, state, FoundFault.reported(moment.robot, event))
     state = reconnection.doubt(moment, before, state)
-    state = meet(moment, state, _found(moment, event))
+    state = meet(moment, state, FoundFault.reported(moment.robot, event))
     return reconnection.begin(moment, before, state, event)

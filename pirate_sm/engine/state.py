@@ -154,6 +154,7 @@ class EngineState(NamedTuple):
         look: The running start check, None after it; no command begins during it.
         rules: Progress of each safety rule, see :mod:`pirate_sm.engine.safety.rules`.
         surveyed: The pipe around the robot.
+        lapsed: The running comparison for parts whose sensors were not known; None without any.
     """
 
     robot: RobotState
@@ -166,6 +167,7 @@ class EngineState(NamedTuple):
     rules: tuple[int, ...] = ()
     surveyed: Surveyed = Surveyed()
     look: Look | None = None
+    lapsed: Look | None = None
 
     @property
     def connection(self) -> int:

@@ -81,7 +81,8 @@ def mission_scxml(mission: model.Mission) -> str:
     around = Xml.SubElement(root, "state", id=ANY_PHASE, initial=ids[mission.start])
     for handler in mission.on_fault:
         event = " ".join(f"{FAULT}.{code}" for code in handler.fault)
-        _transition(around, event, ids[handler.go] if handler.go is not None else "")
+        leads = ids[handler.go] if handler.go is not None else ""
+        _transition(around, event, leads, {"of": ", ".join(handler.of)} if handler.of else None)
     if mission.on_failure is not None:
         _transition(around, FAILED, ids[mission.on_failure])
     for name, phase in mission.phases.items():

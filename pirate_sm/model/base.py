@@ -96,6 +96,12 @@ def _no_truth(value: Any) -> Any:
     return value
 
 
+OR_ONE = (
+    BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
+    AlsoWritten(lambda usual: [usual["items"]]),
+)
+"""Annotations of a list of texts in whose place a single one may be written."""
+
 Format = Annotated[Literal[1], BeforeValidator(_no_truth)]
 """The version of a file's format."""
 

@@ -175,11 +175,13 @@ class Fault(NamedTuple):
         code: Code of the fault, as missions write it.
         message: One sentence for the operator.
         handling: ``continue``, the target phase, or ``stop``.
+        of: The boards, joints, wheels and parts that it is a fault of; empty: nobody's.
     """
 
     code: str
     message: str
     handling: str
+    of: tuple[str, ...] = ()
 
 
 class Log(NamedTuple):

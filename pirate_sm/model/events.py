@@ -118,11 +118,13 @@ class FaultReport(NamedTuple):
 
     Attributes:
         away_s: How long the controller was silent that is back; NaN if nobody knows.
+        of: The boards, joints, wheels and parts that it is a fault of; empty: nobody's.
     """
 
     code: str
     message: str
     away_s: float = nan
+    of: tuple[str, ...] = ()
 
 
 class OperatorCommand(NamedTuple):

@@ -115,9 +115,20 @@ class BuiltInFault(Enum):
     def __init__(self, code: str, origin: Origin, catchable: bool, meaning: str) -> None:
         self.code, self.origin, self.catchable, self.meaning = code, origin, catchable, meaning
 
-    def report(self, message: str, away_s: float = nan) -> FaultReport:
-        """Return a report of this fault, with how long the controller was silent."""
-        return FaultReport(self.code, message, away_s)
+    def report(self, message: str, away_s: float = nan, *, of: tuple[str, ...] = ()) -> FaultReport:
+        """Return a report of this fault, with how long the controller was away and whose it is."""
+        return FaultReport(self.code, message, away_s, of)
 
+
+UNSEEN: Final = frozenset(
+    fault.code
+    for fault in (
+        BuiltInFault.SENSOR_SILENT,
+        BuiltInFault.SENSOR_STUCK,
+        BuiltInFault.SENSOR_RANGE,
+        BuiltInFault.SENSOR_JUMPED,
+    )
+)
+"""Faults after which what the sensor measures is unknown, so that nothing proves it any more."""
 
 BUILT_IN_FAULTS: Final[Mapping[str, BuiltInFault]] = {each.code: each for each in BuiltInFault}

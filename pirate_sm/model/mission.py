@@ -13,6 +13,7 @@ from pydantic_core import PydanticCustomError
 
 from pirate_sm.model.base import (
     DEFINED,
+    OR_ONE,
     AlsoWritten,
     Condition,
     Defined,
@@ -244,18 +245,23 @@ class FaultHandler(Frozen):
 
     Attributes:
         fault: Code of a fault, ``family.detail``, or a list of codes.
+        of: Boards (``board_26``), joints, wheels and parts: the line is only for a fault of these
+            and of nothing else. Without it the line is for everybody's.
         then: ``continue``: only log it.
         go: The target phase or end.
     """
 
-    fault: Annotated[
-        tuple[FaultCode, ...],
-        BeforeValidator(lambda value: [value] if isinstance(value, str) else value),
-        Field(min_length=1),
-        AlsoWritten(lambda usual: [usual["items"]]),
-    ]
+    fault: Annotated[tuple[FaultCode, ...], Field(min_length=1), *OR_ONE]
+    of: Annotated[
+        tuple[Annotated[Name, Defined("FaultOwner")], ...], Field(min_length=1), *OR_ONE
+    ] = ()
     then: Literal["continue"] | None = None
     go: Name | None = None
+
+    @property
+    def whose(self) -> str:
+        """Return ``of`` and the names that it gives, or nothing, to follow the codes."""
+        return f" of {', '.join(self.of)}" if self.of else ""
 
     @model_validator(mode="after")
     def _one_of_two(self) -> FaultHandler:

@@ -13,6 +13,7 @@ from pydantic import Field, model_validator
 from pirate_sm.geometry.joints import JointOrEnd
 from pirate_sm.model.actuation import PostureCase, Stages
 from pirate_sm.model.base import (
+    OR_ONE,
     Condition,
     FaultCode,
     Format,
@@ -64,6 +65,11 @@ class Slot(Frozen):
     roll: Name | None = None
     mirrors: Flag = False
     limit: Angle | None = None
+
+    @property
+    def drives(self) -> Name:
+        """Return the joint, wheel or roll joint that it drives; empty where it drives none."""
+        return self.joint or self.wheel or self.roll or ""
 
 
 SlotSense: TypeAlias = Literal["angle", "torque", "current", "turned"]
@@ -182,6 +188,8 @@ class FaultRule(Frozen):
         for_each: The rule is repeated for each of these numbers, in place of ``{i}``.
         denies: Parts whose clamps do not hold: while the rule is true they are not confirmed,
             whatever a command's criterion shows.
+        of: Boards, joints, wheels and parts that it is a fault of, by name, with ``{i}`` as above;
+            those of ``denies`` where nothing is given.
     """
 
     code: FaultCode
@@ -191,6 +199,7 @@ class FaultRule(Frozen):
     catchable: Flag = True
     for_each: tuple[Count, ...] = ()
     denies: tuple[Name, ...] = ()
+    of: Annotated[tuple[str, ...], *OR_ONE] = ()
 
 
 class DetectorPoint(Frozen):

@@ -39,6 +39,7 @@ class Happening(Frozen):
             fails. ``sensors``: the signals change. ``answer`` of the operator. ``fault``.
         signals: The signals and words from then on: quantities, words, or ``unknown``.
         message: Message of a fault. With a rule's message the fault counts as raised by that rule.
+        of: The boards, joints, wheels and parts that it is a fault of.
         what: A description of the event in the mission, for readers.
     """
 
@@ -49,6 +50,7 @@ class Happening(Frozen):
     answer: str | None = None
     fault: FaultCode | None = None
     message: str = ""
+    of: tuple[Name, ...] = ()
     what: str = ""
 
     @model_validator(mode="after")
@@ -56,8 +58,9 @@ class Happening(Frozen):
         for key in ("answer", "fault"):
             if (getattr(self, key) is not None) != (self.happens == key):
                 raise ValueError(f"`{key}` says what happens where `happens: {key}`, only there")
-        if self.message and self.fault is None:
-            raise ValueError("`message` is that of a fault, only with `happens: fault`")
+        for key in ("message", "of"):
+            if getattr(self, key) and self.fault is None:
+                raise ValueError(f"`{key}` is that of a fault, only with `happens: fault`")
         return self
 
 

@@ -132,7 +132,8 @@ class CoursePlayer:
             case "answer":
                 return (Answer(event.answer or ""),)
             case "fault":
-                return (FaultReport(event.fault or "", event.message or "so the course of events"),)
+                message = event.message or "so the course of events"
+                return (FaultReport(event.fault or "", message, of=event.of),)
             case "time" | "sensors":
                 return (Tick(),)
             case "start":

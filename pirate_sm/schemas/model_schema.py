@@ -33,6 +33,10 @@ _TEXTS: Final[dict[str, Schema]] = {
         "type": "string",
         "description": "A control of the robot, or `none` for its usual actuation.",
     },
+    "FaultOwner": {
+        "type": "string",
+        "description": "A board (`board_26`), joint, wheel or part of the robot.",
+    },
 }
 """Kinds of text that a robot's own schema restricts."""
 

@@ -28,6 +28,7 @@ def narrowed(mission: Schema, robot: LoadedRobot) -> Schema:
             **definitions,
             "CommandName": _commands(robot),
             "ControlName": _controls(robot),
+            "FaultOwner": _owners(robot),
             "Condition": _condition(definitions["Condition"], robot),
             "FaultHandler": _faults(definitions["FaultHandler"], robot),
         },
@@ -54,6 +55,11 @@ def _controls(robot: LoadedRobot) -> Schema:
         "enum": list(about),
         "enumDescriptions": list(about.values()),
     }
+
+
+def _owners(robot: LoadedRobot) -> Schema:
+    described = f"A board, joint, wheel or part of {robot.profile.robot}."
+    return {"type": "string", "description": described, "enum": [*robot.normal.owners.things]}
 
 
 def _states(generic: Schema, robot: LoadedRobot) -> Schema:

@@ -101,7 +101,8 @@ KEYS = {
     "a time limit": "time_limit: 1 h\n",
     "a description": "description: Nothing out of the ordinary\n",
     "a polarity": "polarity: normal\n",
-    "handlers of faults": "on_fault:\n  - {fault: [sensor.silent, wheel.dead], then: continue}\n"
+    "handlers of faults": "on_fault:\n"
+    "  - {fault: [sensor.silent, wheel.dead], of: [wheel_3, wheel_4], then: continue}\n"
     "  - {fault: robot.stuck, go: late}\n",
     "a pipe of its own": "pipe: {diameter: 115 mm, segments: [{straight: 3 m}]}\n",
     "a pipe by name": "pipe: straight_113\n",

@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 from representative import thorough_but
 
+import pirate_sm
 from benchmarks.camera_bends import is_false, joint_defects
 from benchmarks.campaign import run
 from pirate_sm.campaign.verdict import SHORT_M
@@ -44,3 +45,18 @@ def test_a_sound_robot_succeeds_with_its_wheel_beyond_the_words_place(
     outcome = run(Order(mission, detector=detector))
     assert outcome.outcome == "succeeded"
     assert outcome.short_m < SHORT_M
+
+
+@pytest.mark.parametrize("after_s", [9, 12, 16])
+@pytest.mark.parametrize("mission", ["mitre_bend", str(HEEDLESS / "mitre_bend_heedless.yaml")])
+def test_belief_a_silent_joint_of_the_part_that_holds_lets_go_of_nothing(
+    mission: str, after_s: int
+) -> None:
+    done = pirate_sm.run(mission, defects=[f"board_26_silent:after={after_s}s"], check=False)
+
+    silent_s = done.faults["time_s"][done.faults["code"].index("sensor.silent")]
+    commands = zip(*(done.commands[key] for key in ("time_s", "name", "status")), strict=True)
+    later = {name for at_s, name, status in commands if at_s >= silent_s and status == "accepted"}
+    assert done.outcome != "succeeded"
+    assert "RelaxRear" not in later
+    assert "BendingState" in done.states["unconfirmed"][-1]

@@ -16,6 +16,7 @@ from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.backends.serial.link_pump import LinkPump
 from pirate_sm.backends.serial.mission_time import MissionTime
 from pirate_sm.backends.serial.ports.protocol import Port
+from pirate_sm.engine.sensing.board_spec import board_name
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -289,7 +290,8 @@ class SerialBackend:
         if boards and silent == boards:
             raise BackendError(no_sensors(self.plan.serial.advice.no_sensors))
         if silent:
-            faults.append(BuiltInFault.SENSOR_SILENT.report(mute(self.plan.modules, silent)))
+            of = tuple(map(board_name, sorted(silent)))
+            faults.append(BuiltInFault.SENSOR_SILENT.report(mute(self.plan.modules, silent), of=of))
         return [*frames.values(), *faults]
 
     def _flush(self) -> None:

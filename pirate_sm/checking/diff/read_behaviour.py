@@ -228,7 +228,8 @@ def _faults(program: Program, phases: Mapping[str, Hashable]) -> dict[tuple[str,
             continue
         for each in handlers:  # the innermost first
             go = IGNORED if each.go is None else _target(program, each.go, each.go_name)
-            found.setdefault((phase, each.code), go)
+            whose = f" of {', '.join(sorted(each.of))}" if each.of else ""
+            found.setdefault((phase, f"{each.code}{whose}"), go)
     return found
 
 

@@ -42,6 +42,7 @@ class PossibleEvent(NamedTuple):
     word: str = ""
 
 
+_Question: TypeAlias = tuple[str, frozenset[str] | None, tuple[str | None, ...]]
 _Situation: TypeAlias = tuple[tuple[HandlerSpec, ...], tuple[str | None, ...], frozenset[int]]
 
 
@@ -58,7 +59,7 @@ class Moves:
         self._robot = robot
         self._program = program
         self.conditions = conditions
-        self._messages: dict[tuple[str, tuple[str | None, ...]], tuple[str, ...]] = {}
+        self._possible: dict[_Question, tuple[FaultReport, ...]] = {}
         self._reports: dict[_Situation, tuple[FaultReport, ...]] = {}
 
     def of(self, state: EngineState, now: float) -> Iterator[PossibleEvent]:
@@ -119,29 +120,41 @@ class Moves:
     ) -> Iterator[FaultReport]:
         """Yield the possible faults, one for each target and set of denied clamps."""
         known = set()
-        seen = set()
-        for handler in handlers:
-            if handler.code in seen:  # an inner handler hides the outer ones
-                continue
-            seen.add(handler.code)
-            for message in self.messages(handler, states):
-                denied = self._robot.denied_by_report(handler.code, message) & clamped
+        robot = self._robot
+        for place, handler in enumerate(handlers):
+            for report in self.reports(handler, states):
+                things = robot.owners.things_of(report.of)
+                if any(each.handles(report.code, things) for each in handlers[:place]):
+                    continue  # an inner handler hides the outer ones
+                denied = robot.denied_by_report(report) & clamped
                 if (handler.go, denied) in known or (handler.go is None and not denied):
                     continue  # without effect, or with the same effect as another fault
                 known.add((handler.go, denied))
-                yield FaultReport(handler.code, message if denied else UNSAID)
+                yield report if denied else report._replace(message=UNSAID)
 
-    def messages(self, handler: HandlerSpec, states: tuple[str | None, ...]) -> tuple[str, ...]:
-        """Return the messages with which rules can raise the fault in these states.
+    def reports(
+        self, handler: HandlerSpec, states: tuple[str | None, ...]
+    ) -> tuple[FaultReport, ...]:
+        """Return the reports of the fault that are possible in these states, for this handler.
 
         A fault without a rule is always possible.
         """
-        key = handler.code, states
-        if key not in self._messages:
+        key = handler.code, handler.of, states
+        if key not in self._possible:
             own = [rule for rule in self._robot.faults if rule.code == handler.code]
-            self._messages[key] = tuple(
-                rule.message
-                for rule in own
-                if self.conditions.ask([(rule.when.tree, True)], states).possible
-            ) or (() if own else (UNSAID,))
-        return self._messages[key]
+            if own:
+                found = [
+                    FaultReport(rule.code, rule.message, of=rule.of)
+                    for rule in own
+                    if self.conditions.ask([(rule.when.tree, True)], states).possible
+                ]
+            else:
+                whose = self._robot.possible_owners.get(handler.code, frozenset())
+                named = whose if handler.of is None else whose & handler.of
+                each = [(name,) for name in sorted(named)] if named else [()]
+                found = [FaultReport(handler.code, UNSAID, of=of) for of in each]
+            things = self._robot.owners.things_of
+            self._possible[key] = tuple(
+                each for each in found if handler.handles(each.code, things(each.of))
+            )
+        return self._possible[key]

@@ -61,7 +61,8 @@ def _what(found: Exploration, step: ExploredStep, written: Written) -> str:
             failed = f"{name}{place} is not done in time"
             return failed if name else "the torques are not borne in time"
         case "fault":
-            return f"the fault {step.move.word} comes up"
+            of = ", ".join(getattr(step.move.event, "of", ()))
+            return f"the fault {step.move.word}{of and f' of {of}'} comes up"
         case "answer":
             return f"the operator says '{step.move.word}'"
         case "time":

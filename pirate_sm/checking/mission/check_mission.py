@@ -10,7 +10,7 @@ from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.mission.branches import branches
 from pirate_sm.checking.mission.explore_mission import explore_mended, explore_mission
-from pirate_sm.checking.mission.fault_handlers import fault_handlers
+from pirate_sm.checking.mission.fault_handlers import fault_handlers, ignored_holding
 from pirate_sm.checking.mission.mission_parameters import parameter_limits, unused_parameters
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView
@@ -106,6 +106,7 @@ RULES = (
     wait_triggers,
     reachability,
     fault_handlers,
+    ignored_holding,
     time_limits,
     branches,
     out_of_reach,

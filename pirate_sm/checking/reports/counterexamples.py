@@ -88,8 +88,11 @@ def _happening(found: Exploration, step: ExploredStep) -> dict[str, Any]:
     entry: dict[str, Any] = {"happens": _HAPPENS.get(move.kind, move.kind)}
     if move.kind in {"answer", "fault"}:
         entry[move.kind] = move.word
-    if isinstance(move.event, FaultReport) and move.event.message != UNSAID:
-        entry["message"] = move.event.message
+    if isinstance(move.event, FaultReport):
+        if move.event.message != UNSAID:
+            entry["message"] = move.event.message
+        if move.event.of:
+            entry["of"] = list(move.event.of)
     answer = step.moment.answer
     signals = _signals(found.robot.vocabulary.with_changes, answer.numbers, answer.words)
     if signals:

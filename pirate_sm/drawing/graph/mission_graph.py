@@ -88,7 +88,7 @@ def _nodes(part: Called) -> Iterator[Node]:
         yield Node(f"{prefix}{name}", NodeKind.PHASE, name, lines, tooltip, cluster)
     if mission.on_failure is not None or mission.on_fault:
         ignored = tuple(
-            f"{code}: go on"
+            f"{code}{handler.whose}: go on"
             for handler in mission.on_fault
             if handler.go is None
             for code in handler.fault
@@ -118,7 +118,7 @@ def _edges(part: Called) -> Iterator[Edge]:
         yield Edge(anywhere, f"{prefix}{mission.on_failure}", EdgeKind.FAILURE, "a step fails")
     for handler in mission.on_fault:
         if handler.go is not None:
-            label = ", ".join(handler.fault)
+            label = ", ".join(handler.fault) + handler.whose
             yield Edge(anywhere, f"{prefix}{handler.go}", EdgeKind.FAULT, label)
 
 

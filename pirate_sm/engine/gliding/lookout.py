@@ -171,6 +171,7 @@ def _calm(state: EngineState) -> bool:
     sensing, faults = state.sensing, state.faults
     return (
         state.look is None
+        and state.lapsed is None
         and not faults.silent
         and not faults.blind
         and not sensing.stale

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end_by_fault, withdraw
 from pirate_sm.engine.moment import Moment
@@ -10,6 +12,8 @@ from pirate_sm.engine.robot.unmet_conditions import unmet_conditions
 from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Fault
+from pirate_sm.model.events import EVIDENCE_ENDS
+from pirate_sm.model.fault_codes import UNSEEN
 from pirate_sm.model.unmet_words import with_unmet
 
 
@@ -18,21 +22,48 @@ def meet(moment: Moment, state: EngineState, fault: FoundFault) -> EngineState:
     mission = state.mission
     if mission.ended:
         return state
+    if moment.alphabet < EVIDENCE_ENDS:
+        fault = fault._replace(of=())
     if fault.denies:
         state = state._replace(robot=commands.deny(moment, state.robot, fault.denies))
+    if fault.code in UNSEEN:
+        state = lapse(moment, state, fault.of)
     if mission.ending:
-        moment.emit(Fault(fault.code, fault.message, "stop"))
+        moment.emit(Fault(fault.code, fault.message, "stop", fault.of))
         return state
-    handler = moment.program.handler(mission.pc, fault.code) if fault.catchable else None
+    things = moment.robot.owners.things_of(fault.of)
+    handler = moment.program.handler(mission.pc, fault.code, things) if fault.catchable else None
     cause = f"{fault.code}: {fault.message}"
     if handler is not None and handler.go is None:
-        moment.emit(Fault(fault.code, fault.message, "continue"))
+        moment.emit(Fault(fault.code, fault.message, "continue", fault.of))
         return state
     if handler is None or mission.handling or mission.diverting:
-        return end_by_fault(moment, state, fault.code, fault.message)
-    moment.emit(Fault(fault.code, fault.message, handler.go_name))
+        return end_by_fault(moment, state, fault.code, fault.message, fault.of)
+    moment.emit(Fault(fault.code, fault.message, handler.go_name, fault.of))
     mission = mission._replace(diverting=handler, stopped=False, cause=cause)
     return state._replace(mission=mission)
+
+
+def lapse(moment: Moment, state: EngineState, of: Iterable[str]) -> EngineState:
+    """Take back that parts hold of which nothing is measured any more that shows it.
+
+    Args:
+        moment: The time, the robot and the effects so far.
+        state: The state.
+        of: Names of the boards, joints and wheels that are not measured.
+    """
+    if moment.nominal or moment.alphabet < EVIDENCE_ENDS:
+        return state
+    parts = moment.robot.unproved(of)
+    return state._replace(robot=commands.deny(moment, state.robot, parts, robot_state.LAPSED))
+
+
+def lapse_unheard(moment: Moment, state: EngineState) -> EngineState:
+    """Do so for the boards whose signals are too old, before a command is judged."""
+    stale, boards = state.sensing.stale, moment.robot.boards.values()
+    if not stale:
+        return state
+    return lapse(moment, state, (each.name for each in boards if each.position in stale))
 
 
 def divert(moment: Moment, state: EngineState) -> EngineState:

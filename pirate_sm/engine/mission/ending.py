@@ -22,9 +22,11 @@ def withdraw(moment: Moment, state: EngineState) -> None:
         moment.emit(Ask("", ()))
 
 
-def end_by_fault(moment: Moment, state: EngineState, code: str, message: str) -> EngineState:
+def end_by_fault(
+    moment: Moment, state: EngineState, code: str, message: str, of: tuple[str, ...] = ()
+) -> EngineState:
     """Report the fault and end the run because of it."""
-    moment.emit(Fault(code, message, "stop"))
+    moment.emit(Fault(code, message, "stop", of))
     return end(moment, state, "fault", f"{code}: {message}")
 
 

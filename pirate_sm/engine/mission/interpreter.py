@@ -6,6 +6,7 @@ from typing import assert_never
 
 from pirate_sm.engine.control.stages import unsettled
 from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end, end_by_fault
 from pirate_sm.engine.mission.going_on import fail, go
 from pirate_sm.engine.mission.phase_rate import MOST_TURNS, RUNAWAY, counted, too_fast
@@ -116,6 +117,7 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return _awaited(moment, state, it, name)
     if state.robot.awaited is not None or state.robot.motion is not None:
         return state  # the array in flight is resolved first
+    state = lapse_unheard(moment, state)
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
     if reason.startswith("unneeded") and it.skip_unneeded:
         moment.emit(CommandStatus(name, "skipped", reason, it.place))

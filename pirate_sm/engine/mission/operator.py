@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import assert_never
 
 from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import command_outcome, commands, confirmation
@@ -77,6 +78,7 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
     if index is None:
         reason = "impossible: there is no such command"
     else:
+        state = lapse_unheard(moment, state)
         reason = why_not_command(moment.robot, state, index)
     if reason or index is None:
         moment.emit(CommandStatus(event.command, "refused", reason))

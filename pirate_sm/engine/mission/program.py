@@ -204,11 +204,23 @@ class RuleSpec(NamedTuple):
 
 
 class HandlerSpec(NamedTuple):
-    """The handling of a fault: the target ``go``, or None to only log the fault."""
+    """The handling of a fault: the target ``go``, or None to only log the fault.
+
+    Attributes:
+        of: The joints, wheels and boards of which it handles the fault; None: everybody's, and
+            nobody's.
+        place: Where its fault stands, ``file:line:col``.
+    """
 
     code: str
     go: int | None
     go_name: str
+    of: frozenset[str] | None = None
+    place: str = ""
+
+    def handles(self, code: str, things: frozenset[str]) -> bool:
+        """Return whether it handles a fault that concerns exactly these things."""
+        return self.code == code and (self.of is None or (bool(things) and things <= self.of))
 
 
 @dataclass(frozen=True)
@@ -284,8 +296,8 @@ class Program:
         """Whether it starts within a phase, as the program of a run that was cut off does."""
         return self.start != self.enter(self.phase_of[self.start])
 
-    def handler(self, at: int, code: str) -> HandlerSpec | None:
-        """Return the innermost handler for a fault at this instruction."""
+    def handler(self, at: int, code: str, things: frozenset[str]) -> HandlerSpec | None:
+        """Return the innermost handler at this instruction for a fault that concerns these."""
         if not 0 <= at < len(self.handlers):
             return None
-        return next((each for each in self.handlers[at] if each.code == code), None)
+        return next((each for each in self.handlers[at] if each.handles(code, things)), None)

@@ -90,6 +90,7 @@ class SlotSpec:
         self_locking: Whether the motor keeps its place at duty 0, whatever the load.
         low: Least value; ``high`` the largest.
         resolution: Steps of the wire.
+        drives: Name of the joint, wheel or roll joint that it drives; empty without one.
     """
 
     name: str
@@ -105,6 +106,7 @@ class SlotSpec:
     held_torque: TorqueSpec | None = None
     wheel_torque: WheelTorqueSpec | None = None
     self_locking: bool = False
+    drives: str = ""
 
 
 class GripSpec(NamedTuple):

@@ -241,11 +241,18 @@ def doubt(robot: RobotSpec, state: RobotState) -> RobotState:
     return state._replace(marks=state.marks | stopped)
 
 
-def deny(moment: Moment, state: RobotState, parts: frozenset[int]) -> RobotState:
-    """Mark the confirmed clamps of these parts as unconfirmed."""
+def deny(moment: Moment, state: RobotState, parts: frozenset[int], why: int = DENIED) -> RobotState:
+    """Mark the confirmed clamps of these parts as unconfirmed.
+
+    Args:
+        moment: The time, the robot and the effects so far.
+        state: The state of the robot.
+        parts: Indexes of the parts.
+        why: ``DENIED`` or ``LAPSED``.
+    """
     lost = confirmed_parts(moment.robot, state) & parts
     if lost:
-        marks = state.marks | {Mark("part", part, DENIED) for part in lost}
+        marks = state.marks | {Mark("part", part, why) for part in lost}
         state = state._replace(marks=marks)
         moment.emit(state_change(moment.robot, state))
     return state

@@ -9,7 +9,7 @@ limits, remains until a command confirms the state.
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.deadlines import has_come
@@ -18,6 +18,7 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DECLARED,
+    LAPSED,
     STOPPED,
     Mark,
     Numbers,
@@ -139,6 +140,24 @@ def begin(
         return None
     setpoints = at_rest_in(robot, body.configuration).values
     return Look(now + robot.sight.within_s, setpoints, marks, before)
+
+
+def seen_again(robot: RobotSpec, before: Look | None, body: RobotState) -> Look | None:
+    """Return the comparison for parts whose sensors were not known; None without any.
+
+    It has no end: a part stays unconfirmed until its sensors or a command show that it holds.
+
+    Args:
+        robot: The robot.
+        before: The comparison so far.
+        body: The robot's state, with the marks of these parts.
+    """
+    known = {each.mark: each for each in before.marks} if before is not None else {}
+    lapsed = (mark for mark in sorted(body.marks) if mark.command == LAPSED)
+    marks = tuple(known.get(mark, Watched(mark)) for mark in lapsed)
+    if not marks:
+        return None
+    return Look(inf, at_rest_in(robot, body.configuration).values, marks)
 
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:

@@ -7,7 +7,8 @@ region, then the detector's word, the segment and the joint, None = unknown).
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Literal, TypeAlias
@@ -20,6 +21,7 @@ from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec
 from pirate_sm.engine.sensing.traction_spec import TractionSpec
 from pirate_sm.expressions import Expression, Vocabulary
+from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
 
@@ -29,6 +31,7 @@ class FaultSpec:
 
     Attributes:
         denies: Parts whose clamps do not hold while the condition is true.
+        of: Names that it is a fault of, see :class:`Owners`.
     """
 
     code: str
@@ -37,6 +40,25 @@ class FaultSpec:
     held_s: float
     catchable: bool
     denies: frozenset[int] = frozenset()
+    of: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Owners:
+    """Whose a fault can be.
+
+    Attributes:
+        things: Of each board, joint, wheel and part, by name, what a fault of it concerns: joints,
+            wheels, and boards with sensors of neither.
+        measured: The joint, wheel or board that each measured number belongs to, by its index.
+    """
+
+    things: Mapping[str, frozenset[str]] = field(default_factory=dict)
+    measured: Mapping[int, str] = field(default_factory=dict)
+
+    def things_of(self, names: Iterable[str]) -> frozenset[str]:
+        """Return what faults of all these names concern; an unknown name concerns nothing."""
+        return frozenset[str]().union(*(self.things.get(name, ()) for name in names))
 
 
 @dataclass(frozen=True)
@@ -85,6 +107,7 @@ class RobotSpec:
         odometry: Number indexes of odometry and speed; -1 where the robot has none.
         words_behind: Words of the detector that mean that the whole robot has passed the bend.
         words_joint: The kind of joint that a word of the detector announces, for those that do.
+        owners: The boards, joints, wheels and parts that a fault can be of.
         word_conditions: Words of the detector that have a condition on signals, as they follow
             each other.
     """
@@ -117,6 +140,7 @@ class RobotSpec:
     outside: Mapping[str, tuple[int, float]] = field(default_factory=dict)
     word_conditions: tuple[WordCondition, ...] = ()
     words_joint: Mapping[str, str] = field(default_factory=dict)
+    owners: Owners = field(default_factory=Owners)
 
     @property
     def regions(self) -> tuple[str, ...]:
@@ -156,10 +180,31 @@ class RobotSpec:
         rules = [self.faults[index] for index in sorted(faults)]
         return {part: rule.message for rule in rules for part in rule.denies}
 
-    def denied_by_report(self, code: str, message: str) -> frozenset[int]:
-        """Return the parts that a reported fault denies: those of the rule with this message."""
-        rules = [rule for rule in self.faults if (rule.code, rule.message) == (code, message)]
-        return frozenset(part for rule in rules for part in rule.denies)
+    def rule_of(self, report: FaultReport) -> FaultSpec | None:
+        """Return the fault rule with the code and the message of a report; None without one."""
+        rules = (each for each in self.faults if each.code == report.code)
+        return next((rule for rule in rules if rule.message == report.message), None)
+
+    def denied_by_report(self, report: FaultReport) -> frozenset[int]:
+        """Return the parts whose clamps a report denies: those of its rule."""
+        rule = self.rule_of(report)
+        return rule.denies if rule else frozenset()
+
+    def unproved(self, names: Iterable[str]) -> frozenset[int]:
+        """Return the parts of which no sensor shows that they hold while these are not measured."""
+        lost = self.owners.things_of(names)
+        return frozenset(part for part, needs in enumerate(self.proofs) if needs & lost)
+
+    @cached_property
+    def proofs(self) -> tuple[frozenset[str], ...]:
+        """Return per part the joints whose sensors show that it holds."""
+        measured = self.owners.measured
+        return tuple(
+            frozenset(measured[n] for n in (s.apex, *(j.torque for j in s.joints)) if n in measured)
+            if s is not None
+            else frozenset()
+            for s in self.sight.parts
+        )
 
     def travel(self, values: Sequence[float]) -> int:
         """Return the direction in which the setpoints drive the robot, in this polarity.
@@ -196,6 +241,24 @@ class RobotSpec:
             for write in self.actuation[region][state][-1]
             if write.turns and write.slot in self.safe_zero
         )
+
+    @cached_property
+    def possible_owners(self) -> Mapping[str, frozenset[str]]:
+        """Return the joints, wheels and boards that each fault can be of; nobody where it has none.
+
+        See :attr:`Owners.things`.
+        """
+        owners, found = self.owners, defaultdict[str, frozenset[str]](frozenset)
+        found[BuiltInFault.SENSOR_SILENT.code] = owners.things_of(owners.things)
+        for watch in (each for board in self.boards.values() for each in board.watched.sensors):
+            for fault in watch.can_be:
+                found[fault.code] |= {watch.of} - {""}
+        for slot in self.slots:
+            if slot.held_torque is not None:
+                found[BuiltInFault.GRIP_EXHAUSTED.code] |= {slot.drives}
+        for rule in self.faults:
+            found[rule.code] |= owners.things_of(rule.of)
+        return found
 
     @cached_property
     def fault_codes(self) -> Mapping[str, bool]:

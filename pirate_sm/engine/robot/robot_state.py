@@ -34,11 +34,15 @@ DENIED = -3
 """In place of a mark's command: sensors contradict the state, or it may have been lost."""
 
 
+LAPSED = -4
+"""In place of a mark's command: the sensors that showed that the part holds are not known now."""
+
+
 class Mark(NamedTuple):
     """A region's state or a part's clamp that is not confirmed.
 
     Attributes:
-        command: The command that set it, or ``STOPPED``, ``DECLARED`` or ``DENIED``.
+        command: The command that set it, or ``STOPPED``, ``DECLARED``, ``DENIED`` or ``LAPSED``.
     """
 
     kind: Literal["region", "part"]

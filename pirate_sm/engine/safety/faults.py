@@ -12,6 +12,7 @@ from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.engine.sensing.report_loss import silent_limit_s
 from pirate_sm.engine.state import FaultState, Words
+from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
 ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
@@ -21,17 +22,35 @@ The robot is another one until its sensors show the one that was known."""
 
 
 class FoundFault(NamedTuple):
-    """A new fault, and the parts whose clamps it shows not to hold."""
+    """A new fault.
+
+    Attributes:
+        denies: The parts whose clamps it shows not to hold.
+        of: The boards, joints, wheels and parts that it is a fault of.
+    """
 
     code: str
     message: str
     catchable: bool
     denies: frozenset[int] = frozenset()
+    of: tuple[str, ...] = ()
 
     @classmethod
-    def built_in(cls, fault: BuiltInFault, message: str) -> FoundFault:
+    def built_in(cls, fault: BuiltInFault, message: str, *of: str) -> FoundFault:
         """Return a built-in fault with its message."""
-        return cls(fault.code, message, fault.catchable)
+        return cls(fault.code, message, fault.catchable, of=of)
+
+    @classmethod
+    def reported(cls, robot: RobotSpec, report: FaultReport) -> FoundFault:
+        """Return the fault of a report."""
+        rule = robot.rule_of(report)
+        return cls(
+            report.code,
+            report.message,
+            robot.fault_codes.get(report.code, True),
+            robot.denied_by_report(report),
+            report.of or (rule.of if rule else ()),
+        )
 
 
 def no_faults(robot: RobotSpec) -> FaultState:
@@ -70,7 +89,7 @@ def look(
             since[index] = began = now
         if index not in raised and has_come(now, began + rule.held_s):
             raised |= {index}
-            found.append(FoundFault(rule.code, rule.message, rule.catchable, rule.denies))
+            found.append(FoundFault(rule.code, rule.message, rule.catchable, rule.denies, rule.of))
     blind, unseen = _blind(robot, faults.blind, board, sensing)
     found += unseen
     silent = faults.silent - {board.position} if faults.silent else faults.silent
@@ -96,9 +115,9 @@ def _blind(
             blind ^= {target}
             if target in blind:
                 name = robot.vocabulary.numbers[target]
-                found.append(
-                    FoundFault.built_in(BuiltInFault.SENSOR_SILENT, f"{name} has no value")
-                )
+                of = robot.owners.measured[target]
+                message = f"{name} has no value"
+                found.append(FoundFault.built_in(BuiltInFault.SENSOR_SILENT, message, of))
     return blind, found
 
 
@@ -160,6 +179,7 @@ def listen(
         FoundFault.built_in(
             BuiltInFault.SENSOR_SILENT,
             f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
+            board.name,
         )
         for board in robot.boards.values()
         if board.position in new

@@ -27,6 +27,11 @@ class Vector(NamedTuple):
     target: int
 
 
+def board_name(id_: int) -> str:
+    """Return the name by which missions mean a board."""
+    return f"board_{id_}"
+
+
 @dataclass(frozen=True)
 class BoardSpec:
     """The content of one board's frame.
@@ -56,6 +61,11 @@ class BoardSpec:
     faults: tuple[int, ...]
     zeros: tuple[tuple[int, float], ...] = ()
     watched: WatchedSpec = field(default_factory=WatchedSpec)
+
+    @property
+    def name(self) -> str:
+        """Return the name by which missions mean the board."""
+        return board_name(self.id)
 
     @cached_property
     def length(self) -> int:

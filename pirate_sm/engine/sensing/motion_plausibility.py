@@ -51,7 +51,7 @@ def _stuck(
         f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
         "driven and bears no load: the sensor is stuck, or the motor gets no current"
     )
-    reports.append(BuiltInFault.SENSOR_STUCK.report(message))
+    reports.append(watch.report(BuiltInFault.SENSOR_STUCK, message))
     return channel._replace(calm=False, good=value, good_s=now_s, wound=nan, stuck=value)
 
 
@@ -79,5 +79,5 @@ def _unasked(
     if channel.unasked:
         return channel
     message = f"{watch.name} moves though nothing was asked of its motor"
-    reports.append(BuiltInFault.MOTION_UNASKED.report(message))
+    reports.append(watch.report(BuiltInFault.MOTION_UNASKED, message))
     return channel._replace(unasked=True)

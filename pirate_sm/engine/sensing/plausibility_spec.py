@@ -7,6 +7,9 @@ from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
+from pirate_sm.model.events import FaultReport
+from pirate_sm.model.fault_codes import BuiltInFault
+
 
 class WatchSpec(NamedTuple):
     """Limits of a sensor that measures a motor, in SI units.
@@ -28,6 +31,7 @@ class WatchSpec(NamedTuple):
         stiffness: Stiffness of that spring, per unit of the angle.
         winds: Torque to which the motor can wind it up.
         unit: Unit for messages; ``per_unit`` is its SI value.
+        of: The joint or wheel of the motor.
     """
 
     number: int
@@ -48,6 +52,23 @@ class WatchSpec(NamedTuple):
     winds: float = inf
     unit: str = ""
     per_unit: float = 1.0
+    of: str = ""
+
+    def report(self, fault: BuiltInFault, message: str) -> FaultReport:
+        """Return a report of a fault of this sensor."""
+        return fault.report(message, of=(self.of,) if self.of else ())
+
+    @property
+    def can_be(self) -> tuple[BuiltInFault, ...]:
+        """Return the faults that this sensor can have, but for silence."""
+        has = {
+            BuiltInFault.SENSOR_RANGE: self.high < inf,
+            BuiltInFault.SENSOR_SPIKING: self.high < inf or self.rate < inf,
+            BuiltInFault.SENSOR_JUMPED: self.joint,
+            BuiltInFault.SENSOR_STUCK: self.moved < inf and self.load >= 0,
+            BuiltInFault.MOTION_UNASKED: self.moved < inf,
+        }
+        return tuple(fault for fault, can in has.items() if can)
 
     def in_words(self, value: float) -> str:
         """Return the value in its unit for messages."""

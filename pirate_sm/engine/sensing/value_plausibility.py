@@ -34,16 +34,15 @@ def weigh(
         return channel, channel.good
     if not possible:
         if not channel.outside and len(held) > spec.hold_back:
-            reports.append(BuiltInFault.SENSOR_RANGE.report(_outside(watch, value)))
+            reports.append(watch.report(BuiltInFault.SENSOR_RANGE, _outside(watch, value)))
             channel = channel._replace(outside=True)
         return channel, nan
     if not watch.joint or channel.seen <= spec.hold_back:
         return believed(channel), value
     where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
     message = f"{watch.name} has jumped {where}, faster than its motor can turn"
-    reports.append(
-        BuiltInFault.SENSOR_JUMPED.report(f"{message}: it is unknown until it jumps back")
-    )
+    message = f"{message}: it is unknown until it jumps back"
+    reports.append(watch.report(BuiltInFault.SENSOR_JUMPED, message))
     return channel._replace(jumped=True, held=(value,)), nan
 
 
@@ -157,7 +156,7 @@ def _count_spike(
     if not often or now_s - channel.spiking_s <= spec.spikes_within_s:
         return channel
     message = f"{watch.name} has spiked {spec.spikes} times in {within_s:.1f} s"
-    reports.append(BuiltInFault.SENSOR_SPIKING.report(message))
+    reports.append(watch.report(BuiltInFault.SENSOR_SPIKING, message))
     return channel._replace(spiking_s=now_s)
 
 

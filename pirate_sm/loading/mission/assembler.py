@@ -28,8 +28,8 @@ class TooLongError(Exception):
         self.by: tuple[Problems, Path] | None = None  # the outermost repeat
 
 
-Handlers = tuple[tuple[str, Label | None, str], ...]
-"""Fault code, target (None: only log), and name of the target."""
+Handlers = tuple[tuple[str, Label | None, str, frozenset[str] | None, str], ...]
+"""The fields of :class:`HandlerSpec`, with a label as the target."""
 
 
 @dataclass
@@ -88,7 +88,10 @@ class Assembly:
             for kind, fields in zip(self._kinds, self._fields, strict=True)
         )
         handlers = tuple(
-            tuple(HandlerSpec(code, _resolved(label), name) for code, label, name in each)
+            tuple(
+                HandlerSpec(code, _resolved(label), name, of, place)
+                for code, label, name, of, place in each
+            )
             for each in self._handlers
         )
         return instructions, handlers, tuple(self._phases), tuple(self._turns)

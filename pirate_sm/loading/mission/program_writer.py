@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from math import inf
 
 from pirate_sm.engine.mission import program as out
-from pirate_sm.loading.mission.assembler import Assembly, Label, TooLongError
+from pirate_sm.loading.mission.assembler import Assembly, Handlers, Label, TooLongError
 from pirate_sm.loading.mission.call_arguments import arguments_of, check_call
 from pirate_sm.loading.mission.called_missions import Calls
 from pirate_sm.loading.mission.scope import Scope
@@ -88,7 +88,7 @@ class _PhaseWriter:
 
     compiler: ProgramWriter
     scope: Scope
-    handlers: tuple[tuple[str, Label | None, str], ...]
+    handlers: Handlers
 
     def write(self, phase: model.Phase, path: Path) -> None:
         """Write the phase's entry, its steps and its wait."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path as FilePath
 
@@ -17,7 +17,7 @@ from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.quantities import Parameter
-from pirate_sm.spelling import nearest
+from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
@@ -147,7 +147,7 @@ class Scope:
     def handlers(self) -> Handlers:
         """Return the fault handlers in force: the mission's own, then those of its callers."""
         known = self.robot.fault_codes
-        own: list[tuple[str, Label | None, str]] = []
+        own: list[tuple[str, Label | None, str, frozenset[str] | None, str]] = []
         for number, handler in enumerate(self.source.mission.on_fault):
             path: Path = ("on_fault", number)
             go = self.target(handler.go, (*path, "go")) if handler.go else None
@@ -157,7 +157,9 @@ class Scope:
                     self._unknown_fault(code, known, at)
                 elif not known[code]:
                     self.problems.add("mission.fault", at, _UNCAUGHT.format(code))
-                own.append((code, go, f"{self.prefix}{handler.go}" if handler.go else ""))
+                of = self._owners(handler.of, code, (*path, "of"))
+                name = f"{self.prefix}{handler.go}" if handler.go else ""
+                own.append((code, go, name, of, self.place(at)))
         return (*own, *self.outer)
 
     def command(self, name: str, path: Path) -> int | None:
@@ -285,6 +287,21 @@ class Scope:
             return self.values[name]
         self._unknown("parameter", name, self.source.mission.parameters, path)
         return Value(Quantity(1.0, TIME), "")
+
+    def _owners(self, names: Sequence[str], code: str, path: Path) -> frozenset[str] | None:
+        """Return what a line's `of` names; report names that a fault with the code cannot be of."""
+        if not names:
+            return None
+        owners, can_be = self.robot.owners, self.robot.possible_owners.get(code, frozenset())
+        for place, name in enumerate(names):
+            at = (*path, place)
+            if name not in owners.things:
+                self._unknown("board, joint, wheel or part", name, owners.things, at)
+            elif code in self.robot.fault_codes and not owners.things[name] & can_be:
+                expected = one_of(sorted(can_be)) if can_be else "no `of`: it is nobody's"
+                message = f"'{code}' cannot be a fault of {name}"
+                self.problems.add("mission.fault", at, message, expected=expected)
+        return owners.things_of(names)
 
     def _unknown_fault(self, code: str, known: Mapping[str, bool], path: Path) -> None:
         """Report an unknown fault, and list the faults that a mission may handle."""

@@ -16,7 +16,8 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot.robot_spec import FaultSpec
+from pirate_sm.engine.robot.robot_spec import FaultSpec, Owners
+from pirate_sm.engine.sensing.board_spec import board_name
 from pirate_sm.expressions import Expression, ExpressionError, NumberType, compile_condition
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.signals import Signals
@@ -97,7 +98,30 @@ def resolve_commands(
     return tuple(specs), tuple(zip(*unneeded, strict=True))
 
 
-def resolve_faults(signals: Signals, parts: Sequence[str]) -> tuple[FaultSpec, ...]:
+def resolve_owners(signals: Signals) -> Owners:
+    """Return the boards, joints, wheels and parts that a fault can be of."""
+    profile, names = signals.profile, signals.vocabulary.numbers
+    drives = {slot.name: slot.drives for slot in profile.slots}
+    things: dict[str, frozenset[str]] = {}
+    measured: dict[int, str] = {}
+    for board in profile.heard:
+        name = board_name(board.id)
+        of = {
+            names.index(each.signal): drives.get(each.slot or "") or name
+            for each in board.channels
+            if each.signal
+        }
+        measured |= of
+        things[name] = frozenset(of.values()) or frozenset({name})
+    body = profile.body
+    for part in body.parts:
+        joints = {joint.name for joint in body.joints if joint.part == part}
+        things[part] = frozenset(joints | {each.name for each in body.wheels if each.part == part})
+    things |= {name: frozenset({name}) for name in drives.values() if name}
+    return Owners(things, measured)
+
+
+def resolve_faults(signals: Signals, parts: Sequence[str], owners: Owners) -> tuple[FaultSpec, ...]:
     """Return the fault rules, with one rule for each number of a ``for_each``.
 
     Conditions may use the end stop of each joint as ``$JOINT_stop``.
@@ -116,8 +140,15 @@ def resolve_faults(signals: Signals, parts: Sequence[str]) -> tuple[FaultSpec, .
                 signals.problems.add_expression(("faults", number, "when"), error)
                 break
             _check_catchable(fault, number, rules, signals.problems)
+            of = tuple(name.replace("{i}", str(index)) for name in fault.of)
+            for place, name in enumerate(of):
+                if name not in owners.things:
+                    path: Path = ("faults", number, "of", place)
+                    kind = "board, joint, wheel or part"
+                    signals.problems.add_unknown("robot.name", path, kind, name, owners.things)
+            of = of or fault.denies
             rules.append(
-                FaultSpec(fault.code, message, condition, fault.held, fault.catchable, denies)
+                FaultSpec(fault.code, message, condition, fault.held, fault.catchable, denies, of)
             )
     return tuple(rules)
 

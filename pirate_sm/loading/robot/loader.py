@@ -22,7 +22,12 @@ from pirate_sm.loading.robot.actuation import resolve_actuation
 from pirate_sm.loading.robot.boards import resolve_boards
 from pirate_sm.loading.robot.body_chain import resolve_chain
 from pirate_sm.loading.robot.body_check import check_body
-from pirate_sm.loading.robot.commands import resolve_commands, resolve_faults, resolve_parts
+from pirate_sm.loading.robot.commands import (
+    resolve_commands,
+    resolve_faults,
+    resolve_owners,
+    resolve_parts,
+)
 from pirate_sm.loading.robot.controls import resolve_controls
 from pirate_sm.loading.robot.detector_words import resolve_words, words_behind
 from pirate_sm.loading.robot.levels import check_levelled
@@ -196,7 +201,8 @@ def _resolve(
     postures = resolve_postures(table, signals, slots, held, actuation)
     commands, unneeded = resolve_commands(table, held, signals, postures)
     check_levelled(table, actuation, commands, problems)
-    faults = resolve_faults(signals, parts)
+    owners = resolve_owners(signals)
+    faults = resolve_faults(signals, parts, owners)
     zero = tuple(
         slots.index(name, ("safe_state", "zero", number))
         for number, name in enumerate(profile.safe_state.zero)
@@ -236,4 +242,5 @@ def _resolve(
             name: word.joint for name, word in profile.detector.words.items() if word.joint
         },
         overlays=resolve_controls(profile, table, signals, slots, actuation, polarity, problems),
+        owners=owners,
     )

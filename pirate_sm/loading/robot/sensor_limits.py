@@ -39,7 +39,7 @@ def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> Watc
         index, slot = slots[channel.slot]
         resting = (number, *_resting_on(spec, number))
         name = channel.signal or channel.name
-        watch = WatchSpec(number, name, resting, slot=index)
+        watch = WatchSpec(number, name, resting, slot=index, of=slot.drives)
         if channel.senses == "angle":
             watch = _angle(profile, board, watch, slot, numbers)
         else:

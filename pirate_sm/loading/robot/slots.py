@@ -58,9 +58,19 @@ def _slot(
     if slot.unit == "angle":
         limit = slot.limit if slot.limit is not None else inf
         angle = signals.number(slot.roll, (*path, "roll"), ANGLE) if slot.roll and known else -1
-        return SlotSpec(slot.name, "angle", -limit, limit, link.angle_resolution, angle)
+        return SlotSpec(
+            slot.name, "angle", -limit, limit, link.angle_resolution, angle, drives=slot.drives
+        )
     locks = motor.kind == "sprung_worm"
-    duty = SlotSpec(slot.name, "duty", -1.0, 1.0, link.duty_resolution, self_locking=locks)
+    duty = SlotSpec(
+        slot.name,
+        "duty",
+        -1.0,
+        1.0,
+        link.duty_resolution,
+        self_locking=locks,
+        drives=slot.drives,
+    )
     if slot.joint is None:
         return replace(
             duty,

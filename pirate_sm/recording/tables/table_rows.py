@@ -136,7 +136,7 @@ def _rows(effect: fx.Effect) -> tuple[str, Iterable[tuple[Any, ...]]]:  # noqa: 
         case fx.Environment():
             return "environment", [effect]
         case fx.Fault():
-            return "faults", [effect]
+            return "faults", [(*effect[:-1], " ".join(effect.of))]
         case fx.Log():
             return "log", [effect]
         case fx.Ended():

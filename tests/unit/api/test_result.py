@@ -64,7 +64,8 @@ def test_an_empty_table_has_the_columns_of_a_full_one(patrolled: pirate_sm.Run) 
 
     assert list(empty) == list(patrolled.signals)
     assert set(map(len, empty.values())) == {0}
-    assert patrolled.faults == {"time_s": [], "code": [], "message": [], "handling": []}
+    columns = ("time_s", "code", "message", "handling", "of")
+    assert patrolled.faults == {name: [] for name in columns}
 
 
 @pytest.mark.parametrize("protocol", range(2, HIGHEST_PROTOCOL + 1))

@@ -48,6 +48,7 @@ def test_no_other_file_spells_the_code_of_a_fault(folder: str) -> None:
 
 
 def test_a_report_bears_the_code() -> None:
-    report = BuiltInFault.LINK_LOST.report("the cable is out")
+    report = BuiltInFault.SENSOR_SILENT.report("no value", of=("wheel_3",))
 
-    assert report[:2] == ("link.lost", "the cable is out")
+    assert report[:2] == ("sensor.silent", "no value")
+    assert report.of == ("wheel_3",)

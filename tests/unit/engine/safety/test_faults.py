@@ -573,7 +573,8 @@ def test_a_report_in_the_words_of_a_rule_denies_what_that_rule_denies(drive, mes
 
     driver.give(ev.FaultReport("clamp.lost", message))
 
-    assert driver.of(fx.Fault) == [fx.Fault("clamp.lost", message, "continue")]
+    of = ("front",) if denied else ()
+    assert driver.of(fx.Fault) == [fx.Fault("clamp.lost", message, "continue", of)]
     command(driver, "RelaxRear")
     assert (driver.last_status.status == "refused") == denied
 

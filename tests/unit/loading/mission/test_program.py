@@ -235,11 +235,12 @@ def test_fault_handlers_are_in_force_inside_a_call_innermost_first(load):
     program = loaded.program
     inside = program.phase_of.index("a/called.y")
 
-    assert program.handler(inside, "robot.stuck").go_name == "a/called.y"
-    assert program.handler(inside, "motor.hot").go_name == "e"
-    assert program.handler(program.start, "robot.stuck").go_name == "e"
-    assert program.handler(program.start, "wheel.dead") is None
-    assert program.handler(-1, "robot.stuck") is None
+    nobodys = frozenset[str]()
+    assert program.handler(inside, "robot.stuck", nobodys).go_name == "a/called.y"
+    assert program.handler(inside, "motor.hot", nobodys).go_name == "e"
+    assert program.handler(program.start, "robot.stuck", nobodys).go_name == "e"
+    assert program.handler(program.start, "wheel.dead", nobodys) is None
+    assert program.handler(-1, "robot.stuck", nobodys) is None
 
 
 def test_without_a_handler_a_failure_stops(load):
