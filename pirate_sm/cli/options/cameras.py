@@ -10,26 +10,14 @@ import typer
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
-Camera = Annotated[
-    str,
-    typer.Argument(
-        metavar="CAMERA",
-        autocompletion=named_files.cameras,
-        help="Name or path of a camera's file.",
-    ),
-]
-Inside = Annotated[
-    str, typer.Option("--board", metavar="NxM", help="Corners inside of the chessboard.")
-]
-Square = Annotated[str, typer.Option(metavar="LENGTH", help="Sides of its squares.")]
+Camera = Annotated[str, argument("CAMERA", named_files.cameras, "Name or path of a camera's file.")]
+Inside = Annotated[str, option("NxM", None, "Corners inside of the chessboard.", "--board")]
+Square = Annotated[str, option("LENGTH", None, "Sides of its squares.")]
 Pictures = Annotated[
     str | None,
-    typer.Option(
-        metavar="FILES",
-        autocompletion=named_files.files,
-        help="Pictures in place of the camera, such as 'seen/*.png'.",
-    ),
+    option("FILES", named_files.files, "Pictures in place of the camera, such as 'seen/*.png'."),
 ]
 Write = Annotated[
     bool, typer.Option("--write/--no-write", help="Whether it is put into the camera's file.")
@@ -45,14 +33,7 @@ class PrintOptions:
 
     camera: Camera
     output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FOLDER",
-            autocompletion=named_files.files,
-            help="Where they are written.",
-        ),
+        Path, option("FOLDER", named_files.files, "Where they are written.", "--output", "-o")
     ] = Path()
     board: Inside = "9x6"
     square: Square = "25 mm"
@@ -107,22 +88,11 @@ class LookOptions:
     images: Pictures = None
     robot: common.OneRobot = None
     pipe: Annotated[
-        str,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.pipes,
-            help="In which a synthetic camera sees the robot.",
-        ),
+        str, option("NAME", named_files.pipes, "In which a synthetic camera sees the robot.")
     ] = "mitre_90"
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT",
-            autocompletion=named_files.files,
-            help="Write the picture: .png or .jpg.",
-        ),
+        option("OUT", named_files.files, "Write the picture: .png or .jpg.", "--output", "-o"),
     ] = None
     overwrite: common.Overwrite = False
     debug: common.Debug = False

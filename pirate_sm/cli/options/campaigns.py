@@ -10,6 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
 _MOST_SEEDS = 10**9
 """As in a campaign file, whose model a help text does not import."""
@@ -30,10 +31,8 @@ class CampaignOptions:
 
     campaign: Annotated[
         str,
-        typer.Argument(
-            metavar="FILE|MISSION",
-            autocompletion=named_files.campaigns,
-            help="A campaign file, or a mission: name or file.",
+        argument(
+            "FILE|MISSION", named_files.campaigns, "A campaign file, or a mission: name or file."
         ),
     ]
     seeds: Annotated[
@@ -44,32 +43,22 @@ class CampaignOptions:
     ] = None
     cells: Annotated[
         list[str] | None,
-        typer.Option(
-            "--cell",
-            metavar="NAME",
-            autocompletion=candidates.cells,
-            help="Only the cells of this name. Repeatable.",
-        ),
+        option("NAME", candidates.cells, "Only the cells of this name. Repeatable.", "--cell"),
     ] = None
     workers: Annotated[
         int | None,
         typer.Option(min=1, metavar="N", help="Processes that are started; one each processor."),
     ] = None
     scheduler: Annotated[
-        str | None,
-        typer.Option(metavar="ADDRESS", help="An existing Dask cluster: tcp://host:8786."),
+        str | None, option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
     ] = None
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with the results that are there.")
     ] = False
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FOLDER",
-            autocompletion=named_files.folders,
-            help="For the results; runs/NAME.campaign.",
+        option(
+            "FOLDER", named_files.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
         ),
     ] = None
     record: Annotated[

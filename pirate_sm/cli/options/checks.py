@@ -9,6 +9,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,10 +25,10 @@ class CheckOptions:
 
     paths: Annotated[
         list[str] | None,
-        typer.Argument(
-            metavar="[PATH]...",
-            autocompletion=named_files.checkable,
-            help="Files and folders; robots, missions, pipes and panels are known by their "
+        argument(
+            "[PATH]...",
+            named_files.checkable,
+            "Files and folders; robots, missions, pipes and panels are known by their "
             "content. Without any: the folders sequences, hardware_profiles and panels and the "
             "files beside them; where there is no folder sequences, all that the working "
             "directory holds.",
@@ -45,20 +46,16 @@ class CheckOptions:
     pipe: common.PipeOfMissions = None
     settings: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            "NAME=VALUE",
+            candidates.parameters,
+            "A parameter's value, where there is one of it.",
             "--set",
-            metavar="NAME=VALUE",
-            autocompletion=candidates.parameters,
-            help="A parameter's value, where there is one of it.",
         ),
     ] = None
     counterexamples: Annotated[
         str | None,
-        typer.Option(
-            metavar="DIR",
-            autocompletion=named_files.folders,
-            help="Write how a finding comes about, as files to run.",
-        ),
+        option("DIR", named_files.folders, "Write how a finding comes about, as files to run."),
     ] = None
     rehearse: Annotated[
         bool, typer.Option("--rehearse", help="Run each mission in the simulator.")
@@ -76,19 +73,14 @@ class ExplainOptions:
 
     code: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[CODE]",
-            autocompletion=candidates.codes,
-            help="A code, or the name of a control; without one all codes.",
+        argument(
+            "[CODE]", candidates.codes, "A code, or the name of a control; without one all codes."
         ),
     ] = None
     robot: Annotated[
         str | None,
-        typer.Option(
-            "--robot",
-            metavar="NAME",
-            autocompletion=named_files.robots,
-            help="Whose control; by default any shipped one's.",
+        option(
+            "NAME", named_files.robots, "Whose control; by default any shipped one's.", "--robot"
         ),
     ] = None
     debug: common.Debug = False
@@ -101,22 +93,8 @@ class DiffOptions:
     Exit codes: 0 both can do the same, 1 they differ, 2 one of them cannot be used.
     """
 
-    old: Annotated[
-        str,
-        typer.Argument(
-            metavar="OLD",
-            autocompletion=named_files.missions,
-            help="A mission: its name or its file.",
-        ),
-    ]
-    new: Annotated[
-        str,
-        typer.Argument(
-            metavar="NEW",
-            autocompletion=named_files.missions,
-            help="The mission to hold against it.",
-        ),
-    ]
+    old: Annotated[str, argument("OLD", named_files.missions, "A mission: its name or its file.")]
+    new: Annotated[str, argument("NEW", named_files.missions, "The mission to hold against it.")]
     format: Annotated[
         Literal["text", "json"],
         typer.Option("--format", help="What is written to standard output."),
@@ -124,11 +102,6 @@ class DiffOptions:
     robot: common.RobotOfMissions = None
     settings: Annotated[
         list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=VALUE",
-            autocompletion=candidates.parameters,
-            help="A parameter's value, for both.",
-        ),
+        option("NAME=VALUE", candidates.parameters, "A parameter's value, for both.", "--set"),
     ] = None
     debug: common.Debug = False

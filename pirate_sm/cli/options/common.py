@@ -13,6 +13,7 @@ import typer
 
 from pirate_sm import __version__
 from pirate_sm.cli.completion import candidates, named_files
+from pirate_sm.cli.options.valued import argument, option
 from pirate_sm.model.fidelity import Fidelity
 
 
@@ -46,84 +47,49 @@ Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
 
 Backend = Annotated[
     str,
-    typer.Option(
-        metavar="NAME",
-        autocompletion=candidates.backends,
-        help="sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
+    option(
+        "NAME",
+        candidates.backends,
+        "sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
         "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
     ),
 ]
 RobotOfMission = Annotated[
-    str | None,
-    typer.Option(
-        "--robot",
-        metavar="NAME",
-        autocompletion=named_files.robots,
-        help="In place of the mission's own.",
-    ),
+    str | None, option("NAME", named_files.robots, "In place of the mission's own.", "--robot")
 ]
 PipeOfMission = Annotated[
-    str | None,
-    typer.Option(
-        "--pipe",
-        metavar="NAME",
-        autocompletion=named_files.pipes,
-        help="In place of the mission's own.",
-    ),
+    str | None, option("NAME", named_files.pipes, "In place of the mission's own.", "--pipe")
 ]
 RobotOfMissions = Annotated[
-    str | None,
-    typer.Option(
-        "--robot",
-        metavar="NAME",
-        autocompletion=named_files.robots,
-        help="In place of the missions' own.",
-    ),
+    str | None, option("NAME", named_files.robots, "In place of the missions' own.", "--robot")
 ]
 PipeOfMissions = Annotated[
-    str | None,
-    typer.Option(
-        "--pipe",
-        metavar="NAME",
-        autocompletion=named_files.pipes,
-        help="In place of the missions' own.",
-    ),
+    str | None, option("NAME", named_files.pipes, "In place of the missions' own.", "--pipe")
 ]
 OneRobot = Annotated[
-    str | None,
-    typer.Option(
-        "--robot",
-        metavar="NAME",
-        autocompletion=named_files.robots,
-        help="Which robot; the first one shipped.",
-    ),
+    str | None, option("NAME", named_files.robots, "Which robot; the first one shipped.", "--robot")
 ]
 Settings = Annotated[
     list[str] | None,
-    typer.Option(
-        "--set",
-        metavar="NAME=VALUE",
-        autocompletion=candidates.parameters,
-        help="A parameter's value. Repeatable.",
-    ),
+    option("NAME=VALUE", candidates.parameters, "A parameter's value. Repeatable.", "--set"),
 ]
 States = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
+        "REGION=STATE",
+        candidates.states,
+        "The robot is in this state, in place of starts_in.",
         "--state",
-        metavar="REGION=STATE",
-        autocompletion=candidates.states,
-        help="The robot is in this state, in place of starts_in.",
     ),
 ]
 Seed = Annotated[int, typer.Option(min=0, help="Seed of all random numbers.")]
 Defects = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
+        "NAME[:KEY=VALUE,…]",
+        candidates.defects,
+        "Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
         "--defect",
-        metavar="NAME[:KEY=VALUE,…]",
-        autocompletion=candidates.defects,
-        help="Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
     ),
 ]
 FidelityOfSim = Annotated[
@@ -132,19 +98,18 @@ FidelityOfSim = Annotated[
 ]
 Jitter = Annotated[
     list[str] | None,
-    typer.Option(
+    option(
+        "NAME=VALUE",
+        candidates.words("start=", "friction=", "diameter="),
+        "How far a simulated run may differ: start=20mm, friction=20%, diameter=2mm.",
         "--jitter",
-        metavar="NAME=VALUE",
-        autocompletion=candidates.words("start=", "friction=", "diameter="),
-        help="How far a simulated run may differ: start=20mm, friction=20%, diameter=2mm.",
     ),
 ]
 LineFault = Annotated[
     list[str] | None,
-    typer.Option(
-        "--line",
-        metavar="NAME=VALUE",
-        autocompletion=candidates.words(
+    option(
+        "NAME=VALUE",
+        candidates.words(
             "loss_in=",
             "loss_out=",
             "corruption=",
@@ -153,59 +118,52 @@ LineFault = Annotated[
             "reset_every=",
             "cut_after=",
         ),
-        help="Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every, cut_after.",
+        "Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every, cut_after.",
+        "--line",
     ),
 ]
 View = Annotated[
     bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")
 ]
-Port = Annotated[
-    str | None,
-    typer.Option(
-        metavar="PORT", autocompletion=candidates.ports, help="/dev/ttyACM0, or a pyserial URL."
-    ),
-]
+Port = Annotated[str | None, option("PORT", candidates.ports, "/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[
     str | None,
-    typer.Option(
-        "--port",
-        metavar="PORT",
-        autocompletion=candidates.ports,
-        help="Of the real robot: /dev/ttyACM0, or a pyserial URL.",
+    option(
+        "PORT", candidates.ports, "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "--port"
     ),
 ]
 Baud = Annotated[int | None, typer.Option(min=1, help="In place of the robot's own rate.")]
 GuardFor = Annotated[
     str | None,
-    typer.Option(
-        metavar="DURATION",
-        help="How long the port is guarded if the robot does not confirm that it has stopped; "
-        "10 min.",
+    option(
+        "DURATION",
+        None,
+        "How long the port is guarded if the robot does not confirm that it has stopped; 10 min.",
     ),
 ]
 Detector = Annotated[
     str | None,
-    typer.Option(
-        metavar="sim|odometry|vision:CAMERA|NAME",
-        autocompletion=candidates.detectors,
-        help="What reports where the robot is. For sim: sim, for serial: odometry.",
+    option(
+        "sim|odometry|vision:CAMERA|NAME",
+        candidates.detectors,
+        "What reports where the robot is. For sim: sim, for serial: odometry.",
     ),
 ]
 Also = Annotated[
     str | None,
-    typer.Option(
-        metavar="DETECTOR",
-        autocompletion=candidates.detectors,
-        help="A second detector, to compare: its words are logged and do nothing.",
+    option(
+        "DETECTOR",
+        candidates.detectors,
+        "A second detector, to compare: its words are logged and do nothing.",
     ),
 ]
 Panel = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "NAME[:DEVICE]",
+        named_files.panels,
+        "A MIDI control panel, with its stop; others: pirate panel.",
         "--panel",
-        metavar="NAME[:DEVICE]",
-        autocompletion=named_files.panels,
-        help="A MIDI control panel, with its stop; others: pirate panel.",
     ),
 ]
 Ruler = Annotated[
@@ -213,8 +171,7 @@ Ruler = Annotated[
     typer.Option("--ruler", help="In sim: a ruler outside measures the robot's speed, for slip."),
 ]
 StartAt = Annotated[
-    str | None,
-    typer.Option(metavar="LENGTH", help="Where the first wheel begins, for odometry."),
+    str | None, option("LENGTH", None, "Where the first wheel begins, for odometry.")
 ]
 Calibration = Annotated[
     bool,
@@ -225,28 +182,18 @@ Check = Annotated[
 ]
 Twin = Annotated[
     str | None,
-    typer.Option(
+    option(
+        "FILE",
+        named_files.twins,
+        "Numbers of the simulated robot, from pirate fit --robot.",
         "--twin",
-        metavar="FILE",
-        autocompletion=named_files.twins,
-        help="Numbers of the simulated robot, from pirate fit --robot.",
     ),
 ]
 NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
 
-Recording = Annotated[
-    str,
-    typer.Argument(metavar="RUN.mcap", autocompletion=named_files.recordings, help="A recording."),
-]
+Recording = Annotated[str, argument("RUN.mcap", named_files.recordings, "A recording.")]
 Output = Annotated[
-    Path | None,
-    typer.Option(
-        "--output",
-        "-o",
-        metavar="OUT",
-        autocompletion=named_files.files,
-        help="Write to this file.",
-    ),
+    Path | None, option("OUT", named_files.files, "Write to this file.", "--output", "-o")
 ]
 Overwrite = Annotated[
     bool, typer.Option("--overwrite", help="Write over files that may be somebody's work.")

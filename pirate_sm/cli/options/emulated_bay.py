@@ -10,6 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,54 +22,31 @@ class BayOptions:
 
     mission: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.missions,
-            help="Robot, pipe and start are those of this mission.",
-        ),
+        option("NAME", named_files.missions, "Robot, pipe and start are those of this mission."),
     ] = None
     robot: common.OneRobot = None
     pipe: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.pipes,
-            help="Where it is; the first pipe shipped.",
-        ),
+        str | None, option("NAME", named_files.pipes, "Where it is; the first pipe shipped.")
     ] = None
     seed: common.Seed = 0
     link: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="PATH",
-            autocompletion=named_files.files,
-            help="Make a symbolic link to the port here.",
-        ),
+        Path | None, option("PATH", named_files.files, "Make a symbolic link to the port here.")
     ] = None
     log: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="FILE",
-            autocompletion=named_files.files,
-            help="JSON Lines of arrays and restarts.",
-        ),
+        Path | None, option("FILE", named_files.files, "JSON Lines of arrays and restarts.")
     ] = None
     overwrite: common.Overwrite = False
-    loss: Annotated[
-        str | None, typer.Option(metavar="SHARE", help="Frames lost each way, such as 20%.")
-    ] = None
+    loss: Annotated[str | None, option("SHARE", None, "Frames lost each way, such as 20%.")] = None
     loss_in: Annotated[
-        str | None, typer.Option(metavar="SHARE", help="In place of --loss: towards the bay.")
+        str | None, option("SHARE", None, "In place of --loss: towards the bay.")
     ] = None
-    loss_out: Annotated[
-        str | None, typer.Option(metavar="SHARE", help="In place of --loss: from the bay.")
-    ] = None
+    loss_out: Annotated[str | None, option("SHARE", None, "In place of --loss: from the bay.")] = (
+        None
+    )
     never_two: Annotated[
         bool, typer.Option("--never-two", help="Never two frames of a topic lost in a row.")
     ] = False
-    corruption: Annotated[
-        str | None, typer.Option(metavar="SHARE", help="Bytes changed on their way.")
-    ] = None
+    corruption: Annotated[str | None, option("SHARE", None, "Bytes changed on their way.")] = None
     delay: Annotated[float, typer.Option(help="Further seconds for every frame.")] = 0.0
     jitter: Annotated[float, typer.Option(help="Up to this many seconds more.")] = 0.0
     reset_at: Annotated[
@@ -86,10 +64,10 @@ class BayOptions:
     ] = 0.0
     wrong_md5: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="state|echo|setpoints",
-            autocompletion=candidates.words("state", "echo", "setpoints"),
-            help="Announce a wrong md5. Repeatable.",
+        option(
+            "state|echo|setpoints",
+            candidates.words("state", "echo", "setpoints"),
+            "Announce a wrong md5. Repeatable.",
         ),
     ] = None
     unconfigured_at: Annotated[

@@ -10,6 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,75 +26,49 @@ class FitOptions:
 
     runs: Annotated[
         list[str],
-        typer.Argument(
-            metavar="RUN...",
-            autocompletion=named_files.recordings_or_tables,
-            help="Recordings (.mcap) or tables of signals (.csv).",
+        argument(
+            "RUN...",
+            named_files.recordings_or_tables,
+            "Recordings (.mcap) or tables of signals (.csv).",
         ),
     ]
     robot: Annotated[
         bool,
         typer.Option("--robot", help="Estimate the robot's motors and friction instead."),
     ] = False
-    slip: Annotated[
-        str,
-        typer.Option(
-            metavar="SIGNAL", autocompletion=candidates.signals, help="Slip speeds of the wheels."
-        ),
-    ] = "slip_speed_{}"
+    slip: Annotated[str, option("SIGNAL", candidates.signals, "Slip speeds of the wheels.")] = (
+        "slip_speed_{}"
+    )
     friction: Annotated[
         str,
-        typer.Option(
-            metavar="SIGNAL",
-            autocompletion=candidates.signals,
-            help="Friction in use; otherwise |torque| / (r normal).",
-        ),
+        option("SIGNAL", candidates.signals, "Friction in use; otherwise |torque| / (r normal)."),
     ] = ""
-    torque: Annotated[
-        str,
-        typer.Option(
-            metavar="SIGNAL", autocompletion=candidates.signals, help="Torques of the wheels."
-        ),
-    ] = "wheel_torque_{}"
-    normal: Annotated[
-        str,
-        typer.Option(
-            metavar="SIGNAL", autocompletion=candidates.signals, help="Normal forces of the wheels."
-        ),
-    ] = "normal_force_{}"
+    torque: Annotated[str, option("SIGNAL", candidates.signals, "Torques of the wheels.")] = (
+        "wheel_torque_{}"
+    )
+    normal: Annotated[str, option("SIGNAL", candidates.signals, "Normal forces of the wheels.")] = (
+        "normal_force_{}"
+    )
     radius: Annotated[
-        str | None,
-        typer.Option(metavar="LENGTH", help="Of the wheels; for a recording, its robot's."),
+        str | None, option("LENGTH", None, "Of the wheels; for a recording, its robot's.")
     ] = None
     threshold: Annotated[
         str | None,
-        typer.Option(
-            metavar="SPEED", help="Slip speed of static friction; otherwise where it is highest."
-        ),
+        option("SPEED", None, "Slip speed of static friction; otherwise where it is highest."),
     ] = None
     write: Annotated[
         Path | None,
-        typer.Option(
-            metavar="FILE",
-            autocompletion=named_files.files,
-            help="Write friction into this pipe file; with --robot: numbers for --twin.",
+        option(
+            "FILE",
+            named_files.files,
+            "Write friction into this pipe file; with --robot: numbers for --twin.",
         ),
     ] = None
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT.html",
-            autocompletion=named_files.files,
-            help="A page with plots.",
-        ),
+        Path | None, option("OUT.html", named_files.files, "A page with plots.", "--output", "-o")
     ] = None
     csv: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="OUT.csv", autocompletion=named_files.files, help="A table of what was found."
-        ),
+        Path | None, option("OUT.csv", named_files.files, "A table of what was found.")
     ] = None
     overwrite: common.Overwrite = False
     debug: common.Debug = False
@@ -111,34 +86,22 @@ class ExperimentOptions:
 
     which: Annotated[
         list[str],
-        typer.Argument(
-            metavar="WHICH...",
-            autocompletion=candidates.experiments,
-            help="1, 2, 3, one part of them such as 3c, or all.",
+        argument(
+            "WHICH...", candidates.experiments, "1, 2, 3, one part of them such as 3c, or all."
         ),
     ]
     robot: common.OneRobot = None
     noise: Annotated[
-        str | None, typer.Option(metavar="LEVEL", help="Only this level of noise, such as clean.")
+        str | None, option("LEVEL", None, "Only this level of noise, such as clean.")
     ] = None
     seeds: Annotated[
         int, typer.Option(min=1, help="Runs of everything random; medians are shown.")
     ] = 3
     output: Annotated[
-        Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT.html",
-            autocompletion=named_files.files,
-            help="A page with figures.",
-        ),
+        Path | None, option("OUT.html", named_files.files, "A page with figures.", "--output", "-o")
     ] = None
-    csv: Annotated[
-        Path | None,
-        typer.Option(
-            metavar="OUT.csv", autocompletion=named_files.files, help="A table of every row."
-        ),
-    ] = None
+    csv: Annotated[Path | None, option("OUT.csv", named_files.files, "A table of every row.")] = (
+        None
+    )
     overwrite: common.Overwrite = False
     debug: common.Debug = False

@@ -10,6 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -36,12 +37,7 @@ class ListOptions:
         typer.Argument(help="All of them when nothing is named."),
     ] = None
     robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.robots,
-            help="Whose commands, signals and defects.",
-        ),
+        str | None, option("NAME", named_files.robots, "Whose commands, signals and defects.")
     ] = None
     debug: common.Debug = False
 
@@ -67,11 +63,7 @@ class SchemaOptions:
     ]
     robot: Annotated[
         str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.robots,
-            help="Missions for this robot: its commands, its states.",
-        ),
+        option("NAME", named_files.robots, "Missions for this robot: its commands, its states."),
     ] = None
     debug: common.Debug = False
 
@@ -87,10 +79,8 @@ class GraphOptions:
 
     file: Annotated[
         str,
-        typer.Argument(
-            metavar="FILE",
-            autocompletion=named_files.drawable,
-            help="A mission, a robot, a chart or a pipe: name or path.",
+        argument(
+            "FILE", named_files.drawable, "A mission, a robot, a chart or a pipe: name or path."
         ),
     ]
     format: Annotated[
@@ -101,20 +91,16 @@ class GraphOptions:
     overwrite: common.Overwrite = False
     path: Annotated[
         str | None,
-        typer.Option(
+        option(
+            "A,B,C",
+            candidates.phases_in_order,
+            "Phases or states to mark, in order.",
             "--highlight",
-            metavar="A,B,C",
-            autocompletion=candidates.phases_in_order,
-            help="Phases or states to mark, in order.",
         ),
     ] = None
     counterexample: Annotated[
         Path | None,
-        typer.Option(
-            metavar="SCRIPT",
-            autocompletion=named_files.scripts,
-            help="Mark the way that this course of events takes.",
-        ),
+        option("SCRIPT", named_files.scripts, "Mark the way that this course of events takes."),
     ] = None
     calls: Annotated[
         bool, typer.Option("--calls", help="Draw the missions that it calls, too.")
@@ -134,12 +120,7 @@ class ImportOptions:
     """
 
     file: Annotated[
-        Path,
-        typer.Argument(
-            metavar="FILE.scxml",
-            autocompletion=named_files.charts_in_scxml,
-            help="A statechart in SCXML 1.0.",
-        ),
+        Path, argument("FILE.scxml", named_files.charts_in_scxml, "A statechart in SCXML 1.0.")
     ]
     output: common.Output = None
     overwrite: common.Overwrite = False
@@ -156,38 +137,31 @@ class PlanOptions:
     arguments.
     """
 
-    robot: Annotated[
-        str,
-        typer.Argument(
-            metavar="ROBOT",
-            autocompletion=named_files.robots,
-            help="A shipped robot, or its folder.",
-        ),
-    ]
+    robot: Annotated[str, argument("ROBOT", named_files.robots, "A shipped robot, or its folder.")]
     to: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            "REGION=STATE,…",
+            candidates.states_of_several,
+            "Where to; regions not named do not matter.",
             "--to",
-            metavar="REGION=STATE,…",
-            autocompletion=candidates.states_of_several,
-            help="Where to; regions not named do not matter.",
         ),
     ] = None
     to_phase: Annotated[
         str | None,
-        typer.Option(
-            metavar="MISSION:PHASE",
-            autocompletion=candidates.phases_of_missions,
-            help="To where a mission can begin this phase.",
+        option(
+            "MISSION:PHASE",
+            candidates.phases_of_missions,
+            "To where a mission can begin this phase.",
         ),
     ] = None
     begin: Annotated[
         list[str] | None,
-        typer.Option(
+        option(
+            "REGION=STATE,…",
+            candidates.states_of_several,
+            "From where, in place of its initial states.",
             "--from",
-            metavar="REGION=STATE,…",
-            autocompletion=candidates.states_of_several,
-            help="From where, in place of its initial states.",
         ),
     ] = None
     json: Annotated[bool, typer.Option("--json", help="One JSON object, for programs.")] = False
@@ -203,11 +177,7 @@ class RobotOptions:
 
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="ROBOT",
-            autocompletion=named_files.robots,
-            help="A shipped robot, or its folder; the first shipped.",
-        ),
+        argument("ROBOT", named_files.robots, "A shipped robot, or its folder; the first shipped."),
     ] = None
     html: Annotated[bool, typer.Option("--html", help="One HTML file in place of Markdown.")] = (
         False
@@ -227,28 +197,13 @@ class NewMissionOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.robots,
-            help="For which robot; the first one shipped.",
-        ),
+        str | None, option("NAME", named_files.robots, "For which robot; the first one shipped.")
     ] = None
     pipe: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.pipes,
-            help="Along a route of this pipe: name or file.",
-        ),
+        str | None, option("NAME", named_files.pipes, "Along a route of this pipe: name or file.")
     ] = None
     route: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=candidates.routes,
-            help="Along this route, in place of the first.",
-        ),
+        str | None, option("NAME", candidates.routes, "Along this route, in place of the first.")
     ] = None
     debug: common.Debug = False
 
@@ -259,12 +214,7 @@ class NewPipeOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME",
-            autocompletion=named_files.robots,
-            help="For which robot; the first one shipped.",
-        ),
+        str | None, option("NAME", named_files.robots, "For which robot; the first one shipped.")
     ] = None
     round: Annotated[
         bool, typer.Option("--round", help="Round pipes, with a tee and a branch.")
@@ -281,12 +231,7 @@ class NewCampaignOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     mission: Annotated[
-        str,
-        typer.Option(
-            metavar="MISSION",
-            autocompletion=named_files.missions,
-            help="Which mission it runs: name or file.",
-        ),
+        str, option("MISSION", named_files.missions, "Which mission it runs: name or file.")
     ] = "mitre_bend"
     debug: common.Debug = False
 
@@ -297,12 +242,7 @@ class NewRobotOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")]
     like: Annotated[
-        str | None,
-        typer.Option(
-            metavar="ROBOT",
-            autocompletion=named_files.robots,
-            help="A copy of this robot, to be changed.",
-        ),
+        str | None, option("ROBOT", named_files.robots, "A copy of this robot, to be changed.")
     ] = None
     debug: common.Debug = False
 
@@ -313,12 +253,7 @@ class NewCameraOptions:
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
     like: Annotated[
-        str,
-        typer.Option(
-            metavar="CAMERA",
-            autocompletion=named_files.cameras,
-            help="Of which camera: name or file.",
-        ),
+        str, option("CAMERA", named_files.cameras, "Of which camera: name or file.")
     ] = "setup_3"
     debug: common.Debug = False
 
@@ -328,10 +263,7 @@ class NewPanelOptions:
     """Write a copy of a control panel's file, to be changed."""
 
     name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    like: Annotated[
-        str,
-        typer.Option(
-            metavar="PANEL", autocompletion=named_files.panels, help="Of which panel: name or file."
-        ),
-    ] = "nanokontrol2"
+    like: Annotated[str, option("PANEL", named_files.panels, "Of which panel: name or file.")] = (
+        "nanokontrol2"
+    )
     debug: common.Debug = False

@@ -10,6 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -23,32 +24,21 @@ class DemoOptions:
 
     scene: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[SCENE]",
-            autocompletion=named_files.scenes,
-            help="A scene's name, or a file of your own.",
-        ),
+        argument("[SCENE]", named_files.scenes, "A scene's name, or a file of your own."),
     ] = None
     all: Annotated[
         bool, typer.Option("--all", help="All scenes at full speed, with a page that lists them.")
     ] = False
     speed: Annotated[
         str | None,
-        typer.Option(
-            metavar="max|realtime|FACTOR",
-            autocompletion=candidates.words("max", "realtime"),
-            help="Mission time over wall time; else the scene's own.",
+        option(
+            "max|realtime|FACTOR",
+            candidates.words("max", "realtime"),
+            "Mission time over wall time; else the scene's own.",
         ),
     ] = None
     output: Annotated[
-        Path,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="DIR",
-            autocompletion=named_files.folders,
-            help="Where the reports are written.",
-        ),
+        Path, option("DIR", named_files.folders, "Where the reports are written.", "--output", "-o")
     ] = Path("runs/demo")
     overwrite: common.Overwrite = False
     debug: common.Debug = False

@@ -9,6 +9,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -50,16 +51,10 @@ class CalibrateOptions:
     baud: common.Baud = None
     seconds: Annotated[float, typer.Option(min=1.0, help="How long to measure.")] = 3.0
     limit: Annotated[
-        str | None,
-        typer.Option(metavar="ANGLE", help="Refuse a zero beyond this, such as '10 deg'."),
+        str | None, option("ANGLE", None, "Refuse a zero beyond this, such as '10 deg'.")
     ] = None
     skip: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar="JOINT",
-            autocompletion=candidates.joints,
-            help="Leave this joint out. Repeatable.",
-        ),
+        list[str] | None, option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")
     ] = None
     yes: Annotated[
         bool, typer.Option("--yes", "-y", help="The robot lies straight already; ask nothing.")

@@ -5,10 +5,9 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-import typer
-
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,10 +21,10 @@ class PanelOptions:
 
     name: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[NAME[:DEVICE]|DEVICE]",
-            autocompletion=named_files.panels,
-            help="A panel's name, or a file; a MIDI device alone shows bare numbers.",
+        argument(
+            "[NAME[:DEVICE]|DEVICE]",
+            named_files.panels,
+            "A panel's name, or a file; a MIDI device alone shows bare numbers.",
         ),
     ] = None
     debug: common.Debug = False

@@ -10,6 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,30 +22,18 @@ class ReplayOptions:
 
     recording: common.Recording
     mission: Annotated[
-        str | None,
-        typer.Option(
-            metavar="MISSION",
-            autocompletion=named_files.missions,
-            help="In place of the one in the recording.",
-        ),
+        str | None, option("MISSION", named_files.missions, "In place of the one in the recording.")
     ] = None
     robot: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", autocompletion=named_files.robots, help="With --mission: the robot."
-        ),
+        str | None, option("NAME", named_files.robots, "With --mission: the robot.")
     ] = None
-    pipe: Annotated[
-        str | None,
-        typer.Option(
-            metavar="NAME", autocompletion=named_files.pipes, help="With --mission: the pipe."
-        ),
-    ] = None
+    pipe: Annotated[str | None, option("NAME", named_files.pipes, "With --mission: the pipe.")] = (
+        None
+    )
     begin: Annotated[
-        str | None,
-        typer.Option("--from", metavar="TIME", help="Begin at the checkpoint before this time."),
+        str | None, option("TIME", None, "Begin at the checkpoint before this time.", "--from")
     ] = None
-    until: Annotated[str | None, typer.Option(metavar="TIME", help="End at this time.")] = None
+    until: Annotated[str | None, option("TIME", None, "End at this time.")] = None
     jobs: Annotated[
         int | None,
         typer.Option("--jobs", "-j", min=1, help="Processes; all processors where it is long."),
@@ -65,16 +54,11 @@ class CompareOptions:
 
     first: Annotated[
         str,
-        typer.Argument(
-            metavar="A",
-            autocompletion=named_files.recordings,
-            help="A recording, or the folder of a campaign's results.",
+        argument(
+            "A", named_files.recordings, "A recording, or the folder of a campaign's results."
         ),
     ]
-    second: Annotated[
-        str,
-        typer.Argument(metavar="B", autocompletion=named_files.recordings, help="Another one."),
-    ]
+    second: Annotated[str, argument("B", named_files.recordings, "Another one.")]
     debug: common.Debug = False
 
 
@@ -84,58 +68,27 @@ class ExportOptions:
 
     recording: common.Recording
     csv: Annotated[
-        str | None,
-        typer.Option(
-            metavar="DIR",
-            autocompletion=named_files.folders,
-            help="One table for each topic, SI units.",
-        ),
+        str | None, option("DIR", named_files.folders, "One table for each topic, SI units.")
     ] = None
     parquet: Annotated[
-        str | None,
-        typer.Option(
-            metavar="DIR",
-            autocompletion=named_files.folders,
-            help="The same tables as Parquet files.",
-        ),
+        str | None, option("DIR", named_files.folders, "The same tables as Parquet files.")
     ] = None
     viewers: Annotated[
         str | None,
-        typer.Option(
-            metavar="OUT.mcap",
-            autocompletion=named_files.files,
-            help="The recording with all that viewers can show.",
-        ),
+        option("OUT.mcap", named_files.files, "The recording with all that viewers can show."),
     ] = None
     ros2: Annotated[
-        str | None,
-        typer.Option(
-            metavar="DIR",
-            autocompletion=named_files.folders,
-            help="A bag of ROS 2: joints, frames, log, URDF.",
-        ),
+        str | None, option("DIR", named_files.folders, "A bag of ROS 2: joints, frames, log, URDF.")
     ] = None
     urdf: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE", autocompletion=named_files.files, help="The robot, from its profile."
-        ),
+        str | None, option("FILE", named_files.files, "The robot, from its profile.")
     ] = None
     lichtblick: Annotated[
         str | None,
-        typer.Option(
-            metavar="FILE",
-            autocompletion=named_files.files,
-            help="A layout for Lichtblick and Foxglove, for this robot.",
-        ),
+        option("FILE", named_files.files, "A layout for Lichtblick and Foxglove, for this robot."),
     ] = None
     plotjuggler: Annotated[
-        str | None,
-        typer.Option(
-            metavar="FILE",
-            autocompletion=named_files.files,
-            help="A layout for PlotJuggler, for this robot.",
-        ),
+        str | None, option("FILE", named_files.files, "A layout for PlotJuggler, for this robot.")
     ] = None
     overwrite: common.Overwrite = False
     debug: common.Debug = False
@@ -158,9 +111,7 @@ class MapOptions:
     overwrite: common.Overwrite = False
     start_at: Annotated[
         str | None,
-        typer.Option(
-            metavar="LENGTH", help="Where the first wheel began; else the pipe begins at the last."
-        ),
+        option("LENGTH", None, "Where the first wheel began; else the pipe begins at the last."),
     ] = None
     debug: common.Debug = False
 
@@ -180,21 +131,15 @@ class ReportOptions:
 
     recordings: Annotated[
         list[str],
-        typer.Argument(
-            metavar="RUN.mcap|FOLDER",
-            autocompletion=named_files.recordings,
-            help="A recording, several, a folder of them, or the folder of a campaign's results.",
+        argument(
+            "RUN.mcap|FOLDER",
+            named_files.recordings,
+            "A recording, several, a folder of them, or the folder of a campaign's results.",
         ),
     ]
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT.html",
-            autocompletion=named_files.files,
-            help="RUN.html; of many, index.html.",
-        ),
+        option("OUT.html", named_files.files, "RUN.html; of many, index.html.", "--output", "-o"),
     ] = None
     debug: common.Debug = False
 
@@ -209,12 +154,6 @@ class RepairOptions:
     recording: common.Recording
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="OUT.mcap",
-            autocompletion=named_files.files,
-            help="RUN.repaired.mcap otherwise.",
-        ),
+        option("OUT.mcap", named_files.files, "RUN.repaired.mcap otherwise.", "--output", "-o"),
     ] = None
     debug: common.Debug = False

@@ -9,6 +9,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.valued import argument, option
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.palette import USUAL as USUAL_THEME
 from pirate_sm.palette import Theme
@@ -26,31 +27,17 @@ class RunOptions:
 
     mission: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[MISSION]",
-            autocompletion=named_files.missions,
-            help="A shipped mission's name, or a file.",
-        ),
+        argument("[MISSION]", named_files.missions, "A shipped mission's name, or a file."),
     ] = None
     resume: Annotated[
-        str | None,
-        typer.Option(
-            metavar="RUN.mcap",
-            autocompletion=named_files.recordings,
-            help="Go on with a run that was cut off.",
-        ),
+        str | None, option("RUN.mcap", named_files.recordings, "Go on with a run that was cut off.")
     ] = None
     look: Annotated[
         bool, typer.Option("--look", help="With --resume: only see whether it can go on.")
     ] = False
     at: Annotated[
         str | None,
-        typer.Option(
-            "--at",
-            metavar="PHASE",
-            autocompletion=candidates.phases,
-            help="With --resume: go on with this phase.",
-        ),
+        option("PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"),
     ] = None
     accept: Annotated[
         bool, typer.Option("--accept", help="With --resume: go on without asking, if all is seen.")
@@ -60,22 +47,16 @@ class RunOptions:
     pipe: common.PipeOfMission = None
     settings: common.Settings = None
     start_phase: Annotated[
-        str | None,
-        typer.Option(
-            "--from",
-            metavar="PHASE",
-            autocompletion=candidates.phases,
-            help="Begin with this phase.",
-        ),
+        str | None, option("PHASE", candidates.phases, "Begin with this phase.", "--from")
     ] = None
     states: common.States = None
     seed: common.Seed = 0
     speed: Annotated[
         str | None,
-        typer.Option(
-            metavar="max|realtime|FACTOR",
-            autocompletion=candidates.words("max", "realtime"),
-            help="Mission time over wall time. On a terminal 4, else max.",
+        option(
+            "max|realtime|FACTOR",
+            candidates.words("max", "realtime"),
+            "Mission time over wall time. On a terminal 4, else max.",
         ),
     ] = None
     defects: common.Defects = None
@@ -85,19 +66,15 @@ class RunOptions:
     view: common.View = False
     fire: Annotated[
         list[str] | None,
-        typer.Option(
-            metavar="TRIGGER[=SECONDS]",
-            autocompletion=candidates.triggers,
-            help="In a trace: the trigger that a wait takes. Repeatable, in order.",
+        option(
+            "TRIGGER[=SECONDS]",
+            candidates.triggers,
+            "In a trace: the trigger that a wait takes. Repeatable, in order.",
         ),
     ] = None
     script: Annotated[
         str | None,
-        typer.Option(
-            metavar="FILE",
-            autocompletion=named_files.scripts,
-            help="In a trace: a YAML list of {phase, trigger, after}.",
-        ),
+        option("FILE", named_files.scripts, "In a trace: a YAML list of {phase, trigger, after}."),
     ] = None
     port: common.PortOfRobot = None
     baud: common.Baud = None
@@ -112,11 +89,7 @@ class RunOptions:
     twin: common.Twin = None
     record: Annotated[
         str | None,
-        typer.Option(
-            metavar="FILE.mcap",
-            autocompletion=named_files.files,
-            help="Where the run is kept, in place of runs/.",
-        ),
+        option("FILE.mcap", named_files.files, "Where the run is kept, in place of runs/."),
     ] = None
     no_record: common.NoRecord = False
     live: Annotated[
@@ -142,28 +115,18 @@ class ConsoleOptions:
 
     mission: Annotated[
         str | None,
-        typer.Argument(
-            metavar="[MISSION|RUN.mcap]",
-            autocompletion=named_files.missions_or_recordings,
-            help="A shipped mission's name, or a file; a recording to look through.",
+        argument(
+            "[MISSION|RUN.mcap]",
+            named_files.missions_or_recordings,
+            "A shipped mission's name, or a file; a recording to look through.",
         ),
     ] = None
     resume: Annotated[
-        str | None,
-        typer.Option(
-            metavar="RUN.mcap",
-            autocompletion=named_files.recordings,
-            help="Take over a run that was cut off.",
-        ),
+        str | None, option("RUN.mcap", named_files.recordings, "Take over a run that was cut off.")
     ] = None
     at: Annotated[
         str | None,
-        typer.Option(
-            "--at",
-            metavar="PHASE",
-            autocompletion=candidates.phases,
-            help="With --resume: go on with this phase.",
-        ),
+        option("PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"),
     ] = None
     backend: common.Backend = "sim"
     robot: common.RobotOfMission = None
@@ -173,10 +136,10 @@ class ConsoleOptions:
     seed: common.Seed = 0
     speed: Annotated[
         str,
-        typer.Option(
-            metavar="max|realtime|FACTOR",
-            autocompletion=candidates.words("max", "realtime"),
-            help="Mission time over wall time.",
+        option(
+            "max|realtime|FACTOR",
+            candidates.words("max", "realtime"),
+            "Mission time over wall time.",
         ),
     ] = "realtime"
     theme: Annotated[
