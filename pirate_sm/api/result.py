@@ -20,7 +20,7 @@ from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.replay.replay import rerun_steps
+from pirate_sm.recording.replay.replay import engine_of, rerun_steps
 from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
 from pirate_sm.report import GENERATOR
 from pirate_sm.report.poses import Poses
@@ -188,14 +188,7 @@ class Run:
 
     @property
     def _engine(self) -> Engine:
-        loaded, header = self.loaded, self.header
-        return Engine(
-            loaded.robot,
-            loaded.program,
-            nominal=header.nominal,
-            every_signal=True,
-            alphabet=header.alphabet,
-        )
+        return engine_of(self.header, self.loaded, every_signal=True)
 
     @cached_property
     def _last(self) -> tuple[Ended | None, float]:

@@ -119,7 +119,7 @@ def _frames(
     last = number + 1 == len(windows)
     until_s = recording.until_s if last else windows[number + 1].start_s
     robot = loaded.robot
-    engine = engine_of(recording, loaded)
+    engine = engine_of(recording.header, loaded)
     anatomy = anatomy_of(loaded.loaded_robot.profile, robot)
     scene = Scene(loaded, engine, anatomy, recording.header.backend)
     memory = begin.memory.twin()

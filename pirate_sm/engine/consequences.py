@@ -6,12 +6,14 @@ from math import inf, isnan
 
 from pirate_sm.engine.control import sending
 from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.evidence import Evidence
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.diverting import divert, meet
 from pirate_sm.engine.mission.ending import end, finish
 from pirate_sm.engine.mission.interpreter import advance, without_requests
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, start_check
+from pirate_sm.engine.robot.proofs import proofs_after
 from pirate_sm.engine.safety.faults import listen, unsettle
 from pirate_sm.engine.safety.rule_watch import watch
 from pirate_sm.engine.sensing import surroundings
@@ -56,6 +58,9 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     mission = state.mission
     if mission.answer is not None or mission.skipped is not None:
         state = state._replace(mission=without_requests(moment, state))
+    robot, earlier = state.robot, before.robot
+    if robot.marks is not earlier.marks or robot.configuration != earlier.configuration:
+        state = _proven(moment, before, state)
     changed = (
         state.robot is not before.robot
         or state.mission is not before.mission
@@ -66,6 +71,14 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     if changed or moment.effects or due:
         state = _set_wake(moment, state)
     return state
+
+
+def _proven(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
+    if moment.nominal:
+        return state
+    now = Evidence("sensor", moment.now_s, state.connection)
+    proofs = proofs_after(moment.robot, before.robot, state.robot, state.proofs, now)
+    return state._replace(proofs=proofs)
 
 
 def _go_on(moment: Moment, state: EngineState) -> EngineState:

@@ -11,6 +11,7 @@ from math import isnan
 
 from pirate_sm.engine import inputs
 from pirate_sm.engine.consequences import settle
+from pirate_sm.engine.evidence import Evidence
 from pirate_sm.engine.gliding.glided import Glided, after_glide
 from pirate_sm.engine.gliding.lookout import Lookout
 from pirate_sm.engine.gliding.watch import Watch
@@ -20,6 +21,7 @@ from pirate_sm.engine.mission.signals_read import signals_read, slip_watched
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.robot.proofs import proofs_at_start
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety import rules
@@ -124,6 +126,9 @@ class Engine:
         faults = no_faults(self.robot)
         state = EngineState(robot, sensing, mission, faults, words)
         state = state._replace(rules=following, surveyed=surveyed, look=look)
+        if not self.nominal:
+            now = Evidence("sensor", now_s, state.connection)
+            state = state._replace(proofs=proofs_at_start(self.robot, robot, now))
         moment = Moment(self.robot, self.program, self.nominal, now_s, alphabet=self.alphabet)
         moment.emit(robot_state.state_change(self.robot, robot))
         for report in seen:
@@ -201,6 +206,20 @@ class Engine:
             return sensing.shown
         at, around, at_s = body.configuration, state.surveyed.reported, max(sensing.heard_s)
         return with_traction(self.robot, spec, sensing, body.values, at, around, at_s).shown
+
+    def evidence(self, state: EngineState) -> dict[str, Evidence]:
+        """Return what has shown each region's state, each part's clamp and each signal, by name.
+
+        A signal of a board has the evidence of that board's last report; signals of which nothing
+        is known, or which no board measures, are left out. Empty without sensors.
+        """
+        robot, sensing, names = self.robot, state.sensing, self.robot.vocabulary.numbers
+        found = dict(zip((*robot.regions, *robot.parts), state.proofs, strict=False))
+        for board in () if self.nominal else robot.boards.values():
+            report = Evidence("sensor", sensing.heard_s[board.position], sensing.connection)
+            known = [at for at in board.numbers if not isnan(sensing.numbers[at])]
+            found |= dict.fromkeys([names[at] for at in known], report)
+        return found
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:
         """Return the safe array, for use when the engine can make no further step."""

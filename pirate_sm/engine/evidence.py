@@ -6,11 +6,21 @@ outlives a report has evidence of its own. The age is computed when somebody ask
 
 from __future__ import annotations
 
-from math import nan
+from collections.abc import Mapping
+from math import isnan, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 Source: TypeAlias = Literal["sensor", "echo", "person", "assumption", "nothing"]
 """What has shown something. An echo shows that an array has arrived, never what it has moved."""
+
+SHOWN: Mapping[Source, str] = {
+    "sensor": "shown by sensors",
+    "echo": "setpoints confirmed",
+    "person": "declared",
+    "assumption": "assumed",
+    "nothing": "shown by nothing",
+}
+"""How each source has shown something, for people."""
 
 
 class Evidence(NamedTuple):
@@ -28,6 +38,11 @@ class Evidence(NamedTuple):
     def age_s(self, now_s: float) -> float:
         """Return how old it is, s; NaN if nothing has shown it."""
         return now_s - self.at_s
+
+    def in_words(self, now_s: float) -> str:
+        """Return it for people, with its age."""
+        ago = "" if isnan(self.at_s) else f" {self.age_s(now_s):.1f} s ago"
+        return f"{SHOWN[self.source]}{ago}"
 
 
 NOTHING = Evidence("nothing", nan, 0)

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from copy import copy
+
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.effects import Effect, Log
@@ -58,14 +60,10 @@ class Moment:
 
     def trial(self) -> Moment:
         """Return a copy without effects, to try a step whose effects are discarded."""
-        return Moment(
-            self.robot,
-            self.program,
-            self.nominal,
-            self.now_s,
-            self.follows_traction,
-            self.alphabet,
-        )
+        apart = copy(self)
+        apart.effects = []
+        apart.emit = apart.effects.append
+        return apart
 
     def warn(self, message: str) -> None:
         """Append a warning for the operator to the effects."""

@@ -9,6 +9,7 @@ from pirate_sm.engine.control.loops import Loops
 from pirate_sm.engine.mission.program import HandlerSpec
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.confirmation import Look
+from pirate_sm.engine.robot.proofs import Proofs
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     STOPPED,
@@ -155,6 +156,7 @@ class EngineState(NamedTuple):
         rules: Progress of each safety rule, see :mod:`pirate_sm.engine.safety.rules`.
         surveyed: The pipe around the robot.
         lapsed: The running comparison for parts whose sensors were not known; None without any.
+        proofs: What has shown each state and clamp, see :mod:`pirate_sm.engine.robot.proofs`.
     """
 
     robot: RobotState
@@ -168,6 +170,7 @@ class EngineState(NamedTuple):
     surveyed: Surveyed = Surveyed()
     look: Look | None = None
     lapsed: Look | None = None
+    proofs: Proofs = ()
 
     @property
     def connection(self) -> int:

@@ -114,6 +114,7 @@ class _Run:
             )
         if again.state is not None:
             self._note_cause(again.state.mission.cause, at_s)
+            self._timeline.proofs = again.state.proofs
         control = 0 if self._state is None else self._state.robot.control
         name = self._loaded.robot.controls[control].name
         self._timeline.take(at_s, step.event, step.effects, name)

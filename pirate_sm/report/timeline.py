@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+from pirate_sm.engine.evidence import SHOWN, Evidence
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.model.effect_words import (
@@ -67,6 +68,9 @@ class Timeline:
     Args:
         regions: Names of the state machines.
         nominal: Whether it is a trace, in which triggers without a sensor were fired by its script.
+
+    Attributes:
+        proofs: What has shown the state of each region, after the step that is taken in next.
     """
 
     def __init__(self, regions: Sequence[str], *, nominal: bool) -> None:
@@ -88,6 +92,7 @@ class Timeline:
         self._tracks = {name: _Track() for name in names}
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
+        self.proofs: Sequence[Evidence] = ()
 
     def take(
         self, at_s: float, cause: object, effects: Sequence[fx.Effect], control: str = ""
@@ -168,7 +173,8 @@ class Timeline:
             if known and doubtful == (region in self._unconfirmed):
                 continue
             kind: SpanKind = "unconfirmed" if doubtful else "state"
-            self._tracks[_region(region)].begin(at_s, state, kind)
+            about = SHOWN[self.proofs[place].source] if self.proofs else ""
+            self._tracks[_region(region)].begin(at_s, state, kind, about)
         self._states, self._unconfirmed = it.states, it.unconfirmed
 
     def _phase(self, at_s: float, it: fx.PhaseChange) -> None:

@@ -42,4 +42,7 @@ def _by_what(engine: Engine, state: EngineState, part: int) -> str:
         return "NOT confirmed by sensors"
     rest, mark = at_rest_in(robot, body.configuration).values, Mark("part", part, DECLARED)
     seen = verdict(robot, rest, body, mark, state.sensing.numbers, engine.program.diameter_m)
-    return "confirmed by sensors" if seen.agrees else "confirmed before, NOT seen by sensors now"
+    if seen.agrees:
+        return "confirmed by sensors"
+    proof = engine.evidence(state)[robot.parts[part]]
+    return f"{proof.in_words(max(state.sensing.heard_s))}, NOT seen by them now"

@@ -9,6 +9,7 @@ from math import nan
 from typing import TYPE_CHECKING
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.evidence import Evidence
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.route import Route
@@ -93,6 +94,11 @@ class Snapshot:
     def signals(self) -> Mapping[str, float]:
         """Return every signal in SI, NaN where unknown."""
         return {} if self.state is None else self.scene.engine.signals(self.state)
+
+    @cached_property
+    def evidence(self) -> Mapping[str, Evidence]:
+        """Return what has shown each state, clamp and signal; its times are those of the engine."""
+        return {} if self.state is None else self.scene.engine.evidence(self.state)
 
     @property
     def odometry_m(self) -> float:

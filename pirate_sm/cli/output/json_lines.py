@@ -97,7 +97,8 @@ class JsonLines:
                 }
             case fx.StateChange(states, unconfirmed):
                 named = dict(zip(self._regions, states, strict=True))
-                return "state", {"state": named, "unconfirmed": list(unconfirmed)}
+                said = {"state": named, "unconfirmed": list(unconfirmed)}
+                return "state", said | self._evidence()
             case fx.TriggerFired():
                 nominal = self._observed.prepared.engine.nominal
                 reason = trigger_reason(effect, nominal=nominal)
@@ -107,6 +108,13 @@ class JsonLines:
                 return "log", {"level": "info", "message": message}
             case _:
                 return _object(effect)
+
+    def _evidence(self) -> dict[str, Any]:
+        """Return what has shown each state and clamp; empty without sensors."""
+        state, names = self._observed.state, (*self._regions, *self._observed.robot.parts)
+        found = zip(names, state.proofs if state else (), strict=False)
+        shown = {name: {**it._asdict(), "at_s": _number(it.at_s)} for name, it in found}
+        return {"evidence": shown} if shown else {}
 
 
 def _number(value: float | None) -> float | None:

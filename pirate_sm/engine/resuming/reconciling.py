@@ -218,9 +218,7 @@ def turning(robot: RobotSpec, numbers: Numbers) -> bool:
     )
 
 
-def changed(
-    robot: RobotSpec, was: Numbers, marks: Marks, numbers: Numbers, then: str = "recorded"
-) -> Iterator[str]:
+def changed(robot: RobotSpec, was: Numbers, marks: Marks, numbers: Numbers) -> Iterator[str]:
     """Yield what a robot at rest does not change by itself: its attitude, its clamped joints.
 
     Args:
@@ -228,13 +226,12 @@ def changed(
         was: Signals as they were, SI.
         marks: The marks; the joints of a part that is declared to hold are compared.
         numbers: Signals now, SI.
-        then: The word for how they were.
     """
     dark = robot.sight.dark
     tilt = _tilt_rad(robot, was, numbers)
     if tilt > dark.tilt_rad:
         yield (
-            f"the robot lies {degrees(tilt):z.0f} deg otherwise than {then}, "
+            f"the robot lies {degrees(tilt):z.0f} deg otherwise than before, "
             f"limit {degrees(dark.tilt_rad):z.0f} deg"
         )
     for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
@@ -245,7 +242,7 @@ def changed(
             if off > dark.joint_rad:
                 yield (
                     f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
-                    f"{degrees(numbers[angle]):z.1f} deg, {then} {degrees(was[angle]):z.1f} deg, "
+                    f"{degrees(numbers[angle]):z.1f} deg, before {degrees(was[angle]):z.1f} deg, "
                     f"limit {degrees(dark.joint_rad):z.0f} deg off"
                 )
 

@@ -78,45 +78,37 @@ def begin(
         return state
     known = None
     if state.robot.sent:
-        body = before.robot
-        idle = body.motion is None
-        held = confirmed_parts(robot, body)
-        known = Before(before.sensing, body.latest, idle, report.away_s, held)
-        if mission.diverting is None:
-            resumes = not (mission.paused or mission.pause_wanted)
-            state = _hold(moment, state, report.code)
-            known = known._replace(resumes=resumes)
+        goes = mission.diverting is not None
+        resumes = not (goes or mission.paused or mission.pause_wanted)
+        known = Before(before.sensing, before.robot, report.away_s, resumes)
+        state = state if goes else _hold(moment, state, report.code)
     return state._replace(look=confirmation.begin(robot, state.robot, moment.now_s, known))
 
 
 def strange(moment: Moment, state: EngineState, before: Before) -> tuple[str, ...]:
     """Return what the robot shows that it cannot have changed while its controller was away."""
-    robot, numbers = moment.robot, state.sensing.numbers
-    drove = any(before.latest[slot] for slot in robot.safe_zero)
+    robot, body, numbers = moment.robot, before.body, state.sensing.numbers
+    drove = any(body.latest[slot] for slot in robot.safe_zero)
     away_s = inf if isnan(before.away_s) else before.away_s
-    motion = None if before.idle else state.robot.motion
-    body = state.robot._replace(values=before.latest, flight=None, motion=motion)
     last = state._replace(robot=body, sensing=before.sensing)
     moved = dark_way(robot, last, numbers, away_s if drove else 0.0).moved
-    if drove or not before.idle:
-        return (moved,) if moved else ()
-    marks = frozenset(Mark("part", part, DECLARED) for part in before.held)
-    found = changed(robot, before.sensing.numbers, marks, numbers, "before")
-    return (*found, moved) if moved else tuple(found)
+    found = (moved,) if moved else ()
+    if drove or body.motion is not None:
+        return found
+    held = confirmed_parts(robot, body)
+    marks = frozenset(Mark("part", part, DECLARED) for part in held)
+    return (*changed(robot, before.sensing.numbers, marks, numbers), *found)
 
 
 def decide(moment: Moment, state: EngineState, before: Before, result: LookResult) -> EngineState:
     """Return the state after the comparison: the mission continues, or a fault ends it."""
-    robot = moment.robot
-    against = result.contradictions
+    robot, body, against = moment.robot, state.robot, result.contradictions
     if not against and before.resumes:
-        lost = before.held - confirmed_parts(robot, state.robot)
-        against = tuple(
-            f"the sensors do not show that the {robot.parts[part]} part holds"
-            for part in sorted(lost)
-        )
+        lost = confirmed_parts(robot, before.body) - confirmed_parts(robot, body)
+        told = "the sensors do not show that the {} part holds"
+        against = tuple(told.format(robot.parts[part]) for part in sorted(lost))
     if against:
-        body = commands.deny(moment, state.robot, result.denied)
+        body = commands.deny(moment, body, robot.held[body.configuration])
         message = f"after its controller was away, {'; '.join(against)}"
         found = FoundFault.built_in(BuiltInFault.STATE_CONTRADICTED, message)
         return meet(moment, state._replace(robot=body), found)

@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.command_spec import CommandSpec
 from pirate_sm.engine.robot.levelling import levelling_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
+    DENIED,
     MOST_REMEMBERED,
     Mark,
     Marks,
@@ -43,13 +44,25 @@ def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
     if len(confirmed & held) != 1 and levelling_of(robot, tuple(made), target):
         return "impossible: exactly one part must hold, confirmed, while the other one turns"
     if made & robot.driven[target].keys() and not confirmed & held:
-        return "impossible: no clamp is confirmed to drive with"
+        return f"impossible: no clamp is confirmed to drive with{_lacking(robot, held, marks)}"
     if robot.held[here] <= held or confirmed & held or robot.commands[command].lets_go:
         return ""
     if not confirmed:
-        return "impossible: no clamp that would remain is confirmed"
+        return f"impossible: no clamp that would remain is confirmed{_lacking(robot, held, marks)}"
     parts = ", ".join(robot.parts[part] for part in sorted(confirmed))
-    return f"impossible: it would let go of the last confirmed clamp ({parts})"
+    lacking = _lacking(robot, held, marks)
+    return f"impossible: it would let go of the last confirmed clamp ({parts}){lacking}"
+
+
+def _lacking(robot: RobotSpec, held: frozenset[int], marks: Marks) -> str:
+    """Return which proof is missing of each held part that is not confirmed; empty if none is."""
+    found = [
+        f"{robot.parts[mark.which]}: "
+        + ("its clamp is denied" if mark.command == DENIED else "no sensor has shown that it holds")
+        for mark in sorted(marks)
+        if mark.kind == "part" and mark.which in held
+    ]
+    return "".join(f"; {each}" for each in dict.fromkeys(found))
 
 
 @lru_cache(maxsize=MOST_REMEMBERED)

@@ -6,7 +6,8 @@ from dataclasses import dataclass
 from math import nan
 from typing import Literal, NamedTuple, TypeAlias
 
-from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.evidence import Source
+from pirate_sm.engine.robot.criteria import AcceptedSpec, CriterionSpec
 from pirate_sm.expressions import Expression
 
 
@@ -212,6 +213,11 @@ class CommandSpec:
     postures: tuple[PostureSpec | None, ...] = ()
     asks_for: Expression | None = None
     asks_parts: frozenset[int] = frozenset()
+
+    @property
+    def proof(self) -> Source:
+        """Return what it takes to show that the command is done."""
+        return "echo" if isinstance(self.done, AcceptedSpec) else "sensor"
 
     def posture(self, configuration: int) -> PostureSpec | None:
         """Return the posture that precedes a change to this configuration, or None."""

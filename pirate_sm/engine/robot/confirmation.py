@@ -53,19 +53,15 @@ class Before(NamedTuple):
 
     Attributes:
         sensing: What its sensors had shown.
-        latest: The newest array.
-        idle: Whether no command was under way.
+        body: Its state.
         away_s: How long its controller was silent; NaN if nobody knows.
-        held: Parts whose clamps were confirmed.
         resumes: Whether the mission is paused until the comparison is over.
     """
 
     sensing: Sensing
-    latest: Numbers
-    idle: bool
+    body: RobotState
     away_s: float
-    held: frozenset[int]
-    resumes: bool = False
+    resumes: bool
 
 
 class Look(NamedTuple):
@@ -98,14 +94,12 @@ class LookResult(NamedTuple):
     Attributes:
         look: The comparison; None once it is over.
         turning: Whether wheels turn that were declared to stand or to turn the other way.
-        denied: Parts that do not hold.
     """
 
     look: Look | None
     confirmed: frozenset[Mark]
     contradictions: tuple[str, ...] = ()
     turning: bool = False
-    denied: frozenset[int] = frozenset()
 
 
 def declared_in(robot: RobotSpec, configuration: int) -> RobotState:
@@ -228,12 +222,8 @@ def look(
         isinstance(spec_of(robot, states_of(robot, body), each.mark), StandingSpec | DrivenSpec)
         for each in wrong
     )
-    held = "was" if before.before else "is declared"
-    told = tuple(f"{_declared(robot, body, each.mark, held)}, but {each.told}" for each in wrong)
-    denied = frozenset(each.mark.which for each in wrong if each.mark.kind == "part")
-    if strange:
-        denied |= robot.held[body.configuration]
-    return LookResult(None, frozenset(confirmed), strange or told, turning, denied)
+    told = tuple(f"{_declared(robot, body, each.mark)}, but {each.told}" for each in wrong)
+    return LookResult(None, frozenset(confirmed), strange or told, turning)
 
 
 def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
@@ -251,12 +241,11 @@ def _since(since_s: float, holds: bool, now: float) -> float:
     return now if isnan(since_s) else since_s
 
 
-def _declared(robot: RobotSpec, body: RobotState, mark: Mark, held: str) -> str:
+def _declared(robot: RobotSpec, body: RobotState, mark: Mark) -> str:
     names = states_of(robot, body)
     if mark.kind == "region":
-        return f"{robot.regions[mark.which]} {held} {names[mark.which]}"
+        return f"{robot.regions[mark.which]} is declared {names[mark.which]}"
     states = ", ".join(
         f"{robot.regions[each]} {names[each]}" for each in sorted(robot.part_regions[mark.which])
     )
-    verb = "held" if held == "was" else f"{held} to hold"
-    return f"the {robot.parts[mark.which]} part {verb} ({states})"
+    return f"the {robot.parts[mark.which]} part is declared to hold ({states})"

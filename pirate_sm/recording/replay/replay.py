@@ -13,6 +13,7 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import SensorFrame, SignalReport
+from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.read.steps import Checkpoint, Step
 
@@ -74,9 +75,8 @@ class Replayed:
     from_s: float = 0.0
 
 
-def engine_of(recording: Recording, loaded: LoadedMission, *, every_signal: bool = False) -> Engine:
+def engine_of(header: RunHeader, loaded: LoadedMission, *, every_signal: bool = False) -> Engine:
     """Return the engine with the options of the run."""
-    header = recording.header
     return Engine(
         loaded.robot,
         loaded.program,
@@ -106,7 +106,7 @@ def rerun(
     """
     state = after.state if after is not None else None
     steps = recording.steps(after)
-    engine = engine_of(recording, loaded, every_signal=every_signal)
+    engine = engine_of(recording.header, loaded, every_signal=every_signal)
     return rerun_steps(engine, steps, state, recording.origin_s)
 
 

@@ -63,7 +63,7 @@ class _Completed:
         header, body = recording.header, loaded.loaded_robot.profile.body
         self._recording = recording
         self._loaded = loaded
-        self._engine = engine_of(recording, loaded)
+        self._engine = engine_of(recording.header, loaded)
         self._file = RecordingFile(sink, replace(header, viewers=True))
         self._topics = Topics(header.layout)
         self._side = SideChannel(ViewerMessages(loaded, header.options.get("start_at_m")))

@@ -6,6 +6,7 @@ import pytest
 
 from pirate_sm.cli.output.event_lines import Lines
 from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.engine.evidence import Evidence
 from pirate_sm.engine.robot.robot_state import DENIED, Mark
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.left_state import left_state
@@ -24,11 +25,15 @@ def test_what_holds_and_what_is_not_confirmed_is_named(held) -> None:
     engine, state = held
     sent = (0.0,) * len(engine.robot.slots)
     mark = Mark("part", min(engine.robot.held[state.robot.configuration]), DENIED)
-    doubted = state._replace(robot=state.robot._replace(marks=frozenset({mark})))
+    proofs = (*state.proofs[:-2], Evidence("sensor", 1.0, 0), Evidence("sensor", 2.0, 0))
+    sensing = state.sensing._replace(heard_s=(34.0,) * len(state.sensing.heard_s))
+    doubted = state._replace(
+        robot=state.robot._replace(marks=frozenset({mark})), proofs=proofs, sensing=sensing
+    )
 
     assert left_state(engine, doubted, sent, accepted=False) == (
         "wheels set to zero, NOT confirmed by the robot; front clamped (NOT confirmed by sensors); "
-        "rear clamped (confirmed before, NOT seen by sensors now)"
+        "rear clamped (shown by sensors 32.0 s ago, NOT seen by them now)"
     )
 
 
@@ -59,7 +64,7 @@ def test_a_robot_that_is_silent_at_the_end_confirms_nothing(backend: str) -> Non
     """Its clamps were confirmed while it reported."""
     said = last_line("climb", backend=backend, defects=("bay_silent",))
 
-    assert said.count("(confirmed before, NOT seen by sensors now)") == 2
+    assert said.count(" s ago, NOT seen by them now)") == 2
     assert "wheels set to zero, NOT confirmed by the robot" in said
 
 

@@ -142,3 +142,13 @@ def test_what_nobody_could_see_is_written_out_and_is_still_there(
 
     assert all(line.isprintable() for line in out.splitlines())
     assert json.loads(out.splitlines()[-1])["message"] == "5 \u00b0 \u202eback \u200b"
+
+
+def test_belief_is_written_with_what_has_shown_it(pirate_run: Any) -> None:
+    result = pirate_run(NEWT / "take_hold.yaml", "--pipe", NEWT / "elbow.yaml", "--json")
+    lines = [json.loads(text) for text in result.stdout.splitlines()]
+
+    first, *_, last = [line for line in lines if line["type"] == "state"]
+    assert {it["source"] for it in first["evidence"].values()} == {"person", "nothing"}
+    assert last["evidence"]["nose"]["source"] == last["evidence"]["tail"]["source"] == "sensor"
+    assert 0 < last["evidence"]["tail"]["at_s"] <= last["t"]

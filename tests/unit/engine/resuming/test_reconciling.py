@@ -118,7 +118,7 @@ def test_a_clamped_joint_that_has_moved_by_more_than_five_degrees_refuses(clampe
 def test_a_robot_that_lies_otherwise_refuses(clamped):
     found = clamped.look(acc_z=9.81 * 0.94, acc_y=9.81 * 0.34)
 
-    assert found.refusals == ("the robot lies 20 deg otherwise than recorded, limit 15 deg",)
+    assert found.refusals == ("the robot lies 20 deg otherwise than before, limit 15 deg",)
 
 
 def test_a_fallen_robot_refuses(clamped):

@@ -183,7 +183,9 @@ def test_a_posture_that_was_not_seen_leaves_the_clamp_unconfirmed(drive):
     show(driver, 21.0, bend_torque_4=0.0)
 
     command(driver, "DriveForward")
-    assert driver.last_status.reason == "impossible: no clamp is confirmed to drive with"
+    assert driver.last_status.reason == (
+        "impossible: no clamp is confirmed to drive with; rear: its clamp is denied"
+    )
     command(driver, "ClampFront")
     assert driver.statuses[-1] == ("ClampFront", "sent")
 

@@ -138,7 +138,8 @@ def test_an_unconfirmed_clamp_is_no_clamp(drive):
     command(driver, "RelaxRear")
 
     assert driver.last_status.reason == (
-        "impossible: it would let go of the last confirmed clamp (rear)"
+        "impossible: it would let go of the last confirmed clamp (rear); "
+        "front: no sensor has shown that it holds"
     )
     command(driver, "RelaxFront")  # the other way round it is safe
     assert driver.statuses[-1] == ("RelaxFront", "sent")
@@ -248,7 +249,9 @@ def test_nothing_drives_on_a_clamp_that_is_not_confirmed():
     doubtful = held._replace(marks=frozenset({Mark("part", rear, clamp)}))
 
     assert refusal(robot, held, drive) == ""
-    assert refusal(robot, doubtful, drive) == "impossible: no clamp is confirmed to drive with"
+    assert refusal(robot, doubtful, drive) == (
+        "impossible: no clamp is confirmed to drive with; rear: no sensor has shown that it holds"
+    )
 
 
 def marked(robot, states, *marks):
@@ -270,10 +273,13 @@ def test_a_doubted_clamp_is_no_reason_for_unneeded():
     assert why_not(robot, body, "ClampFront") == ""
     assert why_not(robot, body, "ClampRear") == "unneeded: it is so already"
     both = marked(robot, states, Mark("part", front, DECLARED), Mark("part", rear, DECLARED))
-    assert (
-        why_not(robot, both, "RelaxRear") == "impossible: no clamp that would remain is confirmed"
+    unseen = "front: no sensor has shown that it holds"
+    assert why_not(robot, both, "RelaxRear") == (
+        f"impossible: no clamp that would remain is confirmed; {unseen}"
     )
-    assert why_not(robot, both, "DriveForward") == "impossible: no clamp is confirmed to drive with"
+    assert why_not(robot, both, "DriveForward").startswith(
+        f"impossible: no clamp is confirmed to drive with; {unseen}; rear: "
+    )
 
 
 def test_stopped_wheels_are_no_reason_for_unneeded():
