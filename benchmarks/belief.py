@@ -1,6 +1,6 @@
 """Whether a mission that says it has succeeded has, with any defects in any pipe: `make belief`.
 
-    python -m benchmarks.belief [--runs 3000] [--seed 0] [--mission drive_on] [--number 17]
+    python -m benchmarks.belief [--runs 3000] [--seed 0] [--mission climb] [--number 17]
 
 Every run draws its pipe from the seed (steps of the bore, patches, slopes, friction 0.05 to 0.9),
 and none, one or two defects of the robot with numbers and a time of their own; see
@@ -26,6 +26,7 @@ from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
 from dataclasses import replace
 from functools import partial
+from itertools import chain
 from math import inf, isnan, nan
 from multiprocessing import get_context
 from pathlib import Path
@@ -160,8 +161,11 @@ def _wrong(case: Case, outcome: Outcome, claims: Sequence[Claim], prepared: Prep
         for each in claims:
             if not each.allows(each.estimate_m):
                 return _said(each.estimate_m, each)
-        if succeeded and case.asked_m is not None and not claims[-1].allows(case.asked_m):
-            return _said(case.asked_m, claims[-1])
+        asked = [case.path_m / case.way.path] * (len(claims) - succeeded)
+        asked += [case.asked_m] if succeeded and case.asked_m is not None else []
+        for asked_m, each in zip(asked, claims, strict=False):
+            if not each.allows(asked_m):
+                return _said(asked_m, each)
     by_word = case.way.ends == "word"
     verdict = judge(outcome, TrueEnd(at_word=by_word))
     if not succeeded or verdict.what == "false":
@@ -199,16 +203,23 @@ def main() -> int:
     missions = sorted({way.mission for way in WAYS})
     parser.add_argument("--mission", action="append", choices=missions, help="all by default")
     parser.add_argument("--number", type=int, help="judge this run alone")
+    parser.add_argument("--backend", choices=("sim", "physics"), default="sim")
     parser.add_argument("--workers", type=int, help="processes; all processors by default")
     wishes = parser.parse_args()
     numbers: Sequence[int] = range(wishes.first, wishes.first + wishes.runs)
     if wishes.number is not None:
         numbers = (wishes.number,)
-    case = partial(case_of, wishes.seed, folder=FOLDER, missions=tuple(wishes.mission or ()))
+    case = partial(
+        case_of,
+        wishes.seed,
+        folder=FOLDER,
+        missions=tuple(wishes.mission or ()),
+        backend=wishes.backend,
+    )
     first = judged(case(numbers[0]))  # compiles the simulator once, before the others need it
     with ProcessPoolExecutor(wishes.workers, mp_context=get_context("spawn")) as pool:
         rest = pool.map(judged, map(case, numbers[1:]), chunksize=4)
-        found = [first, *_shown(rest)]
+        found = list(_shown(chain([first], rest)))
     return 1 if _summed(found) else 0
 
 
@@ -228,12 +239,13 @@ def _summed(found: Sequence[Judged]) -> bool:
     for mission, trouble in sorted({(each.case.way.mission, each.case.trouble) for each in found}):
         mine = [e for e in found if (e.case.way.mission, e.case.trouble) == (mission, trouble)]
         print(" | ".join([mission, trouble, *_cells(mine)]))
-    false = [each for each in found if each.verdict in ("false", "bug", "refused")]
+    false = [each for each in found if each.verdict in ("false", "bug")]
+    refused = sum(each.verdict == "refused" for each in found)
     plain = [each for each in found if each.case.trouble == "nothing"]
     good = sum(each.verdict == "claimed" for each in plain)
     covered = [held for each in found for held in each.covered]
     held, wide = sum(covered), sum(each.wide for each in plain)
-    print(f"{len(found)} runs: {len(false)} claim falsely")
+    print(f"{len(found)} runs: {len(false)} claim falsely, {refused} were refused at once")
     print(f"with nothing wrong {good} of {len(plain)} succeed; {wide} bounds are too wide")
     print(f"{held} of {len(covered)} bounds hold the truth")
     for each in plain:

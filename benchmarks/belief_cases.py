@@ -108,7 +108,9 @@ class Case:
     path_m: float
 
 
-def case_of(seed: int, number: int, folder: Path, missions: Sequence[str] = ()) -> Case:
+def case_of(
+    seed: int, number: int, folder: Path, missions: Sequence[str] = (), backend: str = "sim"
+) -> Case:
     """Return a drawn run, and write its pipe.
 
     Args:
@@ -116,6 +118,7 @@ def case_of(seed: int, number: int, folder: Path, missions: Sequence[str] = ()) 
         number: Of this run.
         folder: Where its pipe is written.
         missions: Those from which its mission is taken; empty: all.
+        backend: What simulates it.
     """
     lot = Random(f"{seed}:{number}")
     ways = [way for way in WAYS if not missions or way.mission in missions]
@@ -134,6 +137,7 @@ def case_of(seed: int, number: int, folder: Path, missions: Sequence[str] = ()) 
     robot = library.find_robot("pirate_ii_imu" if way.mission == "level" else "pirate_ii")
     order = Order(
         way.mission,
+        backend,
         pipe=str(file),
         settings=settings,
         seed=number,
