@@ -9,6 +9,7 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from pirate_sm.cli.ctrl_c import was_interrupted
+from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.errors import PirateError
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST
@@ -50,6 +51,9 @@ def _reported(error: Exception, debug: bool) -> int:
         return OUTPUT_LOST
     if isinstance(error, OSError) and error.errno in _LOST:
         return output_lost(error)
+    if isinstance(error, StoppedError):
+        say(f"{error}; nothing has moved")
+        return error.exit_code
     if isinstance(error, PirateError):
         if debug:
             show_traceback(error)

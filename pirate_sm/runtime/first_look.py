@@ -20,13 +20,13 @@ class FirstLook(NamedTuple):
     Attributes:
         began_s: When the look began, by the backend's mission time; ``now_s`` is its end.
         frames: The frames of the boards, with their times, s.
-        faults: Messages about the link and the boards.
+        faults: What was wrong with the link and the boards.
     """
 
     began_s: float
     now_s: float
     frames: tuple[tuple[float, SensorFrame], ...]
-    faults: tuple[str, ...]
+    faults: tuple[FaultReport, ...]
 
     @property
     def newest(self) -> tuple[SensorFrame, ...]:
@@ -55,13 +55,13 @@ def look(
     """
     now_s, events = began_s, first
     frames: list[tuple[float, SensorFrame]] = []
-    faults: list[str] = []
+    faults: list[FaultReport] = []
     while True:
         for event in events:
             if isinstance(event, SensorFrame):
                 frames.append((now_s, event))
             elif isinstance(event, FaultReport):
-                faults.append(f"{event.code}: {event.message}")
+                faults.append(event)
         if now_s >= began_s + for_s:
             return FirstLook(began_s, now_s, tuple(frames), tuple(dict.fromkeys(faults)))
         check()

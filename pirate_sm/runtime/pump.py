@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from pirate_sm.engine.engine import Engine
     from pirate_sm.engine.gliding.glided import Glide
     from pirate_sm.engine.resuming.resumption import Resumption
+    from pirate_sm.engine.robot.robot_state import RobotState
     from pirate_sm.engine.state import EngineState
 
 UNCONFIRMED = "the safe setpoints were not confirmed"
@@ -43,17 +44,20 @@ class BackendRaisedError(Exception):
 
 
 class Resuming(NamedTuple):
-    """With what a mission goes on whose run was cut off.
+    """With what a mission begins on a backend that is open.
 
     Attributes:
-        resumption: With what the engine starts; its program is that of the resumption.
-        now_s: Mission time by the backend, which is open.
+        resumption: With what the engine starts whose run was cut off; its program is that of the
+            resumption. None if it begins.
+        now_s: Mission time by the backend.
         events: The last report of every board, and what else the backend has reported.
+        body: The robot as it was adopted; None: as it is declared.
     """
 
-    resumption: Resumption
+    resumption: Resumption | None
     now_s: float
     events: tuple[Event, ...]
+    body: RobotState | None = None
 
 
 class Pump:
@@ -133,6 +137,8 @@ class Pump:
         events = self._first_events()
         resumed = self._resuming.resumption if self._resuming is not None else None
         body = before and before.robot.at_rest()
+        if self._resuming is not None:
+            body = self._resuming.body
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         for each in seen:
             if isinstance(each, SensorFrame):

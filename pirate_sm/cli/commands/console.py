@@ -56,10 +56,10 @@ def open_console(options: ConsoleOptions) -> int:
     if order.mission.endswith(RECORDING):
         return _view(order.mission, options.theme)
     recording = RecordingOptions(None, options.no_record, options.live)
+    requests = StopRequests()
     if options.resume is not None:
         from pirate_sm.cli.commands.resume import resume_dialog
 
-        requests = StopRequests()
         dialog = resume_dialog(options, requests)
         with CaughtSignals(requests):
             chosen = dialog.decide()
@@ -69,7 +69,13 @@ def open_console(options: ConsoleOptions) -> int:
     elif options.at:
         raise UsageError("--at: only together with --resume")
     else:
-        session = _session(_prepared(order), factor, recording)
+        prepared, begun = _prepared(order), None
+        if prepared.backend.real_time:
+            from pirate_sm.cli.taking_over import take_over
+
+            with CaughtSignals(requests):
+                prepared, begun = take_over(prepared, options, requests)
+        session = _session(prepared, factor, recording, begun)
     from pirate_sm.console.app import Console
     from pirate_sm.console.check_process import CheckProcess
     from pirate_sm.console.terminal_driver import StopDriver

@@ -15,6 +15,7 @@ from pirate_sm.cli.output.resume_report import Facts, report_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.cli.stop_checks import StoppedError, stopper
+from pirate_sm.cli.taking_over import ask_place
 from pirate_sm.engine.mission.program import HERE
 from pirate_sm.engine.resuming.entry import FAILURE
 from pirate_sm.engine.resuming.resumption import Resumption
@@ -27,7 +28,6 @@ from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.resume_offer import Offer, Said, Seen, check_said, counting_from, offer, see
 from pirate_sm.wiring.resumed_run import (
     Again,
-    check_place,
     driven_s,
     prepare_again,
     with_resumption,
@@ -44,7 +44,6 @@ _MEANT_FOR = {
 _FLAGS = {"states": "--state", "settings": "--set", "start_phase": "--from", "defects": "--defect"}
 
 _QUESTION = "[g]o on, [r]egrip (on_failure), [l]ook again, or leave [enter]? "
-_PLACE = "wheel 1 is at which length along the pipe, such as 0.70 m [enter: unknown]? "
 
 
 def resume_run(options: RunOptions, manner: Manner) -> int:
@@ -188,7 +187,8 @@ class ResumeDialog:
                 answer, said = self._ask(), self._said  # the reason was printed last
             if answer in ("g", "r") and found.it is not None:
                 if found.unplaced:
-                    self._ask_place()
+                    place_m = ask_place(end.loaded, self._stopper)
+                    self._said = replace(self._said, start_at_m=place_m)
                 elif chosen := self._agreed(seen, found.it, said):
                     return chosen
             elif answer != "l":
@@ -211,17 +211,6 @@ class ResumeDialog:
         end, driven = self._end, driven_s(self._end, self._dark_s)
         self._seen = see(self.prepared, end, driven, self._seen, self._check)
         return self._seen
-
-    def _ask_place(self) -> None:
-        """Let the operator say where the robot is."""
-        print(_PLACE, end="", file=sys.stderr, flush=True)
-        try:
-            said_m = read_length("the first wheel", answered_line(self._stopper).strip() or None)
-            check_place(self._end.loaded, said_m)
-        except UsageError as error:
-            say(str(error))
-        else:
-            self._said = replace(self._said, start_at_m=said_m)
 
     def _close(self) -> None:
         self.prepared.backend.close()

@@ -45,8 +45,14 @@ def run_mission(options: RunOptions) -> int:
         what = prepared.confirmation
         agree(f"{what}. Is it free to?", nobody=f"{what}: agree to it with --yes")
     requests = StopRequests()
+    manner, begun = Manner(on_terminal, False, factor), None
     with CaughtSignals(requests, ends_process=True):
-        return run_prepared(prepared, options, Manner(on_terminal, False, factor), requests)
+        if prepared.backend.real_time:
+            # Simulated robots are where they are declared to be, and it takes time to import.
+            from pirate_sm.cli.taking_over import take_over
+
+            prepared, begun = take_over(prepared, options, requests)
+        return run_prepared(prepared, options, manner, requests, begun)
 
 
 def _refuse_without_resume(options: RunOptions) -> None:

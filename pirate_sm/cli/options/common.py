@@ -177,6 +177,11 @@ Calibration = Annotated[
     bool,
     typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
 ]
+Adopt = Annotated[
+    bool,
+    typer.Option("--adopt", help="Take a robot that is clamped already as its sensors show it."),
+]
+
 Check = Annotated[
     bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
 ]

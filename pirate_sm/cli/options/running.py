@@ -42,6 +42,7 @@ class RunOptions:
     accept: Annotated[
         bool, typer.Option("--accept", help="With --resume: go on without asking, if all is seen.")
     ] = False
+    adopt: common.Adopt = False
     backend: common.Backend = "sim"
     robot: common.RobotOfMission = None
     pipe: common.PipeOfMission = None
@@ -128,6 +129,7 @@ class ConsoleOptions:
         str | None,
         option("PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"),
     ] = None
+    adopt: common.Adopt = False
     backend: common.Backend = "sim"
     robot: common.RobotOfMission = None
     pipe: common.PipeOfMission = None

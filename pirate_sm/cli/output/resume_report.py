@@ -40,7 +40,9 @@ def report_lines(facts: Facts) -> Iterator[str]:
     )
     yield from (f"said: {each}" for each in facts.said.words)
     for table in facts.shows.tables if offer.table is None else (offer.table,):
-        yield from _table(table)
+        command = table.hypothesis.command
+        yield f"  if {command} was accepted:" if command else "  as recorded:"
+        yield from verdict_lines(table)
     yield f"position: {_position(facts)}"
     if offer.it is not None:
         names = list(_next_commands(facts.loaded, offer.it))
@@ -55,17 +57,15 @@ def report_lines(facts: Facts) -> Iterator[str]:
         yield "can go on" + " once you say where the robot is" * bool(offer.unplaced)
 
 
-def _table(table: VerdictTable) -> Iterator[str]:
-    hypothesis = table.hypothesis
-    yield f"  if {hypothesis.command} was accepted:" if hypothesis.command else "  as recorded:"
+def verdict_lines(table: VerdictTable) -> Iterator[str]:
+    """Yield what the sensors show of each state and clamp, and by which signals."""
+    recorded = table.hypothesis.name != "adopted"
     for each in table.verdicts:
         why = f" ({each.why})" if each.why else ""
         yield f"    {each.word:12} {each.about} {each.state}{why}"
         for shown in each.shown:
-            yield (
-                f"                 {shown.signal} {shown.seen}, recorded {shown.recorded}, "
-                f"limit {shown.limit}"
-            )
+            before = f"recorded {shown.recorded}, " * recorded
+            yield f"                 {shown.signal} {shown.seen}, {before}limit {shown.limit}"
 
 
 def _position(facts: Facts) -> str:

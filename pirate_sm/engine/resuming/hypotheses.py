@@ -32,14 +32,15 @@ class Hypothesis(NamedTuple):
 
     Attributes:
         name: ``recorded``: as the recording ends. ``sent``: a command whose first array was
-            submitted last was accepted although nobody has recorded it.
+            submitted last was accepted although nobody has recorded it. ``adopted``: nothing was
+            recorded.
         body: The robot at rest there, with everything unconfirmed. Its values are those of the
             array that holds it: recorded duties, wheels and the slots of loops at zero.
         command: The command that leads there; empty where none does.
         drives: Whether its array drives wheels.
     """
 
-    name: Literal["recorded", "sent"]
+    name: Literal["recorded", "sent", "adopted"]
     body: RobotState
     command: str = ""
     drives: bool = False

@@ -120,6 +120,7 @@ def reconcile(
     now_s: float,
     driven_s: float,
     maybe: int | None = None,
+    found: Sequence[Hypothesis] = (),
 ) -> Reconciled:
     """Return what the boards have shown, and which hypothesis counts.
 
@@ -132,8 +133,9 @@ def reconcile(
         now_s: The end of the look, by the clock of the frames.
         driven_s: How long the wheels may have been driven since ``last``; infinite if nobody knows.
         maybe: As for :func:`.hypotheses.hypotheses`.
+        found: Where the robot may be, if that is not what follows from the recording.
     """
-    found = hypotheses(robot, program, last, maybe)
+    found = found or hypotheses(robot, program, last, maybe)
     tables = tuple(verdicts(robot, program, last, each, frames, now_s) for each in found)
     *_, (_, sensing) = _course(robot, found[0], frames, now_s)
     drove = any(last.robot.latest[slot] for slot in robot.safe_zero)

@@ -347,7 +347,8 @@ def operator(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Operator]:
         backend = dialog.prepared.backend
         assert isinstance(backend, SerialBackend)
         someone = Operator(backend, answers, thinks_s)
-        monkeypatch.setattr("pirate_sm.cli.commands.resume.answered_line", someone)
+        for module in ("commands.resume", "taking_over"):
+            monkeypatch.setattr(f"pirate_sm.cli.{module}.answered_line", someone)
         for stream in (sys.stdin, sys.stderr):
             monkeypatch.setattr(stream, "isatty", lambda: True)
         return someone

@@ -1,0 +1,131 @@
+"""Asks whether a robot that is not where its mission begins is adopted as its sensors show it."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+
+from pirate_sm.cli.errors import say
+from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
+from pirate_sm.cli.options.values import read_length
+from pirate_sm.cli.output.resume_report import verdict_lines
+from pirate_sm.cli.output.terminal import answered_line
+from pirate_sm.cli.stop_checks import stopper
+from pirate_sm.engine.resuming.unknowns import unknowns
+from pirate_sm.engine.robot.robot_state import states_of
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.mission.manual_mission import BY_HAND
+from pirate_sm.runtime.pump import Resuming
+from pirate_sm.runtime.stop_requests import StopRequests
+from pirate_sm.visible import visible
+from pirate_sm.wiring import Prepared, placed
+from pirate_sm.wiring.adoption import Stands, adopt, look_at
+from pirate_sm.wiring.resumed_run import COUNTING, check_place
+
+_QUESTION = "[1] adopt it so (or another number), [l]ook again, or leave [enter]? "
+_PLACE = "wheel 1 is at which length along the pipe, such as 0.70 m [enter: unknown]? "
+
+
+def take_over(
+    prepared: Prepared, options: RunOptions | ConsoleOptions, requests: StopRequests
+) -> tuple[Prepared, Resuming | None]:
+    """Look at a real robot before its mission begins; return with what it begins.
+
+    Nobody is asked if nothing contradicts the declared states. Where nobody can be asked nothing
+    is looked at; then the engine refuses the start.
+
+    Raises:
+        BackendError: The robot cannot be reached, or has not confirmed that it holds.
+        CheckError: The mission is refused if it begins where the robot is.
+        StoppedError: A stop was requested.
+        UsageError: Nobody has agreed to adopt the robot.
+    """
+    asks = sys.stdin.isatty() and sys.stderr.isatty() and not getattr(options, "yes", False)
+    if not (asks or options.adopt):
+        return prepared, None
+    check = stopper(requests)
+    try:
+        return _decided(prepared, options, asks, check)
+    except BaseException:
+        prepared.backend.close()
+        raise
+
+
+def _decided(
+    prepared: Prepared,
+    options: RunOptions | ConsoleOptions,
+    asks: bool,
+    check: Callable[[], None],
+) -> tuple[Prepared, Resuming]:
+    stands, agreed = look_at(prepared, check), -1
+    while stands.instead:
+        for table in stands.instead:
+            if table.hypothesis.body.configuration == agreed:
+                return adopt(prepared, stands, table)
+        _print(prepared, stands, getattr(options, "json", False))
+        answer = _answer(prepared, stands, options.adopt, asks, check)
+        if answer.isdecimal() and 0 < int(answer) <= len(stands.instead):
+            if _unplaced(prepared) and (place_m := ask_place(prepared.loaded, check)) is not None:
+                prepared = placed(prepared, place_m)
+            if not _unplaced(prepared):
+                agreed = stands.instead[int(answer) - 1].hypothesis.body.configuration
+        elif answer != "l":
+            raise UsageError("left as it is: nothing has moved")
+        stands = look_at(prepared, check, stands)
+    return prepared, stands.as_declared
+
+
+def ask_place(loaded: LoadedMission, check: Callable[[], None]) -> float | None:
+    """Return where a person says that the first wheel is, in m; None if unsaid."""
+    print(_PLACE, end="", file=sys.stderr, flush=True)
+    try:
+        said_m = read_length("the first wheel", answered_line(check).strip() or None)
+        check_place(loaded, said_m)
+    except UsageError as error:
+        say(str(error))
+        return None
+    return said_m
+
+
+def _answer(
+    prepared: Prepared, stands: Stands, adopts: bool, asks: bool, check: Callable[[], None]
+) -> str:
+    """Return the choice: a number, ``l``, or anything else to leave.
+
+    Raises:
+        UsageError: There is nobody to ask, and something that matters is unknown.
+    """
+    doubts = tuple(_doubts(prepared, stands))
+    if adopts and not doubts:
+        return "1"
+    if not asks:
+        raise UsageError(f"--adopt is not enough: {'; '.join(doubts)}")
+    print(_QUESTION, end="", file=sys.stderr, flush=True)
+    return answered_line(check).strip().lower()
+
+
+def _doubts(prepared: Prepared, stands: Stands) -> Iterator[str]:
+    first, *others = stands.instead
+    if others:
+        yield "the sensors cannot tell apart where it stands: say it with --state"
+    yield from unknowns(prepared.loaded.robot, prepared.loaded.program, first)
+    if _unplaced(prepared):
+        yield f"where the detector {prepared.detector} counts from: say it with --start-at"
+
+
+def _unplaced(prepared: Prepared) -> bool:
+    by_hand = prepared.loaded.mission.mission == BY_HAND
+    return prepared.detector in COUNTING and prepared.order.start_at_m is None and not by_hand
+
+
+def _print(prepared: Prepared, stands: Stands, json: bool) -> None:
+    robot, declared = prepared.loaded.robot, stands.shows.tables[0]
+    against = dict.fromkeys(each.why for each in declared.verdicts if each.word == "contradicted")
+    lines = [f"the robot does not stand as declared: {'; '.join(against)}"]
+    for number, table in enumerate(stands.instead, 1):
+        lines.append(f"  {number}: {', '.join(states_of(robot, table.hypothesis.body))}")
+        lines += verdict_lines(table)
+    for line in lines:
+        print(visible(line), file=sys.stderr if json else sys.stdout)
+    sys.stdout.flush()
