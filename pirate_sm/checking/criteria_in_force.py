@@ -19,16 +19,15 @@ def too_strong(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> 
     """
     if not isinstance(done, StalledSpec) or not led:
         return ""
-    for torque in done.torques:
-        slot = next((n for n, each in enumerate(force.robot.slots) if each.torque == torque), None)
-        if slot is None:
+    for load in done.loads:
+        if load.slot < 0:
             continue
-        most = max(force.most_nm(at, slot) for at in led)
-        if most <= done.torque:
+        most, slot = max(force.most_nm(at, load.slot) for at in led), load.slot
+        if most <= load.least_nm:
             there = under(force.robot, led[0].control)
             return (
                 f"its motor gives '{force.profile.slots[slot].joint}' at most {most:.3g} Nm there,"
-                f" and more than {done.torque:.3g} Nm are asked for{there}"
+                f" and more than {load.least_nm:.3g} Nm are asked for{there}"
             )
     return ""
 

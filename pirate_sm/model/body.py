@@ -111,6 +111,11 @@ class Body(Frozen):
         apex = self.parts[part].apex
         return next((joint for joint in self.joints if joint.name == apex), None)
 
+    @property
+    def mass_kg(self) -> float:
+        """Return the mass of the whole robot."""
+        return sum(wheel.mass for wheel in self.wheels) + sum(link.mass for link in self.links)
+
     def legs_m(self, part: Name) -> tuple[float, ...]:
         """Return the lengths of the legs of a part's V; a link with a roll joint is none."""
         apex = self.apex_of(part)

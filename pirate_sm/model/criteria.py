@@ -7,10 +7,39 @@ from __future__ import annotations
 
 from typing import Annotated, Literal, TypeAlias
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import Angle, AngularSpeed, AnyQuantity, Duration, Ratio, Torque
+
+
+class Load(Frozen):
+    """The torque that joints bear which press on something.
+
+    Motors differ from what is known of them, so a smaller torque counts as well once the joints
+    have stood still for ``settled``: a motor that is driven for so long has wound its spring, and
+    bears what it can.
+
+    Attributes:
+        share: Smallest torque of each joint, as a share of what its motor bears at its duty cycle.
+        torque: The same as a torque, for a robot whose stall torque is not known.
+        at_least: Smallest torque that counts after ``settled``. A part must bear what holds the
+            robot in the mission's pipe in any case.
+        settled: How long joints must stand still that bear less than their share.
+    """
+
+    share: Annotated[Ratio, Field(gt=0, lt=1)] | None = None
+    torque: Annotated[Torque, Field(gt=0)] | None = None
+    at_least: Annotated[Torque, Field(gt=0)] | None = None
+    settled: Annotated[Duration, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _is_known(self) -> Load:
+        if (self.share is None) == (self.torque is None):
+            raise ValueError("give either `share` or `torque`")
+        if (self.at_least is None) != (self.settled is None):
+            raise ValueError("`at_least` and `settled` need each other")
+        return self
 
 
 class Accepted(Frozen):
@@ -23,14 +52,13 @@ class Accepted(Frozen):
     kind: Literal["accepted"]
 
 
-class Stalled(Frozen):
-    """Done when the joints stand still and each of ``loaded`` bears ``torque`` for ``for``.
+class Stalled(Load):
+    """Done when the joints stand still and each of ``loaded`` bears its torque for ``for``.
 
     Attributes:
         kind: What shows that a command is done.
         joints: Joints that must stand still, slower than ``still``.
         loaded: Joints that must bear the torque.
-        torque: The torque that each of ``loaded`` must bear.
         still: The speed below which a joint stands still.
         for_s: How long all of it must hold.
     """
@@ -38,7 +66,6 @@ class Stalled(Frozen):
     kind: Literal["stalled"]
     joints: Annotated[tuple[Name, ...], Field(min_length=1)]
     loaded: Annotated[tuple[Name, ...], Field(min_length=1)]
-    torque: Annotated[Torque, Field(gt=0)]
     still: Annotated[AngularSpeed, Field(gt=0)]
     for_s: Annotated[Duration, Field(alias="for", ge=0)]
 
@@ -54,13 +81,23 @@ class Reached(Frozen):
         kind: What shows that a command is done.
         or_still: The speed below which a pushed joint counts as stopped by the wall.
         loaded: Share of its stall torque that such a joint bears at least.
+        at_least: Smallest torque that counts after ``settled``.
+        settled: How long joints must stand still that bear less than their share.
         for_s: How long all of it must hold.
     """
 
     kind: Literal["reached"]
     or_still: Annotated[AngularSpeed, Field(gt=0)] | None = None
     loaded: Annotated[Ratio, Field(gt=0, le=1)] = 0.7
+    at_least: Annotated[Torque, Field(gt=0)] | None = None
+    settled: Annotated[Duration, Field(gt=0)] | None = None
     for_s: Annotated[Duration, Field(alias="for", ge=0)] = 0.0
+
+    @model_validator(mode="after")
+    def _is_eased(self) -> Reached:
+        if (self.at_least is None) != (self.settled is None):
+            raise ValueError("`at_least` and `settled` need each other")
+        return self
 
 
 class Turning(Frozen):

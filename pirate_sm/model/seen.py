@@ -11,22 +11,22 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field
 
 from pirate_sm.model.base import Frozen, Name
+from pirate_sm.model.criteria import Load
 from pirate_sm.model.quantities import Angle, AngularSpeed, Duration, Length, Ratio, Torque
 
 PositiveDuration = Annotated[Duration, Field(gt=0)]
 
 
-class HeldPart(Frozen):
+class HeldPart(Load):
     """Criterion of a held part without actuation.
 
-    Confirmed: each of ``loaded`` bears ``torque`` on its spring, in the direction in which the
+    Confirmed: each of ``loaded`` bears its torque on its spring, in the direction in which the
     state turns it, and stands still, and the part shows the diameter of the pipe. Contradicted:
     none of ``loaded`` bears ``slack``, or the diameter differs too much. Without a known pipe, the
     diameter must be within the part's reach and match the other held parts.
 
     Attributes:
         loaded: Joints that bear the torque of the clamp.
-        torque: Smallest torque of each loaded joint of a part that holds.
         slack: A part does not hold if all its loaded joints bear less than this. A part that spans
             a known pipe and presses by this much at its apex may hold, even where none should.
         still: The speed below which a joint stands still.
@@ -37,7 +37,6 @@ class HeldPart(Frozen):
     """
 
     loaded: Annotated[tuple[Name, ...], Field(min_length=1)]
-    torque: Annotated[Torque, Field(gt=0)]
     slack: Annotated[Torque, Field(gt=0)]
     still: Annotated[AngularSpeed, Field(gt=0)]
     span: Annotated[Ratio, Field(gt=0, lt=1)]

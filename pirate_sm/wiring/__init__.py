@@ -20,6 +20,7 @@ from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.mission.holding import holding_in
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.registry import Registry
 from pirate_sm.wiring.chosen_panel import choose_panel
@@ -208,8 +209,10 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
         name = before.loaded_robot.profile.robot
         raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
     order = replace(prepared.order, mission=loaded.mission.mission)
-    loaded = prepared.adapted(loaded)
     # The robot stays in the same pipe, whatever pipe the mission names.
+    own = loaded.loaded_robot
+    robot = holding_in(own.oriented(loaded.robot.polarity), own.profile, before.pipe)
+    loaded = prepared.adapted(replace(loaded, robot=robot))
     program = replace(loaded.program, diameter_m=before.program.diameter_m)
     loaded = replace(loaded, program=program, pipe=before.pipe, pipe_name=before.pipe_name)
     engine = Engine(loaded.robot, loaded.program, nominal=prepared.engine.nominal)

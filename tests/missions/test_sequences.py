@@ -214,7 +214,9 @@ def test_a_stuck_robot_that_opens_to_118_deg_has_not_lost_its_clamp(run, tmp_pat
 
 
 def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
-    pipe = _changed(tmp_path, "vertical", friction="{static: 0.05, kinetic: 0.04}")
+    pipe = _changed(
+        tmp_path, "vertical", patches="[{from: 0 m, to: 2 m, static: 0.05, kinetic: 0.04}]"
+    )
     record = run("climb", backend="sim", pipe=pipe)
     assert record.ended.outcome == "fault"
     assert "robot.fallen" in record.ended.message

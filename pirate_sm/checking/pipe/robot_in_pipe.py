@@ -61,9 +61,7 @@ class Fit:
     @property
     def weight_n(self) -> float:
         """Return the weight of the whole robot, N."""
-        body = self.profile.body
-        masses = [*(wheel.mass for wheel in body.wheels), *(link.mass for link in body.links)]
-        return sum(masses) * GRAVITY_M_S2
+        return self.profile.body.mass_kg * GRAVITY_M_S2
 
     @property
     def friction(self) -> float:

@@ -27,10 +27,11 @@ def never_done(view: RobotView) -> Iterator[Finding]:
     for number, name in enumerate(view.loaded.table.commands):
         spec = view.loaded.normal.commands[number]
         at: Path = ("commands", name, "done")
+        borne = "at_least" if isinstance(spec.done, StalledSpec) and spec.done.settled else "torque"
         for key, why in (
             ("for", _too_long(spec.done, spec.timeout_s)),
             ("kind", _unheard(view, spec.done)),
-            ("torque", too_strong(view.in_force, spec.done, view.led(number))),
+            (borne, too_strong(view.in_force, spec.done, view.led(number))),
             ("above", too_slow(view.in_force, spec.done, view.led(number))),
         ):
             if why:
@@ -68,8 +69,8 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
     robot = view.loaded.normal
     heard = view.heard
     match done:
-        case StalledSpec(rates, torques):
-            needed, every = (*rates, *torques), True
+        case StalledSpec(rates, loads):
+            needed, every = (*rates, *(load.torque for load in loads)), True
         case BelowSpec(signals):
             needed, every = signals, True
         case AlignedSpec(slots):

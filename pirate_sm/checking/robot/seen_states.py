@@ -105,9 +105,9 @@ def _too_strong(view: RobotView, part: int, spec: HeldSpec) -> str:
     holding = [number for number, held in enumerate(robot.held) if part in held]
     for joint in spec.joints:
         most = max((view.in_force.most_nm(Actuated(n), joint.slot) for n in holding), default=0.0)
-        if most <= spec.torque:
+        if most <= joint.needed_nm:
             return (
                 f"its motor gives '{view.profile.slots[joint.slot].joint}' at most"
-                f" {most:.3g} Nm there, and {spec.torque:.3g} Nm are asked for"
+                f" {most:.3g} Nm there, and {joint.needed_nm:.3g} Nm are asked for"
             )
     return ""

@@ -159,7 +159,7 @@ def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:
             unseen, key = clamped, "kind"
         elif isinstance(command.done, StalledSpec):
             names = robot.vocabulary.numbers
-            unseen = clamped - {own.get(names[torque]) for torque in command.done.torques}
+            unseen = clamped - {own.get(names[load.torque]) for load in command.done.loads}
             key = "loaded"
         else:
             continue

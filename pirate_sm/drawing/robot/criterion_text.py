@@ -28,8 +28,8 @@ def done_when(profile: Profile, criterion: Criterion) -> str:
         case Stalled():
             return (
                 f"{_joints(criterion.joints)} still, slower than {_rate(criterion.still)}, and "
-                f"{_bearing(criterion)} more than {criterion.torque:g} Nm"
-                f"{_lasting(criterion.for_s)}"
+                f"{_bearing(criterion)} more than {_load(criterion)}{_lasting(criterion.for_s)}"
+                f"{_settled(criterion)}"
             )
         case Reached():
             return f"every joint has come to its angle{_or_stopped(criterion)}"
@@ -80,12 +80,26 @@ def _bearing(criterion: Stalled) -> str:
     return f"{listed(criterion.loaded)} {'bears' if len(criterion.loaded) == 1 else 'each bear'}"
 
 
+def _load(criterion: Stalled) -> str:
+    if criterion.share is None:
+        return f"{criterion.torque:g} Nm"
+    return f"{criterion.share * 100:g} % of what its motor gives at its duty"
+
+
+def _settled(criterion: Stalled | Reached) -> str:
+    if criterion.settled is None or criterion.at_least is None:
+        return ""
+    holds = " and what holds the robot there" if isinstance(criterion, Stalled) else ""
+    return f", or more than {criterion.at_least:g} Nm{holds}{_lasting(criterion.settled)}"
+
+
 def _or_stopped(criterion: Reached) -> str:
     if criterion.or_still is None:
         return _lasting(criterion.for_s)
     return (
         f", or is stopped by the wall: pushed with {criterion.loaded * 100:g} % of its stall torque"
         f" and slower than {_rate(criterion.or_still)}{_lasting(criterion.for_s)}"
+        f"{_settled(criterion)}"
     )
 
 

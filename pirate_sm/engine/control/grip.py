@@ -7,8 +7,9 @@ from typing import NamedTuple
 
 from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.robot.command_spec import GripSpec
+from pirate_sm.geometry.clamping import HELD_SAFETY
 
-LEAST_MARGIN = 1.25
+LEAST_MARGIN = HELD_SAFETY
 """With less than this factor between what friction can bear and the weight the grip is exhausted,
 while the part presses as hard as it may [decided]."""
 

@@ -25,7 +25,7 @@ from pirate_sm.engine.robot.robot_state import (
     Motion,
     Numbers,
     RobotState,
-    criterion_of,
+    criteria_of,
     posture_of,
 )
 from pirate_sm.expressions import tree
@@ -51,15 +51,17 @@ def command_conditions(
     if motion.blind or (motion.levelling is not None and motion.stage != POSTURE):
         return None
     denied = robot.denied_by(raised)
+    criteria, seekers = criteria_of(robot, motion), body.seekers
     if denied and why_not_clamped(body, motion, denied):
-        return _followed(robot, body, motion) if isnan(motion.since_s) else None
-    done, seekers = criterion_of(robot, motion), body.seekers
+        resting = all(isnan(since_s) for _, since_s in criteria)
+        return _followed(robot, body, motion) if resting else None
     within_rad = _posture_within_rad(robot, motion)
-    holds = not isnan(motion.since_s)
-    is_done = Condition(_done(done, body.values, seekers, within_rad), holds, ANY_BOARD)
-    found = [*_followed(robot, body, motion), is_done]
-    if holds and isinstance(done, ReachedSpec):  # it need not last once every joint has arrived
-        found.append(_condition(all_of(arrived_tree(loop) for loop in seekers), False))
+    found = _followed(robot, body, motion)
+    for done, since_s in criteria:
+        holds = not isnan(since_s)
+        found.append(Condition(_done(done, body.values, seekers, within_rad), holds, ANY_BOARD))
+        if holds and isinstance(done, ReachedSpec):  # it need not last once every joint is there
+            found.append(_condition(all_of(arrived_tree(loop) for loop in seekers), False))
     return found
 
 

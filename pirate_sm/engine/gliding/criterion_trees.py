@@ -38,9 +38,8 @@ def criterion_tree(criterion: CriterionSpec, setpoints: Numbers, seekers: Seeker
             return tree.TruthValue(True)
         case StalledSpec():
             still = [_within(rate, "<", criterion.still) for rate in criterion.rates]
-            return all_of(
-                [*still, *(_beyond(each, criterion.torque) for each in criterion.torques)]
-            )
+            loads = [_beyond(it.torque, it.needed_nm(setpoints)) for it in criterion.loads]
+            return all_of([*still, *loads])
         case ReachedSpec():
             return all_of(_reached(criterion, setpoints, loop) for loop in seekers)
         case TurningSpec():
@@ -94,8 +93,8 @@ def _reached(criterion: ReachedSpec, setpoints: Numbers, loop: PositionLoop) -> 
     duty, arrived = setpoints[loop.slot], arrived_tree(loop)
     if duty == 0:
         return arrived
-    least_nm = criterion.loaded * abs(duty) * loop.spec.stall_torque_nm
-    pushed = tree.Compare(">", _signed(loop.torque, duty), tree.Number(least_nm))
+    pushed_nm = loop.pushed_nm(duty, criterion.loaded, criterion.least_nm)
+    pushed = tree.Compare(">", _signed(loop.torque, duty), tree.Number(pushed_nm))
     return any_of((arrived, all_of((_within(loop.rate, "<", criterion.still), pushed))))
 
 

@@ -149,6 +149,7 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
             accepted_s=body.motion.accepted_s + length,
             deadline_s=body.motion.deadline_s + length,
             since_s=nan,
+            settled_s=nan,
         )
         body = body._replace(motion=motion)
     body = commands.reassert(moment, body, before.values, before.loops)

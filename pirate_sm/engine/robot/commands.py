@@ -40,6 +40,7 @@ from pirate_sm.engine.robot.robot_state import (
     Numbers,
     RobotState,
     confirmed_parts,
+    criteria_of,
     criterion_of,
     posture_of,
     safe_values,
@@ -270,24 +271,25 @@ def _reach(
 ) -> tuple[RobotState, Finished | None]:
     """Check the criterion of the stage in force and the deadline; run the position loops."""
     state, free = followed(moment.robot, state, motion, sensing), state.awaited is None
-    since_s, seekers = motion.since_s, state.seekers
-    done = criterion_of(moment.robot, motion)
+    seekers, times_s = state.seekers, []
     why_not = why_not_clamped(state, motion, denied) if denied else ""
-    if not why_not and is_done(moment.robot, state, motion, done, sensing):
-        since_s = moment.now_s if isnan(since_s) else since_s
-        held_s = must_hold_s(done, sensing.numbers, seekers)
-        if free and has_come(moment.now_s, since_s + held_s):
-            reason = in_words(moment.robot, done, sensing.numbers, seekers)
-            return _complete(moment, state, sensing, reason)
-    elif not isnan(since_s):
+    for done, before_s in criteria_of(moment.robot, motion):
         since_s = nan
+        if not why_not and is_done(moment.robot, state, motion, done, sensing):
+            since_s = moment.now_s if isnan(before_s) else before_s
+            held_s = must_hold_s(done, sensing.numbers, seekers)
+            if free and has_come(moment.now_s, since_s + held_s):
+                reason = in_words(moment.robot, done, sensing.numbers, seekers)
+                return _complete(moment, state, sensing, reason)
+        times_s.append(before_s if isnan(before_s) and isnan(since_s) else since_s)
     if free and (motion.blind or has_come(moment.now_s, motion.deadline_s)):
         unmet = unmet_conditions(moment, state, sensing)
         reason = motion.blind or why_late(moment, state, motion, unmet, sensing)
         reason = f"{reason}: {why_not}" if why_not else reason
         return fail(moment, state, reason, unmet), Finished(False, reason)
-    if since_s is not motion.since_s:
-        state = state._replace(motion=motion._replace(since_s=since_s))
+    since_s, settled_s = (*times_s, nan)[:2]
+    if since_s is not motion.since_s or settled_s is not motion.settled_s:
+        state = state._replace(motion=motion._replace(since_s=since_s, settled_s=settled_s))
     if free and seekers:
         values = looped_values(moment.robot, state, sensing)
         state = send_if_new(moment, state, state.motion, values, state.loops)
@@ -365,7 +367,9 @@ def _complete(
             moment.robot, resting, motion, sensing, regions, motion.stage + 1
         )
         if motion.stage == POSTURE or any(ends_with_command(each) for each in loops):
-            later = motion._replace(stage=motion.stage + 1, since_s=nan, origin=sensing.numbers)
+            later = motion._replace(
+                stage=motion.stage + 1, since_s=nan, settled_s=nan, origin=sensing.numbers
+            )
             return send_if_new(moment, state, later, values, loops), None
         state = send_if_new(moment, state, None, values, loops)
     else:

@@ -11,23 +11,31 @@ from pirate_sm.engine.robot.criteria import AcceptedSpec
 
 
 class LoadedJoint(NamedTuple):
-    """A joint of a held part: its slot, and the number indexes of its torque and rate."""
+    """A joint of a held part: its slot, and the number indexes of its torque and rate.
+
+    Attributes:
+        needed_nm: The torque that it bears while its part holds.
+        least_nm: The smallest torque with which it may, if it stands still for longer.
+    """
 
     slot: int
     torque: int
     rate: int
+    needed_nm: float
+    least_nm: float
 
 
 class HeldSpec(NamedTuple):
     """Criterion of a held part; limits as in :class:`pirate_sm.model.seen.HeldPart`.
 
     Attributes:
+        settled_s: How long a part must stand still whose joints bear less than they should,
+            but ``least_nm``; infinite where that does not count.
         diameter: Number index of the part's diameter; ``apex``: of its apex angle.
         open_rad: Apex angle from which the part counts as open to its end stop.
     """
 
     joints: tuple[LoadedJoint, ...]
-    torque: float
     slack: float
     still: float
     diameter: int
@@ -36,6 +44,7 @@ class HeldSpec(NamedTuple):
     span: float
     span_off: float
     for_s: float
+    settled_s: float = inf
 
 
 class AnglesSpec(NamedTuple):

@@ -9,22 +9,54 @@ class AcceptedSpec(NamedTuple):
     """Done at acceptance."""
 
 
+class LoadSpec(NamedTuple):
+    """The torque that a joint must bear.
+
+    Attributes:
+        torque: Number index of the torque that it bears.
+        slot: The slot of its motor.
+        full_nm: The part of it that goes with the duty in force, at full duty.
+        least_nm: The smallest that counts.
+    """
+
+    torque: int
+    slot: int
+    full_nm: float
+    least_nm: float
+
+    def needed_nm(self, setpoints: tuple[float, ...]) -> float:
+        """Return the size of the torque by which it presses under these setpoints."""
+        return max(self.full_nm * abs(setpoints[self.slot]), self.least_nm)
+
+
 class StalledSpec(NamedTuple):
-    """Joints stand still under torque; fields as in :class:`pirate_sm.model.criteria.Stalled`."""
+    """Joints stand still under torque; fields as in :class:`pirate_sm.model.criteria.Stalled`.
+
+    Attributes:
+        settled: What counts as well once it has held for longer; None: nothing.
+    """
 
     rates: tuple[int, ...]
-    torques: tuple[int, ...]
-    torque: float
+    loads: tuple[LoadSpec, ...]
     still: float
     for_s: float
+    settled: StalledSpec | None = None
 
 
 class ReachedSpec(NamedTuple):
-    """Every position loop has reached its angle, or its joint is pushed and stands still."""
+    """Every position loop has reached its angle, or its joint is pushed and stands still.
+
+    Attributes:
+        loaded: Share of the stall torque at its duty that a pushed joint bears.
+        least_nm: The smallest torque of a pushed joint.
+        settled: What counts as well once it has held for longer; None: nothing.
+    """
 
     still: float
     loaded: float
     for_s: float
+    least_nm: float = 0.0
+    settled: ReachedSpec | None = None
 
 
 class TurningSpec(NamedTuple):
@@ -67,3 +99,8 @@ class BelowSpec(NamedTuple):
 CriterionSpec: TypeAlias = (
     AcceptedSpec | StalledSpec | ReachedSpec | TurningSpec | StoppedSpec | AlignedSpec | BelowSpec
 )
+
+
+def settled_of(criterion: CriterionSpec) -> CriterionSpec | None:
+    """Return what shows a command done as well, after a longer time; None where nothing does."""
+    return criterion.settled if isinstance(criterion, StalledSpec | ReachedSpec) else None

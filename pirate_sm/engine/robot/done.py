@@ -32,7 +32,8 @@ def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops:
             return True
         case StalledSpec():
             return all(abs(numbers[rate]) < criterion.still for rate in criterion.rates) and all(
-                bears(torque, criterion.torque, numbers, loops) for torque in criterion.torques
+                bears(load.torque, load.needed_nm(setpoints), numbers, loops)
+                for load in criterion.loads
             )
         case ReachedSpec():
             return all(
@@ -62,7 +63,7 @@ def pushed_to_rest(
 ) -> bool:
     """Return whether a joint is pushed and stands still."""
     resting = abs(numbers[loop.rate]) < criterion.still
-    return resting and loop.pushes(numbers, setpoints, criterion.loaded)
+    return resting and loop.pushes(numbers, setpoints, criterion.loaded, criterion.least_nm)
 
 
 def bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:

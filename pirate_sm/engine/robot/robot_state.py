@@ -11,7 +11,7 @@ from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
-from pirate_sm.engine.robot.criteria import CriterionSpec
+from pirate_sm.engine.robot.criteria import CriterionSpec, settled_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.geometry.space import Vector
 from pirate_sm.model.effects import StateChange
@@ -112,6 +112,7 @@ class Motion(NamedTuple):
         accepted_s: NaN until the array is accepted.
         deadline_s: When the command fails; infinite until it is accepted.
         since_s: When its criterion became true; NaN while it is not.
+        settled_s: The same for what counts as well once it has held for longer.
         stage: The stage of its actuation in force; ``POSTURE`` before the first.
         blind: Why it cannot be done at all, such as a posture that needs an unknown angle; else
             empty.
@@ -130,6 +131,7 @@ class Motion(NamedTuple):
     blind: str = ""
     levelling: Levelling | None = None
     origin: Numbers = ()
+    settled_s: float = nan
 
 
 class Finished(NamedTuple):
@@ -294,10 +296,11 @@ def next_deadline(robot: RobotSpec, state: RobotState, nominal: bool) -> float:
         return resend_at_s
     if nominal:
         return motion.accepted_s + robot.commands[motion.command].nominal_s
-    if isnan(motion.since_s):
-        return min(motion.deadline_s, resend_at_s)
-    held_s = getattr(criterion_of(robot, motion), "for_s", 0.0)
-    return min(motion.since_s + held_s, motion.deadline_s, resend_at_s)
+    due_s = min(motion.deadline_s, resend_at_s)
+    for criterion, since_s in criteria_of(robot, motion):
+        if not isnan(since_s):
+            due_s = min(due_s, since_s + getattr(criterion, "for_s", 0.0))
+    return due_s
 
 
 def posture_of(robot: RobotSpec, motion: Motion) -> PostureSpec | None:
@@ -309,6 +312,14 @@ def criterion_of(robot: RobotSpec, motion: Motion) -> CriterionSpec:
     """Return the criterion of the present stage of the command under way."""
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     return robot.commands[motion.command].done if posture is None else posture.done
+
+
+def criteria_of(robot: RobotSpec, motion: Motion) -> tuple[tuple[CriterionSpec, float], ...]:
+    """Return each criterion that shows the present stage done, and when it became true, or NaN."""
+    done = criterion_of(robot, motion)
+    settled = settled_of(done)
+    alone = ((done, motion.since_s),)
+    return alone if settled is None else (*alone, (settled, motion.settled_s))
 
 
 def known_values(values: Numbers, numbers: Numbers, robot: RobotSpec) -> Numbers:

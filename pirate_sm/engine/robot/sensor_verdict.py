@@ -109,8 +109,11 @@ def shown_by(
     rows: list[tuple[int, float, str, str]] = []
     match spec:
         case HeldSpec():
-            limit = f"{spec.torque * 1000:.0f} mNm or more, slack below {spec.slack * 1000:.0f} mNm"
-            rows = [(joint.torque, 1000, ".0f} mNm", limit) for joint in spec.joints]
+            slack = f"slack below {spec.slack * 1000:.0f} mNm"
+            rows = [
+                (it.torque, 1000, ".0f} mNm", f"{it.needed_nm * 1000:.0f} mNm or more, {slack}")
+                for it in spec.joints
+            ]
             pipe = "the other parts" if diameter_m is None else f"{diameter_m * 1000:.0f} mm"
             limit = f"{pipe} within {spec.span:.0%}, off beyond {spec.span_off:.0%}"
             rows.append((spec.diameter, 1000, ".0f} mm", limit))
@@ -171,11 +174,12 @@ def _gripping(
 
 def _like_a_clamp(spec: HeldSpec, numbers: Numbers, off: float) -> str:
     """Return what a part shows whose loaded joints all bear the torque of a clamp; else empty."""
-    torques = [abs(numbers[joint.torque]) for joint in spec.joints]
-    if off > spec.span_off or not all(torque >= spec.torque for torque in torques):
+    torques = [(abs(numbers[joint.torque]), joint.needed_nm) for joint in spec.joints]
+    if off > spec.span_off or not all(torque >= needed for torque, needed in torques):
         return ""
-    shown = ", ".join(str(round(torque * 1000)) for torque in torques)
-    return f"bears {shown} mNm like one that holds, limit {spec.torque * 1000:.0f} mNm"
+    shown = ", ".join(str(round(torque * 1000)) for torque, _ in torques)
+    limits = ", ".join(dict.fromkeys(f"{needed * 1000:.0f}" for _, needed in torques))
+    return f"bears {shown} mNm like one that holds, limit {limits} mNm"
 
 
 def _as_declared(declared: SeenSpec | HeldSpec | None, spec: HeldSpec, numbers: Numbers) -> bool:
@@ -253,7 +257,9 @@ def _held(
     diameter_m: float | None,
 ) -> SensorVerdict:
     borne = [_borne(setpoints[j.slot], numbers[j.torque]) for j in spec.joints]
-    loaded = all(torque >= spec.torque for torque in borne)
+    pairs = list(zip(borne, spec.joints, strict=True))
+    firmly = all(torque >= joint.needed_nm for torque, joint in pairs)
+    loaded = firmly or (spec.settled_s < inf and all(t >= it.least_nm for t, it in pairs))
     standing = all(abs(numbers[joint.rate]) < spec.still for joint in spec.joints)
     off = _span(robot, body, spec, numbers, diameter_m)
     against = []
@@ -263,7 +269,10 @@ def _held(
         names = ", ".join(robot.vocabulary.numbers[joint.torque] for joint in spec.joints)
         shown = ", ".join(str(round(torque * 1000)) for torque in borne)
         against.append(f"{names} show {shown} mNm, less than {spec.slack * 1000:.0f} mNm")
-    return SensorVerdict(loaded and standing and off <= spec.span, "; ".join(against), spec.for_s)
+    agrees = loaded and standing and off <= spec.span
+    # What contradicts need not last as long as a weak grip.
+    for_s = spec.for_s if firmly or not agrees else spec.settled_s
+    return SensorVerdict(agrees, "; ".join(against), for_s)
 
 
 def _borne(setpoint: float, torque: float) -> float:

@@ -33,6 +33,7 @@ from pirate_sm.engine.robot.robot_state import (
     Motion,
     Numbers,
     RobotState,
+    criteria_of,
     criterion_of,
     posture_of,
 )
@@ -60,12 +61,14 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
     robot, motion = moment.robot, state.motion
     if motion is None or isnan(motion.accepted_s) or moment.nominal:
         return ()
-    done = criterion_of(robot, motion)
     limits = [
         _near(loop.angle, loop.target_rad, _within_rad(robot, motion, loop))
         for loop in seekers_away(robot, state, motion, sensing.numbers)
     ]
-    limits += unmet_limits(done, sensing.numbers, state.values, state.loops)
+    for done, _ in reversed(criteria_of(robot, motion)):  # the one that asks for least
+        if found := list(unmet_limits(done, sensing.numbers, state.values, state.loops)):
+            limits += found
+            break
     return tuple(
         unmet_of(robot, motion.origin, each, sensing, moment.now_s)
         for each in dict.fromkeys(limits)
@@ -83,9 +86,10 @@ def unmet_limits(  # noqa: C901 - one case for each criterion
             for rate in criterion.rates:
                 if not abs(numbers[rate]) < criterion.still:
                     yield Limit(rate, -criterion.still, criterion.still)
-            for torque in criterion.torques:
-                if not bears(torque, criterion.torque, numbers, loops):
-                    yield _torque(torque, criterion.torque, loops)
+            for load in criterion.loads:
+                needed_nm = load.needed_nm(setpoints)
+                if not bears(load.torque, needed_nm, numbers, loops):
+                    yield _torque(load.torque, needed_nm, loops)
         case ReachedSpec():
             for loop in loops:
                 if isinstance(loop, PositionLoop) and not (
@@ -166,10 +170,15 @@ def why_late(
         why = f" because {not_done(done)}" if posture is None else ""
         command = robot.commands[motion.command].name
         return f"{late}{why}: {unmet_words(unmet)}; {advice(unmet, command)}"
-    if isnan(motion.since_s):
+    held = [
+        (moment.now_s - since_s, must_hold_s(each, sensing.numbers, state.seekers))
+        for each, since_s in criteria_of(robot, motion)
+        if not isnan(since_s)
+    ]
+    if not held:
         return late
-    needed_s = must_hold_s(done, sensing.numbers, state.seekers)
-    return f"{late}: it has held for {moment.now_s - motion.since_s:.3g} s of {needed_s:g} s"
+    held_s, needed_s = min(held, key=lambda it: it[1] - it[0])
+    return f"{late}: it has held for {held_s:.3g} s of {needed_s:g} s"
 
 
 def _near(signal: int, target: float, within: float) -> Limit:

@@ -14,6 +14,7 @@ from pirate_sm.loading import library, pickling, references
 from pirate_sm.loading.file_kinds import Kind, refuse_other
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
+from pirate_sm.loading.mission.holding import holding_in
 from pirate_sm.loading.mission.partial_mission import without_faulty_phases
 from pirate_sm.loading.mission.program import build_program
 from pirate_sm.loading.mission.scope import Source
@@ -146,6 +147,7 @@ def read_mission(
     hashes = {each.name: _hash(each) for each in documents}
     texts = {name: value.text for name, value in values.items()}
     notices = (shadow,) if shadow else ()
+    spec = holding_in(spec, loaded.profile, chosen)
     result = LoadedMission(
         mission, loaded, spec, program, chosen, pipe_name, documents, hashes, texts, notices
     )

@@ -13,6 +13,7 @@ from pirate_sm.expressions import Expression, ExpressionError, compile_condition
 from pirate_sm.loading.mission.assembler import Handlers, Label
 from pirate_sm.loading.mission.parameter_values import Value, Values
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.commands import constants_of
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
@@ -280,7 +281,8 @@ class Scope:
 
     @property
     def _constants(self) -> dict[str, Quantity]:
-        return {name: value.quantity for name, value in self.values.items()}
+        given = {name: value.quantity for name, value in self.values.items()}
+        return constants_of(self.profile) | given
 
     def _value(self, name: str, path: Path) -> Value:
         if name in self.values:

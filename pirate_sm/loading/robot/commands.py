@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from math import inf
 
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import CommandSpec, PostureSpec
@@ -11,6 +12,7 @@ from pirate_sm.engine.robot.criteria import (
     AlignedSpec,
     BelowSpec,
     CriterionSpec,
+    LoadSpec,
     ReachedSpec,
     StalledSpec,
     StoppedSpec,
@@ -25,7 +27,7 @@ from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.spelling import one_of
-from pirate_sm.units import ANGLE, Quantity, describe
+from pirate_sm.units import ANGLE, CURRENT, TORQUE, Quantity, describe
 
 
 def resolve_parts(
@@ -124,10 +126,10 @@ def resolve_owners(signals: Signals) -> Owners:
 def resolve_faults(signals: Signals, parts: Sequence[str], owners: Owners) -> tuple[FaultSpec, ...]:
     """Return the fault rules, with one rule for each number of a ``for_each``.
 
-    Conditions may use the end stop of each joint as ``$JOINT_stop``.
+    Conditions may use the numbers of :func:`constants_of`.
     """
     rules: list[FaultSpec] = []
-    stops = {f"{j.name}_stop": Quantity(j.end_stop, ANGLE) for j in signals.profile.body.joints}
+    constants = constants_of(signals.profile)
     for number, fault in enumerate(signals.profile.faults):
         denies = frozenset(_denied(fault, number, parts, signals.problems))
         for index in fault.for_each or (None,):
@@ -135,7 +137,7 @@ def resolve_faults(signals: Signals, parts: Sequence[str], owners: Owners) -> tu
             if index is not None:
                 when, message = when.replace("{i}", str(index)), message.replace("{i}", str(index))
             try:
-                condition = compile_condition(when, signals.vocabulary, stops)
+                condition = compile_condition(when, signals.vocabulary, constants)
             except ExpressionError as error:
                 signals.problems.add_expression(("faults", number, "when"), error)
                 break
@@ -151,6 +153,24 @@ def resolve_faults(signals: Signals, parts: Sequence[str], owners: Owners) -> tu
                 FaultSpec(fault.code, message, condition, fault.held, fault.catchable, denies, of)
             )
     return tuple(rules)
+
+
+def constants_of(profile: model.Profile) -> dict[str, Quantity]:
+    """Return the numbers of the robot that conditions may use, by name.
+
+    ``$JOINT_stop`` is a joint's end stop; ``$JOINT_stall`` and ``$JOINT_stall_current`` what its
+    motor bears and draws at full duty when it stands, likewise of a wheel.
+    """
+    found = {f"{joint.name}_stop": Quantity(joint.end_stop, ANGLE) for joint in profile.body.joints}
+    for slot in profile.slots:
+        motor, driven = profile.motors.get(slot.motor), slot.joint or slot.wheel
+        if motor is None or driven is None:
+            continue
+        if motor.stall_torque is not None:
+            found[f"{driven}_stall"] = Quantity(motor.stall_torque, TORQUE)
+        if motor.stall_current is not None:
+            found[f"{driven}_stall_current"] = Quantity(motor.stall_current, CURRENT)
+    return found
 
 
 def _denied(
@@ -213,15 +233,24 @@ def resolve_criterion(  # noqa: C901 - one case per kind
                 _rate(name, signals, (*path, "joints", number))
                 for number, name in enumerate(done.joints)
             )
-            torques = tuple(
-                _torque(name, signals, (*path, "loaded", number))
+            loads = tuple(
+                resolve_load(done, name, _torque(name, signals, at), signals, at)
                 for number, name in enumerate(done.loaded)
+                if (at := (*path, "loaded", number))
             )
-            return StalledSpec(rates, torques, done.torque, done.still, done.for_s)
+            full = StalledSpec(rates, loads, done.still, done.for_s)
+            if done.settled is None or done.at_least is None:
+                return full
+            weak = tuple(each._replace(full_nm=0.0, least_nm=done.at_least) for each in loads)
+            return full._replace(settled=full._replace(loads=weak, for_s=done.settled))
         case criteria.Reached():
             for joint in signals.profile.body.joints if done.or_still is not None else ():
                 _rate(joint.name, signals, path)
-            return ReachedSpec(done.or_still or 0.0, done.loaded, done.for_s)
+            spec = ReachedSpec(done.or_still or 0.0, done.loaded, done.for_s)
+            if done.settled is None or done.at_least is None:
+                return spec
+            eased = spec._replace(loaded=0.0, for_s=done.settled, least_nm=done.at_least)
+            return spec._replace(settled=eased)
         case criteria.Turning():
             return TurningSpec(tuple((w.slot, w.speed) for w in wheels), done.above)
         case criteria.Stopped():
@@ -247,6 +276,22 @@ def resolve_criterion(  # noqa: C901 - one case per kind
                     )
                     break  # the other signals have the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
+
+
+def resolve_load(
+    load: criteria.Load, joint: str, torque: int, signals: Signals, path: Path
+) -> LoadSpec:
+    """Return the torque that a joint must bear, with this number index; report a missing motor."""
+    profile = signals.profile
+    slot = next((at for at, each in enumerate(profile.slots) if each.joint == joint), -1)
+    motor = profile.motors.get(profile.slots[slot].motor) if slot >= 0 else None
+    if load.share is None or motor is None:
+        return LoadSpec(torque, slot, 0.0, load.torque or inf)
+    if motor.stall_torque is None:
+        message = f"a `share` needs the `stall_torque` of the motor of '{joint}'"
+        signals.problems.add("robot.criterion", path, message)
+        return LoadSpec(torque, slot, 0.0, inf)
+    return LoadSpec(torque, slot, load.share * motor.stall_torque, load.at_least or 0.0)
 
 
 def _speeds_of_parts(signals: Signals) -> tuple[tuple[int, ...], ...]:

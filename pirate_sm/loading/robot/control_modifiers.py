@@ -60,9 +60,7 @@ def modified(
 
 def weight_n(signals: Signals) -> float:
     """Return the weight of the robot."""
-    body = signals.profile.body
-    masses = (*(wheel.mass for wheel in body.wheels), *(link.mass for link in body.links))
-    return sum(masses) * GRAVITY_M_S2
+    return signals.profile.body.mass_kg * GRAVITY_M_S2
 
 
 def _assists(signals: Signals) -> dict[int, float]:

@@ -20,6 +20,7 @@ from pirate_sm.engine.robot.confirmation_spec import (
 )
 from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path, Problems
+from pirate_sm.loading.robot.commands import resolve_load
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import seen as model
 
@@ -51,7 +52,8 @@ def resolve_sight(
         }
         states.append({name: spec for name, spec in found.items() if spec is not None})
     held = tuple(
-        _part(name, seen.parts[name], signals) if name in seen.parts else None for name in parts
+        _part(name, seen.parts[name], actuation, signals) if name in seen.parts else None
+        for name in parts
     )
     return Sight(seen.within, held, tuple(states), _dark(signals))
 
@@ -82,7 +84,9 @@ def _check_names(
         problems.add_unknown("robot.seen", (*path, name), kind, name, valid, key=True)
 
 
-def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
+def _part(
+    name: str, how: model.HeldPart, actuation: Actuation, signals: Signals
+) -> HeldSpec | None:
     path: Path = ("seen", "parts", name)
     profile, problems = signals.profile, signals.problems
     body = profile.body
@@ -94,18 +98,19 @@ def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
             f"whether '{name}' shows the pipe needs a derived signal {{diameter_of: {name}}}",
             key=True,
         )
-    if how.slack >= how.torque:
-        problems.add("robot.seen", (*path, "slack"), "`slack` must be smaller than `torque`")
     if how.span >= how.span_off:
         problems.add("robot.seen", (*path, "span_off"), "`span_off` must be larger than `span`")
     joints = [
-        _joint(joint, signals, (*path, "loaded", number)) for number, joint in enumerate(how.loaded)
+        _joint(joint, how, actuation, signals, (*path, "loaded", number))
+        for number, joint in enumerate(how.loaded)
     ]
+    if any(joint is not None and how.slack >= joint.needed_nm for joint in joints):
+        key = "share" if how.torque is None else "torque"
+        problems.add("robot.seen", (*path, "slack"), f"`slack` must be smaller than the `{key}`")
     if apex is None or not diameter:
         return None
     return HeldSpec(
         tuple(joint for joint in joints if joint is not None),
-        how.torque,
         how.slack,
         how.still,
         signals.number(diameter, path),
@@ -114,10 +119,13 @@ def _part(name: str, how: model.HeldPart, signals: Signals) -> HeldSpec | None:
         how.span,
         how.span_off,
         how.for_s,
+        inf if how.settled is None else how.settled,
     )
 
 
-def _joint(name: str, signals: Signals, path: Path) -> LoadedJoint | None:
+def _joint(
+    name: str, how: model.HeldPart, actuation: Actuation, signals: Signals, path: Path
+) -> LoadedJoint | None:
     profile, problems = signals.profile, signals.problems
     joint = next((each for each in profile.body.joints if each.name == name), None)
     joints = {each.name for each in profile.body.joints}
@@ -139,7 +147,12 @@ def _joint(name: str, signals: Signals, path: Path) -> LoadedJoint | None:
     if rate < 0:
         message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
         problems.add("robot.seen", path, message)
-    return LoadedJoint(slot, signals.number(joint.torque, path), rate)
+    load = resolve_load(how, name, signals.number(joint.torque, path), signals, path)
+    writes = (w for states in actuation for each in states.values() for w in each[-1])
+    duty = max((abs(w.value) for w in writes if w.slot == slot and w.how == "set"), default=0.0)
+    needed_nm = max(load.full_nm * (duty or 1.0), load.least_nm)
+    least_nm = max(how.slack, how.at_least or 0.0)
+    return LoadedJoint(slot, load.torque, rate, needed_nm, least_nm)
 
 
 class _States:

@@ -15,7 +15,8 @@ from ..robots import NEWT, PIRATE, changed, told
 
 STUCK = "Crawl in (Ahead, Astern) and abs(pace) < 8 mm/s"
 HOLD_NOSE = (
-    "{kind: stalled, joints: [neck], loaded: [neck], torque: 0.25 Nm, still: 6 deg/s, for: 0.2 s}"
+    "{kind: stalled, joints: [neck], loaded: [neck], share: 60 %, at_least: 50 mNm, "
+    "settled: 1.5 s, still: 6 deg/s, for: 0.2 s}"
 )
 NEAR = """    near:
       forward: {wheel: left_fore, passed: -100 mm}
@@ -72,7 +73,7 @@ FAULTS = {
         (HOLD_NOSE, HOLD_NOSE.replace("for: 0.2 s", "for: 9 s")), "robot.never_done", "9 s",
     ),
     "more torque than the motor gives": (
-        (HOLD_NOSE, HOLD_NOSE.replace("0.25 Nm", "0.45 Nm")), "robot.never_done", "0.45 Nm",
+        (HOLD_NOSE, HOLD_NOSE.replace("50 mNm", "450 mNm")), "robot.never_done", "450 mNm",
     ),
     "more speed than the motor gives": (
         ("GoAhead: {asks_for: Crawl == Ahead, done: {kind: turning, above: 0.5 rad/s}",
@@ -124,7 +125,7 @@ FAULTS = {
         (HOLD_NOSE, "{kind: accepted}"), "robot.clamp_blind", "accepted}",
     ),
     "a clamp that the other part shows": (
-        (HOLD_NOSE, HOLD_NOSE.replace("[neck]", "[hip]")), "robot.clamp_blind", "[hip], torque",
+        (HOLD_NOSE, HOLD_NOSE.replace("[neck]", "[hip]")), "robot.clamp_blind", "[hip], share",
     ),
     "a clamp to the other wall": (
         ("NoseHeld: {fold_neck: -50 %", "NoseHeld: {fold_neck: 50 %"), "robot.clamp_side", "50 %",
@@ -192,7 +193,7 @@ def test_a_clamp_whose_sensor_is_not_fitted_is_never_done(tmp_path: Path) -> Non
 
     assert Counter(code for code, _ in found) == {"robot.never_done": 2, "robot.seen_never": 2}
     assert set(never) == {
-        "stalled, joints: [hip], loaded: [hip], torque: 0.25 Nm, still: 6 deg/s, for: 0.2 s}",
+        HOLD_NOSE.replace("neck", "hip").removeprefix("{kind: "),
         "below, signals: [neck, hip], limit: 6 deg, for: 0.2 s}",
     }
 
@@ -206,8 +207,8 @@ def test_a_fault_that_looks_for_a_broken_sensor_is_none(tmp_path: Path) -> None:
 def test_a_rule_for_each_number_is_told_once(tmp_path: Path) -> None:
     robot = changed(
         PIRATE, tmp_path, "profile.yaml",
-        ("when: bend_current_{i} > 280 mA",
-         "when: bend_current_{i} > 280 mA and bend_current_{i} < 0 A"),
+        ("when: bend_current_{i} > 0.93 * $gamma_{i}_stall_current",
+         "when: bend_current_{i} > 0.93 * $gamma_{i}_stall_current and bend_current_{i} < 0 A"),
     )  # fmt: skip
 
     found = robot_findings(load_robot(robot))
@@ -226,7 +227,7 @@ def test_a_long_condition_is_told_at_its_first_line(tmp_path: Path) -> None:
 
 
 def test_every_finding_says_its_numbers(tmp_path: Path) -> None:
-    swap = (HOLD_NOSE, HOLD_NOSE.replace("0.25 Nm", "0.45 Nm"))
+    swap = (HOLD_NOSE, HOLD_NOSE.replace("50 mNm", "450 mNm"))
 
     (found,) = check_robot(changed(NEWT, tmp_path, "profile.yaml", swap)).findings
 

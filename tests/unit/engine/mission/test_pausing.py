@@ -143,9 +143,9 @@ def test_a_command_under_way_is_suspended_and_its_timeout_too(drive):
     assert driver.state.wake_at_s > driver.now
 
     driver.give(ev.Resume())
-    driver.run(504.9)
+    driver.run(514.9)
     assert len(driver.statuses) == 2
-    driver.run(505.1)
+    driver.run(515.1)
     assert driver.statuses[-1] == ("ClampFront", "failed")
 
 

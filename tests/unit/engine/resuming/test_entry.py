@@ -156,7 +156,7 @@ class TestAClampThatIsNotSeen:
         driver = begun(CutOff(waiting(drive)).go_on(**LOOSE))
         while driver.in_flight:
             driver.accept()
-        driver.run(20.0)
+        driver.run(30.0)
 
         assert ("ClampFront", "failed") in driver.statuses
         assert "unclear" in driver.phases

@@ -100,12 +100,12 @@ def test_it_turns_once_the_posture_is_seen_with_the_loops_at_zero(drive):
         ({"gamma_1": math.radians(16)}, "gamma_1 should be within 15 deg of zero, shows 16 deg"),
         ({"gamma_2": math.nan}, "gamma_2 should be within 15 deg of zero, has no value"),
         (
-            {"bend_torque_4": 0.4},
-            "bend_torque_4 should be at least 500 mNm in either direction, shows 400 mNm",
+            {"bend_torque_4": 0.3},
+            "bend_torque_4 should be at least 311 mNm in either direction, shows 300 mNm",
         ),
         (
             {"bend_torque_4": math.nan},
-            "bend_torque_4 should be at least 500 mNm in either direction, has no value",
+            "bend_torque_4 should be at least 311 mNm in either direction, has no value",
         ),
     ],
 )

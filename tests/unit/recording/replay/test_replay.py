@@ -99,7 +99,7 @@ def changed(tmp_path, file, old, new):
         ("sequences/mitre_bend.yaml", "      - DriveForward\n", "", "enter"),
         (
             "hardware_profiles/pirate_ii/profile.yaml",
-            "loaded: [gamma_1, gamma_2], torque: 500 mNm",
+            "loaded: [gamma_1, gamma_2], share: 70 %, at_least: 100 mNm, settled: 1.5 s",
             "loaded: [gamma_1, gamma_2], torque: 900 mNm",
             "enter",
         ),
