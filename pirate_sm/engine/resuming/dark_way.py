@@ -49,7 +49,7 @@ def dark_way(robot: RobotSpec, last: EngineState, numbers: Numbers, driven_s: fl
     most_m = dark.top_m_s * driven_s if driven_s else 0.0
     ways = [way for way in _ways(robot, last, numbers, most_m) if way.driven or not driven_s]
     rolled_m = [way.rolled_m for way in ways]
-    shown = "wheels have rolled " + ", ".join(f"{way * 1000:.0f}" for way in rolled_m) + " mm"
+    shown = "wheels have rolled " + ", ".join(f"{way * 1000:z.0f}" for way in rolled_m) + " mm"
     seen = frozenset(way.angle for way in ways)
     if not driven_s:
         if last.robot.motion is None and max(map(abs, rolled_m), default=0.0) > dark.agree_m:

@@ -6,8 +6,11 @@ from math import isnan
 
 import pytest
 from cut_off import GRIPPING, CutOff
-from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, command
+from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, changed_newt, command
 
+from pirate_sm.engine.resuming.entry import Entry, entry
+from pirate_sm.engine.resuming.hypotheses import hypotheses
+from pirate_sm.engine.robot.robot_state import Mark
 from pirate_sm.engine.sensing.known_signals import with_changes
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -340,3 +343,123 @@ def test_a_fault_that_is_being_handled_is_not_handled_again(drive):
 
     assert again.phases == ["cooling"]
     assert again.faults == [("motor.hot", "stop")]
+
+
+RESTING = """\
+start: rest
+phases: {rest: {wait: [{operator: x, go: done}], within: {time: 1 h, go: done}}}
+ends: {done: {succeed: Done}}
+"""
+LET_GO = "  - rule: never_let_go\n    after: clamps > 0\n    never: clamps == 0\n"
+AHEAD = {"Grip": "BothHeld", "Crawl": "Ahead"}
+
+
+@pytest.mark.parametrize(
+    ("rule", "restored"),
+    [
+        (LET_GO, {"HoldNose", "HoldTail", "GoAhead"}),
+        ("  - {rule: r, never: command == GoAhead}\n" + LET_GO, {"HoldNose", "HoldTail"}),
+        ("  - {rule: r, never: command == HoldTail}\n" + LET_GO, {"HoldNose", "GoAhead"}),
+    ],
+)
+def test_a_command_that_would_break_a_rule_does_not_restore_anything(
+    drive, tmp_path, rule, restored
+):
+    driver = drive(RESTING, changed_newt(tmp_path, (LET_GO, rule)), states=AHEAD)
+    robot, program, last = driver.robot, driver.engine.program, driver.state
+    body = hypotheses(robot, program, last)[0].body
+
+    found = entry(robot, program, last, driver.now, body)
+
+    assert isinstance(found, Entry)
+    assert {robot.commands[each].name for each in found.restoring} == restored
+
+
+def test_clamps_are_restored_before_wheels_and_only_what_was_confirmed(drive):
+    driver = waiting(drive)
+    robot, program, last = driver.robot, driver.engine.program, driver.state
+    body = hypotheses(robot, program, last)[0].body
+
+    def restored(last, at="here"):
+        found = entry(robot, program, last, driver.now, body, at)
+        return [robot.commands[each].name for each in found.restoring]
+
+    assert restored(last) == ["ClampFront", "ClampRear", "DriveForward"]
+    assert restored(last, "unclear") == ["ClampFront", "ClampRear"], "its phase drives them"
+    front = Mark("part", 0, robot.table.command_index["ClampFront"])
+    doubted = last._replace(robot=last.robot._replace(marks=frozenset({front})))
+    assert restored(doubted) == ["ClampRear", "DriveForward"]
+
+
+def test_an_angle_is_restored_too_where_wheels_are_not_driven_again(drive):
+    states = BOTH_CLAMPED | {"RotationState": "AlignedStraight"}
+    driver = drive(STEPS, states=states)
+    driver.signals |= GRIPPING
+    driver.run(0.4)
+    robot, program, last = driver.robot, driver.engine.program, driver.state
+    found = entry(robot, program, last, 0.4, hypotheses(robot, program, last)[0].body, "unclear")
+
+    assert "AlignStraight" in {robot.commands[each].name for each in found.restoring}
+
+
+def test_the_command_under_way_is_not_restored_besides(drive):
+    driver = drive(STEPS.replace("[DriveForward,", "[ClampFront,"), states=REAR_CLAMPED)
+    driver.until(lambda seen: seen.in_flight)
+    robot, program, last = driver.robot, driver.engine.program, driver.state
+    sent = hypotheses(robot, program, last)[1]
+    assert sent.command == "ClampFront"
+
+    found = entry(robot, program, last, driver.now, sent.body)
+
+    assert "ClampFront" not in {robot.commands[each].name for each in found.restoring}
+    assert "ClampRear" in {robot.commands[each].name for each in found.restoring}
+
+
+def test_a_wait_that_was_not_armed_yet_has_its_whole_time(drive):
+    driver = waiting(drive)
+    robot, program, last = driver.robot, driver.engine.program, driver.state
+    body = hypotheses(robot, program, last)[0].body
+    pending = last._replace(mission=last.mission._replace(begun=False))
+
+    assert entry(robot, program, last, driver.now, body).armed_s == pytest.approx(10.0, abs=0.5)
+    assert entry(robot, program, pending, driver.now, body).armed_s == 0.0
+
+
+REPEATED = """\
+start: work
+phases:
+  work: {do: [{repeat: {times: 3, do: [{ask: "Again?", choices: {"on": continue}}]}}], go: done}
+ends: {done: {succeed: Done}}
+"""
+
+
+def test_a_repeat_goes_on_in_its_turn(drive):
+    driver = clamped(drive, REPEATED)
+    driver.until(lambda seen: seen.of(fx.Ask))
+    driver.give(ev.Answer("on"))
+    program = driver.engine.program
+    assert program.turn_of[driver.state.mission.pc] == "2 of 3"
+
+    again = begun(CutOff(driver).go_on())
+
+    resumed = again.engine.program
+    assert resumed.turn_of[again.state.mission.pc] == "2 of 3"
+    assert len(resumed.turn_of) == len(resumed.instructions)
+    again.give(ev.Answer("on"))
+    assert resumed.turn_of[again.state.mission.pc] == "3 of 3"
+    again.give(ev.Answer("on"))
+    again.until(lambda seen: seen.ended)
+
+
+def test_a_command_that_was_restored_already_counts_as_done(drive):
+    handled = "on_fault: [{fault: robot.stuck, go: again}]\n" + STEPS
+    again = "  again: {do: [DriveForward], wait: [{after: 9 s, go: done}]}\n"
+    driver = waiting(drive, handled.replace("phases:\n", f"phases:\n{again}"))
+    driver.give(ev.FaultReport("robot.stuck", "it does not move"))
+    driver.until_sent("DriveForward", times=2)
+
+    resumed = begun(CutOff(driver).go_on())
+    resumed.until(lambda seen: seen.of(fx.WaitArmed))
+
+    assert resumed.phases == ["again"]
+    assert [each for each in resumed.statuses if each[1] == "sent"] == [("DriveForward", "sent")]

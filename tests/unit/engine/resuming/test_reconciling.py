@@ -6,7 +6,14 @@ from math import nan
 
 import pytest
 from cut_off import GRIPPING, CutOff, verdict_of
-from driving import BOTH_CLAMPED, DRIVING_FORWARD, FRONT_CLAMPED, IDLE, command
+from driving import (
+    BOTH_CLAMPED,
+    DRIVING_FORWARD,
+    FRONT_CLAMPED,
+    IDLE,
+    REAR_CLAMPED,
+    command,
+)
 
 from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.resuming.reconciling import reconcile
@@ -163,8 +170,35 @@ def test_what_the_recording_contradicts_itself_is_left_to_a_command(drive):
 
     found = CutOff(driver).look()
 
-    assert verdict_of(found, "front").word == UNKNOWN
+    front = verdict_of(found, "front")
+    assert (front.word, front.why) == (UNKNOWN, "it is contradicted in the recording already")
     assert found.chosen is not None
+    assert verdict_of(found, "LightingState").why == (
+        "nothing measures it; the first accepted array that holds it confirms it"
+    )
+
+
+def test_a_command_that_may_have_begun_to_drive_leaves_the_way_open(drive):
+    driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+    command(driver, "DriveForward")
+    assert driver.in_flight
+
+    way = CutOff(driver, driven_s=0.4).look().way
+
+    assert way.low_m == -way.high_m < 0.0
+    assert CutOff(driver).look().way.exact
+
+
+def test_why_a_state_is_unknown(drive):
+    driver = at_rest(drive(IDLE, states=REAR_CLAMPED))
+    command(driver, "ClampFront")
+    driver.accept()
+    found = CutOff(driver).look(bend_torque_1=-0.3, bend_torque_4=0.3)
+
+    assert verdict_of(found, "front").why == "ClampFront was not done when the recording ends"
+    assert verdict_of(found, "rear").why == (
+        "the sensors show it neither so nor otherwise for long enough"
+    )
 
 
 def test_wheels_that_turn_are_stopped_first(clamped):
@@ -257,6 +291,15 @@ def test_what_the_recording_contradicts_and_the_sensors_show_now_may_be_confirme
     assert verdict_of(found, "front").word == CONFIRMED
     front = clamps_of(found)[0]
     assert front.command == DECLARED
+
+
+def test_the_joints_of_a_part_that_was_denied_may_have_moved(clamped):
+    message = "the front has opened nearly to its end stop, there is no wall"
+    clamped.driver.give(FaultReport("clamp.lost", message))
+    denied = CutOff(clamped.driver)
+
+    assert not any("gamma_2" in each for each in denied.look(gamma_2=1.2).refusals)
+    assert any("gamma_3" in each for each in denied.look(gamma_3=-1.2).refusals)
 
 
 def test_a_clamp_that_a_fault_denied_stays_denied(drive):

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import nan, radians
+from types import SimpleNamespace
 
 import pytest
 from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, Driver
 
+from pirate_sm.engine.mission.program import Program, Wait
 from pirate_sm.engine.resuming.resumption import Resumption, resumption
 from pirate_sm.engine.resuming.unknowns import position_read, unknown_position, unknowns
 from pirate_sm.model import effects as fx
@@ -99,6 +101,76 @@ def test_a_change_that_counts_on_from_an_unknown_position_reads_it(
     assert driver.state.mission.origin
 
     assert (POSITION in found(driver, driven_s)[1]) == read
+
+
+def test_a_later_change_counts_from_where_its_own_wait_begins(drive) -> None:
+    driver = asking(drive, "change(odometry) >= 1 m")
+    instructions = driver.engine.program.instructions
+    origin = (nan,) * len(driver.state.sensing.numbers)
+
+    def read(counts_on: bool, origin: tuple[float, ...]) -> bool:
+        counted = tuple(
+            each._replace(counts_on=counts_on) if isinstance(each, Wait) else each
+            for each in instructions
+        )
+        program = replace(driver.engine.program, instructions=counted)
+        return bool(list(position_read(driver.robot, program, origin)))
+
+    assert read(True, origin)
+    assert not read(False, origin)
+    assert not read(True, ())
+    assert not read(True, (0.0,) * len(origin))
+
+
+def test_a_wait_for_something_else_does_not_read_the_position(drive) -> None:
+    driver = asking(drive, "theta_1 >= 1 rad")
+    program = driver.engine.program
+    counting = tuple(
+        each._replace(counts_on=True) if isinstance(each, Wait) else each
+        for each in program.instructions
+    )
+    origin = (nan,) * len(driver.state.sensing.numbers)
+
+    assert not list(position_read(driver.robot, replace(program, instructions=counting), origin))
+
+
+def test_a_mission_that_begins_again_is_read_once(drive) -> None:
+    again = READING.replace("DO", "").replace("WHEN, go: done", "theta_1 >= 1 rad, go: ask")
+    again = again.replace(
+        '    do: [{ask: "Go on?", choices: {"on": continue}}]\n    go: work\n',
+        "    wait: [{when: odometry >= 1 m, go: work}]\n    within: {time: 9 s, go: work}\n",
+    )
+    driver = drive(again, states=BOTH_CLAMPED)
+    program = driver.engine.program
+    work = next(at for at, phase in enumerate(program.phase_of) if phase == "work")
+
+    assert len(list(position_read(driver.robot, replace(program, start=work), ()))) == 1
+
+
+@pytest.mark.parametrize("index", [0, 1])
+def test_an_odometry_of_any_place_is_read(drive, index: int) -> None:
+    driver = asking(drive, "odometry >= 1 m")
+    program = driver.engine.program
+    name = driver.robot.vocabulary.numbers[index]
+
+    def reading(*names: str) -> Program:
+        """The program whose waits have no place of their own and read these signals."""
+        condition = SimpleNamespace(names=frozenset(names))
+        instructions = tuple(
+            each._replace(
+                place="m.yaml:9:9",
+                triggers=tuple(t._replace(condition=condition, place="") for t in each.triggers),
+            )
+            if isinstance(each, Wait)
+            else each
+            for each in program.instructions
+        )
+        return replace(program, instructions=instructions)
+
+    robot = replace(driver.robot, odometry=index)
+    assert {place for _, place in position_read(robot, reading(name), ())} == {"m.yaml:9:9"}
+    without, last = replace(robot, odometry=-1), robot.vocabulary.numbers[-1]
+    assert list(position_read(without, reading(last), ())) == []
 
 
 def test_a_part_that_is_not_seen_to_hold_is_unknown_and_a_light_is_not(drive) -> None:
