@@ -136,6 +136,7 @@ class LinkFact:
         time_requests: How often it asked the time.
         asked_ms: Round trips of requests for topics.
         echoed_ms: Round trips of arrays.
+        stood_still_s: The longest time by which this computer woke too late.
     """
 
     answer_s: float
@@ -149,6 +150,7 @@ class LinkFact:
     time_requests: int
     asked_ms: tuple[float, ...]
     echoed_ms: tuple[float, ...]
+    stood_still_s: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -26,6 +26,9 @@ COMPLETE_SHARE = 0.9
 """Of the messages that the bus has time for."""
 
 
+STALLED_SHARE = 0.5
+"""A computer that stands still for this share of what its guardian allows is suspicious."""
+
 SLOW_MS = 150.0
 _ERROR = 3
 
@@ -38,7 +41,7 @@ def judged(facts: Facts, subject: Subject) -> Facts:
         *_about_topics(facts),
         *_about_boards(facts, subject),
         *_about_channels(facts),
-        *_about_link(facts),
+        *_about_link(facts, subject),
         *_about_moving(facts, _advice(subject)),
     ]
     order = ("no-go", "suspicious", "note")
@@ -146,8 +149,16 @@ def _about_channels(facts: Facts) -> Iterator[DoctorFinding]:
 # --- link ---------------------------------------------------------------------------------------
 
 
-def _about_link(facts: Facts) -> Iterator[DoctorFinding]:
-    link = facts.link
+def _about_link(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
+    link, most_s = facts.link, subject.plan.serial.heartbeat_within
+    if link.stood_still_s > STALLED_SHARE * most_s:
+        yield DoctorFinding(
+            "suspicious",
+            f"this computer stood still for {link.stood_still_s:.2f} s, and a robot that drives is "
+            f"stopped after {most_s:g} s (heartbeat_within): end other programs, plug in its power "
+            "supply, or let this program go first (`@dialout - nice -10` in a file of "
+            "/etc/security/limits.d, then log in again)",
+        )
     if link.resets:
         message = "the device fell silent and had to be asked anew: it was reset"
         yield DoctorFinding("no-go", message)

@@ -144,9 +144,11 @@ class Listening:
                 self.port.write(data)
             self.port.beat(self.exchange.safe_frame())
             due_s = self.exchange.due_s(now) if self._may_write else inf
-            data = self.port.read(min(until_s, due_s, now + _BEAT_EVERY_S))
+            wake_s = max(now, min(until_s, due_s, now + _BEAT_EVERY_S))
+            data = self.port.read(wake_s)
             self._check()
             now = self.port.now()
+            self._late_s = max(self._late_s, now - wake_s)
             if data:
                 self._hear(data, now)
             self._digest(now)
@@ -208,6 +210,7 @@ class Listening:
         self._asked_s = inf
         self._asked_ms: list[float] = []
         self._bytes = 0
+        self._late_s: float = 0.0
 
     # --- what came of it --------------------------------------------------------------------
 
@@ -228,6 +231,7 @@ class Listening:
             time_requests=max(0, self._counts[TIME] - len(self._asked_ms)),
             asked_ms=tuple(self._asked_ms),
             echoed_ms=tuple(each * 1e3 for each in self.exchange.link.quality.round_trips),
+            stood_still_s=self._late_s,
         )
         return Facts(
             port=self.port.name,

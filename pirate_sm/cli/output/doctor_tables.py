@@ -79,6 +79,7 @@ def link_lines(facts: Facts) -> list[str]:
         f"{link.bytes} bytes in {facts.listened_s:.1f} s, {link.dropped} of no frame, "
         f"{link.unreadable} messages unreadable, {link.strange} strange",
         f"{link.time_requests} requests for the time answered",
+        f"this computer stood still for {link.stood_still_s * 1000:.0f} ms at most",
     ]
     if link.asked_ms:
         lines.append(f"round trip of a question: {_trips(link.asked_ms)}")

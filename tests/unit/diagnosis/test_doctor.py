@@ -310,3 +310,26 @@ def test_a_port_that_cannot_be_opened_says_why(subject: Subject) -> None:
 
     with pytest.raises(BackendError, match="it is in use"), Listening(subject, port, 57600):
         raise AssertionError("it connected")
+
+
+@pytest.mark.parametrize(("late_s", "findings"), [(0.05, 0), (0.2, 1)])
+def test_belief_a_computer_that_stands_still_is_found_before_it_stops_a_robot(
+    connect: Connect, subject: Subject, late_s: float, findings: int
+) -> None:
+    with connect() as listening:
+        port, read = listening.port, listening.port.read
+
+        def wakes_late(until_s: float) -> bytes:
+            data = read(until_s)
+            if 4.0 < port.now() < 4.2:
+                port.wait(until_s + late_s)
+            return data
+
+        port.read = wakes_late  # type: ignore[method-assign]
+        listening.listen(5.0)
+        facts = judged(listening.facts(), subject)
+
+    assert facts.link.stood_still_s == pytest.approx(late_s, abs=0.01)
+    shown = [each for each in messages(facts, "suspicious") if "stood still for 0.20 s" in each]
+    assert len(shown) == findings
+    assert all("heartbeat_within" in each and "nice" in each for each in shown)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 from collections import deque
 from collections.abc import Callable
@@ -23,6 +24,9 @@ _STOPS_WITHIN_S = 6.0
 _HUNG_AFTER_S = 1.0
 """A guardian that has not acknowledged a beat for this long hangs. It may block for half a second
 while the port takes nothing."""
+
+_NICE = -10
+"""Ahead of usual programs (0), after those that keep the system alive (-20) [decided]."""
 
 _DIED = "the guardian of the port has died"
 _HUNG = "the guardian of the port did not answer and was replaced"
@@ -55,6 +59,7 @@ class GuardedPort:
         self._overruled = False
         self._stopped = False
         self._remark = ""
+        self._nice: int | None = None
 
     now = staticmethod(time.monotonic)
 
@@ -73,6 +78,7 @@ class GuardedPort:
         Raises:
             BackendError: The port cannot be opened, or the robot does not confirm its stop.
         """
+        self._nice = _hurry(_NICE)
         left = self._start()
         if not self._await(lambda: self._opened or bool(self._refused), _STARTS_WITHIN_S):
             self._refused = "the guardian of the serial port does not answer"
@@ -140,6 +146,7 @@ class GuardedPort:
 
     def close(self, stopped: bool = False) -> None:
         """End the guardian, unless the robot has not confirmed its stop."""
+        _hurry(self._nice)
         self._remark = self._leave(dismissed=stopped or not self._safe_frame)
 
     def remark(self) -> str:
@@ -293,3 +300,17 @@ class GuardedPort:
                 self._acknowledged.hear(self._heard_s)
             case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
                 pass  # kinds that only the runner sends
+
+
+def _hurry(nice: int | None) -> int | None:
+    """Give this thread, and those that it starts, a priority where that is allowed.
+
+    Returns:
+        The priority before; None on a system without priorities.
+    """
+    if nice is None or not hasattr(os, "setpriority"):
+        return None
+    before = os.getpriority(os.PRIO_PROCESS, 0)
+    with suppress(OSError):
+        os.setpriority(os.PRIO_PROCESS, 0, nice)
+    return before

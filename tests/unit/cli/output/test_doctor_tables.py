@@ -24,7 +24,7 @@ BOARDS = tuple(
     BoardFact(number, f"module_{number}", 50, 10.0, 10.4, 0.1, (ANGLE,) * 6)
     for number in range(22, 28)
 )
-LINK = LinkFact(2.1, 15000, 3, 0, 0, 1, 2, 0, 2, (17.0, 20.0, 18.0), (75.0, 80.0))
+LINK = LinkFact(2.1, 15000, 3, 0, 0, 1, 2, 0, 2, (17.0, 20.0, 18.0), (75.0, 80.0), 0.12)
 
 
 @pytest.fixture
@@ -72,6 +72,7 @@ def test_the_link_is_told_in_words(facts: Facts) -> None:
         "answered 2.1 s after the port was opened; 57600 baud",
         "15000 bytes in 5.0 s, 3 of no frame, 0 messages unreadable, 0 strange",
         "2 requests for the time answered",
+        "this computer stood still for 120 ms at most",
         "round trip of a question: median 18 ms, 17 to 20 ms (3)",
         "round trip of an array: median 78 ms, 75 to 80 ms (2); 2 repeated, 1 damaged echoes",
         "the firmware says: bay ready",
