@@ -65,6 +65,7 @@ class Listening:
         self._resets = 0
         self._sample = b""
         self._answer_s = nan
+        self._late_s = 0.0
         self._connected = False
         self._decoder = Decoder()
         self._count_from(port.now())
@@ -210,7 +211,7 @@ class Listening:
         self._asked_s = inf
         self._asked_ms: list[float] = []
         self._bytes = 0
-        self._late_s: float = 0.0
+        self._late_s = 0.0
 
     # --- what came of it --------------------------------------------------------------------
 
