@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import inf, nan
 from types import TracebackType
@@ -13,16 +13,59 @@ from pirate_sm.backends.serial.backend import ANSWER_WITHIN_S
 from pirate_sm.backends.serial.link.connection_errors import unanswered
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import STATE
+from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import Port
-from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject
+from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
 from pirate_sm.diagnosis.records import Records
-from pirate_sm.diagnosis.topic_facts import topic_facts
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.rosserial.frames import Decoder, encode
 from pirate_sm.rosserial.message_types import Malformed
-from pirate_sm.rosserial.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
+from pirate_sm.rosserial.topics import (
+    PUBLISHER,
+    REQUEST_TOPICS,
+    SUBSCRIBER,
+    TIME,
+    Direction,
+    TopicInfo,
+)
+
+
+def topic_facts(
+    wanted: Sequence[Wanted],
+    offered: Mapping[tuple[Direction, str], TopicInfo],
+    counts: Mapping[int, int],
+    elapsed_s: float,
+) -> tuple[TopicFact, ...]:
+    """Return the facts of each topic: the wanted ones, then those that only the device has.
+
+    Args:
+        wanted: The profile's topics.
+        offered: The device's topics, by direction and name.
+        counts: Number of frames of each topic, by its number.
+        elapsed_s: Time over which they were counted, s.
+    """
+    found: list[TopicFact] = []
+    others = dict(offered)
+    for each in wanted:
+        name = each.name.lstrip("/")
+        info = others.pop((each.direction, name), None)
+        ours = each.type, each.md5
+        if info is None:
+            found.append(TopicFact(name, each.direction, None, "", ours[0], "", ours[1], 0.0))
+        else:
+            found.append(_offered(info, *ours, counts, elapsed_s))
+    return (*found, *(_offered(info, "", "", counts, elapsed_s) for info in others.values()))
+
+
+def _offered(
+    info: TopicInfo, our_type: str, our_md5: str, counts: Mapping[int, int], elapsed_s: float
+) -> TopicFact:
+    rate = counts.get(info.number, 0) / elapsed_s
+    its = info.name, info.direction, info.number, info.type
+    return TopicFact(*its, our_type, info.md5, our_md5, rate)
+
 
 _MORE_WITHIN_S = 1.5
 """A device that has introduced some of its topics has introduced the rest by then."""

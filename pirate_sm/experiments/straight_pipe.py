@@ -2,20 +2,56 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from pathlib import Path
+from statistics import fmean
+from tempfile import TemporaryDirectory
+
 import numpy as np
 
-from pirate_sm.api import run
+from pirate_sm.api import Run, run
 from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.experiments.experiment_result import ExperimentResult, Watch
 from pirate_sm.experiments.mission_setups import StraightPipeSetup
 from pirate_sm.experiments.needed_extras import is_missing
-from pirate_sm.experiments.seen_runs import seen_run
 from pirate_sm.experiments.slip_signals import SlipSignals
 from pirate_sm.fitting.slip_curve import fit_slip_curve
 from pirate_sm.fitting.slip_plot import slip_plot
 from pirate_sm.model.body import Wheel
 from pirate_sm.model.profile import Profile
+from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.simulation.arrays import Floats
+
+
+def seen_run(
+    mission: str, camera: str, defects: Sequence[str]
+) -> tuple[Run, tuple[Floats, Floats]]:
+    """Return a run with the camera as detector, and when and where it saw the robot.
+
+    Args:
+        mission: Name of the mission.
+        camera: Name of a synthetic camera.
+        defects: That the robot has.
+
+    Returns:
+        The run; times in s and the mean position of the wheels that were seen, m along the pipe.
+
+    Raises:
+        LoadError: The mission or the camera cannot be loaded.
+        UsageError: An extra is not installed.
+    """
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "seen.mcap"
+        made = run(mission, defects=defects, detector=f"vision:{camera}", record=path)
+        body = made.loaded.loaded_robot.profile.body
+        names = [f"{wheel.name}_m" for wheel in body.wheels]
+        seen: dict[float, float] = {}
+        for shown in read_recording(path).shown("/vision"):
+            places = [shown.content[name] for name in names if name in shown.content]
+            if len(places) == len(names):
+                seen[round(shown.at_s - shown.content["age_s"], 6)] = fmean(places)
+    return made, (np.array(list(seen)), np.array(list(seen.values())))
+
 
 _DRAWN = 5
 """Every fifth step is drawn."""

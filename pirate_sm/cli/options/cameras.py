@@ -10,7 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 
 Camera = Annotated[str, argument("CAMERA", named_files.cameras, "Name or path of a camera's file.")]
 Inside = Annotated[str, option("NxM", None, "Corners inside of the chessboard.", "--board")]
@@ -19,9 +19,7 @@ Pictures = Annotated[
     str | None,
     option("FILES", named_files.files, "Pictures in place of the camera, such as 'seen/*.png'."),
 ]
-Write = Annotated[
-    bool, typer.Option("--write/--no-write", help="Whether it is put into the camera's file.")
-]
+Write = Annotated[bool, flag("Whether it is put into the camera's file.", "--write/--no-write")]
 
 
 @dataclass(frozen=True, kw_only=True)

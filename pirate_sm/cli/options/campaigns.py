@@ -10,7 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 
 _MOST_SEEDS = 10**9
 """As in a campaign file, whose model a help text does not import."""
@@ -52,9 +52,7 @@ class CampaignOptions:
     scheduler: Annotated[
         str | None, option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
     ] = None
-    resume: Annotated[
-        bool, typer.Option("--resume", help="Go on with the results that are there.")
-    ] = False
+    resume: Annotated[bool, flag("Go on with the results that are there.", "--resume")] = False
     output: Annotated[
         Path | None,
         option(

@@ -9,7 +9,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -57,13 +57,11 @@ class CheckOptions:
         str | None,
         option("DIR", named_files.folders, "Write how a finding comes about, as files to run."),
     ] = None
-    rehearse: Annotated[
-        bool, typer.Option("--rehearse", help="Run each mission in the simulator.")
-    ] = False
+    rehearse: Annotated[bool, flag("Run each mission in the simulator.", "--rehearse")] = False
     seeds: Annotated[int, typer.Option(min=1, help="How often each is rehearsed.")] = 1
-    outside: Annotated[
-        bool, typer.Option("--outside", help="Follow `call` and `pipe` out of the project.")
-    ] = False
+    outside: Annotated[bool, flag("Follow `call` and `pipe` out of the project.", "--outside")] = (
+        False
+    )
     debug: common.Debug = False
 
 

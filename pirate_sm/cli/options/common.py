@@ -13,7 +13,7 @@ import typer
 
 from pirate_sm import __version__
 from pirate_sm.cli.completion import candidates, named_files
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 from pirate_sm.model.fidelity import Fidelity
 
 
@@ -42,7 +42,7 @@ Version = Annotated[
         help="Print the versions of program and formats.",
     ),
 ]
-Debug = Annotated[bool, typer.Option("--debug", help="Show tracebacks.")]
+Debug = Annotated[bool, flag("Show tracebacks.", "--debug")]
 
 
 Backend = Annotated[
@@ -122,9 +122,7 @@ LineFault = Annotated[
         "--line",
     ),
 ]
-View = Annotated[
-    bool, typer.Option("--view", help="Show the backend physics in MuJoCo's own viewer.")
-]
+View = Annotated[bool, flag("Show the backend physics in MuJoCo's own viewer.", "--view")]
 Port = Annotated[str | None, option("PORT", candidates.ports, "/dev/ttyACM0, or a pyserial URL.")]
 PortOfRobot = Annotated[
     str | None,
@@ -167,24 +165,19 @@ Panel = Annotated[
     ),
 ]
 Ruler = Annotated[
-    bool,
-    typer.Option("--ruler", help="In sim: a ruler outside measures the robot's speed, for slip."),
+    bool, flag("In sim: a ruler outside measures the robot's speed, for slip.", "--ruler")
 ]
 StartAt = Annotated[
     str | None, option("LENGTH", None, "Where the first wheel begins, for odometry.")
 ]
 Calibration = Annotated[
-    bool,
-    typer.Option("--calibration/--no-calibration", help="Whether its joint zeros are used."),
+    bool, flag("Whether its joint zeros are used.", "--calibration/--no-calibration")
 ]
 Adopt = Annotated[
-    bool,
-    typer.Option("--adopt", help="Take a robot that is clamped already as its sensors show it."),
+    bool, flag("Take a robot that is clamped already as its sensors show it.", "--adopt")
 ]
 
-Check = Annotated[
-    bool, typer.Option("--check/--no-check", help="Whether a faulty mission is refused.")
-]
+Check = Annotated[bool, flag("Whether a faulty mission is refused.", "--check/--no-check")]
 Twin = Annotated[
     str | None,
     option(
@@ -194,12 +187,10 @@ Twin = Annotated[
         "--twin",
     ),
 ]
-NoRecord = Annotated[bool, typer.Option("--no-record", help="Record nothing.")]
+NoRecord = Annotated[bool, flag("Record nothing.", "--no-record")]
 
 Recording = Annotated[str, argument("RUN.mcap", named_files.recordings, "A recording.")]
 Output = Annotated[
     Path | None, option("OUT", named_files.files, "Write to this file.", "--output", "-o")
 ]
-Overwrite = Annotated[
-    bool, typer.Option("--overwrite", help="Write over files that may be somebody's work.")
-]
+Overwrite = Annotated[bool, flag("Write over files that may be somebody's work.", "--overwrite")]

@@ -10,7 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import option
+from pirate_sm.cli.options.declaring import flag, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,7 +44,7 @@ class BayOptions:
         None
     )
     never_two: Annotated[
-        bool, typer.Option("--never-two", help="Never two frames of a topic lost in a row.")
+        bool, flag("Never two frames of a topic lost in a row.", "--never-two")
     ] = False
     corruption: Annotated[str | None, option("SHARE", None, "Bytes changed on their way.")] = None
     delay: Annotated[float, typer.Option(help="Further seconds for every frame.")] = 0.0
@@ -56,9 +56,9 @@ class BayOptions:
     hang_at: Annotated[float | None, typer.Option(help="Stand still after these seconds.")] = None
     hang_for: Annotated[float | None, typer.Option(help="... for this many seconds.")] = None
     boot: Annotated[float | None, typer.Option(help="Seconds of boot loader and set-up.")] = None
-    overrun: Annotated[
-        bool, typer.Option("--overrun/--no-overrun", help="Whether a full ring loses bytes.")
-    ] = True
+    overrun: Annotated[bool, flag("Whether a full ring loses bytes.", "--overrun/--no-overrun")] = (
+        True
+    )
     stale_every: Annotated[
         float, typer.Option(help="Mean seconds between spells of repeated values.")
     ] = 0.0
@@ -78,17 +78,16 @@ class BayOptions:
         list[float] | None, typer.Option(help="A motor moves on its own. Repeatable.")
     ] = None
     motors_started: Annotated[
-        bool, typer.Option("--play/--no-play", help="Whether the actuators were started.")
+        bool, flag("Whether the actuators were started.", "--play/--no-play")
     ] = True
     sensors_started: Annotated[
-        bool, typer.Option("--set/--no-set", help="Whether the sensors were started.")
+        bool, flag("Whether the sensors were started.", "--set/--no-set")
     ] = True
     old_client: Annotated[
-        bool, typer.Option("--old-client", help="Lose the host after an overrun (2014-2017).")
+        bool, flag("Lose the host after an overrun (2014-2017).", "--old-client")
     ] = False
     dead_man: Annotated[
-        bool,
-        typer.Option("--dead-man/--no-dead-man", help="Whether a silent host stops the motors."),
+        bool, flag("Whether a silent host stops the motors.", "--dead-man/--no-dead-man")
     ] = True
     defects: common.Defects = None
     debug: common.Debug = False

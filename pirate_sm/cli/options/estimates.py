@@ -10,7 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -32,10 +32,9 @@ class FitOptions:
             "Recordings (.mcap) or tables of signals (.csv).",
         ),
     ]
-    robot: Annotated[
-        bool,
-        typer.Option("--robot", help="Estimate the robot's motors and friction instead."),
-    ] = False
+    robot: Annotated[bool, flag("Estimate the robot's motors and friction instead.", "--robot")] = (
+        False
+    )
     slip: Annotated[str, option("SIGNAL", candidates.signals, "Slip speeds of the wheels.")] = (
         "slip_speed_{}"
     )

@@ -10,7 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -102,9 +102,7 @@ class GraphOptions:
         Path | None,
         option("SCRIPT", named_files.scripts, "Mark the way that this course of events takes."),
     ] = None
-    calls: Annotated[
-        bool, typer.Option("--calls", help="Draw the missions that it calls, too.")
-    ] = False
+    calls: Annotated[bool, flag("Draw the missions that it calls, too.", "--calls")] = False
     settings: common.Settings = None
     debug: common.Debug = False
 
@@ -164,7 +162,7 @@ class PlanOptions:
             "--from",
         ),
     ] = None
-    json: Annotated[bool, typer.Option("--json", help="One JSON object, for programs.")] = False
+    json: Annotated[bool, flag("One JSON object, for programs.", "--json")] = False
     debug: common.Debug = False
 
 
@@ -179,9 +177,7 @@ class RobotOptions:
         str | None,
         argument("ROBOT", named_files.robots, "A shipped robot, or its folder; the first shipped."),
     ] = None
-    html: Annotated[bool, typer.Option("--html", help="One HTML file in place of Markdown.")] = (
-        False
-    )
+    html: Annotated[bool, flag("One HTML file in place of Markdown.", "--html")] = False
     output: common.Output = None
     overwrite: common.Overwrite = False
     debug: common.Debug = False
@@ -216,9 +212,7 @@ class NewPipeOptions:
     robot: Annotated[
         str | None, option("NAME", named_files.robots, "For which robot; the first one shipped.")
     ] = None
-    round: Annotated[
-        bool, typer.Option("--round", help="Round pipes, with a tee and a branch.")
-    ] = False
+    round: Annotated[bool, flag("Round pipes, with a tee and a branch.", "--round")] = False
     debug: common.Debug = False
 
 

@@ -6,11 +6,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated
 
-import typer
-
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -27,7 +25,7 @@ class DemoOptions:
         argument("[SCENE]", named_files.scenes, "A scene's name, or a file of your own."),
     ] = None
     all: Annotated[
-        bool, typer.Option("--all", help="All scenes at full speed, with a page that lists them.")
+        bool, flag("All scenes at full speed, with a page that lists them.", "--all")
     ] = False
     speed: Annotated[
         str | None,

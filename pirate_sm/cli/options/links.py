@@ -9,7 +9,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import option
+from pirate_sm.cli.options.declaring import flag, option
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -25,16 +25,14 @@ class DoctorOptions:
     robot: common.OneRobot = None
     baud: common.Baud = None
     seconds: Annotated[float, typer.Option(min=1.0, help="How long to listen.")] = 5.0
-    move: Annotated[
-        bool, typer.Option("--move", help="Send setpoints too: each wheel turns for a moment.")
-    ] = False
-    yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="With --move: the wheels are free to turn.")
-    ] = False
+    move: Annotated[bool, flag("Send setpoints too: each wheel turns for a moment.", "--move")] = (
+        False
+    )
+    yes: Annotated[bool, flag("With --move: the wheels are free to turn.", "--yes", "-y")] = False
     guard_for: common.GuardFor = None
     calibration: common.Calibration = True
-    plain: Annotated[bool, typer.Option("--plain", help="Lines instead of live tables.")] = False
-    json: Annotated[bool, typer.Option("--json", help="One JSON object.")] = False
+    plain: Annotated[bool, flag("Lines instead of live tables.", "--plain")] = False
+    json: Annotated[bool, flag("One JSON object.", "--json")] = False
     debug: common.Debug = False
 
 
@@ -56,7 +54,7 @@ class CalibrateOptions:
     skip: Annotated[
         list[str] | None, option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")
     ] = None
-    yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="The robot lies straight already; ask nothing.")
-    ] = False
+    yes: Annotated[bool, flag("The robot lies straight already; ask nothing.", "--yes", "-y")] = (
+        False
+    )
     debug: common.Debug = False

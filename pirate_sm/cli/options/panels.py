@@ -7,7 +7,7 @@ from typing import Annotated
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument
+from pirate_sm.cli.options.declaring import argument
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -10,7 +10,7 @@ import typer
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, option
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -9,7 +9,7 @@ import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.valued import argument, option
+from pirate_sm.cli.options.declaring import argument, flag, option
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.palette import USUAL as USUAL_THEME
 from pirate_sm.palette import Theme
@@ -32,15 +32,13 @@ class RunOptions:
     resume: Annotated[
         str | None, option("RUN.mcap", named_files.recordings, "Go on with a run that was cut off.")
     ] = None
-    look: Annotated[
-        bool, typer.Option("--look", help="With --resume: only see whether it can go on.")
-    ] = False
+    look: Annotated[bool, flag("With --resume: only see whether it can go on.", "--look")] = False
     at: Annotated[
         str | None,
         option("PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"),
     ] = None
     accept: Annotated[
-        bool, typer.Option("--accept", help="With --resume: go on without asking, if all is seen.")
+        bool, flag("With --resume: go on without asking, if all is seen.", "--accept")
     ] = False
     adopt: common.Adopt = False
     backend: common.Backend = "sim"
@@ -94,14 +92,12 @@ class RunOptions:
     ] = None
     no_record: common.NoRecord = False
     live: Annotated[
-        bool, typer.Option("--live", help="Let Foxglove or Lichtblick look on, on this machine.")
+        bool, flag("Let Foxglove or Lichtblick look on, on this machine.", "--live")
     ] = False
-    yes: Annotated[
-        bool, typer.Option("--yes", "-y", help="Take the first answer to every question.")
-    ] = False
-    plain: Annotated[bool, typer.Option("--plain", help="Lines instead of the live view.")] = False
-    json: Annotated[bool, typer.Option("--json", help="JSON Lines on standard output.")] = False
-    quiet: Annotated[bool, typer.Option("--quiet", "-q", help="Only how it ended.")] = False
+    yes: Annotated[bool, flag("Take the first answer to every question.", "--yes", "-y")] = False
+    plain: Annotated[bool, flag("Lines instead of the live view.", "--plain")] = False
+    json: Annotated[bool, flag("JSON Lines on standard output.", "--json")] = False
+    quiet: Annotated[bool, flag("Only how it ended.", "--quiet", "-q")] = False
     debug: common.Debug = False
     version: common.Version = False
 
@@ -162,7 +158,5 @@ class ConsoleOptions:
     check: common.Check = True
     twin: common.Twin = None
     no_record: common.NoRecord = False
-    live: Annotated[
-        bool, typer.Option("--live", help="Serve Foxglove and Lichtblick on this machine.")
-    ] = False
+    live: Annotated[bool, flag("Serve Foxglove and Lichtblick on this machine.", "--live")] = False
     debug: common.Debug = False

@@ -5,12 +5,30 @@ It is a flowchart, not a state diagram, because only its labels may contain ever
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+import re
+from collections.abc import Iterable, Iterator, Mapping
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.text_formats.identifiers import plain_names
 from pirate_sm.drawing.text_wrapping import balanced, printable, wrapped
 from pirate_sm.palette import EITHER
+
+
+def plain_names(ids: Iterable[str], prefix: str) -> dict[str, str]:
+    """Return a different name of ASCII letters, digits and underscores for each id.
+
+    The prefix keeps them distinct from a language's reserved words.
+    """
+    names: dict[str, str] = {}
+    used: set[str] = set()
+    for each in ids:
+        stem = f"{prefix}_{re.sub(r'[^A-Za-z0-9]+', '_', each).strip('_')}"
+        name, number = stem, 2
+        while name in used:
+            name, number = f"{stem}_{number}", number + 1
+        used.add(name)
+        names[each] = name
+    return names
+
 
 LABEL_COLUMNS, NOTE_COLUMNS = 28, 100
 BLANK = "#nbsp;"

@@ -12,10 +12,9 @@ import pytest
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.report.contents import Report
 from pirate_sm.report.film_strip import strip
-from pirate_sm.report.page_libraries import plot_script, three_script
 from pirate_sm.report.recording_report import report_of
 from pirate_sm.report.report_json import report_json
-from pirate_sm.report.report_page import html
+from pirate_sm.report.report_page import html, plot_script, three_script
 from pirate_sm.report.space_contents import SpaceScene
 
 from .conftest import ROOT, recorded

@@ -11,8 +11,7 @@ from hypothesis import strategies as st
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.graph.highlight import highlight
-from pirate_sm.drawing.text_formats.identifiers import plain_names
-from pirate_sm.drawing.text_formats.mermaid import mermaid
+from pirate_sm.drawing.text_formats.mermaid import mermaid, plain_names
 from pirate_sm.drawing.text_wrapping import printable
 
 from ..conftest import DRAWN, ROOT, drawing, name
