@@ -51,7 +51,7 @@ def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     if motion is not None:
         levelling = motion.levelling and motion.levelling._replace(felt=(), since_s=nan)
         origin = _uncounted(robot, motion.origin)
-        motion = motion._replace(since_s=nan, origin=origin, levelling=levelling)
+        motion = motion._replace(since_s=nan, settled_s=nan, origin=origin, levelling=levelling)
     body = body._replace(marks=frozenset(marks), motion=motion)
     moment.emit(robot_state.state_change(robot, body))
     return state.hearing(detector=None)._replace(

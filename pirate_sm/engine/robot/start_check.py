@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.engine.mission.ending import end, withdraw
+from pirate_sm.engine.mission.ending import end
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.resuming import reconnection
 from pirate_sm.engine.robot import confirmation, robot_state
@@ -65,7 +65,6 @@ def _refuse(moment: Moment, state: EngineState, seen: confirmation.LookResult) -
     moment.emit(Fault(confirmation.CODE, message, "stop"))
     cause = f"{confirmation.CODE}: {message}"
     if not seen.turning:
-        withdraw(moment, state)
         moment.emit(Ended("fault", cause, ""))
         return state._replace(mission=state.mission._replace(ended=True))
     robot = state.robot._replace(sent=True)

@@ -49,6 +49,7 @@ def test_belief_says_by_what_it_was_shown_when_and_in_which_connection(drive):
     driver.until_done("ClampFront")
     clamped_s = driver.now
     assert driver.engine.evidence(driver.state)["front"] == Evidence("sensor", clamped_s, 0)
+    assert shown(driver)["BendingState"] == "sensor", "as its command asks for"
 
     command(driver, "ToggleLighting")
     driver.accept()
@@ -64,6 +65,16 @@ def test_what_is_declared_is_shown_by_a_person_until_a_sensor_shows_it(drive):
     driver = drive(IDLE, states=BOTH_CLAMPED, declared=True)
 
     assert shown(driver)["rear"] == shown(driver)["FrontWheelsState"] == "person"
+
+
+def test_belief_in_a_clamp_ends_with_the_clamp(drive):
+    driver = drive(IDLE, states=BOTH_CLAMPED)
+    assert shown(driver)["rear"] == "assumption"
+
+    command(driver, "RelaxRear")
+    driver.accept()
+
+    assert (shown(driver)["front"], shown(driver)["rear"]) == ("assumption", "nothing")
 
 
 def test_a_clamp_that_a_fault_denies_is_shown_by_nothing(drive):

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from driving import BOTH_CLAMPED, Driver, command
+from driving import BOTH_CLAMPED, FRONT_CLAMPED, Driver, command
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.model import effects as fx
@@ -225,6 +225,7 @@ def test_belief_in_a_word_ends_with_the_connection(drive):
     driver.give(BACK)
 
     assert driver.state.outside("detector") is None
+    assert driver.state.surveyed.felt_s == -math.inf
 
 
 def test_an_unknown_place_stays_unknown_when_the_controller_restarts(drive):
@@ -248,3 +249,165 @@ def test_a_recording_of_before_replays_by_its_own_rules(drive):
     assert not driver.unconfirmed
     look(driver, 0.3)
     assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
+
+
+MOVED = {"gamma_3": -ANGLE + 0.1}
+"""A joint is 6 degrees off, which the comparison of a robot at rest does not pass over."""
+
+
+def test_joints_may_have_moved_while_wheels_were_driven(drive):
+    driver = holding(drive, "then: continue", "DriveForward")
+    assert driver.state.robot.motion is None
+    driver.give(BACK)
+
+    look(driver, **MOVED)
+
+    assert [code for code, _ in driver.faults] == ["link.interrupted"]
+    assert not driver.state.mission.paused
+
+
+def clamping(drive) -> Driver:
+    """The front holds, as its sensors show, and the rear is being clamped."""
+    text = MISSION.replace("HANDLED", "then: continue").replace("BEGIN", "ClampRear")
+    driver = drive(text, states=FRONT_CLAMPED)
+    driver.signals |= HOLDING | {"bend_torque_4": 0.0}
+    driver.run(0.5)
+    driver.until_sent("ClampRear")
+    driver.accept()
+    driver.run(driver.now + 0.5)
+    assert driver.state.robot.motion is not None
+    return driver
+
+
+def test_joints_may_have_moved_while_a_command_was_under_way(drive):
+    driver = clamping(drive)
+    driver.give(BACK)
+
+    look(driver, gamma_2=ANGLE - 0.1)
+
+    assert [code for code, _ in driver.faults] == ["link.interrupted"]
+
+
+def test_belief_that_a_command_is_nearly_done_ends_with_the_connection(drive):
+    driver = clamping(drive)
+    driver.signals |= HOLDING
+    driver.run(driver.now + 0.1)
+    motion = driver.state.robot.motion
+    assert motion is not None
+    assert not math.isnan(motion.since_s)
+    assert not math.isnan(motion.settled_s)
+
+    driver.give(BACK)
+
+    motion = driver.state.robot.motion
+    assert motion is not None
+    assert math.isnan(motion.since_s)
+    assert math.isnan(motion.settled_s)
+    look(driver, 4.0)
+    assert ("ClampRear", "done") in driver.statuses
+
+
+def test_a_mission_that_was_held_continues_to_its_end(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(BACK)
+    look(driver)
+
+    driver.give(ev.Answer("x"))
+    look(driver, 1.0)
+
+    assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
+
+
+def test_an_operator_who_resumes_during_the_comparison_changes_nothing(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(BACK)
+    driver.give(ev.Resume())
+    look(driver)
+
+    assert not driver.state.mission.paused
+    driver.give(ev.Answer("x"))
+    look(driver, 1.0)
+    assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
+
+
+def test_a_pause_that_is_pending_stays(drive):
+    text = MISSION.replace("HANDLED", "then: continue").replace("BEGIN", "ToggleLighting")
+    driver = drive(text, states=BOTH_CLAMPED)
+    driver.signals |= HOLDING
+    driver.until_sent("ToggleLighting")
+    driver.give(ev.Pause())
+    assert not driver.state.mission.paused
+
+    driver.give(BACK)
+    look(driver)
+
+    assert driver.state.mission.paused
+
+
+def test_belief_in_a_clamp_ends_in_a_pause_too_and_that_is_told(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(ev.Pause())
+
+    told = [each for each in driver.give(BACK) if isinstance(each, fx.StateChange)]
+
+    assert "BendingState" in told[-1].unconfirmed
+
+
+def test_wheels_that_a_pause_has_stopped_stay_stopped_until_it_ends(drive):
+    driver = holding(drive, "then: continue", "DriveForward")
+    driver.give(ev.Pause())
+    driver.accept()
+    wheels = {"FrontWheelsState", "RearWheelsState"}
+    assert driver.unconfirmed == wheels
+
+    driver.give(BACK)
+    look(driver)
+
+    assert driver.unconfirmed == wheels
+    driver.give(ev.Resume())
+    assert driver.nonzero["wheel_1"] == 1
+
+
+def test_an_operators_command_under_way_has_failed(drive):
+    driver = holding(drive, "then: continue")
+    driver.give(ev.Pause())
+    command(driver, "DriveForward")
+    driver.accept()
+    assert driver.last_status.status == "accepted"
+
+    driver.give(BACK)
+
+    assert driver.last_status.status == "failed"
+    assert driver.last_status.reason == "interrupted by link.interrupted"
+    assert "wheel_1" not in driver.nonzero
+
+
+def test_a_run_that_is_ending_does_not_compare_any_more(drive):
+    driver = holding(drive)
+    driver.give(ev.Abort("enough"))
+    assert not driver.ended
+
+    driver.give(BACK)
+
+    assert driver.state.look is None
+    driver.accept()
+    assert driver.ended.outcome == "interrupted"
+
+
+def test_wheels_that_a_command_was_to_drive_are_not_confirmed_by_a_new_connection(drive):
+    text = MISSION.replace("HANDLED", "then: continue").replace("BEGIN", "DriveForward")
+    driver = drive(text, states=BOTH_CLAMPED)
+    driver.signals |= HOLDING
+    driver.until_sent("DriveForward")
+    driver.accept()
+
+    driver.give(BACK)
+
+    waiting_for = {
+        driver.robot.regions[mark.which]
+        for mark in driver.state.robot.marks
+        if mark.command == driver.robot.table.command_index["DriveForward"]
+    }
+    assert waiting_for == {"FrontWheelsState", "RearWheelsState"}
+    look(driver)
+    assert ("DriveForward", "done") not in driver.statuses, "no wheel has turned"

@@ -195,6 +195,10 @@ def test_a_clamp_that_the_sensors_show_is_confirmed_and_the_mission_begins(drive
 
     assert driver.unconfirmed == {"LightingState"}
     assert driver.statuses == [("RelaxRear", "sent")]
+    told = [set(each.unconfirmed) for each in driver.of(fx.StateChange)]
+    assert told[0] == set(driver.robot.regions)
+    assert told[-1] == {"LightingState"}
+    assert len(told) == len({frozenset(each) for each in told}), "each change is told once"
 
 
 @pytest.mark.parametrize("name", ["gamma_1", "bend_torque_1", "bend_torque_3"])
@@ -268,6 +272,41 @@ def test_wheels_that_turn_refuse_the_start_and_are_stopped(drive):
     assert "omega_2 shows 3.00 rad/s, limit 0.3 rad/s" in driver.of(fx.Fault)[0].message
     duties = {"bend_1": -0.7, "bend_2": 0.7, "bend_3": -0.7, "bend_4": 0.7}
     assert driver.nonzero == pytest.approx(duties)
+
+
+def test_wheels_of_a_robot_of_which_nothing_is_declared_are_stopped_too(drive):
+    driver = drive(HANDLED + IDLE, declared=True)
+
+    driver.run(3.2, theta_2=3.0)
+
+    assert driver.faults == [("start.contradicted", "stop")]
+    assert not driver.ended, "the safe array is awaited"
+    assert driver.in_flight
+    driver.accept()
+    assert driver.ended.outcome == "fault"
+
+
+@pytest.mark.parametrize(("lapse_s", "open_"), [(0.0, set()), (0.2, {"front"})])
+def test_belief_in_a_clamp_takes_a_whole_half_second_of_agreement(drive, lapse_s, open_):
+    driver = declared(drive, **held())
+    driver.run(0.4)
+    if lapse_s:
+        driver.signals["bend_torque_1"] = math.nan
+        driver.run(0.4 + lapse_s)
+        driver.signals |= held()
+    driver.run(0.85)
+
+    parts = driver.robot.parts
+    assert {parts[mark.which] for mark in driver.state.robot.marks if mark.kind == "part"} == open_
+
+
+def test_a_contradiction_that_has_not_lasted_at_the_end_of_the_look_leaves_it_open(drive):
+    driver = declared(drive, **(held() | {"bend_torque_3": math.nan}))
+    driver.run(2.8)
+    driver.signals |= {"bend_torque_3": 0.0, "bend_torque_4": 0.0}
+
+    assert left_open(driver) == {"BendingState"}
+    assert "start.contradicted" not in dict(driver.faults)
 
 
 def test_of_each_part_one_wheel_must_be_heard(drive):
