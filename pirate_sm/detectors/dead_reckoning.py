@@ -27,7 +27,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from math import atan2, hypot, isnan, nan, pi, radians, remainder
-from typing import NamedTuple
+from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.detectors.known_walls import KnownWalls
 from pirate_sm.engine.sensing.body_spec import WHOLE, BodySpec
@@ -43,6 +43,9 @@ _FLAT_RAD = radians(10)
 """Parts whose planes differ by more are not held to the walls: the one that holds is turned out of
 its leg by the weight of the other [measured: by up to 10 deg]."""
 
+_ONE_AXIS_RAD = radians(5)
+"""Axes of two parts in one leg differ by up to 3 deg [measured]."""
+
 _PUSHED_M = 0.03
 """An anchor is not moved by more, and what was rolled since the walls last showed nothing wrong. A
 braked part is pushed by up to 25 mm [measured in 3-D]."""
@@ -51,6 +54,9 @@ _LEVEL = 0.7
 """With a smaller share of gravity across the leg (45 deg) the roll is not taken from gravity."""
 
 _UNKNOWN: Vector = (nan, nan, nan)
+
+
+Shape: TypeAlias = Literal["fits", "contradicts", "unknown"]
 
 
 class Spot(NamedTuple):
@@ -82,6 +88,8 @@ class Reckoned(NamedTuple):
         anchor: Index of the part from which positions are reckoned first, or ``WHOLE``.
         spots: Place of each anchor, by part; a lost one is missing.
         right_m: Reading of the odometer when the walls have last shown nothing wrong.
+        shape: Whether the robot, as its joints show it, has room in the pipe there with each anchor
+            along its leg. It is unknown without an anchor, and while the roll joint is turned.
     """
 
     places_m: tuple[float, ...]
@@ -90,6 +98,7 @@ class Reckoned(NamedTuple):
     anchor: int
     spots: dict[int, Spot]
     right_m: float
+    shape: Shape = "unknown"
 
     @property
     def points(self) -> tuple[Place, ...]:
@@ -174,7 +183,7 @@ class Reckoner:
         anchor = self._first_of(before.anchor, spots, numbers)
         chain = self._lay(numbers, anchor, spots[anchor])
         most_m = _PUSHED_M + abs(counted - before.right_m)
-        away_m = self._away_m(numbers, anchor, spots[anchor], chain, most_m)
+        away_m, shape = self._away_m(numbers, anchor, spots[anchor], chain, most_m)
         if away_m and not isnan(away_m):
             spots[anchor] = _moved(spots[anchor], away_m)
             chain = self._lay(numbers, anchor, spots[anchor])
@@ -187,7 +196,9 @@ class Reckoner:
                 chain = _filled(chain, self._lay(numbers, other, spots[other]))
             places = self._places(chain, spots[anchor])
         right_m = before.right_m if isnan(away_m) else counted
-        return Reckoned(places, chain, counted, anchor, spots, right_m)
+        if shape == "fits" and not self._straight(numbers, spots):
+            shape = "contradicts"
+        return Reckoned(places, chain, counted, anchor, spots, right_m, shape)
 
     def roll_of(self, reckoned: Reckoned, part: int) -> float:
         """Return the roll of a part against the frame of the pipe there, rad; NaN is unknown."""
@@ -218,15 +229,21 @@ class Reckoner:
 
         def sure(anchor: int) -> tuple[bool, bool, bool]:
             spot = spots[anchor]
-            lies = anchor == WHOLE or self._lies(numbers, anchor, spot.middle_m)
+            lies = anchor == WHOLE or self.lies(numbers, anchor, spot.middle_m)
             return not isnan(spot.roll_rad), lies, anchor == before
 
         return max(sorted(spots), key=sure)
 
-    def _lies(self, numbers: Sequence[float], part: int, middle_m: float) -> bool:
+    def lies(self, numbers: Sequence[float], part: int, middle_m: float) -> bool:
         """Return whether the V of a part shows the diameter of its leg."""
         shown, bore_m = self._body.parts[part].diameter, self._route.diameter_at(middle_m)
         return shown >= 0 and abs(numbers[shown] - bore_m) <= _AGREEING * bore_m
+
+    def _straight(self, numbers: Sequence[float], spots: dict[int, Spot]) -> bool:
+        """Return whether each anchor lies along its leg, and all along one axis."""
+        headings = [self._body.heading_in_pipe(numbers, part, 0) for part in spots]
+        lie = all(self.lies(numbers, part, spot.middle_m) for part, spot in spots.items())
+        return lie and max(headings) - min(headings) <= _ONE_AXIS_RAD
 
     def _levelled(self, spot: Spot, felt_rad: float) -> Spot:
         """Return a place with the roll that is felt against the horizontal."""
@@ -243,17 +260,22 @@ class Reckoner:
         spot: Spot,
         chain: ChainInSpace,
         most_m: float,
-    ) -> float:
-        """Return how far away an anchor is by the walls, m; NaN if they do not show it."""
+    ) -> tuple[float, Shape]:
+        """Return how far away an anchor is by the walls, m, and what they say of the shape.
+
+        The distance is NaN if the walls do not show it.
+        """
         level = self._link < 0 or abs(numbers[self._body.roll]) <= _FLAT_RAD
-        lies = anchor != WHOLE and self._lies(numbers, anchor, spot.middle_m)
-        if not level or not lies or isnan(spot.roll_rad):
-            return nan
+        if anchor == WHOLE or not level or isnan(spot.roll_rad):
+            return nan, "unknown"
+        if not self.lies(numbers, anchor, spot.middle_m):
+            return nan, "contradicts"
 
         def laid(away_m: float) -> Sequence[Vector]:
             return self._lay(numbers, anchor, _moved(spot, away_m)).points
 
-        return self._walls.away_m(chain.points, laid, most_m)
+        away_m = self._walls.away_m(chain.points, laid, most_m)
+        return away_m, "contradicts" if isnan(away_m) else "fits"
 
     def _stand(self, anchor: int, chain: ChainInSpace, places_m: Sequence[float]) -> Spot | None:
         """Return an anchor's place from those of its wheels; None if one is unknown."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from math import isnan
+from math import inf, isnan, nan
 
-from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Reckoner
+from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Reckoner, Shape
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.route_report import RouteReport
 from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
@@ -17,10 +18,17 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.model.effects import Effect, Log
-from pirate_sm.model.events import DetectorWord, EnvironmentReport, Event
+from pirate_sm.model.events import Event, FaultReport
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import Truth
+
+_SHAPES = 4
+"""That a bend is passed is only said when the shape fits the pipe in so many looks [decided]."""
+
+_DOUBTED_M = 0.12
+"""On the next 50 mm a part still comes round the corner; after this way it is a fault [decided]."""
 
 _PATIENCE_S = 1.0
 """How long a joint may be silent at the start, or while clamps change."""
@@ -71,8 +79,9 @@ class Odometry:
         valid_for_s = profile.detector.valid_for
         self._detector = Detector(words, errors, route.bends, valid_for_s)
         self._ahead = RouteReport(route, valid_for_s)
-        self._word: DetectorWord | None = None
-        self._report: EnvironmentReport | None = None
+        self._said: tuple[Event | None, ...] = ()
+        self._shapes: deque[Shape] = deque(maxlen=_SHAPES)
+        self._doubted_m = nan
 
     def _take(self, robot: RobotSpec) -> None:
         """Follow this robot from now on."""
@@ -100,9 +109,42 @@ class Odometry:
             self._warned = False
         travel = robot.travel(state.robot.values)
         places_m = self.reckoned.places_m
-        self._word = self._detector.look(now_s, places_m, travel)
-        self._report = self._ahead.look(now_s, places_m, self._front_roll_rad())
+        self._shapes.append(self.reckoned.shape)
+        fits = all(each == "fits" for each in self._shapes)
+        seen = all(part.diameter >= 0 for part in robot.body.parts)
+        barred = frozenset[str]() if fits or not seen else robot.words_behind
+        word = self._detector.look(now_s, places_m, travel, barred)
+        report = self._ahead.look(now_s, places_m, self._front_roll_rad())
+        self._said = word, report, self._doubt(barred, self.reckoned, numbers)
         return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _doubt(
+        self, barred: frozenset[str], at: Reckoned, numbers: Sequence[float]
+    ) -> FaultReport | None:
+        """Return a fault once the shape has contradicted for long that a bend is passed."""
+        if self._detector.due not in barred or at.shape != "contradicts":
+            self._doubted_m = nan
+        elif isnan(self._doubted_m):
+            self._doubted_m = at.odometer_m
+        elif abs(at.odometer_m - self._doubted_m) >= _DOUBTED_M:
+            self._doubted_m = inf
+            where = f"odometry is where it would say '{self._detector.due}', but the robot"
+            message = f"{where} does not fit the pipe there: {self._misfit(at, numbers)}"
+            return BuiltInFault.PLACE_CONTRADICTED.report(message)
+        return None
+
+    def _misfit(self, at: Reckoned, numbers: Sequence[float]) -> str:
+        """Return what the joints show that does not fit the pipe."""
+        for part, spot in at.spots.items():
+            if not self._reckoner.lies(numbers, part, spot.middle_m):
+                shown = self._robot.body.parts[part].diameter
+                name = self._robot.vocabulary.numbers[shown]
+                bore_m = self._route.diameter_at(spot.middle_m)
+                return (
+                    f"{name} shows {numbers[shown] * 1000:.0f} mm where it has "
+                    f"{bore_m * 1000:.0f} mm"
+                )
+        return "a wheel would be in a wall, or its parts do not lie along one axis"
 
     def _front_roll_rad(self) -> float:
         """Return the roll of the front part against the frame of the pipe; NaN is unknown."""
@@ -171,6 +213,5 @@ class Odometry:
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the word and the report that become valid here, or must be repeated."""
         self.due_s = now_s + LOOK_EVERY_S
-        said = (self._word, self._report)
-        self._word = self._report = None
+        said, self._said = self._said, ()
         return tuple(each for each in said if each is not None)

@@ -123,8 +123,17 @@ class Detector:
         self._direction = 0
         self._word = ""
 
+    @property
+    def due(self) -> str:
+        """Return the word whose wheel is where it says, whether it may be reported or not."""
+        return self._word
+
     def look(
-        self, time_s: float, places_m: Sequence[float] | None, travel: int
+        self,
+        time_s: float,
+        places_m: Sequence[float] | None,
+        travel: int,
+        barred: frozenset[str] = frozenset(),
     ) -> DetectorWord | None:
         """Return the word to report now; None if there is none.
 
@@ -133,13 +142,14 @@ class Detector:
             places_m: Position of each wheel along the pipe now, NaN if unknown; None: nothing new.
             travel: Direction in which the setpoints in force drive the wheels: 1 forward, -1
                 backward, 0 not at all.
+            barred: Words that are not reported now, though their wheels are there.
         """
         self.see(time_s, places_m, travel, time_s)
         if travel and travel != self._direction:
             self._direction, self._word = travel, ""
             self._repeater.say("", time_s)  # what follows is a new report
         self._word = self._holding()
-        return self._repeater.say(self._word, time_s)
+        return self._repeater.say("" if self._word in barred else self._word, time_s)
 
     def watch(
         self, places_m: Callable[[], Sequence[float]], due_s: float, travel: int

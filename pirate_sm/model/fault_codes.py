@@ -75,6 +75,12 @@ class BuiltInFault(Enum):
     BACKEND_FAILED = _About(
         "backend.failed", "program", False, "the backend has refused setpoints or has failed itself"
     )
+    PLACE_CONTRADICTED = _About(
+        "place.contradicted",
+        "sensors",
+        True,
+        "a bend would be said to be passed, and the robot's shape does not fit the pipe there",
+    )
     PIPE_IMPASSABLE = _About(
         "pipe.impassable", "surroundings", True, "the simulated robot stands before an obstacle"
     )

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 import pytest
@@ -60,3 +61,32 @@ def test_belief_a_silent_joint_of_the_part_that_holds_lets_go_of_nothing(
     assert done.outcome != "succeeded"
     assert "RelaxRear" not in later
     assert "BendingState" in done.states["unconfirmed"][-1]
+
+
+TWO = ("gamma_4_stiff:friction=0.9Nm", "gamma_1_zero_jumps:after=2s,by=13deg")
+
+
+@pytest.mark.parametrize("seed", thorough_but({0}, range(12)))
+def test_belief_a_folded_robot_before_the_bend_has_not_passed_it(seed: int) -> None:
+    order = Order("mitre_bend", pipe="mitre_60", seed=seed, defects=TWO, detector="odometry")
+    outcome = run(order)
+
+    assert outcome.outcome != "succeeded"
+    assert outcome.stopped
+
+
+@pytest.mark.parametrize("seed", thorough_but({3, 7}, range(12)))
+def test_belief_a_joint_that_sticks_in_the_bend_does_not_shorten_it(seed: int) -> None:
+    defects = ("gamma_2_sticks:after=22s",)
+    outcome = run(Order("mitre_bend_backward", seed=seed, defects=defects, detector="odometry"))
+
+    assert not is_false(outcome), f"{outcome.short_m * 1000:.0f} mm short"
+
+
+def test_belief_a_bend_that_the_shape_contradicts_ends_holding_with_that_reason() -> None:
+    done = pirate_sm.run("mitre_bend", defects=TWO[1:], detector="odometry", check=False)
+
+    assert done.faults["code"] == ["place.contradicted"]
+    assert re.search(r"diameter_front shows 11\d mm where it has 120 mm", done.message)
+    held = done.states["BendingState"][-1], done.states["unconfirmed"][-1]
+    assert held == ("DoubleClamped", "FrontWheelsState RearWheelsState")

@@ -1,7 +1,8 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from itertools import pairwise
-from math import asin, isnan, nan, radians, sqrt
+from math import asin, isnan, nan, radians, sin, sqrt
 
 import pytest
 
@@ -164,3 +165,42 @@ def test_the_hold_passes_over_an_unknown_joint_once_both_parts_have_been_placed(
     blind = reckoner.look(both, numbers(0.0, unknown(SECOND)), BOTH)
     handed = reckoner.look(blind, numbers(0.03, unknown(SECOND)), FRONT)
     assert handed.places_m[:3] == pytest.approx([place + 0.03 for place in begun.places_m[:3]])
+
+
+MEASURED = replace(
+    BODY, parts=(Vee((0, 1, 2), FIRST, 5, 2.0), Vee((3, 4, 5), FOURTH, 6, 2.0)), roll=-1
+)
+"""A robot that measures the diameters that its parts span, too."""
+
+
+def spanning(odometer: float, angles: tuple[float, ...]) -> tuple[float, ...]:
+    spans = (LINK * sin(abs(angles[apex]) / 2) + 0.05 for apex in (0, 3))
+    return (odometer, *angles, *spans)
+
+
+@pytest.mark.parametrize(
+    ("off_deg", "held", "shape"),
+    [
+        ((0, 0, 0, 0), BOTH, "fits"),
+        ((2, 0, 0, -2), BOTH, "fits"),
+        ((0, 0, 0, 0), NOTHING, "unknown"),  # nobody knows where its axis is
+        ((13, 0, 0, 0), BOTH, "contradicts"),  # a zero has jumped: another diameter
+        ((0, 0, 0, -20), BOTH, "contradicts"),
+        ((0, 15, -9, 0), BOTH, "contradicts"),  # folded: the rear would be in the wall
+        ((0, 0, -7, 0), BOTH, "contradicts"),  # two parts in one straight lie along one axis
+    ],
+)
+def test_belief_the_shape_of_a_robot_that_has_passed_a_bend_fits_its_leg(off_deg, held, shape):
+    angles = tuple(angle + radians(off) for angle, off in zip(ZIGZAG, off_deg, strict=True))
+    reckoner = Reckoner(MEASURED, PIPE.route(), ODOMETER)
+    begun = reckoner.begin(1.7, spanning(0.0, ZIGZAG), held)
+
+    assert reckoner.look(begun, spanning(0.0, angles), held).shape == shape
+
+
+def test_across_a_bend_the_shape_is_not_that_of_a_robot_that_has_passed_it():
+    reckoner = Reckoner(MEASURED, PIPE.route(), ODOMETER)
+    begun = reckoner.begin(1.7, spanning(0.0, ZIGZAG), BOTH)
+    across = (ZIGZAG[0], ZIGZAG[1] - radians(90), *ZIGZAG[2:])
+
+    assert reckoner.look(begun, spanning(0.0, across), BOTH).shape == "contradicts"
