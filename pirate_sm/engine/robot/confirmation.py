@@ -210,7 +210,7 @@ def look(
         shown = verdict(robot, before.setpoints, body, each.mark, numbers, diameter_m)
         agrees_s = _since(each.agrees_s, shown.agrees and not strange, now)
         against_s = _since(each.against_s, bool(shown.against), now)
-        if shown.agrees and has_come(now, agrees_s + shown.for_s):
+        if has_come(now, agrees_s + shown.for_s):
             confirmed.add(each.mark)
         else:
             open_.append(Watched(each.mark, agrees_s, against_s, shown.against, shown.for_s))

@@ -112,6 +112,29 @@ def test_another_robot_on_the_same_link_ends_the_run(drive, handled, shown, why)
     assert "BendingState" in driver.unconfirmed
 
 
+def test_another_robot_is_told_when_that_has_lasted_and_not_by_one_frame(drive):
+    driver = holding(drive)
+    driver.give(BACK)
+    back_s = driver.now
+    look(driver, 0.3, theta_2=40.0)
+    assert [code for code, _ in driver.faults] == ["link.interrupted"]
+
+    look(driver, 0.4)
+    assert [code for code, _ in driver.faults] == ["link.interrupted", "state.contradicted"]
+    assert driver.now < back_s + 1.0
+
+
+def test_what_looked_like_another_robot_for_a_moment_is_none(drive):
+    driver = holding(drive)
+    driver.give(BACK)
+    look(driver, 0.3, **MOVED)
+    look(driver, 0.2, **HOLDING)
+    look(driver, 0.3, **MOVED)
+    look(driver, 2.0, **HOLDING)
+
+    assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
+
+
 def test_counters_that_restart_at_zero_are_no_other_robot(drive):
     driver = holding(drive)
     look(driver, 1.0, **{f"theta_{n}": 0.0 for n in range(1, 7)})

@@ -309,6 +309,19 @@ def test_a_contradiction_that_has_not_lasted_at_the_end_of_the_look_leaves_it_op
     assert "start.contradicted" not in dict(driver.faults)
 
 
+def test_a_comparison_is_decided_when_it_has_lasted_and_no_frame_comes(drive):
+    driver = declared(drive, **held())
+    driver.run(0.4)
+    since_s = {each.agrees_s for each in driver.state.look.marks}
+    assert driver.state.look.due_s == pytest.approx(min(since_s) + 0.5)
+    assert driver.wake_at <= driver.state.look.due_s
+
+    driver.tick(max(since_s) + 0.49)
+    assert "BendingState" in driver.unconfirmed
+    driver.tick(max(since_s) + 0.5)
+    assert driver.unconfirmed == {"LightingState"}
+
+
 def test_of_each_part_one_wheel_must_be_heard(drive):
     one = declared(drive, **held(), theta_1=math.nan)
     assert left_open(one) == set()

@@ -172,6 +172,8 @@ def test_in_a_recording_of_before_faults_are_nobodys_and_clamps_stay_confirmed(d
 
     assert [fault.of for fault in driver.of(fx.Fault)] == [()]
     assert driver.unconfirmed == set()
+    command(driver, "RelaxFront")
+    assert driver.statuses[-1] == ("RelaxFront", "sent")
 
 
 @pytest.mark.parametrize(
