@@ -12,6 +12,7 @@ from pirate_sm.engine.mission.diverting import divert, meet
 from pirate_sm.engine.mission.ending import end, finish
 from pirate_sm.engine.mission.interpreter import advance, without_requests
 from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.resuming import reconnection
 from pirate_sm.engine.robot import commands, start_check
 from pirate_sm.engine.robot.proofs import proofs_after
 from pirate_sm.engine.safety.faults import listen, unsettle
@@ -127,7 +128,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     faults, found = listen(moment.robot, faults, sensing, moment.now_s)
     state = state._replace(sensing=sensing, faults=faults)
     for fault in found:
-        state = meet(moment, state, fault)
+        state = meet(moment, reconnection.lose(moment, state, fault.code), fault)
     return state
 
 

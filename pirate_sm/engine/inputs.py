@@ -139,6 +139,7 @@ def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
 
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
     """Handle a fault that a backend reports; after some faults nothing is known any more."""
+    state = reconnection.lose(moment, state, event.code)
     if event.code not in ANEW:
         return meet(moment, state, FoundFault.reported(moment.robot, event))
     before = state

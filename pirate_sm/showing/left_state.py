@@ -38,11 +38,11 @@ def _by_what(engine: Engine, state: EngineState, part: int) -> str:
     if engine.nominal:
         return "without sensors"
     robot, body = engine.robot, state.robot
-    if part not in confirmed_parts(robot, body):
-        return "NOT confirmed by sensors"
     rest, mark = at_rest_in(robot, body.configuration).values, Mark("part", part, DECLARED)
     seen = verdict(robot, rest, body, mark, state.sensing.numbers, engine.program.diameter_m)
-    if seen.agrees:
+    if seen.agrees and part in confirmed_parts(robot, body):
         return "confirmed by sensors"
     proof = engine.evidence(state)[robot.parts[part]]
-    return f"{proof.in_words(max(state.sensing.heard_s))}, NOT seen by them now"
+    if proof.source != "sensor":
+        return "NOT confirmed by sensors"
+    return f"{proof.in_words(state.sensing.checked_s)}, NOT seen by them now"

@@ -17,7 +17,9 @@ TAKEN_OVER = "the operator took over"
 
 def wanted(state: EngineState) -> EngineState:
     """Return the state with a pause requested, which begins as soon as no array is awaited."""
-    mission = state.mission
+    mission, look = state.mission, state.look
+    if look is not None and look.before is not None:  # its pause becomes the operator's
+        state = state._replace(look=look._replace(before=look.before._replace(resumes=False)))
     if mission.paused or mission.ending:
         return state
     return state._replace(mission=mission._replace(pause_wanted=True))
@@ -120,6 +122,8 @@ def why_not_on(state: EngineState) -> str:
     before, body = state.mission.before_pause, state.robot
     if before is None:
         return ""
+    if state.look is not None and state.look.before is not None:
+        return confirmation.LOOKING
     if body.awaited:
         return "setpoints are in flight"
     if body.configuration != before.configuration:

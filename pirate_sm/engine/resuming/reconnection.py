@@ -21,7 +21,6 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DECLARED,
     STOPPED,
-    Finished,
     Mark,
     Numbers,
     confirmed_parts,
@@ -29,8 +28,13 @@ from pirate_sm.engine.robot.robot_state import (
 from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus
-from pirate_sm.model.events import FaultReport
+from pirate_sm.model.events import EVIDENCE_ENDS, FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
+
+_LOST = {
+    fault.code
+    for fault in (BuiltInFault.LINK_LOST, BuiltInFault.LINK_SILENT, BuiltInFault.LINK_MISMATCH)
+}
 
 
 def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
@@ -62,6 +66,15 @@ def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     )
 
 
+def lose(moment: Moment, state: EngineState, code: str) -> EngineState:
+    """Return the state after a fault: where the link is lost, nothing counts as confirmed."""
+    if code not in _LOST or moment.nominal or moment.alphabet < EVIDENCE_ENDS:
+        return state
+    if state.mission.ended:
+        return state
+    return doubt(moment, state, state)
+
+
 def begin(
     moment: Moment, before: EngineState, state: EngineState, report: FaultReport
 ) -> EngineState:
@@ -76,11 +89,14 @@ def begin(
     mission, robot = state.mission, moment.robot
     if mission.ending or mission.ended:
         return state
-    known = None
+    known = before.look.before if before.look is not None else None
     if state.robot.sent:
         goes = mission.diverting is not None
-        resumes = not (goes or mission.paused or mission.pause_wanted)
-        known = Before(before.sensing, before.robot, report.away_s, resumes)
+        if known is not None:  # away again during the comparison
+            known = known._replace(away_s=known.away_s + report.away_s)
+        else:
+            resumes = not (goes or mission.paused or mission.pause_wanted)
+            known = Before(before.sensing, before.robot, report.away_s, resumes)
         state = state if goes else _hold(moment, state, report.code)
     return state._replace(look=confirmation.begin(robot, state.robot, moment.now_s, known))
 
@@ -129,7 +145,8 @@ def _uncounted(robot: RobotSpec, origin: Numbers) -> Numbers:
 def _hold(moment: Moment, state: EngineState, code: str) -> EngineState:
     """Stop the wheels and all loops; a mission that runs pauses meanwhile.
 
-    A command whose first array has no result yet has failed, and so has one of the operator.
+    A command whose first array has no result yet has failed, and so has one of the operator. The
+    mission gives its own again afterwards.
     """
     body, mission = state.robot, state.mission
     motion = None if mission.suspended else body.motion
@@ -138,7 +155,8 @@ def _hold(moment: Moment, state: EngineState, code: str) -> EngineState:
         name = moment.robot.commands[motion.command].name
         moment.emit(CommandStatus(name, "failed", reason, motion.place))
         body = commands.doubt_grip(moment.robot, body)._replace(motion=None)
-        state = state._replace(robot=body).finished(Finished(False, reason))
+        again = mission if mission.paused else mission._replace(begun=False)
+        state = state._replace(robot=body, mission=again)
     if not mission.paused:
         state = pausing.begin(moment, state)
     if state.robot.flight is None:  # its echo shows which array is in force now

@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.cli.output.event_lines import Lines
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.engine.evidence import Evidence
+from pirate_sm.engine.evidence import NOTHING, Evidence
 from pirate_sm.engine.robot.robot_state import DENIED, Mark
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.left_state import left_state
@@ -25,8 +25,8 @@ def test_what_holds_and_what_is_not_confirmed_is_named(held) -> None:
     engine, state = held
     sent = (0.0,) * len(engine.robot.slots)
     mark = Mark("part", min(engine.robot.held[state.robot.configuration]), DENIED)
-    proofs = (*state.proofs[:-2], Evidence("sensor", 1.0, 0), Evidence("sensor", 2.0, 0))
-    sensing = state.sensing._replace(heard_s=(34.0,) * len(state.sensing.heard_s))
+    proofs = (*state.proofs[:-2], NOTHING, Evidence("sensor", 2.0, 0))
+    sensing = state.sensing._replace(checked_s=34.0)
     doubted = state._replace(
         robot=state.robot._replace(marks=frozenset({mark})), proofs=proofs, sensing=sensing
     )

@@ -8,6 +8,7 @@ import pytest
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, Driver, command
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -186,7 +187,7 @@ def test_wheels_turn_again_only_after_the_clamps_have_been_shown(drive):
     assert not driver.unconfirmed
 
 
-def test_a_command_whose_fate_is_unknown_has_failed(drive):
+def test_a_command_whose_fate_is_unknown_is_given_again_after_the_comparison(drive):
     text = MISSION.replace("HANDLED", "then: continue").replace("BEGIN", "ToggleLighting")
     driver = drive(text, states=BOTH_CLAMPED)
     driver.signals |= HOLDING
@@ -197,7 +198,10 @@ def test_a_command_whose_fate_is_unknown_has_failed(drive):
     assert driver.last_status.status == "failed"
     assert driver.last_status.reason == "interrupted by link.interrupted"
     look(driver)
-    assert driver.ended.outcome == "failed"
+    lights = [status for name, status in driver.statuses if name == "ToggleLighting"]
+    assert lights == ["sent", "failed", "sent", "accepted", "done"]
+    assert driver.states["LightingState"] == "On"
+    assert not driver.unconfirmed
 
 
 def test_an_operator_who_has_paused_keeps_the_pause_and_is_refused_meanwhile(drive):
@@ -212,6 +216,65 @@ def test_an_operator_who_has_paused_keeps_the_pause_and_is_refused_meanwhile(dri
 
     assert driver.state.mission.paused
     assert not driver.unconfirmed
+
+
+def test_nobody_resumes_before_the_clamps_have_been_shown(drive):
+    driver = holding(drive, "then: continue", "DriveForward")
+    driver.give(BACK)
+    driver.accept()
+
+    driver.give(ev.Resume())
+
+    assert driver.state.mission.paused
+    assert "still being compared" in driver.messages[-1]
+    assert "wheel_1" not in driver.nonzero
+
+
+def test_a_pause_that_is_asked_for_during_the_comparison_is_not_lost(drive):
+    driver = holding(drive, "then: continue", "DriveForward")
+    driver.give(BACK)
+
+    driver.give(ev.Pause())
+    look(driver)
+
+    assert driver.state.look is None
+    assert driver.state.mission.paused
+    assert "wheel_1" not in driver.nonzero
+
+
+def test_a_robot_that_is_away_again_during_the_comparison_is_compared_with_the_known_one(drive):
+    for shown, codes in (({}, []), (STRAIGHT, ["state.contradicted"])):
+        driver = holding(drive, "then: continue")
+        driver.give(BACK)
+        look(driver, 0.2)
+        driver.give(BACK)
+
+        look(driver, 0.9, **shown)
+
+        assert [code for code, _ in driver.faults[2:]] == codes
+        assert not driver.state.mission.paused or codes
+
+
+@pytest.mark.parametrize("code", ["link.lost", "link.silent"])
+def test_belief_ends_with_a_lost_link_so_that_the_next_run_looks_at_the_robot(drive, code):
+    driver = holding(drive)
+
+    driver.give(ev.FaultReport(code, "it has gone"))
+
+    assert {"FrontWheelsState", "RearWheelsState", "BendingState"} <= driver.unconfirmed
+    driver.accept()
+    body = driver.state.robot.at_rest()
+    following, _ = driver.engine.start(driver.now, body=body)
+    assert following.look is not None
+    assert not confirmed_parts(driver.robot, following.robot)
+
+
+def test_belief_ends_when_no_board_reports_any_more(drive):
+    driver = holding(drive)
+    driver.tick(driver.now + 2.0)
+
+    assert [code for code, _ in driver.faults] == ["link.silent"]
+    assert "BendingState" in driver.unconfirmed
 
 
 COUNTING = """
