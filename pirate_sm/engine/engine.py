@@ -28,6 +28,7 @@ from pirate_sm.engine.safety import rules
 from pirate_sm.engine.safety.faults import no_faults
 from pirate_sm.engine.sensing import environment, surroundings
 from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.distance import counting
 from pirate_sm.engine.sensing.known_signals import Numbers, nothing_known, with_odometry
 from pirate_sm.engine.sensing.traction import with_traction
 from pirate_sm.engine.state import OUTSIDE, EngineState, MissionState
@@ -65,9 +66,14 @@ class Engine:
         self.nominal = nominal
         self.alphabet = alphabet
         spec = robot.traction
+        read = signals_read(robot, program)
         self._follows_traction = (not nominal and spec is not None) and (
-            every_signal or not signals_read(robot, program).isdisjoint(spec.targets)
+            every_signal or not read.isdisjoint(spec.targets)
         )
+        self._judges_distance = (
+            not nominal and robot.odometry >= 0 and alphabet >= events.EVIDENCE_ENDS
+        )
+        self._reads_distance = not read.isdisjoint({robot.odometry, robot.bound} - {-1})
         # Under these controls slip is followed while they are in force.
         self._slip_watched = frozenset(
             control
@@ -102,6 +108,9 @@ class Engine:
         sensing = nothing_known(self.robot, blind=self.nominal)
         if resumed is not None and not isnan(resumed.odometry_m) and not self.nominal:
             sensing = with_odometry(self.robot, sensing, resumed.odometry_m, adrift=resumed.adrift)
+        if self._judges_distance:
+            memory = resumed.distance if resumed else sensing.distance
+            sensing = counting(self.robot, sensing, memory, read=self._reads_distance)
         sensing = sensing._replace(heard_s=(now_s,) * len(sensing.heard_s), checked_s=now_s)
         for frame in seen:
             if isinstance(frame, events.SensorFrame):
@@ -115,6 +124,8 @@ class Engine:
             mission = mission._replace(
                 offset_s=now_s - resumed.clock_s,
                 origin=resumed.entry.origin,
+                counts_from=resumed.counts_from,
+                claim=resumed.claim,
                 cause=resumed.cause,
                 handling=resumed.handling,
                 pause_wanted=paused or resumed.paused,

@@ -14,6 +14,7 @@ from pirate_sm.engine.robot import commands
 from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
 from pirate_sm.engine.sensing.conversion import forget_outdated, observe
+from pirate_sm.engine.sensing.distance import judge
 from pirate_sm.engine.sensing.traction import measured_outside, rolled, with_traction
 from pirate_sm.engine.sensing.traction_memory import nothing_estimated
 from pirate_sm.engine.state import EngineState
@@ -40,6 +41,9 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
     )
     if sensing.outside_until_s:
         sensing = forget_outdated(sensing, now_s)
+    if board.wheels and sensing.distance.every_s > 0:
+        pitch_rad = state.surveyed.reported.pitch_rad
+        sensing = judge(robot, sensing, body.values, pitch_rad, now_s)
     spec = robot.traction
     if spec and board.wheels and (moment.follows_traction or sensing.sees_slip):
         sensing = rolled(spec, sensing, board, now_s)

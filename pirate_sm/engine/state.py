@@ -58,6 +58,19 @@ class BeforePause(NamedTuple):
     doubts: frozenset[Mark] = frozenset()
 
 
+class Counted(NamedTuple):
+    """A distance, from which later ones count.
+
+    Attributes:
+        width_m: How far the robot could be from the odometry then.
+        rolled_m: How far it had driven, back and forth.
+    """
+
+    odometry_m: float = 0.0
+    width_m: float = 0.0
+    rolled_m: float = 0.0
+
+
 @often_replaced
 class MissionState(NamedTuple):
     """The progress of the mission.
@@ -69,6 +82,8 @@ class MissionState(NamedTuple):
         armed_s: Mission time at which it began.
         since: Per trigger the mission time at which its condition became true, NaN while it is not.
         origin: Signals from which the last wait counts that uses their changes; empty before it.
+        counts_from: The distance when the origin was taken.
+        claim: From where the distance counts by which the mission has come here; None without one.
         result: How its command ended, once it has.
         answer: The operator's answer in this step; ``skipped``: the trigger to skip to.
         cause: Reason of the last failure or fault.
@@ -87,6 +102,8 @@ class MissionState(NamedTuple):
     armed_s: float = 0.0
     since: tuple[float, ...] = ()
     origin: tuple[float, ...] = ()
+    counts_from: Counted = Counted()
+    claim: Counted | None = None
     result: Finished | None = None
     answer: str | None = None
     skipped: str | None = None

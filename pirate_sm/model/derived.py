@@ -94,6 +94,16 @@ class OdometryOf(Frozen):
     odometry_of: Annotated[tuple[Name, ...], Field(min_length=1)]
 
 
+class BoundOf(Frozen):
+    """How far the robot may be from the distance that its odometry shows.
+
+    Attributes:
+        bound_of: The signal of the odometry.
+    """
+
+    bound_of: Name
+
+
 class SpeedOf(Frozen):
     """Forward speed: mean rim speed of the driven ones among these wheels.
 
@@ -196,8 +206,8 @@ Traction: TypeAlias = (
 
 DERIVED_KINDS = (
     "rate_of", "torque_of", "roll_of", "pitch_of", "norm_of", "diameter_of", "odometry_of",
-    "speed_of", "robot_speed_of", "slip_speed_of", "slip_of", "normal_force_of", "friction_used_of",
-    "friction_of", "least_of",
+    "bound_of", "speed_of", "robot_speed_of", "slip_speed_of", "slip_of", "normal_force_of",
+    "friction_used_of", "friction_of", "least_of",
 )  # fmt: skip
 
 
@@ -209,6 +219,7 @@ Derived: TypeAlias = Annotated[
     | Annotated[NormOf, Tag("norm_of")]
     | Annotated[DiameterOf, Tag("diameter_of")]
     | Annotated[OdometryOf, Tag("odometry_of")]
+    | Annotated[BoundOf, Tag("bound_of")]
     | Annotated[SpeedOf, Tag("speed_of")]
     | Annotated[RobotSpeedOf, Tag("robot_speed_of")]
     | Annotated[SlipSpeedOf, Tag("slip_speed_of")]

@@ -99,6 +99,12 @@ class BuiltInFault(Enum):
         True,
         "a part presses as hard as it may, and friction may not bear the robot",
     )
+    DISTANCE_UNKNOWN = _About(
+        "distance.unknown",
+        "sensors",
+        True,
+        "the robot may be farther from the distance that its wheels show than the mission allows",
+    )
     RULE_VIOLATED = _About(
         "rule.violated", "program", False, "a safety rule of the robot is broken, or would be"
     )

@@ -133,14 +133,19 @@ def setpoint(slot: SlotSpec, value: float) -> str:
 
 
 def summary(
-    ended: fx.Ended, now_s: float, distance_m: float | None, odometry_m: float | None
+    ended: fx.Ended,
+    now_s: float,
+    distance_m: float | None,
+    odometry_m: float | None,
+    bound_m: float | None,
 ) -> str:
     """Return how a run ended, in one line."""
     ways = []
     if distance_m is not None:
         ways.append(f"moved {distance_m:z.2f} m")
     if odometry_m is not None:
-        ways.append(f"odometer {odometry_m:z.2f} m")
+        known = "" if bound_m is None else f" ± {bound_m:.2g}"
+        ways.append(f"odometer {odometry_m:z.2f}{known} m")
     way = f" ({', '.join(ways)})" if ways else ""
     # The message says by what a run was interrupted.
     outcome = "stopped" if ended.outcome == "interrupted" else ended.outcome

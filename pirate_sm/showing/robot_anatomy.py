@@ -132,7 +132,7 @@ def _written(derived: kinds.Derived) -> tuple[int, str]:
             return 4, "speed"
         case kinds.NormOf():
             return 5, "acceleration"
-        case kinds.RateOf() | kinds.TorqueOf():
+        case kinds.RateOf() | kinds.TorqueOf() | kinds.BoundOf():
             return -1, ""
         case (
             kinds.RobotSpeedOf()

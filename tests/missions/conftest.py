@@ -10,6 +10,7 @@ from typing import Any
 
 import pytest
 
+from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import (
     Effect,
     Ended,
@@ -30,6 +31,7 @@ class Record:
 
     prepared: Prepared
     effects: list[Effect] = field(default_factory=list)
+    state: EngineState | None = None
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         self.effects += effects
@@ -62,13 +64,15 @@ def run() -> Callable[..., Record]:
     def run_it(mission: str | Path, **order: Any) -> Record:
         prepared = prepare(Order(str(mission), **order))
         record = Record(prepared)
-        MissionRun(
+        mission_run = MissionRun(
             prepared.engine,
             prepared.backend,
             observers=[record],
             companions=[*prepared.companions, FirstChoice()],
             factor=inf,
-        ).execute()
+        )
+        mission_run.execute()
+        record.state = mission_run.state
         return record
 
     return run_it

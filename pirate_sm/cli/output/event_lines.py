@@ -48,7 +48,8 @@ class Lines:
         for effect in effects:
             if isinstance(effect, Ended):
                 there = self._observed
-                text = summary(effect, now_s, there.distance_m(), there.odometry_m())
+                ways = there.distance_m(), there.odometry_m(), there.bound_m()
+                text = summary(effect, now_s, *ways)
                 left = there.left()
                 if self._quiet:
                     mission = there.prepared.loaded.mission.mission

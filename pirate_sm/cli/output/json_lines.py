@@ -94,6 +94,7 @@ class JsonLines:
                     "sim_time_s": _number(there.now_s),
                     "distance_m": _number(there.distance_m()),
                     "odometry_m": _number(there.odometry_m()),
+                    "bound_m": _number(there.bound_m()),
                 }
             case fx.StateChange(states, unconfirmed):
                 named = dict(zip(self._regions, states, strict=True))

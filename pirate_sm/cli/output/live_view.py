@@ -86,7 +86,8 @@ class View:
         there, ended = self._observed, self._memory.ended
         if ended is None:
             return Text()
-        text = summary(ended, there.now_s, there.distance_m(), there.odometry_m())
+        ways = there.distance_m(), there.odometry_m(), there.bound_m()
+        text = summary(ended, there.now_s, *ways)
         style = panels.OUTCOME.get(ended.outcome, BAD)
         conclusion = line((f"{self._scene.mission}: {text}", style))
         left = there.left()

@@ -66,6 +66,14 @@ class ObservedRun:
         value = state.sensing.numbers[self.robot.odometry]
         return None if isnan(value) else value
 
+    def bound_m(self) -> float | None:
+        """Return how far the robot may be from that distance, m, if the mission reads it."""
+        state = self.state
+        if state is None or self.robot.bound < 0 or self.odometry_m() is None:
+            return None
+        value = state.sensing.numbers[self.robot.bound]
+        return None if isnan(value) else value
+
     def distance_m(self) -> float | None:
         """Return the true distance of the robot, m, if it is known."""
         truth = self.truth()

@@ -45,6 +45,8 @@ class Lookout:
         """Return what must stay true; None where every frame must go through the engine."""
         if not (_calm(state) and _sensors_are_calm(self._robot, state.sensing)):
             return None
+        if self._judges(state):
+            return None
         if self._last is None or not _same(self._last[0], state):
             if not (_runs(state.mission) and _is_covered(state.robot)):
                 return None
@@ -62,11 +64,12 @@ class Lookout:
             # The engine must survey, or has not been told yet when it will be called.
             alarm, listening = min(alarm, state.wake_at_s), inf
         survey_s = inf if settled else surveyed.due_s
+        judged_s = state.sensing.distance.due_s if state.sensing.distance.running else inf
         return watch._replace(
             sensing=state.sensing,
             surveyed=surveyed,
             in_bend=announced(robot, surveyed, word),
-            frames_until_s=min(watch.frames_until_s, survey_s),
+            frames_until_s=min(watch.frames_until_s, survey_s, judged_s),
             wake_s=state.wake_at_s,
             deadline_s=deadline,
             word=word,
@@ -74,6 +77,13 @@ class Lookout:
             alarm_s=alarm,
             listening_s=listening,
         )
+
+    def _judges(self, state: EngineState) -> bool:
+        """Return whether odometry is judged with each frame, or begins to be."""
+        memory, latest = state.sensing.distance, state.robot.latest
+        if memory.out or memory.running:
+            return bool(memory.out) or memory.every_s < self._robot.link.period_s
+        return memory.every_s > 0 and any(latest[wheel.slot] for wheel in self._robot.wheels)
 
     def _waits(self, mission: MissionState, body: RobotState) -> bool:
         """Return whether the mission waits for something that a frame brings, or for time."""

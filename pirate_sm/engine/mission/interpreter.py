@@ -6,6 +6,7 @@ from typing import assert_never
 
 from pirate_sm.engine.control.stages import unsettled
 from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.claims import met_unknown
 from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end, end_by_fault
 from pirate_sm.engine.mission.going_on import fail, go
@@ -215,4 +216,8 @@ def _raise(moment: Moment, state: EngineState, it: Raise) -> EngineState:
 
 def _finish(moment: Moment, state: EngineState, it: Finish) -> EngineState:
     message = it.message.replace("{cause}", state.mission.cause or "no failure")
+    if it.outcome == "succeeded":
+        met = met_unknown(moment, state)
+        if met is not None:
+            return met
     return end(moment, state, it.outcome, message, it.end)

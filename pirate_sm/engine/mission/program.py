@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from math import inf
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.expressions import Expression
@@ -110,6 +111,7 @@ class TriggerSpec(NamedTuple):
         condition: Fires when this has been true for ``held_s``.
         after_s: Seconds since the wait was armed.
         answer: The answer of the operator.
+        known_within_m: The bound within which the distance must be known.
         place: Where it stands, ``file:line:col``.
     """
 
@@ -122,6 +124,7 @@ class TriggerSpec(NamedTuple):
     after_s: float | None = None
     answer: str = ""
     place: str = ""
+    known_within_m: float = inf
 
 
 class Wait(NamedTuple):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from math import inf, isnan, nan
 
 from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.claims import claim_of, counted, met_unknown
 from pirate_sm.engine.mission.going_on import fail, go, moved
 from pirate_sm.engine.mission.program import Question, SwitchControl, TriggerSpec, Wait
 from pirate_sm.engine.mission.unmet_wait import unmet_wait
@@ -45,8 +46,10 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     clock = mission.clock(moment.now_s)
     if not mission.begun:
         since = (nan,) * len(it.triggers)
-        origin = _origin(it, state) if it.compares else mission.origin
-        mission = mission._replace(begun=True, armed_s=clock, since=since, origin=origin)
+        mission = mission._replace(begun=True, armed_s=clock, since=since)
+        if it.compares and not (it.counts_on and mission.origin):
+            origin, from_here = state.sensing.counted, counted(moment, state)
+            mission = mission._replace(origin=origin, counts_from=from_here)
         deadline = clock + it.within_s + mission.offset_s
         names = tuple(trigger.name for trigger in it.triggers)
         texts = tuple(trigger.text for trigger in it.triggers)
@@ -56,9 +59,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     numbers = with_changes(sensing, mission.origin) if it.compares else sensing.shown
     since, fired, reason = _look(it, mission, numbers, state.words, clock)
     if fired >= 0:
-        trigger = it.triggers[fired]
-        moment.emit(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
-        return go(state, trigger.go)
+        return _fire(moment, state, it, fired, reason)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
         if awaited := unmet_wait(moment, state, it):
@@ -75,9 +76,17 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
     return state._replace(mission=mission._replace(since=since))
 
 
-def _origin(it: Wait, state: EngineState) -> tuple[float, ...]:
-    """Return the signals from which a wait that begins counts their changes."""
-    return (it.counts_on and state.mission.origin) or state.sensing.counted
+def _fire(moment: Moment, state: EngineState, it: Wait, fired: int, reason: str) -> EngineState:
+    """Return the state after a trigger; one that needs a bound needs it now."""
+    trigger, skipped = it.triggers[fired], state.mission.skipped is not None
+    claim = None if skipped else claim_of(moment, state, trigger)
+    state = state._replace(mission=state.mission._replace(claim=claim))
+    if trigger.known_within_m < inf and not skipped:
+        met = met_unknown(moment, state, trigger.known_within_m)
+        if met is not None:
+            return met
+    moment.emit(TriggerFired(it.phase, trigger.name, trigger.go_name, reason, it.place))
+    return go(state, trigger.go)
 
 
 def _look(

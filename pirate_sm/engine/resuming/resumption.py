@@ -11,7 +11,8 @@ from pirate_sm.engine.resuming.entry import Entry, Refused, entry, resumed_progr
 from pirate_sm.engine.resuming.hypotheses import Hypothesis
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.sensing.known_signals import DistanceMemory
+from pirate_sm.engine.state import Counted, EngineState
 
 
 class Resumption(NamedTuple):
@@ -29,6 +30,8 @@ class Resumption(NamedTuple):
         rules: Progress of the safety rules.
         odometry_m: Odometry at the start; NaN if the robot has none.
         adrift: Whether that is not known, so that conditions see only its changes from now on.
+        distance: What is remembered to judge the odometry.
+        counts_from: See :class:`.MissionState`, likewise ``claim``.
     """
 
     entry: Entry
@@ -40,6 +43,9 @@ class Resumption(NamedTuple):
     rules: tuple[int, ...] = ()
     odometry_m: float = nan
     adrift: bool = False
+    distance: DistanceMemory = DistanceMemory()
+    counts_from: Counted = Counted()
+    claim: Counted | None = None
 
     def program(self, before: Program) -> Program:
         """Return the program of the resumed run, from that of the run before."""
@@ -72,7 +78,7 @@ def resumption(
     found = entry(robot, program, last, last_s, hypothesis.body, at, lost=lost)
     if isinstance(found, Refused):
         return found
-    mission = last.mission
+    mission, distance = last.mission, last.sensing.distance
     return Resumption(
         found,
         hypothesis.body,
@@ -83,4 +89,7 @@ def resumption(
         last.rules,
         odometry_m(robot, last.sensing, way),
         not way.exact and robot.odometry >= 0,
+        distance._replace(width_m=distance.width_m + (way.high_m - way.low_m) / 2),
+        mission.counts_from,
+        mission.claim,
     )

@@ -104,7 +104,7 @@ class RobotSpec:
         unneeded: Per configuration and command, whether what it asks for is so already.
         safe_zero: Slots that are zero in the safe state.
         sight: Criteria of the start check.
-        odometry: Number indexes of odometry and speed; -1 where the robot has none.
+        odometry: Number indexes of odometry, its bound and speed; -1 where the robot has none.
         words_behind: Words of the detector that mean that the whole robot has passed the bend.
         words_joint: The kind of joint that a word of the detector announces, for those that do.
         owners: The boards, joints, wheels and parts that a fault can be of.
@@ -127,6 +127,7 @@ class RobotSpec:
     boards: Mapping[int, BoardSpec]
     wheels: tuple[WheelSpec, ...]
     odometry: int
+    bound: int
     speed: int
     faults: tuple[FaultSpec, ...]
     link: LinkSpec

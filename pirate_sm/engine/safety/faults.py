@@ -9,6 +9,7 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.distance import unheard
 from pirate_sm.engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.engine.sensing.report_loss import silent_limit_s
 from pirate_sm.engine.state import FaultState, Words
@@ -147,6 +148,7 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
         loss=sensing.loss,
         adrift=sensing.adrift,
         connection=sensing.connection + 1,
+        distance=unheard(robot, sensing, now),
     )
 
 

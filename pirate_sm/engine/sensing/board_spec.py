@@ -2,21 +2,45 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
+from math import inf, nan
 from typing import Literal, NamedTuple
 
 from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec
 
 
 class WheelSpec(NamedTuple):
-    """A wheel for odometry: its place among the wheels, number indexes of angle and speed, slot."""
+    """A wheel for odometry: its place among the wheels, number indexes of angle and speed, slot.
+
+    Attributes:
+        load: Number index of its motor's current; -1 where none is measured.
+        n_per_a: Force along its rim per current.
+        stall_n: That of its motor at full duty while it stands.
+        drag_n: What turns it while its motor does not.
+        top_m_s: Speed of its rim at full duty without load.
+    """
 
     place: int
     angle: int
     speed: int
     slot: int
     metres_per_rad: float
+    load: int = -1
+    n_per_a: float = 0.0
+    stall_n: float = 0.0
+    drag_n: float = 0.0
+    top_m_s: float = inf
+
+    def force_n(self, numbers: Sequence[float]) -> float:
+        """Return the force along the rim, without its direction; NaN is unknown."""
+        return abs(numbers[self.load]) * self.n_per_a if self.load >= 0 else nan
+
+    def is_pushed(self, numbers: Sequence[float], setpoints: Sequence[float]) -> bool:
+        """Return whether it turns faster than its motor would without load."""
+        speed_m_s = abs(numbers[self.speed] * self.metres_per_rad)
+        return speed_m_s > abs(setpoints[self.slot]) * self.top_m_s
 
 
 class Vector(NamedTuple):

@@ -55,6 +55,7 @@ class BodySpec(Chain):
         roll_link: Index of the link with a roll joint; -1 without one.
         imu: The accelerometer; None without one.
         roll: Number index of the roll joint's angle; -1 without one.
+        weight_n: Weight of the whole robot.
     """
 
     joints: tuple[int, ...]
@@ -63,6 +64,7 @@ class BodySpec(Chain):
     roll_link: int = -1
     imu: Imu | None = None
     roll: int = -1
+    weight_n: float = 0.0
 
     def wheels_of(self, part: int) -> tuple[int, ...]:
         """Return the wheels of a part, or of the ``WHOLE`` chain, front to rear."""

@@ -27,6 +27,41 @@ class MotorRequest(NamedTuple):
     driving: bool = False
 
 
+class DistanceMemory(NamedTuple):
+    """What is remembered of the way that odometry counts, to judge it; see :mod:`.distance`.
+
+    Attributes:
+        every_s: How often it is judged; ``due_s``: when next; ``at_s``: when it was last.
+        running: Whether the robot drives, or has not reported the rest of its way yet.
+        begun_s: Since when it drives.
+        angles: Per wheel what its sensor showed then; ``joints``: what those of the joints showed.
+        strayed_m: Per wheel how far it is from the others lately; NaN while it does not count.
+        odd_s: Per wheel since when it is limp, or turns with the others again; infinite otherwise.
+        out: Places of the wheels that are not believed.
+        width_m: How far the robot may be from the odometry, beside what is always possible.
+        rolled_m: How far it has driven, back and forth.
+        sliding_m_s: How fast it may be sliding down a slope.
+        pitch_rad: By how much the pipe climbs where that was known last.
+        pending_m: How far it may have slipped since it starts, if what follows confirms that.
+    """
+
+    every_s: float = 0.0
+    due_s: float = inf
+    at_s: float = -inf
+    running: bool = False
+    begun_s: float = -inf
+    angles: Numbers = ()
+    joints: Numbers = ()
+    strayed_m: Numbers = ()
+    odd_s: Numbers = ()
+    out: frozenset[int] = frozenset()
+    width_m: float = 0.0
+    rolled_m: float = 0.0
+    sliding_m_s: float = 0.0
+    pitch_rad: float = nan
+    pending_m: float = 0.0
+
+
 class Sensing(NamedTuple):
     """Everything known from sensors.
 
@@ -52,6 +87,7 @@ class Sensing(NamedTuple):
             is not known any more. Conditions see them as unknown.
         connection: Counts the connections to the robot in this run. Each return of its controller
             begins the next one, and what was known before is no evidence in it.
+        distance: What is remembered to judge the odometry.
     """
 
     numbers: Numbers
@@ -68,6 +104,7 @@ class Sensing(NamedTuple):
     outside_until_s: tuple[tuple[int, float], ...] = ()
     adrift: frozenset[int] = frozenset()
     connection: int = 0
+    distance: DistanceMemory = DistanceMemory()
 
     @property
     def counted(self) -> Numbers:
@@ -139,5 +176,5 @@ def with_odometry(robot: RobotSpec, sensing: Sensing, way_m: float, *, adrift: b
     """
     numbers = list(sensing.numbers)
     numbers[robot.odometry] = way_m
-    unknown = sensing.adrift | {robot.odometry} if adrift else sensing.adrift
+    unknown = sensing.adrift | {robot.odometry, robot.bound} if adrift else sensing.adrift
     return sensing._replace(numbers=tuple(numbers), adrift=unknown)

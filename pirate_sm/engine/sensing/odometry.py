@@ -26,22 +26,25 @@ def roll_on(
 
     Odometry is the mean distance rolled by the driven, measured wheels. A wheel's share is added
     when its board reports, for the whole time since its last report. A wheel whose board has been
-    silent long enough for a fault gets no share from then on; the other wheels replace it.
+    silent long enough for a fault gets no share from then on; the other wheels replace it. Nor does
+    one that is not believed, see :mod:`.wheel_belief`.
     """
     limit_s = now - robot.link.silent_after_s
     silence_s = now - sensing.heard_s[board.position]
     own = min(1.0, robot.link.silent_after_s / silence_s) if silence_s > 0 else 1.0
     angles, shares = list(sensing.angles), list(sensing.shares)
+    out = sensing.distance.out
     for wheel in board.wheels:
         angles[wheel.place] = numbers[wheel.angle]
     sharing = 0
     if any(driven[wheel.slot] for wheel in board.wheels):
         for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
-            if driven[wheel.slot] and not isnan(angles[wheel.place]):
+            if driven[wheel.slot] and not isnan(angles[wheel.place]) and wheel.place not in out:
                 sharing += position == board.position or sensing.heard_s[position] > limit_s
     for wheel in board.wheels:
-        share = 1 / sharing if sharing and driven[wheel.slot] else 0.0
-        old, shares[wheel.place] = shares[wheel.place], share
+        counts = sharing and driven[wheel.slot] and wheel.place not in out
+        share = 1 / sharing if counts else 0.0
+        old, shares[wheel.place] = 0.0 if wheel.place in out else shares[wheel.place], share
         turned = angles[wheel.place] - sensing.angles[wheel.place]
         if robot.odometry >= 0 and not isnan(turned):
             numbers[robot.odometry] += turned * wheel.metres_per_rad * (old or share) * own

@@ -9,7 +9,14 @@ from pathlib import Path as FilePath
 
 from pirate_sm.engine.mission.program import HERE, NEVER
 from pirate_sm.engine.robot.robot_spec import USUAL, RobotSpec
-from pirate_sm.expressions import Expression, ExpressionError, compile_condition
+from pirate_sm.expressions import (
+    Expression,
+    ExpressionError,
+    NumberType,
+    Vocabulary,
+    compile_condition,
+    compile_expression,
+)
 from pirate_sm.loading.mission.assembler import Handlers, Label
 from pirate_sm.loading.mission.parameter_values import Value, Values
 from pirate_sm.loading.problems import Path, Problems
@@ -19,7 +26,7 @@ from pirate_sm.model.mission import CONTINUE, FAIL, Mission
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.quantities import Parameter
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import DIMENSIONLESS, TIME, Quantity, describe
+from pirate_sm.units import DIMENSIONLESS, LENGTH, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
 CAUSE = "cause"
@@ -206,6 +213,19 @@ class Scope:
         except ExpressionError as error:
             self.problems.add_expression(path, error)
             return None
+
+    def bound_m(self, text: str, path: Path) -> float:
+        """Return the length after the words ``known within``, m; 0 after reporting a fault."""
+        try:
+            found = compile_expression(text, Vocabulary({}), self._constants)
+        except ExpressionError as error:
+            self.problems.add_expression(path, error)
+            return 0.0
+        if found.type != NumberType(LENGTH):
+            message = f"'{text.strip()}' is {found.type}"
+            self.problems.add("mission.condition", path, message, expected="a length")
+            return 0.0
+        return found.evaluate((), ()) or 0.0
 
     def waited(self, value: float | Parameter, path: Path, *, zero: bool = False) -> float:
         """Return a time in s; report a time below one bus cycle, in which no sensor reports.

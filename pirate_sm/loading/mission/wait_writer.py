@@ -15,6 +15,9 @@ from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrig
 TIME_LIMIT = "within"
 """The trigger name of a wait's time limit."""
 
+KNOWN_WITHIN = " known within "
+"""Follows a condition that needs a bound of the distance, the bound follows."""
+
 
 def wait_fields(
     scope: Scope,
@@ -70,9 +73,14 @@ def _trigger(
     match trigger:
         case ConditionTrigger(when=when):
             held = scope.waited(trigger.held, (*path, "held"), zero=True)
-            condition = scope.condition(when, (*path, "when"), in_wait=True)
+            what, asks, bound = when.partition(KNOWN_WITHIN)
+            condition = scope.condition(what, (*path, "when"), in_wait=True)
             text = when + (f" for {held:g} s" if held else "")
-            return spec._replace(text=text, condition=condition, held_s=held)
+            spec = spec._replace(text=text, condition=condition, held_s=held)
+            if not asks:
+                return spec
+            shifted = " " * (len(when) - len(bound)) + bound  # so that faults show their place
+            return spec._replace(known_within_m=scope.bound_m(shifted, (*path, "when")))
         case TimeTrigger():
             after_s = scope.waited(trigger.after, (*path, "after"))
             return spec._replace(text=f"after {after_s:g} s", after_s=after_s)

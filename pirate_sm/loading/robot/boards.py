@@ -22,7 +22,7 @@ def resolve_boards(signals: Signals, faults: tuple[FaultSpec, ...]) -> Mapping[i
         if board.fitted and board.channels_fitted and any(c.signal for c in board.channels)
     ]
     names = signals.vocabulary.numbers
-    shared = {signals.first_of("odometry_of"), signals.first_of("speed_of")}
+    shared = {signals.first_of(kind) for kind in ("odometry_of", "bound_of", "speed_of")}
     shared |= {
         names.index(name)
         for name, derived in signals.profile.derived.items()
@@ -72,10 +72,13 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
                     vectors.append(Vector(how, tuple(map(names.index, sources)), target))
             case kinds.DiameterOf(diameter_of=part):
                 diameters += _diameter(signals, part, told, target)
-            case kinds.RateOf() | kinds.TorqueOf() | kinds.OdometryOf() | kinds.SpeedOf():
-                pass  # without its source; made of all wheels
+            case kinds.RateOf() | kinds.TorqueOf():
+                pass  # without its source
             case (
-                kinds.RobotSpeedOf()
+                kinds.OdometryOf()
+                | kinds.BoundOf()
+                | kinds.SpeedOf()
+                | kinds.RobotSpeedOf()
                 | kinds.SlipSpeedOf()
                 | kinds.SlipOf()
                 | kinds.NormalForceOf()
@@ -83,7 +86,7 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
                 | kinds.FrictionOf()
                 | kinds.LeastOf()
             ):
-                pass  # see `traction_signals`
+                pass  # made of all wheels, see also `traction_signals`
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
     return BoardSpec(
         board.id,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.engine.sensing.body_spec import BodySpec, Imu, Vee
+from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
@@ -23,6 +24,8 @@ def resolve_chain(signals: Signals) -> BodySpec:
         roll_link=next((i for i, link in enumerate(body.links) if link.roll is not None), -1),
         imu=_imu(profile, signals),
         roll=_number(signals, roll) if roll else -1,
+        weight_n=GRAVITY_M_S2
+        * (sum(each.mass for each in body.wheels) + sum(each.mass for each in body.links)),
     )
 
 

@@ -64,6 +64,9 @@ def _valid_sources(
             | kinds.FrictionOf()
         ):
             return [wheel.name for wheel in profile.body.wheels]
+        case kinds.BoundOf():
+            odometry = [n for n, d in profile.derived.items() if isinstance(d, kinds.OdometryOf)]
+            return odometry[:1]
         case (
             kinds.RateOf()
             | kinds.TorqueOf()
@@ -109,5 +112,5 @@ def _dimension(  # noqa: C901 - one case for each kind
             return DIMENSIONLESS
         case kinds.NormalForceOf():
             return FORCE
-        case kinds.DiameterOf() | kinds.OdometryOf():
+        case kinds.DiameterOf() | kinds.OdometryOf() | kinds.BoundOf():
             return LENGTH

@@ -224,6 +224,7 @@ def _resolve(
         boards=boards,
         wheels=signals.wheels,
         odometry=signals.first_of("odometry_of"),
+        bound=signals.first_of("bound_of"),
         speed=signals.first_of("speed_of"),
         faults=faults,
         link=signals.link,

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import inf
 from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
@@ -13,6 +14,7 @@ from pirate_sm.expressions import EnumType, NumberType, Vocabulary
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.derived_signals import add_derived
 from pirate_sm.loading.robot.signals import Signals, check_name
+from pirate_sm.model import derived as kinds
 from pirate_sm.model import profile as model
 from pirate_sm.units import ANGLE, DIMENSIONLESS, SPEED, TIME, QuantityError, parse_quantity
 
@@ -105,5 +107,29 @@ def _wheels(signals: Signals) -> tuple[WheelSpec, ...]:
         slot = slots[wheel.name]
         mirrored = signals.polarity == "mirrored" and profile.slots[slot].mirrors
         sign = -wheel.direction if mirrored else wheel.direction
-        found.append(WheelSpec(len(found), angle, speed, slot, profile.body.wheel_radius * sign))
+        metres_per_rad = profile.body.wheel_radius * sign
+        own = WheelSpec(len(found), angle, speed, slot, metres_per_rad)
+        found.append(_with_motor(signals, own))
     return tuple(found)
+
+
+def _with_motor(signals: Signals, wheel: WheelSpec) -> WheelSpec:
+    """Return a wheel with what its motor can do, and the signal that shows its current."""
+    profile, slot = signals.profile, signals.profile.slots[wheel.slot]
+    motor, radius_m = profile.motors[slot.motor], abs(wheel.metres_per_rad)
+    channels = [c for board in profile.boards for c in board.channels if c.slot == slot.name]
+    load = next((c.signal for c in channels if c.senses == "current" and c.signal), "")
+    scales = [
+        signals.constant(each.scale, ("derived", name, "scale"))[0]
+        for name, each in profile.derived.items()
+        if isinstance(each, kinds.TorqueOf) and each.torque_of == load
+    ]
+    stall_nm = motor.stall_torque or 0.0
+    nm_per_a = scales[0] if scales else stall_nm / (motor.stall_current or inf)
+    return wheel._replace(
+        load=signals.vocabulary.numbers.index(load) if load and nm_per_a else -1,
+        n_per_a=nm_per_a / radius_m,
+        stall_n=stall_nm / radius_m,
+        drag_n=(motor.dead_drag or 0.0) / radius_m,
+        top_m_s=(motor.no_load_speed or inf) * radius_m,
+    )

@@ -110,7 +110,7 @@ def _kind(vector: Vector) -> int:
 
 def _wheel(robot: RobotSpec, wheel: WheelSpec) -> Row:
     board = dict(zip([each.place for each in robot.wheels], robot.wheel_boards, strict=True))
-    return (*wheel, board[wheel.place])
+    return (*wheel[:5], board[wheel.place])
 
 
 def _sensor(watch: WatchSpec) -> Row:

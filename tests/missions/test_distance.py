@@ -1,0 +1,108 @@
+"""What missions claim by a distance is so, or lies within the bound that they show."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.model.effects import Fault
+
+STEP = """\
+format: 1
+pipe: step
+section: round
+diameter: 120 mm
+segments: [{straight: 1.2 m}, {reducer: 1 mm, to: 110 mm}, {straight: 1.8 m}]
+start: {at: 1 m}
+friction: {static: 0.1, kinetic: 0.07}
+"""
+ICE = """\
+format: 1
+pipe: ice
+section: round
+diameter: 120 mm
+frame: {pitch: 90 deg}
+segments: [{straight: 3 m}]
+start: {at: 1.2 m}
+patches: [{from: 1.25 m, to: 1.6 m, static: 0.05, kinetic: 0.036}]
+"""
+
+
+def shown(record) -> tuple[float, float, float]:
+    """What the odometer shows, its bound, and how far the robot is from it, in mm.
+
+    The robot has not moved before it drove.
+    """
+    state, robot = record.state, record.prepared.engine.robot
+    odometry, bound = (state.sensing.numbers[at] for at in (robot.odometry, robot.bound))
+    true_m = record.prepared.truth().distance_m
+    return odometry * 1000, bound * 1000, abs(odometry - true_m) * 1000
+
+
+@pytest.mark.parametrize("defects", [
+    ("wheels_3_4_dead",), ("wheels_3_4_dead:after=2s",), ("wheel_5_dead:after=1.5s",),
+    ("front_wheels_dead",), ("front_wheels_stick",),
+])  # fmt: skip
+def test_belief_in_wheels_that_are_dead_ends_with_the_way_that_they_lack(run, defects) -> None:
+    record = run("drive_on", settings={"way": "400 mm"}, defects=defects)
+
+    _, bound_mm, off_mm = shown(record)
+    assert off_mm < min(20, bound_mm)
+
+
+def test_belief_in_a_distance_has_a_narrow_bound_where_nothing_is_wrong(run) -> None:
+    record = run("climb")
+
+    _, bound_mm, off_mm = shown(record)
+    assert record.ended.outcome == "succeeded"
+    assert off_mm < 5 < bound_mm < 10 + 0.02 * 1000
+
+
+@pytest.mark.parametrize("pipe", [STEP, ICE])
+@pytest.mark.parametrize("mission", ["drive_on", "climb"])
+def test_belief_in_wheels_ends_where_they_may_slip(
+    run, tmp_path: Path, pipe: str, mission: str
+) -> None:
+    (tmp_path / "slippery.yaml").write_text(pipe, encoding="utf-8")
+    record = run(mission, pipe=str(tmp_path / "slippery.yaml"))
+
+    _, bound_mm, off_mm = shown(record)
+    codes = [fault.code for fault in record.of(Fault)]
+    assert record.ended.outcome != "succeeded"
+    assert {"distance.unknown", "robot.stuck", "robot.fallen"} & set(codes)
+    assert off_mm < bound_mm or "robot.fallen" in codes
+
+
+def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:
+    mission = tmp_path / "asking.yaml"
+    mission.write_text(ASKING, encoding="utf-8")
+
+    wide, narrow = (run(mission, settings={"bound": bound}) for bound in ("20 mm", "6 mm"))
+
+    assert wide.ended.outcome == "succeeded"
+    assert narrow.ended.message.startswith("Not known: distance.unknown: the wheels show 40")
+    assert "must be known within 6 mm" in narrow.ended.message
+
+
+ASKING = """\
+format: 1
+mission: asking
+robot: pirate_ii
+pipe: straight_round
+parameters:
+  bound: {type: length, default: 20 mm, description: How well the way must be known}
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+on_fault: [{fault: distance.unknown, go: halt}]
+start: drive
+phases:
+  drive:
+    do: [DriveForward]
+    wait: [{when: change(odometry) >= 400 mm known within $bound, go: stop}]
+    within: {time: 20 s, go: halt}
+  stop: {do: [Brake], go: there}
+  halt: {do: [{command: Brake, unneeded: skip, on_failure: continue}], go: unknown}
+ends:
+  there: {succeed: There}
+  unknown: {fail: "Not known: {cause}"}
+"""
