@@ -12,6 +12,7 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Branch, Program, Question, Wait
 from pirate_sm.engine.robot import robot_state
 from pirate_sm.engine.robot.robot_state import at_rest_in
+from pirate_sm.engine.safety.faults import ANEW
 from pirate_sm.engine.state import OUTSIDE, EngineState
 from pirate_sm.expressions import EnumType, Expression, tree
 from pirate_sm.loading.mission import LoadedMission
@@ -195,9 +196,13 @@ class Measured(Run):
         return (event, None) if isinstance(event, ev.Tick) else (event, at)
 
     def _fault(self) -> ev.Event | None:
-        """What a rule tells, the engine finds by itself."""
+        """What a rule tells, the engine finds by itself.
+
+        The check takes it that a robot that comes back is the known one. This world does not show
+        enough for sensors to confirm that, so its controller is never away.
+        """
         fault = super()._fault()
-        own = {each.code for each in self.loaded.robot.faults}
+        own = {each.code for each in self.loaded.robot.faults} | ANEW
         return None if isinstance(fault, ev.FaultReport) and fault.code in own else fault
 
     def _move(self, step_s: float) -> None:
