@@ -42,7 +42,7 @@ def take_over(
         UsageError: Nobody has agreed to adopt the robot.
     """
     asks = sys.stdin.isatty() and sys.stderr.isatty() and not getattr(options, "yes", False)
-    if not (asks or options.adopt):
+    if prepared.engine.nominal or not (asks or options.adopt):
         return prepared, None
     check = stopper(requests)
     try:

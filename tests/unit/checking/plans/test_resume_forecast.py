@@ -14,7 +14,7 @@ from pirate_sm.engine.resuming.dark_way import DarkWay
 from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.resuming.reconciling import StateVerdict, VerdictTable
 from pirate_sm.engine.resuming.resumption import Resumption, resumption
-from pirate_sm.engine.resuming.unknowns import unknowns
+from pirate_sm.engine.resuming.unknowns import unknown_position, unknowns
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.loading.mission import load_mission
 
@@ -67,13 +67,12 @@ def test_a_wait_for_a_position_that_nobody_knows_may_hang(climb):
 
 
 def test_a_position_that_is_read_is_among_the_unknowns(climb):
-    found, hypothesis = cut_off_in_a_wait(climb, "down", DRIVING, UNKNOWN)
+    found, _ = cut_off_in_a_wait(climb, "down", DRIVING, UNKNOWN)
     program = found.program(climb.program)
 
-    told = unknowns(climb.robot, program, found, VerdictTable(hypothesis, ()))
+    told = unknown_position(climb.robot, program, found)
 
-    assert len(told) == 1
-    assert told[0].startswith("the position: the mission reads it (")
+    assert told.startswith("the position: the mission reads it (")
 
 
 def test_a_part_that_is_not_seen_to_hold_is_among_the_unknowns(climb):
@@ -82,7 +81,7 @@ def test_a_part_that_is_not_seen_to_hold_is_among_the_unknowns(climb):
     verdict = StateVerdict(mark, "front", "holds", "unknown", "why", ())
     program = found.program(climb.program)
 
-    told = unknowns(climb.robot, program, found, VerdictTable(hypothesis, (verdict,)))
+    told = unknowns(climb.robot, program, VerdictTable(hypothesis, (verdict,)))
 
     assert told == ("front holds: why",)
 
