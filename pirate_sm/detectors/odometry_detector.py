@@ -126,8 +126,8 @@ class Odometry:
             self._doubted_m = nan
         elif isnan(self._doubted_m):
             self._doubted_m = at.odometer_m
-        elif abs(at.odometer_m - self._doubted_m) >= _DOUBTED_M:
-            self._doubted_m = inf
+        elif inf > abs(at.odometer_m - self._doubted_m) >= _DOUBTED_M:
+            self._doubted_m = inf  # it is said once
             where = f"odometry is where it would say '{self._detector.due}', but the robot"
             message = f"{where} does not fit the pipe there: {self._misfit(at, numbers)}"
             return BuiltInFault.PLACE_CONTRADICTED.report(message)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.companion import Onlooker
-from pirate_sm.detectors.dead_reckoning import Reckoned
+from pirate_sm.detectors.dead_reckoning import Reckoned, Shape
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.errors import UsageError
@@ -83,6 +83,42 @@ def odometry(**options) -> Odometry:
     loaded = prepare(Order("mitre_bend", backend="trace")).loaded
     assert loaded.pipe is not None
     return Odometry(loaded.loaded_robot.profile, loaded.robot, loaded.pipe, **options)
+
+
+THROUGH = frozenset({"through"})
+NOWHERE = ChainInSpace((), DRAWING, DRAWING)
+
+
+@pytest.mark.parametrize(
+    ("course", "doubted"),
+    [
+        ([("contradicts", 0.0), ("contradicts", 0.11), ("contradicts", 0.12)], [2]),
+        ([("contradicts", 1.0), ("contradicts", 0.85)], [1]),
+        ([("contradicts", 0.0), ("contradicts", 0.2), ("contradicts", 0.5)], [1]),
+        ([("contradicts", 0.0), ("fits", 0.1), ("contradicts", 0.13)], []),
+        ([("contradicts", 0.0), ("unknown", 0.1), ("contradicts", 0.13)], []),
+        ([("contradicts", 0.0), ("fits", 0.1), ("contradicts", 0.2), ("contradicts", 0.33)], [3]),
+        ([("unknown", 0.0), ("unknown", 0.2)], []),
+    ],
+)
+def test_belief_in_a_passed_bend_ends_when_the_shape_contradicts_it_for_long(
+    course: list[tuple[Shape, float]], doubted: list[int]
+) -> None:
+    companion = odometry()
+    companion._detector._word = "through"
+    looks = [Reckoned((), NOWHERE, odometer_m, 0, {}, 0.0, shape) for shape, odometer_m in course]
+
+    faults = [companion._doubt(THROUGH, each, []) for each in looks]
+
+    assert [number for number, fault in enumerate(faults) if fault is not None] == doubted
+    for number in doubted:
+        fault = faults[number]
+        assert fault is not None
+        assert fault.code == "place.contradicted"
+        assert "odometry is where it would say 'through', but the robot does not fit" in (
+            fault.message
+        )
+    assert not any(companion._doubt(frozenset(), each, []) for each in looks)
 
 
 @pytest.mark.parametrize("place", [-0.001, 2.001])

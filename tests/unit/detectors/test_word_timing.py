@@ -52,6 +52,19 @@ def test_words_come_in_order_at_their_places() -> None:
     assert [place for _, place in said] == pytest.approx([0.94, 1.08, 1.26], abs=1.1e-3)
 
 
+def test_belief_in_a_word_waits_until_it_is_not_barred_any_more() -> None:
+    one, said, due = detector(), [], {}
+    for step, place in enumerate(course(0.7, 1.5)):
+        barred = frozenset({"through"}) if place < 1.4 else frozenset[str]()
+        word = one.look(0.01 * step, [place - each for each in LENGTHS], 1, barred)
+        due[round(place, 3)] = one.due
+        said += [(word.word, round(place, 3))] if word is not None else []
+
+    assert [word for word, _ in said] == ["near", "within", "through"]
+    assert said[-1][1] == pytest.approx(1.4, abs=1.1e-3)
+    assert (due[1.2], due[1.3], due[1.45]) == ("within", "through", "through")
+
+
 def test_backward_it_is_mirrored() -> None:
     said = say(course(1.6, 0.7), travel=-1)
     assert [word for word, _ in said] == ["near", "within", "through"]

@@ -90,6 +90,17 @@ def test_a_sensor_without_a_value_is_a_fault_of_what_it_measures(drive):
     assert [fault.of for fault in driver.of(fx.Fault)] == [("wheel_3",), ("board_24",)]
 
 
+def test_belief_that_a_sensor_has_no_value_ends_with_its_next_one(drive):
+    driver = holding(drive)
+
+    for at_s in (1.2, 1.4):
+        driver.show(at_s, theta_3=math.nan)
+        driver.show(at_s + 0.05, theta_3=math.nan)
+        driver.show(at_s + 0.1, theta_3=0.0)
+
+    assert [fault.of for fault in driver.of(fx.Fault)] == [("wheel_3",)] * 2
+
+
 def test_a_rule_says_whose_its_fault_is(drive):
     driver = holding(drive, EVERYBODY + IDLE)
 
