@@ -150,7 +150,8 @@ def judged(case: Case) -> Judged:
     )
     wrong = _wrong(case, outcome, claims, prepared)
     verdict = "false" if wrong else "claimed" if outcome.outcome == "succeeded" else "failed"
-    wide = case.trouble == "nothing" and claim.bound_m > 0.010 + 0.02 * case.path_m
+    by_distance = case.way.ends == "distance" and case.trouble == "nothing"
+    wide = by_distance and claim.bound_m > 0.010 + 0.02 * case.path_m
     return Judged(case, verdict, f"{wrong} ({said})" if wrong else said, claim, covered, wide)
 
 
@@ -233,12 +234,9 @@ def _shown(found: Iterable[Judged]) -> Iterator[Judged]:
 
 
 def _summed(found: Sequence[Judged]) -> bool:
-    """Print a table, and whether the bars are reached; return whether one is missed."""
-    print("mission | wrong | runs | claimed | failed | false | worst error | bound, median")
-    print("--- | --- | --- | --- | --- | --- | --- | ---")
-    for mission, trouble in sorted({(each.case.way.mission, each.case.trouble) for each in found}):
-        mine = [e for e in found if (e.case.way.mission, e.case.trouble) == (mission, trouble)]
-        print(" | ".join([mission, trouble, *_cells(mine)]))
+    """Print tables, and whether the bars are reached; return whether one is missed."""
+    _table("mission", found, lambda each: each.case.way.mission)
+    _table("what is wrong", found, lambda each: each.case.trouble)
     false = [each for each in found if each.verdict in ("false", "bug")]
     refused = sum(each.verdict == "refused" for each in found)
     plain = [each for each in found if each.case.trouble == "nothing"]
@@ -249,11 +247,22 @@ def _summed(found: Sequence[Judged]) -> bool:
     print(f"with nothing wrong {good} of {len(plain)} succeed; {wide} bounds are too wide")
     print(f"{held} of {len(covered)} bounds hold the truth")
     for each in plain:
-        if each.verdict != "claimed":
-            print(f"    {each.case.number} {each.why}")
+        if each.verdict != "claimed" or each.wide:
+            bound = f", within {each.claim.bound_m * 1000:.0f} mm" if each.wide else ""
+            print(f"    {each.case.number} {each.why}{bound}")
             print(f"        {command_of(each.case.order, each.case.order.seed)}")
     missed = good < SUCCEEDS * len(plain) or held < COVERED * len(covered)
     return bool(false) or bool(wide) or missed
+
+
+def _table(title: str, found: Sequence[Judged], name_of: Callable[[Judged], str]) -> None:
+    """Print a table of what came of the runs, by something that they have in common."""
+    print(f"| {title} | runs | claimed | failed | false | farthest off | bound, median |")
+    print("|---|---|---|---|---|---|---|")
+    for name in sorted({name_of(each) for each in found}):
+        mine = [each for each in found if name_of(each) == name]
+        print(f"| {' | '.join([name, *_cells(mine)])} |")
+    print()
 
 
 def _cells(mine: Sequence[Judged]) -> Iterator[str]:
@@ -264,9 +273,9 @@ def _cells(mine: Sequence[Judged]) -> Iterator[str]:
         e.claim for e in mine if e.verdict in ("claimed", "false") and e.case.way.ends == "distance"
     ]
     errors = [abs(claim.estimate_m - claim.truth_m) for claim in claims]
-    yield f"{max(errors) * 1000:.0f} mm" if errors else ""
+    yield f"{max(errors) * 1000:.0f} mm" if errors else "–"
     bounds = [claim.bound_m for claim in claims if not isnan(claim.bound_m)]
-    yield f"{median(bounds) * 1000:.0f} mm" if bounds else ""
+    yield f"{median(bounds) * 1000:.0f} mm" if bounds else "–"
 
 
 if __name__ == "__main__":
