@@ -109,6 +109,8 @@ class Odometry:
             self._warned = False
         travel = robot.travel(state.robot.values)
         places_m = self.reckoned.places_m
+        if held != robot.held[state.robot.configuration]:  # nobody knows where the others are
+            self.reckoned = self.reckoned._replace(shape="unknown")
         self._shapes.append(self.reckoned.shape)
         fits = all(each == "fits" for each in self._shapes)
         seen = all(part.diameter >= 0 for part in robot.body.parts)

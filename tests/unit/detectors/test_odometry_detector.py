@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.companion import Onlooker
 from pirate_sm.detectors.dead_reckoning import Reckoned, Shape
 from pirate_sm.detectors.odometry_detector import Odometry
-from pirate_sm.engine.robot.robot_state import confirmed_parts
+from pirate_sm.engine.robot.robot_state import LAPSED, Mark, confirmed_parts
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.chain_in_space import ChainInSpace
 from pirate_sm.geometry.space import DRAWING
@@ -66,6 +66,20 @@ def test_a_robot_in_a_round_pipe_is_shown_in_space() -> None:
 def test_an_error_of_the_start_is_gone_behind_the_bend(off_m: float) -> None:
     _, places, truth = run("mitre_bend", detector="odometry", start_at_m=0.7 + off_m)
     assert places == pytest.approx(truth, abs=0.006)
+
+
+def test_belief_the_shape_is_unknown_while_a_part_is_not_seen_to_hold() -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    (companion,) = prepared.companions
+    mission = MissionRun(prepared.engine, prepared.backend, companions=[companion])
+    mission.execute()
+    assert companion.reckoned.shape == "fits"
+
+    body = mission.state.robot
+    lapsed = body._replace(marks=body.marks | {Mark("part", 0, LAPSED)})
+    companion.look(mission.state._replace(robot=lapsed), 100.0)
+
+    assert companion.reckoned.shape == "unknown"
 
 
 def test_the_simulators_own_words_are_not_said() -> None:

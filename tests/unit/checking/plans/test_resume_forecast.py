@@ -62,7 +62,7 @@ def test_a_wait_for_a_position_that_nobody_knows_may_hang(climb):
 
     assert expected.word == "may hang"
     assert "waits for a position" in expected.why
-    assert "climb.yaml:38" in expected.why
+    assert "climb.yaml:39" in expected.why
     assert "DriveBackward" in expected.course[-1]
 
 
