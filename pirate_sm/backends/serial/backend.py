@@ -71,7 +71,7 @@ class SerialBackend:
         self._open = False
         self._closed = False
         self._turn = Lock()
-        self._calls = 0
+        self._called_of_late = False
         self._tending = False
         self._failure: Exception | None = None
         self._leaving = Flag()
@@ -102,7 +102,7 @@ class SerialBackend:
         except BaseException:
             self.close()
             raise
-        self._time.begin(self.port.now())
+        self._time.stand(self.port.now())
         self.exchange.watch()
         if self._tender is not None:
             self._tender.start()
@@ -232,23 +232,21 @@ class SerialBackend:
     def _called(self) -> Iterator[None]:
         """Use the link alone; raise what has gone wrong while it was tended."""
         with self._turn:
-            self._calls += 1
-            self._tending = False
+            self._called_of_late, self._tending = True, False
             if self._failure is not None:
                 raise self._failure
             yield
 
     def _attend(self) -> None:
         """Tend the link whenever nobody has called for a while."""
-        calls = -1
         while not self._leaving.wait(_TEND_S):
             with self._turn:
-                if self._calls == calls and self._failure is None:
-                    try:
+                try:
+                    if not self._called_of_late and self._failure is None:
                         self.tend()
-                    except Exception as error:  # raised at the next call
-                        self._failure = error
-                calls = self._calls
+                except Exception as error:  # raised at the next call
+                    self._failure = error
+                self._called_of_late = False
 
     def _negotiate(self) -> None:
         conversation = self.exchange.conversation

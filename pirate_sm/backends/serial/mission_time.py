@@ -20,10 +20,6 @@ class MissionTime:
         self._held_s = inf
         self._late = False
 
-    def begin(self, now: float) -> None:
-        """Start mission time at this time of the clock."""
-        self._zero_s = now
-
     def deadline_s(self, until_s: float, look_up_s: float) -> float:
         """Return the time of the clock until which to wait: a mission time, or ``look_up_s``."""
         return look_up_s if self._held_s < inf else min(self._zero_s + until_s, look_up_s)
@@ -46,7 +42,7 @@ class MissionTime:
             self._held_s = inf
 
     def stand(self, now: float) -> None:
-        """Leave out the time since mission time was last advanced."""
+        """Go on from this time of the clock, and leave out what has passed before."""
         self._zero_s = min(now, self._held_s) - self.now_s
         self._late = False
 
