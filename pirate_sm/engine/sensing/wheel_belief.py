@@ -91,7 +91,7 @@ def believed(
         and abs(strayed[at] - middle_m) > _STRAYED_M
         and not late_s < heard_s[at] <= memory.at_s  # a report that is lost
     }
-    lost = {at for at in counted if at in odd and now_s - odd_s[at] >= _LIMP_S} | far
+    lost = {at for at in counted if now_s - odd_s[at] >= _LIMP_S} | far
     if not lost < set(counted):
         lost = set()
     again = {at for at in memory.out if now_s - odd_s[at] >= _AGAIN_S}
