@@ -1,0 +1,458 @@
+"""How far a robot may be from its odometry, by what its wheels and joints show."""
+
+from __future__ import annotations
+
+from functools import cache
+from math import inf, isnan, nan, pi
+
+import pytest
+from driving import PIRATE
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.distance import BASE_M, counting, judge, unheard
+from pirate_sm.engine.sensing.known_signals import (
+    DistanceMemory,
+    MotorRequest,
+    Sensing,
+    nothing_known,
+)
+from pirate_sm.loading.robot import load_robot
+
+ROUND_S, SPEED = 0.1, 0.8
+LEVEL, UP = 0.0, pi / 2
+
+
+@cache
+def robot() -> RobotSpec:
+    return load_robot(PIRATE).normal
+
+
+def top_m_s() -> float:
+    return robot().wheels[0].top_m_s
+
+
+def setpoints(duty: float = 1.0) -> tuple[float, ...]:
+    values = [0.0] * len(robot().slots)
+    for wheel in robot().wheels:
+        values[wheel.slot] = duty if wheel.metres_per_rad > 0 else -duty
+    return tuple(values)
+
+
+class World:
+    """A robot that drives along a pipe, round by round.
+
+    Attributes:
+        speeds: Speed of each wheel, as shares of that at full duty without load.
+        force: Force of all wheels along their rims, as a share of the weight.
+        forces: Share of each wheel in that.
+    """
+
+    def __init__(self, pitch_rad: float = LEVEL) -> None:
+        self.pitch_rad = pitch_rad
+        self.speeds = [SPEED] * 6
+        self.force, self.forces = 0.0, [1 / 6] * 6
+        self.joints_rad = [0.0] * 4
+        self.now_s, self.duty = 10.0, 1.0
+        self.silent: set[int] = set()
+        fresh = nothing_known(robot())
+        numbers = [0.0 if at != robot().bound else nan for at in range(len(fresh.numbers))]
+        sensing = fresh._replace(
+            numbers=tuple(numbers),
+            heard_s=(self.now_s,) * len(fresh.heard_s),
+            angles=(0.0,) * 6,
+            shares=(1 / 6,) * 6,
+            asked=MotorRequest(setpoints(), 0.0, True),
+        )
+        self.sensing: Sensing = counting(robot(), sensing, DistanceMemory(), read=True)
+        self.judge()
+
+    def judge(self) -> None:
+        self.sensing = judge(
+            robot(), self.sensing, setpoints(self.duty), self.pitch_rad, self.now_s
+        )
+
+    def drive(self, rounds: int = 1) -> float:
+        """Drive on; return by how much the bound has grown, m."""
+        before_m = self.width_m
+        for _ in range(rounds):
+            self.now_s += ROUND_S
+            numbers, angles = list(self.sensing.numbers), list(self.sensing.angles)
+            heard_s = list(self.sensing.heard_s)
+            for wheel, board in zip(robot().wheels, robot().wheel_boards, strict=True):
+                if wheel.place in self.silent:
+                    continue
+                way_m = self.speeds[wheel.place] * wheel.top_m_s * ROUND_S
+                angles[wheel.place] += way_m / wheel.metres_per_rad
+                numbers[wheel.speed] = way_m / ROUND_S / wheel.metres_per_rad
+                newtons = self.force * robot().body.weight_n * self.forces[wheel.place]
+                numbers[wheel.load] = newtons / wheel.n_per_a
+                heard_s[board] = self.now_s
+            joints = [at for at in robot().body.joints if at >= 0]
+            for at, angle in zip(joints, self.joints_rad, strict=True):
+                numbers[at] = angle
+            self.sensing = self.sensing._replace(
+                numbers=tuple(numbers), angles=tuple(angles), heard_s=tuple(heard_s)
+            )
+            self.judge()
+        return self.width_m - before_m
+
+    @property
+    def width_m(self) -> float:
+        return self.sensing.distance.width_m
+
+    @property
+    def bound_m(self) -> float:
+        return self.sensing.numbers[robot().bound]
+
+
+def way_m(rounds: int, speed: float = SPEED) -> float:
+    return rounds * speed * top_m_s() * ROUND_S
+
+
+def test_the_bound_begins_with_what_is_always_possible() -> None:
+    assert World().bound_m == BASE_M
+
+
+@pytest.mark.parametrize("force", [-0.2, 0.0, 0.2])
+def test_wheels_that_roll_are_wrong_by_a_small_share_of_the_way(force: float) -> None:
+    world = World()
+    world.force = abs(force)
+
+    assert world.drive(10) == pytest.approx(0.008 * way_m(10))
+    assert world.sensing.distance.rolled_m == pytest.approx(way_m(10))
+    assert world.bound_m == pytest.approx(BASE_M + 0.008 * way_m(10))
+
+
+def test_backward_it_is_the_same() -> None:
+    world = World()
+    world.speeds = [-SPEED] * 6
+
+    assert world.drive(10) == pytest.approx(0.008 * way_m(10))
+    assert world.sensing.distance.rolled_m == pytest.approx(way_m(10))
+
+
+def test_up_a_pipe_wheels_that_bear_the_weight_roll() -> None:
+    world = World(UP)
+    world.force = 1.0
+    world.drive(5)
+
+    assert world.drive(10) == pytest.approx(0.008 * way_m(10))
+
+
+def slipping(world: World) -> World:
+    """Wheels give more than gravity asks for, and those in the middle turn slower."""
+    world.speeds = [SPEED, 0.6, SPEED, SPEED, 0.6, SPEED]
+    world.forces = [0.05, 0.4, 0.05, 0.05, 0.4, 0.05]
+    return world
+
+
+@pytest.mark.parametrize(("pitch_rad", "force"), [(LEVEL, 0.6), (UP, 1.6), (UP, 0.5)])
+def test_belief_in_a_way_ends_where_all_wheels_may_slip(pitch_rad: float, force: float) -> None:
+    world = slipping(World(pitch_rad))
+    world.force = force
+    world.drive(5)
+
+    grown_m = world.drive(5)
+
+    assert grown_m >= way_m(5, 0.7)
+    assert world.bound_m == pytest.approx(BASE_M + world.width_m)
+
+
+def test_while_a_robot_starts_what_follows_decides_whether_it_slips() -> None:
+    world = World()
+    world.sensing = world.sensing._replace(asked=MotorRequest(setpoints(), world.now_s, True))
+    slipping(world).force = 0.6
+    assert world.drive(3) < 0.01 * way_m(3), "not yet"
+    world.speeds, world.forces, world.force = [SPEED] * 6, [1 / 6] * 6, 0.0
+    assert world.drive(3) == pytest.approx(0.008 * way_m(3)), "it did not slip"
+
+    world = World()
+    world.sensing = world.sensing._replace(asked=MotorRequest(setpoints(), world.now_s, True))
+    slipping(world).force = 0.6
+    world.drive(3)
+    assert world.drive(2) > 0.9 * way_m(5, 0.7), "it did, since it began"
+
+
+def test_a_robot_that_lacks_force_on_a_slope_slides_faster_and_faster() -> None:
+    world = slipping(World(UP))
+    world.force = 0.2
+    world.drive(5)
+
+    first_m, second_m, third_m = world.drive(5), world.drive(5), world.drive(5)
+
+    assert world.sensing.distance.sliding_m_s > 1.0
+    assert third_m - second_m == pytest.approx(second_m - first_m, rel=0.1)
+    assert second_m > first_m + 0.5
+    world.speeds, world.forces, world.force = [SPEED] * 6, [1 / 6] * 6, 1.0
+    world.drive(1)
+    assert world.sensing.distance.sliding_m_s == 0.0
+
+
+def test_level_nothing_slides() -> None:
+    world = slipping(World())
+    world.force = 0.6
+    world.drive(10)
+
+    assert world.sensing.distance.sliding_m_s == 0.0
+
+
+def test_joints_that_turn_while_wheels_slip_are_a_way_too() -> None:
+    still, bent = slipping(World()), slipping(World())
+    for world in (still, bent):
+        world.force = 0.6
+        world.drive(5)
+    bent.joints_rad = [0.1, 0.0, 0.0, 0.0]
+    length_m = max(robot().body.lengths_m)
+
+    assert bent.drive() - still.drive() == pytest.approx((0.1 - 0.006) * length_m, abs=1e-6)
+    assert bent.drive() == pytest.approx(still.drive()), "it has turned once"
+
+
+def test_joints_that_turn_while_wheels_roll_are_none() -> None:
+    world = World()
+    world.drive(5)
+    world.joints_rad = [0.1] * 4
+
+    assert world.drive() == pytest.approx(0.008 * way_m(1))
+
+
+def test_belief_ends_only_in_part_where_one_part_rolls_and_the_other_slips() -> None:
+    world = World()
+    world.speeds = [SPEED] * 3 + [SPEED, 0.6, SPEED]
+    world.forces = [0.0] * 3 + [0.15, 0.7, 0.15]
+    world.force = 0.6
+    world.drive(5)
+
+    grown_m = world.drive(5)
+
+    mean_m = way_m(5, (5 * SPEED + 0.6) / 6)
+    assert grown_m == pytest.approx(0.5 * (way_m(5) - mean_m) + 0.008 * mean_m, rel=0.02)
+
+
+def test_a_wheel_that_is_dead_is_taken_out_with_the_way_that_it_lacks() -> None:
+    world = World()
+    world.speeds = [0.0] + [SPEED] * 5
+    world.force = 0.0
+    world.drive(10)
+
+    odometry_m = world.sensing.numbers[robot().odometry]
+    assert world.sensing.distance.out == {0}
+    assert odometry_m > 0.0, "what it lacked has been added"
+
+
+@pytest.mark.parametrize(("driving", "grows"), [(True, True), (False, False)])
+def test_belief_in_a_distance_has_a_gap_while_nobody_heard_the_robot(
+    driving: bool, grows: bool
+) -> None:
+    world = World()
+    world.drive(3)
+    asked = MotorRequest(setpoints(), 0.0, driving)
+    distance = world.sensing.distance._replace(running=driving, out=frozenset({2}))
+    sensing = world.sensing._replace(asked=asked, distance=distance)
+
+    after = unheard(robot(), sensing, world.now_s + 2.0)
+
+    lost_m = top_m_s() * (2.0 + robot().link.period_s) if grows else 0.0
+    assert after.width_m == pytest.approx(world.width_m + lost_m)
+    assert not after.running
+    assert after.out == frozenset()
+
+
+def test_a_run_that_goes_on_counts_on_and_one_that_reads_no_distance_has_no_bound() -> None:
+    before = DistanceMemory(width_m=0.03, rolled_m=1.5, running=True, out=frozenset({1}))
+    read = counting(robot(), nothing_known(robot()), before, read=True)
+    unread = counting(robot(), nothing_known(robot()), before, read=False)
+
+    assert (read.distance.width_m, read.distance.rolled_m) == (0.03, 1.5)
+    assert (read.distance.running, read.distance.out) == (False, frozenset())
+    assert read.numbers[robot().bound] == pytest.approx(BASE_M + 0.03)
+    assert isnan(unread.numbers[robot().bound])
+    assert 0.0 < read.distance.every_s < robot().link.period_s < unread.distance.every_s
+
+
+def test_it_is_judged_once_a_round_and_from_the_start_on() -> None:
+    world = World()
+    memory = world.sensing.distance
+    assert (memory.running, memory.begun_s, memory.at_s) == (True, 10.0, 10.0)
+    assert memory.due_s == pytest.approx(10.0 + memory.every_s)
+    assert memory.strayed_m == (0.0,) * 6
+    assert memory.odd_s == (inf,) * 6
+
+    world.now_s += memory.every_s / 2
+    world.judge()
+    assert world.sensing.distance is memory
+
+    world.drive()
+    assert world.sensing.distance.at_s == world.now_s
+
+
+def test_a_robot_that_stands_is_not_judged() -> None:
+    world = World()
+    world.drive(3)
+    world.sensing = world.sensing._replace(
+        asked=MotorRequest(setpoints(0.0), 0.0, False), shares=(0.0,) * 6
+    )
+    world.speeds = [0.0] * 6
+    world.drive()
+    assert not world.sensing.distance.running
+
+    before = world.sensing
+    world.now_s += 1.0
+    world.judge()
+    assert world.sensing is before
+
+
+def test_a_slope_that_is_not_known_is_the_one_that_was_known_last() -> None:
+    world = World(UP)
+    world.force = 1.0
+    world.drive(5)
+    world.pitch_rad = nan
+
+    assert world.drive(5) == pytest.approx(0.008 * way_m(5))
+    assert world.sensing.distance.pitch_rad == UP
+
+
+def test_a_part_that_turns_alike_and_bears_unevenly_slips_too() -> None:
+    world = World()
+    world.speeds = [SPEED] * 3 + [SPEED, 0.6, SPEED]
+    world.forces = [0.02, 0.46, 0.02, 0.05, 0.4, 0.05]
+    world.force = 0.6
+    world.drive(5)
+
+    assert world.drive(5) > 0.9 * way_m(5, 0.6)
+
+
+@pytest.mark.parametrize(
+    ("speeds", "off"),
+    [
+        ([SPEED] * 3 + [SPEED, 0.7, SPEED], 0.1 / 6),
+        ([SPEED, 0.7, SPEED] * 2, 0.0),
+        ([SPEED, 0.6, SPEED] * 2, 0.4 / 3),
+        ([SPEED] * 3 + [0.77, 0.77, 0.77], 0.0),
+    ],
+)
+def test_wheels_that_differ_without_force_may_slip_in_part(speeds: list[float], off: float) -> None:
+    world = World()
+    world.speeds = speeds
+    world.drive(5)
+
+    mean_m = way_m(5, sum(speeds) / 6)
+    assert world.drive(5) == pytest.approx(0.008 * mean_m + 0.5 * way_m(5, off), rel=0.02)
+
+
+def test_wheels_that_differ_while_a_robot_starts_do_not_count() -> None:
+    world = World()
+    world.sensing = world.sensing._replace(asked=MotorRequest(setpoints(), world.now_s, True))
+    world.speeds = [SPEED, 0.6, SPEED] * 2
+
+    assert world.drive(3) == pytest.approx(0.008 * way_m(3, 2.2 / 3))
+
+
+@pytest.mark.parametrize(("pitch_rad", "slips"), [(UP, True), (0.1, False)])
+def test_on_a_slope_wheels_that_differ_slip_although_they_bear_the_weight(
+    pitch_rad: float, slips: bool
+) -> None:
+    world = slipping(World(pitch_rad))
+    world.force = 1.0 if slips else 0.1
+    world.drive(5)
+
+    assert (world.drive(5) > 0.9 * way_m(5, 0.7)) == slips
+
+
+def test_where_few_boards_report_what_follows_decides_whether_wheels_slip() -> None:
+    world = World(UP)
+    world.force = 1.0
+    world.drive(5)
+    before_m = world.width_m
+    world.silent = {0, 1, 3, 4}
+    world.drive(2)
+    assert world.width_m - before_m < 0.02 * way_m(2), "not yet"
+    assert world.sensing.distance.pending_m > 0.0
+
+    world.silent = set()
+    world.drive(3)
+
+    assert world.width_m - before_m < 0.02 * way_m(5)
+    assert world.sensing.distance.pending_m == 0.0
+
+
+def test_wheels_that_are_pushed_hold_against_those_that_push() -> None:
+    world = World()
+    world.speeds = [1.01, 0.99] * 3
+    world.force = 0.6
+    world.drive(5)
+
+    assert world.drive(5) == pytest.approx(0.008 * way_m(5, 1.0))
+
+
+@pytest.mark.parametrize(("force", "pull"), [(0.5, 0.75), (0.2, 1.0)])
+def test_how_fast_a_robot_slides_follows_from_what_its_wheels_lack(
+    force: float, pull: float
+) -> None:
+    world = slipping(World(UP))
+    world.force = force
+    world.drive(5)
+    pull_m_s2 = pull * 9.81
+    begun_m_s = world.sensing.distance.sliding_m_s
+
+    first_m, second_m = world.drive(), world.drive()
+
+    assert world.sensing.distance.sliding_m_s == pytest.approx(
+        begun_m_s + 2 * ROUND_S * pull_m_s2, rel=0.02
+    )
+    assert second_m - first_m == pytest.approx(pull_m_s2 * ROUND_S**2, rel=0.02)
+
+
+def test_what_was_decided_is_not_counted_again() -> None:
+    world = slipping(World())
+    world.force = 0.6
+    world.drive(5)
+
+    assert world.drive() == pytest.approx(world.drive())
+
+
+@pytest.mark.parametrize(("running", "driving"), [(True, False), (False, True)])
+def test_a_robot_may_have_driven_that_has_not_reported_its_rest(
+    running: bool, driving: bool
+) -> None:
+    world = World()
+    distance = world.sensing.distance._replace(running=running)
+    asked = MotorRequest(setpoints(), 0.0, driving)
+
+    after = unheard(
+        robot(), world.sensing._replace(asked=asked, distance=distance), world.now_s + 1.0
+    )
+
+    assert after.width_m > top_m_s()
+
+
+def test_it_runs_until_no_wheel_has_a_share_any_more() -> None:
+    world = World()
+    world.drive(3)
+    world.sensing = world.sensing._replace(asked=MotorRequest(setpoints(0.0), 0.0, False))
+    world.drive()
+    assert world.sensing.distance.running
+
+    world.sensing = world.sensing._replace(
+        asked=MotorRequest(setpoints(), 0.0, True), shares=(0.0,) * 6
+    )
+    world.drive()
+    assert world.sensing.distance.running
+
+
+def test_it_is_judged_when_that_is_due() -> None:
+    world = World()
+    world.now_s = world.sensing.distance.due_s
+    world.judge()
+
+    assert world.sensing.distance.at_s == world.now_s
+    assert world.sensing.distance.due_s == world.now_s + world.sensing.distance.every_s
+
+
+def test_wheels_that_are_not_driven_do_not_slip() -> None:
+    world = slipping(World())
+    world.force = 0.6
+    world.duty = 0.0
+    world.drive(5)
+
+    assert world.drive(5) == pytest.approx(0.008 * way_m(5, 2.2 / 3))
