@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -51,10 +52,14 @@ def test_all_shipped_files_are_clean_even_of_warnings(
     result = pirate("check", "--fail-on", "warning")
 
     assert (result.exit_code, result.stderr) == (0, "")
-    assert result.stdout == (
+    *allowed, last = result.stdout.splitlines()
+    assert last.startswith(
         "2 robots, 2 charts, 32 pipes, 8 cameras, 1 panel, 44 missions, 3 experiments, 1 twin,"
-        " 5 campaigns checked: no findings\n"
+        " 5 campaigns checked: "
     )
+    # What the shipped missions allow is said, with the reason: an angle that jumps back.
+    codes = {line.split()[1] for line in allowed if re.match(r"  \S+:\d+:\d+ ", line)}
+    assert codes == {"handler.holding"}
 
 
 def test_a_broken_mission_in_a_folder_that_is_no_project_is_no_false_green(
