@@ -84,6 +84,9 @@ class BuiltInFault(Enum):
     PIPE_IMPASSABLE = _About(
         "pipe.impassable", "surroundings", True, "the simulated robot stands before an obstacle"
     )
+    ROBOT_LEFT_PIPE = _About(
+        "robot.left_pipe", "surroundings", False, "the simulated robot is outside of its pipe"
+    )
     VISION_SILENT = _About("vision.silent", "camera", True, "the camera sends no pictures")
     VISION_FROZEN = _About("vision.frozen", "camera", True, "the camera repeats one picture")
     VISION_DARK = _About("vision.dark", "camera", True, "the camera's pictures show no contrast")

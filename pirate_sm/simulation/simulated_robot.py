@@ -17,6 +17,7 @@ from pirate_sm.geometry import plane
 from pirate_sm.geometry.joints import Bend
 from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.events import FaultReport, SensorFrame
+from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.frame_block import FrameBlock
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
@@ -37,12 +38,11 @@ from pirate_sm.simulation.start_pose import Standing, standing_again
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, surroundings_of
 
 _TOUCHING_N = 0.05
-# Cycles between two checks whether the robot has left the pipe.
+# Cycles between two checks whether the robot has left the pipe, and how far it is gone then.
 _GONE_EVERY = 16
-# Beyond this distance from the pipe's open end, the robot counts as gone.
 _GONE_M = 0.4
-# Nearer than this it does not, whatever the rounding.
-_NEAR_M = _GONE_M - 1e-9
+# Nearer to the pipe than this no wheel has left it, whatever the rounding.
+_NEAR_M = -1e-9
 
 
 class Turn(NamedTuple):
@@ -150,9 +150,8 @@ class SimulatedRobot:
             *(self.physics, chain.nodes, pipe, around.route),
             *(around.friction, around.friction_scale),
         )
-        self.cycles = 0
         self._time_s = put_back.at_s if put_back is not None else 0.0
-        self.gone = False
+        self.cycles, self.gone, self._left = 0, False, False
         self._start_m = self._middle()
 
     def hold(self) -> None:
@@ -182,8 +181,7 @@ class SimulatedRobot:
 
     def strike(self, now_s: float) -> Sequence[Incident]:
         """Let the defects act on the robot; return the incidents."""
-        incidents = [effect.step(now_s) for effect in self._effects]
-        return [incident for incident in incidents if incident is not None]
+        return [found for each in self._effects if (found := each.step(now_s)) is not None]
 
     @property
     def moved_until_s(self) -> float:
@@ -196,10 +194,13 @@ class SimulatedRobot:
         return min((effect.due_s for effect in self._effects), default=math.inf)
 
     def meet_obstacles(self) -> FaultReport | None:
-        """Apply the obstacles after a cycle; return the fault of an impassable bend, if any."""
+        """Apply the obstacles after a cycle; return the fault of one, or of an end of the pipe."""
         fault = self._obstacles.step(self._time_s, self._cycle_s)
         if self.cycles % _GONE_EVERY == 0 and not self.gone:
             self._look_whether_gone()
+            if not self._left and self._is_outside(0.0):
+                self._left = True
+                return BuiltInFault.ROBOT_LEFT_PIPE.report("every wheel is beyond a pipe's end")
         return fault
 
     def glides_until_s(self, now_s: float) -> float:
@@ -361,11 +362,11 @@ class SimulatedRobot:
         arcs = self.arcs_m
         return sum(arcs) / len(arcs)
 
-    def _is_outside(self) -> bool:
-        """Return whether every wheel is far from the pipe."""
+    def _is_outside(self, bars_m: float = _GONE_M) -> bool:
+        """Return whether every wheel is far from the pipe; from one between bars by this much."""
         if self._flat:
             arcs = self.arcs_m
-            return max(-max(arcs), min(arcs) - self._route.length_m) >= _GONE_M
+            return max(-max(arcs), min(arcs) - self._route.length_m) >= bars_m
         if any(self.values("press")):
             return False
         # It may fall past an open end, or be in a pipe that is not on its route.
@@ -378,8 +379,8 @@ class SimulatedRobot:
 
     def _look_whether_gone(self) -> None:
         """Bring a robot that is far outside the pipe to rest, with zero torques and speeds."""
-        self.gone = self._is_outside()
-        if self.gone:
+        if self._is_outside():
+            self.gone = True
             # It lies on the floor: the accelerometer measures its weight, in any pose.
             for axis, value in (("acc_x", 0.0), ("acc_y", 0.0), ("acc_z", GRAVITY_M_S2)):
                 self.physics.quantities[self._layout.at(axis)] = value

@@ -215,7 +215,7 @@ def test_a_stuck_robot_that_opens_to_118_deg_has_not_lost_its_clamp(run, tmp_pat
 
 def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
     pipe = _changed(
-        tmp_path, "vertical", patches="[{from: 0 m, to: 2 m, static: 0.05, kinetic: 0.04}]"
+        tmp_path, "vertical", patches="[{from: 500 mm, to: 2 m, static: 0.04, kinetic: 0.02}]"
     )
     record = run("climb", backend="sim", pipe=pipe)
     assert record.ended.outcome == "fault"

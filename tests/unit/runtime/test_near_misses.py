@@ -75,13 +75,13 @@ def run(tmp_path: Path) -> Run:
 
 def test_a_command_is_held_against_its_time(run: Run) -> None:
     motion = run.state.robot.motion
-    assert motion.timeout_s == 10.0
+    assert motion.timeout_s == 20.0
     run.goes(1.0, fx.CommandStatus("ClampFront", "accepted", "", "m.yaml:9:10"))
     run.goes(5.0, fx.CommandStatus("ClampFront", "done", "", "m.yaml:9:10"))
 
     call = run.call("ClampFront (m.yaml:9:10)")
-    assert (call.share, call.at_s) == (pytest.approx(0.4), 5.0)
-    assert call.text == "ClampFront (m.yaml:9:10) took 4.0 s of the 10 s that it has"
+    assert (call.share, call.at_s) == (pytest.approx(0.2), 5.0)
+    assert call.text == "ClampFront (m.yaml:9:10) took 4.0 s of the 20 s that it has"
 
 
 def test_a_command_that_fails_has_had_it(run: Run) -> None:
