@@ -221,15 +221,20 @@ class Engine:
     def evidence(self, state: EngineState) -> dict[str, Evidence]:
         """Return what has shown each region's state, each part's clamp and each signal, by name.
 
-        A signal of a board has the evidence of that board's last report; signals of which nothing
-        is known, or which no board measures, are left out. Empty without sensors.
+        A signal of a board has the evidence of that board's last report, the distance that of the
+        oldest report of a wheel. Signals of which nothing is known, or which no board measures, are
+        left out. Empty without sensors.
         """
         robot, sensing, names = self.robot, state.sensing, self.robot.vocabulary.numbers
         found = dict(zip((*robot.regions, *robot.parts), state.proofs, strict=False))
-        for board in () if self.nominal else robot.boards.values():
-            report = Evidence("sensor", sensing.heard_s[board.position], sensing.connection)
-            known = [at for at in board.numbers if not isnan(sensing.numbers[at])]
-            found |= dict.fromkeys([names[at] for at in known], report)
+        boards = () if self.nominal else [*robot.boards.values()]
+        measured = [(sensing.heard_s[each.position], each.numbers) for each in boards]
+        if measured and robot.odometry >= 0 and robot.odometry not in sensing.adrift:
+            measured += [(min(sensing.heard_s[at] for at in robot.wheel_boards), (robot.odometry,))]
+        for heard_s, numbers in measured:
+            report = Evidence("sensor", heard_s, sensing.connection)
+            known = [names[at] for at in numbers if not isnan(sensing.numbers[at])]
+            found |= dict.fromkeys(known, report)
         return found
 
     def safe_values(self, state: EngineState) -> tuple[float, ...]:

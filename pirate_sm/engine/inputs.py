@@ -147,7 +147,8 @@ def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> Engi
     if event.code not in ANEW:
         return meet(moment, state, FoundFault.reported(moment.robot, event))
     before = state
-    state = state._replace(sensing=begin_anew(moment.robot, state.sensing, moment.now_s))
+    sensing = begin_anew(moment.robot, state.sensing, moment.now_s, event.away_s)
+    state = state._replace(sensing=sensing)
     words = state.obeyed_words(moment.robot)
     faults = unsettle(moment.robot, state.faults, state.sensing, words)
     state = state._replace(faults=faults)

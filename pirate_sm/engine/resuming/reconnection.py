@@ -18,13 +18,7 @@ from pirate_sm.engine.resuming.reconciling import changed
 from pirate_sm.engine.robot import commands, confirmation, robot_state
 from pirate_sm.engine.robot.confirmation import Before, LookResult
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import (
-    DECLARED,
-    STOPPED,
-    Mark,
-    Numbers,
-    confirmed_parts,
-)
+from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, Numbers, confirmed_parts
 from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus
@@ -68,11 +62,9 @@ def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
 
 def lose(moment: Moment, state: EngineState, code: str) -> EngineState:
     """Return the state after a fault: where the link is lost, nothing counts as confirmed."""
-    if code not in _LOST or moment.nominal or moment.alphabet < EVIDENCE_ENDS:
-        return state
-    if state.mission.ended:
-        return state
-    return doubt(moment, state, state)
+    older = moment.nominal or moment.alphabet < EVIDENCE_ENDS
+    lost = code in _LOST and not (older or state.mission.ended)
+    return doubt(moment, state, state) if lost else state
 
 
 def begin(
@@ -86,18 +78,17 @@ def begin(
         state: The state in which the report has been handled as a fault.
         report: What the backend has reported.
     """
-    mission, robot = state.mission, moment.robot
+    mission, robot, away_s = state.mission, moment.robot, report.away_s
     if mission.ending or mission.ended:
         return state
     known = before.look.before if before.look is not None else None
-    if state.robot.sent:
-        goes = mission.diverting is not None
-        if known is not None:  # away again during the comparison
-            known = known._replace(away_s=known.away_s + report.away_s)
-        else:
-            resumes = not (goes or mission.paused or mission.pause_wanted)
-            known = Before(before.sensing, before.robot, report.away_s, resumes)
-        state = state if goes else _hold(moment, state, report.code)
+    if known is not None:  # it was away again during the comparison
+        known = known._replace(away_s=known.away_s + away_s)
+    elif state.robot.sent:
+        resumes = not (mission.diverting or mission.paused or mission.pause_wanted)
+        known = Before(before.sensing, before.robot, away_s, resumes)
+    if state.robot.sent and mission.diverting is None:
+        state = _hold(moment, state, report.code)
     return state._replace(look=confirmation.begin(robot, state.robot, moment.now_s, known))
 
 

@@ -132,8 +132,15 @@ def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Word
     return faults._replace(since=since, raised=raised)
 
 
-def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
-    """Return unknown signals, with the odometry kept: it omits what was rolled unobserved."""
+def begin_anew(robot: RobotSpec, sensing: Sensing, now: float, away_s: float) -> Sensing:
+    """Return unknown signals, with the odometry kept: it omits what was rolled unobserved.
+
+    Args:
+        robot: The robot.
+        sensing: The signals before.
+        now: When it is.
+        away_s: How long the controller was silent; NaN if nobody knows.
+    """
     fresh = nothing_known(robot)
     numbers = list(fresh.numbers)
     if robot.odometry >= 0:
@@ -148,7 +155,7 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
         loss=sensing.loss,
         adrift=sensing.adrift,
         connection=sensing.connection + 1,
-        distance=unheard(robot, sensing, now),
+        distance=unheard(robot, sensing, now, away_s),
     )
 
 

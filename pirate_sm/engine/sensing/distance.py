@@ -71,11 +71,18 @@ def counting(robot: RobotSpec, sensing: Sensing, before: DistanceMemory, *, read
     return _with_bound(robot, sensing, sensing.numbers, memory)
 
 
-def unheard(robot: RobotSpec, sensing: Sensing, now_s: float) -> DistanceMemory:
-    """Return what is remembered when the robot is heard again, which may have driven meanwhile."""
+def unheard(robot: RobotSpec, sensing: Sensing, now_s: float, away_s: float) -> DistanceMemory:
+    """Return what is remembered when the robot is heard again, which may have driven meanwhile.
+
+    Args:
+        robot: A robot with odometry.
+        sensing: The signals before.
+        now_s: When it is; mission time stands still during a silence.
+        away_s: How long its controller was silent; NaN if nobody knows.
+    """
     memory = sensing.distance
     if memory.running or sensing.asked.driving:
-        lost_s = now_s - max(sensing.heard_s) + robot.link.period_s
+        lost_s = max(now_s - max(sensing.heard_s), away_s) + robot.link.period_s
         top_m_s = max(wheel.top_m_s for wheel in robot.wheels)
         memory = memory._replace(width_m=memory.width_m + top_m_s * lost_s)
     return memory._replace(running=False, out=frozenset())

@@ -100,6 +100,10 @@ def test_a_signal_has_the_evidence_of_its_boards_last_report(drive):
     assert evidence["gamma_2"] == Evidence("sensor", 0.2, 0)
     assert evidence["diameter_front"].age_s(0.3) == pytest.approx(0.2)
 
+    driver.report_all(0.3)
+    driver.report(22, at=0.4)
+    assert driver.engine.evidence(driver.state)["odometry"] == Evidence("sensor", 0.3, 0)
+
 
 def test_a_command_says_which_proof_it_needs(drive):
     driver = drive(IDLE)

@@ -358,6 +358,25 @@ def test_belief_returns_where_the_robot_has_held_meanwhile(
     assert course.driven() == {"bend_1", "bend_2"}
 
 
+@pytest.mark.parametrize("dead_man", [True, False])
+def test_belief_in_a_distance_ends_with_what_was_driven_in_a_silence(
+    go: Go, dead_man: bool
+) -> None:
+    """Mission time stands still meanwhile: "1 m" was claimed at a true 1.5 m."""
+    course = go(
+        commands="ClampRear, DriveForward",
+        handled="link.interrupted, robot.stuck",
+        far="1 m",
+        longest="60 s",
+        pulled=(12.0, 15.0),
+        dead_man=dead_man,
+    )
+
+    assert course.wheels_driven(before_s=12.0)
+    assert course.codes == ["link.interrupted", "distance.unknown"]
+    assert course.is_safe
+
+
 def test_a_robot_that_stays_unplugged_is_a_lost_link(go: Go) -> None:
     course = go(pulled=(8.0, 1e9), handled="link.interrupted")
 
