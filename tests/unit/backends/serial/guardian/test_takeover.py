@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
 import signal
 from collections.abc import Iterator
@@ -9,6 +10,7 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.backends.serial.guardian import takeover
 from pirate_sm.backends.serial.guardian.takeover import LeftBehind, Registration, take_over
 
 MD5, PAYLOAD = "2f1d", b"\x00\x01stop"
@@ -30,7 +32,7 @@ def port(tmp_path: Path) -> str:
 
 
 @pytest.fixture
-def guardian(port: str) -> Iterator[LeftBehind]:
+def guardian(port: str, runtime: Path) -> Iterator[LeftBehind]:
     """A guardian in this very process, which gives up its port when it is asked."""
     left = LeftBehind.of(port, MD5, PAYLOAD)
     registration = Registration(left)
@@ -45,6 +47,7 @@ def guardian(port: str) -> Iterator[LeftBehind]:
     signal.signal(signal.SIGUSR1, before)
     if not asked[0]:
         registration.remove()
+    assert not [path for path in files(runtime) if str(left.pid) in path.name]
 
 
 def files(runtime: Path) -> list[Path]:
@@ -105,3 +108,69 @@ def test_a_file_that_says_nothing_is_passed_over(
     (files(runtime)[0].parent / "guardian-0.json").write_text(text)
 
     assert take_over(port, MD5) == guardian
+
+
+def test_what_a_guardian_leaves_is_for_its_user_alone(guardian: LeftBehind, runtime: Path) -> None:
+    (path,) = files(runtime)
+
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert path.parent.stat().st_mode & 0o777 == 0o700
+
+
+@pytest.mark.parametrize("dies", [True, False])
+def test_a_guardian_that_does_not_answer_is_killed(
+    guardian: LeftBehind, port: str, monkeypatch: pytest.MonkeyPatch, dies: bool
+) -> None:
+    given: list[tuple[int, int]] = []
+    unlocked = iter([False, False, dies])  # before it is asked, after it is asked, and killed
+    monkeypatch.setattr(os, "kill", lambda pid, number: given.append((pid, number)))
+    monkeypatch.setattr(takeover, "_locked", lambda descriptor, within_s: next(unlocked))
+
+    assert take_over(port, MD5) == guardian
+    assert given == [(os.getpid(), signal.SIGUSR1), (os.getpid(), signal.SIGKILL)]
+
+
+def test_a_guardian_that_gives_up_the_port_is_not_killed(
+    guardian: LeftBehind, port: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    kill, given = os.kill, list[int]()
+
+    def noted(pid: int, number: int) -> None:
+        given.append(number)
+        kill(pid, number)
+
+    monkeypatch.setattr(os, "kill", noted)
+
+    assert take_over(port, MD5) == guardian
+    assert given == [signal.SIGUSR1]
+
+
+def test_a_lock_is_waited_for_no_longer_than_wanted(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    now_s, slept = [100.0], list[float]()
+
+    def sleep(elapsed_s: float) -> None:
+        slept.append(elapsed_s)
+        now_s[0] += elapsed_s
+
+    monkeypatch.setattr(takeover.time, "monotonic", lambda: now_s[0])
+    monkeypatch.setattr(takeover.time, "sleep", sleep)
+    path = tmp_path / "lock"
+    with path.open("w") as held, path.open() as wanted:
+        fcntl.flock(held, fcntl.LOCK_EX)
+        assert not takeover._locked(wanted.fileno(), 1.0)
+        assert sum(slept) == pytest.approx(1.0, abs=0.03)
+        assert not takeover._locked(wanted.fileno(), 0.0)
+        fcntl.flock(held, fcntl.LOCK_UN)
+        assert takeover._locked(wanted.fileno(), 0.0)
+
+
+def test_where_no_file_can_be_written_nothing_is_registered(
+    port: str, runtime: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (runtime / "pirate_sm").write_text("in the way")
+
+    Registration(LeftBehind.of(port, MD5, PAYLOAD)).remove()
+
+    assert take_over(port, MD5) is None
