@@ -240,9 +240,12 @@ def test_a_wheel_that_is_dead_is_taken_out_with_the_way_that_it_lacks() -> None:
     assert odometry_m > 0.0, "what it lacked has been added"
 
 
-@pytest.mark.parametrize(("driving", "grows"), [(True, True), (False, False)])
+@pytest.mark.parametrize(
+    ("driving", "away_s", "gap_s"),
+    [(True, nan, 2.0), (True, 1.0, 2.0), (True, 5.0, 5.0), (False, 5.0, None)],
+)
 def test_belief_in_a_distance_has_a_gap_while_nobody_heard_the_robot(
-    driving: bool, grows: bool
+    driving: bool, away_s: float, gap_s: float | None
 ) -> None:
     world = World()
     world.drive(3)
@@ -250,9 +253,9 @@ def test_belief_in_a_distance_has_a_gap_while_nobody_heard_the_robot(
     distance = world.sensing.distance._replace(running=driving, out=frozenset({2}))
     sensing = world.sensing._replace(asked=asked, distance=distance)
 
-    after = unheard(robot(), sensing, world.now_s + 2.0)
+    after = unheard(robot(), sensing, world.now_s + 2.0, away_s)
 
-    lost_m = top_m_s() * (2.0 + robot().link.period_s) if grows else 0.0
+    lost_m = 0.0 if gap_s is None else top_m_s() * (gap_s + robot().link.period_s)
     assert after.width_m == pytest.approx(world.width_m + lost_m)
     assert not after.running
     assert after.out == frozenset()
@@ -419,9 +422,8 @@ def test_a_robot_may_have_driven_that_has_not_reported_its_rest(
     distance = world.sensing.distance._replace(running=running)
     asked = MotorRequest(setpoints(), 0.0, driving)
 
-    after = unheard(
-        robot(), world.sensing._replace(asked=asked, distance=distance), world.now_s + 1.0
-    )
+    sensing = world.sensing._replace(asked=asked, distance=distance)
+    after = unheard(robot(), sensing, world.now_s + 1.0, nan)
 
     assert after.width_m > top_m_s()
 
