@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Sequence
 from dataclasses import replace
-from math import inf, isnan, nan
+from math import inf, isnan, nan, radians
 
 from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Reckoner, Shape
 from pirate_sm.detectors.odometer import Odometer
@@ -29,6 +29,9 @@ _SHAPES = 4
 
 _DOUBTED_M = 0.12
 """On the next 50 mm a part still comes round the corner; after this way it is a fault [decided]."""
+
+_BENT_RAD = radians(10)
+"""Each joint of a robot that passes a bend turns by 21 deg or more [measured]."""
 
 _PATIENCE_S = 1.0
 """How long a joint may be silent at the start, or while clamps change."""
@@ -82,6 +85,8 @@ class Odometry:
         self._said: tuple[Event | None, ...] = ()
         self._shapes: deque[Shape] = deque(maxlen=_SHAPES)
         self._doubted_m = nan
+        self._swept: dict[int, tuple[float, float]] = {}
+        self._first_word = words[0].name if words else ""
 
     def _take(self, robot: RobotSpec) -> None:
         """Follow this robot from now on."""
@@ -109,8 +114,11 @@ class Odometry:
             self._warned = False
         travel = robot.travel(state.robot.values)
         places_m = self.reckoned.places_m
+        self._sweep(numbers, in_bend=state.surveyed.in_bend)
         if held != robot.held[state.robot.configuration]:  # nobody knows where the others are
             self.reckoned = self.reckoned._replace(shape="unknown")
+        elif self._rigid():
+            self.reckoned = self.reckoned._replace(shape="contradicts")
         self._shapes.append(self.reckoned.shape)
         fits = all(each == "fits" for each in self._shapes)
         seen = all(part.diameter >= 0 for part in robot.body.parts)
@@ -119,6 +127,20 @@ class Odometry:
         report = self._ahead.look(now_s, places_m, self._front_roll_rad())
         self._said = word, report, self._doubt(barred, self.reckoned, numbers)
         return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _sweep(self, numbers: Sequence[float], *, in_bend: bool) -> None:
+        """Follow the least and the largest angle of each joint since a bend was announced."""
+        if not in_bend:
+            self._swept = {}
+        elif self._swept or self._detector.due == self._first_word:  # else it began in the bend
+            for joint in (each for each in self._robot.body.joints if each >= 0):
+                least, most = self._swept.get(joint, (inf, -inf))
+                angle = numbers[joint]
+                self._swept[joint] = min(least, angle), max(most, angle)  # NaN changes neither
+
+    def _rigid(self) -> list[int]:
+        """Return the joints that have not been bent since a bend was announced."""
+        return [joint for joint, (least, most) in self._swept.items() if most - least < _BENT_RAD]
 
     def _doubt(
         self, barred: frozenset[str], at: Reckoned, numbers: Sequence[float]
@@ -137,6 +159,8 @@ class Odometry:
 
     def _misfit(self, at: Reckoned, numbers: Sequence[float]) -> str:
         """Return what the joints show that does not fit the pipe."""
+        for joint in self._rigid():
+            return f"{self._robot.vocabulary.numbers[joint]} has not moved in the bend"
         for part, spot in at.spots.items():
             if not self._reckoner.lies(numbers, part, spot.middle_m):
                 shown = self._robot.body.parts[part].diameter

@@ -90,3 +90,12 @@ def test_belief_a_bend_that_the_shape_contradicts_ends_holding_with_that_reason(
     assert re.search(r"diameter_front shows 11\d mm where it has 120 mm", done.message)
     held = done.states["BendingState"][-1], done.states["unconfirmed"][-1]
     assert held == ("DoubleClamped", "FrontWheelsState RearWheelsState")
+
+
+def test_belief_a_joint_that_shows_the_same_all_through_a_bend_proves_nothing() -> None:
+    defects = ("gamma_3_sticks:after=4.9s", "gamma_4_stiff:after=9.3s,friction=0.33Nm")
+    pipe = "mitre_90_from_below"
+    order = Order("take_bend", pipe=pipe, seed=62, defects=defects, detector="odometry")
+    outcome = run(order)
+
+    assert not is_false(outcome), f"{outcome.short_m * 1000:.0f} mm short"
