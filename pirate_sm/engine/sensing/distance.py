@@ -27,7 +27,7 @@ _ROUND, _UNREAD_S = 0.95, 0.5
 """Wheels are judged once in a round of the boards, which rounding may shorten; where the mission
 does not read the distance, after so long a time [decided]."""
 
-_SHARE = 0.008
+_SHARE = 0.006
 """Share of the way by which wheels that roll may be wrong [decided]."""
 
 _ALIKE = 0.04
@@ -43,7 +43,7 @@ _EVEN, _NOISE = 0.3, 0.015
 quarter of that of the middle one while they slip. The second is of the top speed or the stall
 force, two counts of the encoder [decided]."""
 
-_SOME = 0.5
+_SOME = 0.35
 """Share of the differences that counts where some wheels slip and others roll [decided]."""
 
 _FEW = 3

@@ -81,7 +81,7 @@ def believed(
     odd = limp & set(counted)
     odd |= {at for at in memory.out if _turns_along(rolled_m[at], mean_m)}
     odd_s = [min(since_s, now_s) if at in odd else inf for at, since_s in enumerate(memory.odd_s)]
-    late_s = now_s - robot.link.silent_after_s / 2
+    late_s = now_s - robot.link.silent_after_s / 4
     able = [at for at in counted if at not in odd]
     middle_m = median([strayed[at] for at in able]) if len(able) > 2 else 0.0
     far = {
@@ -89,7 +89,7 @@ def believed(
         for at in able
         if len(able) > 2
         and abs(strayed[at] - middle_m) > _STRAYED_M
-        and not late_s < heard_s[at] <= memory.at_s  # a report that is lost
+        and not (late_s < heard_s[at] <= memory.at_s and heard_s[at] < now_s)  # a lost report
     }
     lost = {at for at in counted if now_s - odd_s[at] >= _LIMP_S} | far
     if not lost < set(counted):
