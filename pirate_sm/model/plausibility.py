@@ -41,6 +41,7 @@ class Plausibility(Frozen):
         joint_moved: Smallest change of a joint that counts as motion.
         wheel_moved: Smallest change of a wheel that counts as motion.
         moved_readings: Number of consecutive readings that must show an unexpected motion.
+        spring: By this share a joint's spring may be stiffer or softer than its motor says.
         repeats: A joint may have turned for this long although its board repeats its angle.
     """
 
@@ -60,4 +61,5 @@ class Plausibility(Frozen):
     joint_moved: _PositiveAngle = radians(20)
     wheel_moved: _PositiveAngle = 1.0
     moved_readings: _Readings = 2
+    spring: Annotated[Ratio, Field(ge=0, lt=1)] = 0.0
     repeats: _PositiveDuration = 0.2

@@ -28,7 +28,8 @@ class WatchSpec(NamedTuple):
         load: Index of the current of the same motor; -1 if it is not measured.
         full_load: That current when the motor stalls at full duty.
         torque: Index of the torque of the spring behind the motor; -1 if it is not measured.
-        stiffness: Stiffness of that spring, per unit of the angle.
+        stiffness: Stiffness of that spring, per unit of the angle; ``spring`` is the share by which
+            it may differ.
         winds: Torque to which the motor can wind it up.
         unit: Unit for messages; ``per_unit`` is its SI value.
         of: The joint or wheel of the motor.
@@ -49,6 +50,7 @@ class WatchSpec(NamedTuple):
     full_load: float = 0.0
     torque: int = -1
     stiffness: float = inf
+    spring: float = 0.0
     winds: float = inf
     unit: str = ""
     per_unit: float = 1.0

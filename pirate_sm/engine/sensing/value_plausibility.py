@@ -90,7 +90,9 @@ def _motion(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> 
         numbers: Its value and torque now are among them.
     """
     step = numbers[watch.number] - before
-    return abs(step), abs(step + (torque(watch, numbers) - wound) / watch.stiffness)
+    unwound = (torque(watch, numbers) - wound) / watch.stiffness
+    least, most = step + unwound / (1 + watch.spring), step + unwound / (1 - watch.spring)
+    return abs(step), 0.0 if least * most < 0 else min(abs(least), abs(most))
 
 
 def _least(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> float:

@@ -238,6 +238,17 @@ def test_a_joint_that_snaps_is_believed_as_far_as_its_spring_unwinds(
         assert codes
 
 
+@pytest.mark.parametrize(("spring", "believed"), [(0.0, False), (0.4, True)])
+def test_belief_in_a_joint_that_snaps_needs_no_spring_as_stiff_as_assumed(
+    spring: float, believed: bool
+) -> None:
+    joint, other = SPRUNG.sensors
+    watched = WatchedSpec((joint._replace(spring=spring), other))
+    unwound = 50 * joint.stiffness  # by 50 deg, if the spring were as assumed
+    shown, _ = sprung([(0.0, unwound)] * 3 + [(85.0, 0.0)], watched)
+    assert (shown[-1] == 85.0) == believed
+
+
 def test_time_makes_no_angle_possible_at_which_a_joint_seems_to_stay() -> None:
     """In one period its motor turns by 30 deg at most, in the three that are held back by 50."""
     shown, codes = sprung([(0, 0)] * 3 + [(40, 0)] * 4)
