@@ -340,7 +340,8 @@ def test_in_the_safe_state_a_worm_gets_zero_and_another_motor_its_last_duty(newt
 SEEKING = (
     ("BothHeld: {fold_neck: -50 %", "BothHeld: {fold_neck: -0.5 rad"),
     (
-        "stalled, joints: [neck], loaded: [neck], torque: 0.25 Nm, still: 6 deg/s, for: 0.2 s}",
+        "stalled, joints: [neck], loaded: [neck], share: 60 %, at_least: 50 mNm, settled: 1.5 s, "
+        "still: 6 deg/s, for: 0.2 s}",
         "reached}",
     ),
 )

@@ -401,9 +401,11 @@ def test_free_fall_cannot_be_caught(drive):
     driver.run(0.5)
     driver.signals["acc_z"] = 0.5
 
-    driver.run(1.0)
-
+    driver.run(0.8)
     assert driver.faults == [("robot.fallen", "stop")]
+
+    driver.run(1.5)
+    assert set(driver.faults) == {("robot.fallen", "stop")}, "by a second rule too"
 
 
 @pytest.mark.parametrize("code", ["firmware.reset", "link.interrupted"])
