@@ -114,3 +114,11 @@ def test_belief_in_a_place_ends_where_wheels_begin_or_cease_to_be_driven() -> No
 def test_a_speed_takes_two_positions() -> None:
     assert isnan(follow([0.5], driven=True).speed())
     assert follow([0.5, 0.505], driven=True).speed() == pytest.approx(0.1)
+
+
+def test_two_positions_of_one_moment_show_no_speed() -> None:
+    tracker = Tracker()
+    for at_s, place_m in ((0.0, 0.5), (0.0, 0.6), (0.1, 0.51), (0.1, 0.61)):
+        tracker.see(at_s, (place_m,), driven=True)
+
+    assert tracker.speed() == pytest.approx(0.1)

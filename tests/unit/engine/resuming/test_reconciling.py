@@ -281,6 +281,19 @@ def test_a_part_whose_command_was_under_way_is_not_contradicted(drive):
     assert (rear.word, rear.why) == (UNKNOWN, "ClampRear was not done when the recording ends")
 
 
+def test_joints_may_have_moved_by_a_command_that_was_under_way(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    driver.signals |= GRIPPING | {"bend_torque_3": 0.0, "bend_torque_4": 0.0}
+    driver.run(2.0)
+    at_rest = CutOff(driver)
+    command(driver, "ClampRear")
+    driver.accept()
+    under_way = CutOff(driver)
+
+    assert any("gamma_2" in each for each in at_rest.look(gamma_2=1.2).refusals)
+    assert not any("gamma_2" in each for each in under_way.look(gamma_2=1.2).refusals)
+
+
 def test_what_the_recording_contradicts_and_the_sensors_show_now_may_be_confirmed(drive):
     driver = drive(IDLE, states=BOTH_CLAMPED)
     driver.signals |= GRIPPING | {"bend_torque_1": 0.0, "bend_torque_2": 0.0}
