@@ -29,6 +29,9 @@ ROOT = Path(__file__).parents[2]
 WALL_S = 30.0
 """Nothing here takes so long; a test that hangs says so."""
 
+STORY_S = 2 * WALL_S
+"""No story of an operator takes so long."""
+
 
 class HandClock:
     """A clock of which the test turns the hand: a sleeper wakes when it has come so far."""
@@ -162,7 +165,9 @@ async def operator(
     # It shows what there is when the operator looks. Frames in the time of the wall would keep
     # the process busy, and the pilot waits after every key until the process is idle.
     app = console(session, frames_per_s=0)
-    app.NOTIFICATION_TIMEOUT = WALL_S  # they go by the time of the wall, too
+    # Notifications expire by the time of the wall, too: none does before the story is over.
+    notify = app.notify
+    app.notify = lambda *told, **how: notify(*told, **{**how, "timeout": STORY_S})
     try:
         async with app.run_test(size=size, notifications=True) as pilot:
             someone = Operator(app, pilot, clock, session)
@@ -189,7 +194,7 @@ def with_mission(name: str, backend: str = "sim", **options: Any) -> Prepared:
 
 def played(story: Callable[[], Coroutine[Any, Any, None]]) -> None:
     """The story has been played to its end."""
-    asyncio.run(asyncio.wait_for(story(), 2 * WALL_S))
+    asyncio.run(asyncio.wait_for(story(), STORY_S))
 
 
 def confirming(prepared: Prepared, question: str) -> Prepared:
