@@ -144,8 +144,8 @@ def summary(
     if distance_m is not None:
         ways.append(f"moved {distance_m:z.2f} m")
     if odometry_m is not None:
-        known = "" if bound_m is None else f" ± {bound_m:.2g}"
-        ways.append(f"odometer {odometry_m:z.2f}{known} m")
+        known = "" if bound_m is None else f" ± {bound_m * 1000:.0f} mm"
+        ways.append(f"odometer {odometry_m:z.2f} m{known}")
     way = f" ({', '.join(ways)})" if ways else ""
     # The message says by what a run was interrupted.
     outcome = "stopped" if ended.outcome == "interrupted" else ended.outcome
