@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import takewhile
-from math import degrees, isinf
+from math import ceil, degrees, isinf
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.engine.robot.command_spec import SlotSpec
@@ -143,9 +143,10 @@ def summary(
     ways = []
     if distance_m is not None:
         ways.append(f"moved {distance_m:z.2f} m")
-    if odometry_m is not None:
-        known = "" if bound_m is None else f" ± {bound_m * 1000:.0f} mm"
-        ways.append(f"odometer {odometry_m:z.2f} m{known}")
+    if odometry_m is not None and bound_m is not None:
+        ways.append(f"odometer {odometry_m * 1000:z.0f} ± {ceil(bound_m * 1000)} mm")
+    elif odometry_m is not None:
+        ways.append(f"odometer {odometry_m:z.2f} m")
     way = f" ({', '.join(ways)})" if ways else ""
     # The message says by what a run was interrupted.
     outcome = "stopped" if ended.outcome == "interrupted" else ended.outcome

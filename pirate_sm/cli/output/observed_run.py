@@ -24,6 +24,7 @@ class ObservedRun:
         self.robot = prepared.loaded.robot
         self.run: MissionRun | None = None
         self._sent: tuple[float, ...] = ()
+        self._driven_from_m: float | None = None
         self._ended: Ended | None = None
 
     @property
@@ -45,6 +46,9 @@ class ObservedRun:
         for effect in effects:
             if isinstance(effect, Setpoints):
                 self._sent = effect.values
+                if self._driven_from_m is None and self.robot.travel(effect.values):
+                    truth = self.truth()
+                    self._driven_from_m = truth.distance_m if truth else None
             elif isinstance(effect, Ended):
                 self._ended = effect
 
@@ -75,6 +79,10 @@ class ObservedRun:
         return None if isnan(value) else value
 
     def distance_m(self) -> float | None:
-        """Return the true distance of the robot, m, if it is known."""
+        """Return how far the robot has truly moved since it first drove, m, if it is known.
+
+        Odometry counts from there too. Before, clamping moves the middle of the wheels by some
+        20 mm, because a robot that folds is shorter.
+        """
         truth = self.truth()
-        return truth.distance_m if truth else None
+        return truth.distance_m - (self._driven_from_m or 0.0) if truth else None
