@@ -110,7 +110,7 @@ def test_all_names_that_do_not_exist_are_named_at_once(words, said, pirate_run):
 
 
 def test_jitter_changes_a_run_and_its_seed_repeats_it(pirate_run):
-    words = ("enter_2d", "--no-record", "--quiet", "--jitter", "friction=20%", "--seed")
+    words = ("enter_2d", "--no-record", "--json", "--jitter", "friction=20%", "--seed")
     first, again, other = (pirate_run(*words, seed).stdout for seed in ("1", "1", "2"))
 
     assert first == again

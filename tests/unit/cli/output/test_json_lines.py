@@ -54,11 +54,11 @@ def test_a_failed_command_has_the_limits_that_it_awaited(pirate_run: Any) -> Non
     failed = [line for line in map(json.loads, result.stdout.splitlines()) if "unmet" in line]
 
     assert {line["status"] for line in failed} == {"failed"}
-    bent = next(line for line in failed if line["name"] == "BendInto")
-    assert [each["signal"] for each in bent["unmet"]] == ["gamma_2"]
-    assert bent["unmet"][0]["value"] is None
-    assert bent["unmet"][0]["unknown"] == "implausible"
-    assert "gamma_2 should be between -48 and -42 deg" in bent["reason"]
+    clamp = next(line for line in failed if line["name"] == "ClampFront")
+    assert [each["signal"] for each in clamp["unmet"]] == ["gamma_rate_2"]
+    assert clamp["unmet"][0]["value"] is None
+    assert clamp["unmet"][0]["unknown"] == "implausible"
+    assert "gamma_rate_2 should be within 0.0698 rad/s of zero" in clamp["reason"]
 
 
 def test_the_schema_knows_every_type_that_is_written_and_no_other() -> None:
