@@ -85,6 +85,19 @@ def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:
     assert "must be known within 6 mm" in narrow.ended.message
 
 
+def test_belief_in_a_distance_that_fails_at_the_end_leads_to_its_handler(
+    run, tmp_path: Path
+) -> None:
+    mission, pipe = tmp_path / "asking.yaml", tmp_path / "slippery.yaml"
+    mission.write_text(ASKING.replace("known within $bound", ""), encoding="utf-8")
+    pipe.write_text(STEP, encoding="utf-8")
+
+    ended = run(mission, pipe=str(pipe), settings={"bound": "1 m"}).ended
+
+    assert ended.outcome == "failed"
+    assert ended.message.startswith("Not known: distance.unknown")
+
+
 ASKING = """\
 format: 1
 mission: asking

@@ -30,6 +30,10 @@ does not read the distance, after so long a time [decided]."""
 _SHARE = 0.006
 """Share of the way by which wheels that roll may be wrong [decided]."""
 
+_LOST = 0.1
+"""Where reports are lost, wheels are judged by other moments, and a late brake counts less of what
+it has rolled: so much of the way for each share that is lost [decided]."""
+
 _ALIKE = 0.04
 """Wheels turn alike whose speeds differ by less than this share of the largest: one count of the
 encoder is 1 % of it in a round [decided]."""
@@ -82,7 +86,8 @@ def unheard(robot: RobotSpec, sensing: Sensing, now_s: float, away_s: float) -> 
     """
     memory = sensing.distance
     if memory.running or sensing.asked.driving:
-        lost_s = max(now_s - max(sensing.heard_s), away_s) + robot.link.period_s
+        away_s = inf if isnan(away_s) else max(now_s - max(sensing.heard_s), away_s)
+        lost_s = away_s + robot.link.period_s
         top_m_s = max(wheel.top_m_s for wheel in robot.wheels)
         memory = memory._replace(width_m=memory.width_m + top_m_s * lost_s)
     return memory._replace(running=False, out=frozenset())
@@ -130,7 +135,8 @@ def judge(
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
     elif ways_m and not starts:
         slipped_m = max(ways_m) * _SOME
-    width_m = memory.width_m + _SHARE * abs(by.moved_m) + _BALANCED * abs(by.missed_m)
+    wrong = _SHARE + _LOST * sensing.loss
+    width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m)
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (starts or grip.vague)
     numbers = list(sensing.numbers)

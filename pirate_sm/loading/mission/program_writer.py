@@ -38,9 +38,9 @@ class ProgramWriter:
             self.assembly.mark(scope.targets[name])
             outcome = "failed" if end.succeed is None else "succeeded"
             message = _message_of(end, name, scope)
-            self.assembly.emit(
-                out.Finish, "", scope.outer, outcome=outcome, message=message, end=name
-            )
+            # A success that is claimed by a distance may meet a fault, see `claims`.
+            handlers = scope.outer if end.succeed is None else scope.handlers
+            self.assembly.emit(out.Finish, "", handlers, outcome=outcome, message=message, end=name)
 
     def beginning(self, scope: Scope, phase: str) -> Label:
         """Return the label that a mission begins at; :meth:`begin` places it."""
