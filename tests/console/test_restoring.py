@@ -163,7 +163,7 @@ def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
             await paused_and_braked(me)
             lines = await listed(me)
             whole = "only Reset leads there: it lets go of front and rear"
-            reason = "ClampFront (line 28) would be refused as unneeded: it is so already"
+            reason = "ClampFront (line 30) would be refused as unneeded: it is so already"
             assert reason in lines["enter"]
             assert ".yaml" not in "".join(lines.values())
             rows = [row.split("│") for row in text_of(me).splitlines() if row.count("│") > 1]

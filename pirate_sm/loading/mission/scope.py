@@ -223,7 +223,7 @@ class Scope:
             return 0.0
         if found.type != NumberType(LENGTH):
             message = f"'{text.strip()}' is {found.type}"
-            self.problems.add("mission.condition", path, message, expected="a length")
+            self.problems.add("expression", path, message, expected="a length")
             return 0.0
         return found.evaluate((), ()) or 0.0
 

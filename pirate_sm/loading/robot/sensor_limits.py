@@ -87,8 +87,9 @@ def _angle(
     if torque >= 0 and motor.stiffness is not None and motor.no_load_speed is not None:
         # What others push shows as torque, so that the motor's own speed is the limit.
         watch = watch._replace(torque=torque, stiffness=motor.stiffness, rate=motor.no_load_speed)
-        watch = watch._replace(spring=own.spring)
-        watch = watch._replace(winds=inf if motor.stall_torque is None else motor.stall_torque)
+        # A spring that is softer than it is taken to be seems to bear more.
+        winds = inf if motor.stall_torque is None else motor.stall_torque * (1 + own.spring)
+        watch = watch._replace(spring=own.spring, winds=winds)
     load = _of_motor("current", board.channels, slot, numbers)
     loop, full = motor.position_loop, motor.stall_current
     if load < 0 or loop is None or full is None:

@@ -76,7 +76,7 @@ class Sampler(Generic[Taken]):
         if self._look_back is None:
             return None
         due = list[float]()
-        while times_s[-1] >= self.due_s:
+        while times_s and times_s[-1] >= self.due_s:
             due.append(times_s[bisect_left(times_s, self.due_s)])
             self.due_s = due[-1] + EVERY_S
         try:

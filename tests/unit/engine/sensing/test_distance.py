@@ -242,7 +242,7 @@ def test_a_wheel_that_is_dead_is_taken_out_with_the_way_that_it_lacks() -> None:
 
 @pytest.mark.parametrize(
     ("driving", "away_s", "gap_s"),
-    [(True, nan, 2.0), (True, 1.0, 2.0), (True, 5.0, 5.0), (False, 5.0, None)],
+    [(True, nan, inf), (True, 1.0, 2.0), (True, 5.0, 5.0), (False, 5.0, None)],
 )
 def test_belief_in_a_distance_has_a_gap_while_nobody_heard_the_robot(
     driving: bool, away_s: float, gap_s: float | None
