@@ -42,6 +42,7 @@ class Options(TypedDict, total=False):
             ``"stiff_joint:friction=0.5Nm,after=2s"``, or as a mapping,
             ``{"defect": "stiff_joint", "after": "2 s"}``.
         twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
+        fitted: Such a file with numbers of the motors, by which any robot is judged.
         start_jitter_m: How far a simulated robot may start from its place; likewise
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, with half the
@@ -61,6 +62,7 @@ class Options(TypedDict, total=False):
     states: Mapping[str, str] | None
     defects: Iterable[str | Mapping[str, object]]
     twin: str | None
+    fitted: str | PathLike[str] | None
     start_jitter_m: float
     diameter_jitter_m: float
     friction_jitter: float
@@ -80,6 +82,7 @@ def load(
     robot: str | PathLike[str] | None = None,
     pipe: str | PathLike[str] | None = None,
     set: Mapping[str, object] | None = None,
+    fitted: str | PathLike[str] | None = None,
 ) -> LoadedMission:
     """Return a mission with its robot and its pipe, ready to be run any number of times.
 
@@ -88,13 +91,17 @@ def load(
         robot: Name or path of a robot, in place of the mission's own.
         pipe: Name or path of a pipe, in place of the mission's own.
         set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
+        fitted: File with numbers of the robot's motors, from ``pirate fit --robot``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
         UsageError: An argument does not fit.
     """
-    robot, pipe = _path_or_none(robot), _path_or_none(pipe)
-    return wiring.load(Order(path_of(mission), robot=robot, pipe=pipe, settings=texts(set)))
+    robot, pipe, fitted = _path_or_none(robot), _path_or_none(pipe), _path_or_none(fitted)
+    settings = texts(set)
+    return wiring.load(
+        Order(path_of(mission), robot=robot, pipe=pipe, settings=settings, fitted=fitted)
+    )
 
 
 def check(
@@ -172,13 +179,13 @@ def _order(
     _refuse_unknown(rest)
     settings, defects = texts(rest.pop("set", None)), rest.pop("defects", ())
     if isinstance(mission, LoadedMission):
-        _refuse_options(robot=rest.get("robot"), pipe=rest.get("pipe"), set=settings)
+        _refuse_options(set=settings, **{name: rest.get(name) for name in _PATHS})
         if any(map(rest.get, _OF_START)):
             raise UsageError("start_phase and states need the mission by its name or file")
         name = mission.documents[0].name
     else:
         name = path_of(mission)
-    for option in ("robot", "pipe"):
+    for option in _PATHS:
         rest[option] = _path_or_none(rest.get(option))
     defects = (defects,) if isinstance(defects, str | Mapping) else defects
     if isinstance(defects, Iterable):
@@ -272,7 +279,8 @@ def _refuse_unknown(options: Mapping[str, object]) -> None:
 
 
 _NUMBERS = ("start_jitter_m", "diameter_jitter_m", "friction_jitter", "start_at_m")
-_OF_LOADING = ("robot", "pipe", "set")
+_PATHS = ("robot", "pipe", "fitted")
+_OF_LOADING = (*_PATHS, "set")
 _OF_START = ("start_phase", "states")
 """Where a mission begins is written into a recording with the options, not with the mission."""
 

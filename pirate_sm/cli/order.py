@@ -45,6 +45,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         defects=tuple(dict.fromkeys(options.defects or ())),
         fidelity=options.fidelity,
         twin=options.twin,
+        fitted=options.fitted,
         port=options.port,
         baud=options.baud,
         guard_for_s=read_duration("--guard-for", options.guard_for),

@@ -15,10 +15,10 @@ from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.robot import load_robot, with_fitted
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.model.simulation import SIMULATORS
-from pirate_sm.wiring import Order, load
+from pirate_sm.wiring import Order, fit_of, load
 
 
 class ListedMission(NamedTuple):
@@ -79,7 +79,7 @@ def without_mission(order: Order) -> LoadedMission:
         folder = robots[0]
     else:
         raise UsageError("no robot is shipped: name one with --robot")
-    robot = load_robot(folder)
+    robot = with_fitted(load_robot(folder), fit_of(order))
     name = order.pipe or (_usual_pipe(folder.name) if order.backend in SIMULATORS else "")
     if not name:
         return by_hand(robot)

@@ -117,6 +117,7 @@ def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
     yield from (Fact("fidelity", name) for name in header.coarser)
     yield from (Fact("defect", name) for name in options.get("defects", ()))
     yield from (Fact("numbers of the robot", str(n)) for n in [options.get("twin")] if n)
+    yield from (Fact("fitted numbers", file.name) for file in header.files if file.role == "fit")
     for name, value in header.parameters.items():
         yield Fact("parameter", f"{name} = {value}")
     if header.zeros:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
+from pathlib import Path
 from typing import get_args
 
 from pirate_sm.backends import known
@@ -19,15 +20,27 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.mission.holding import holding_in
+from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.registry import Registry
 from pirate_sm.wiring.chosen_panel import choose_panel
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
 from pirate_sm.wiring.run_order import Order
 
-__all__ = ["BACKENDS", "Order", "Prepared", "again", "answers", "load", "placed", "prepare"]
+__all__ = [
+    "BACKENDS",
+    "Order",
+    "Prepared",
+    "again",
+    "answers",
+    "fit_of",
+    "load",
+    "placed",
+    "prepare",
+]
 
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
@@ -51,7 +64,17 @@ def load(order: Order) -> LoadedMission:
         settings=order.settings,
         start_phase=order.start_phase,
         states=order.states,
+        fitted=fit_of(order),
     )
+
+
+def fit_of(order: Order) -> Document | None:
+    """Return the order's file with fitted numbers; None without one.
+
+    Raises:
+        LoadError: It cannot be read.
+    """
+    return None if order.fitted is None else read_document(order.fitted, shown(Path(order.fitted)))
 
 
 def prepare(

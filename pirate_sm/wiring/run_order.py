@@ -52,6 +52,7 @@ class Order:
         fidelity: How finely the kinematic simulator computes; ``fast`` has half the iterations.
         defects: Defects of the simulated robot, as text with their numbers.
         twin: File with numbers of the simulated robot, in place of its profile's.
+        fitted: File with numbers of the robot's motors, by which it is judged on every backend.
         firings: Triggers that a trace fires instead of the first trigger of each wait.
         course: All events of a trace, in order.
         detector: Name of the detector with its argument, ``odometry`` or ``socket:ADDRESS``;
@@ -85,6 +86,7 @@ class Order:
     fidelity: Fidelity = USUAL
     defects: tuple[str, ...] = ()
     twin: str | None = None
+    fitted: str | None = None
     firings: tuple[Firing, ...] = ()
     course: tuple[Happening, ...] = ()
     detector: str | None = None

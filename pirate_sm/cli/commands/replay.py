@@ -17,7 +17,7 @@ from pirate_sm.model.effect_words import field_words
 from pirate_sm.model.effects import Effect
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.replay.recorded_mission import as_recorded, recorded_mission
+from pirate_sm.recording.replay.recorded_mission import as_recorded, recorded_fit, recorded_mission
 from pirate_sm.recording.replay.replay import Difference, Replayed, replay
 from pirate_sm.units import TIME, QuantityError, read_quantity
 
@@ -163,6 +163,7 @@ def _mission(recording: Recording, options: ReplayOptions) -> Iterator[LoadedMis
         settings=header.options.get("settings") or {},
         start_phase=header.options.get("start_phase"),
         states=header.options.get("states"),
+        fitted=recorded_fit(header),
     )
     yield as_recorded(loaded, header)
 

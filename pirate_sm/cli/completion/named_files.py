@@ -91,7 +91,7 @@ def scripts(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 
 def twins(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield files with numbers of a simulated robot."""
+    """Yield files with fitted numbers of a robot."""
     yield from _yaml(typed, {"twin"})
 
 

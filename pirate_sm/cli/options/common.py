@@ -187,6 +187,10 @@ Twin = Annotated[
         "--twin",
     ),
 ]
+Fitted = Annotated[
+    str | None,
+    option("FILE", named_files.twins, "Numbers of its motors to judge it by, from pirate fit."),
+]
 NoRecord = Annotated[bool, flag("Record nothing.", "--no-record")]
 
 Recording = Annotated[str, argument("RUN.mcap", named_files.recordings, "A recording.")]

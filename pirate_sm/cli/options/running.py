@@ -86,6 +86,7 @@ class RunOptions:
     calibration: common.Calibration = True
     check: common.Check = True
     twin: common.Twin = None
+    fitted: common.Fitted = None
     record: Annotated[
         str | None,
         option("FILE.mcap", named_files.files, "Where the run is kept, in place of runs/."),
@@ -157,6 +158,7 @@ class ConsoleOptions:
     calibration: common.Calibration = True
     check: common.Check = True
     twin: common.Twin = None
+    fitted: common.Fitted = None
     no_record: common.NoRecord = False
     live: Annotated[bool, flag("Serve Foxglove and Lichtblick on this machine.", "--live")] = False
     debug: common.Debug = False

@@ -20,7 +20,7 @@ from pirate_sm.loading.mission.program import build_program
 from pirate_sm.loading.mission.scope import Source
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.problems import LoadError, Problems, Severity
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.robot import LoadedRobot, load_robot, with_fitted
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.mission import Mission
@@ -67,6 +67,7 @@ def load_mission(
     settings: Mapping[str, str] | None = None,
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
+    fitted: Document | None = None,
 ) -> LoadedMission:
     """Return a mission ready to run.
 
@@ -77,13 +78,20 @@ def load_mission(
         settings: Parameter values as text, by name.
         start_phase: The first phase; overrides the mission's.
         states: Initial states of the robot by region; override ``starts_in``.
+        fitted: A file with numbers of the robot's motors, in place of the profile's.
 
     Raises:
         LoadError: The files have faults; holds all of them.
         UsageError: An argument does not fit the mission.
     """
     loaded, problems = read_mission(
-        path, robot=robot, pipe=pipe, settings=settings, start_phase=start_phase, states=states
+        path,
+        robot=robot,
+        pipe=pipe,
+        settings=settings,
+        start_phase=start_phase,
+        states=states,
+        fitted=fitted,
     )
     problems.raise_errors()
     return loaded
@@ -101,17 +109,19 @@ def read_mission(
     settings: Mapping[str, str] | None = None,
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
+    fitted: Document | None = None,
     tolerated: Collection[str] = (),
 ) -> tuple[LoadedMission, Problems]:
     """Return the mission, without parts that have tolerated faults, and all problems found.
 
     Args:
-        path: As for :func:`load_mission`, as are the next five arguments.
+        path: As for :func:`load_mission`, as are the next six arguments.
         robot: Robot.
         pipe: Pipe.
         settings: Parameters.
         start_phase: First phase.
         states: Initial states.
+        fitted: Fitted numbers.
         tolerated: Codes of faults with which a mission is still returned.
 
     Raises:
@@ -122,7 +132,7 @@ def read_mission(
     problems = Problems(document)
     mission = _shape(document, problems, spare=bool(tolerated))
     folder = path.resolve().parent
-    loaded = _robot(robot, mission, folder, problems)
+    loaded = with_fitted(_robot(robot, mission, folder, problems), fitted)
     if robot is not None:
         shadow = library.shadowing(robot, loaded.folder)
     else:

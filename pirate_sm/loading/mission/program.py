@@ -71,7 +71,7 @@ def _outermost(source: Source, robot: LoadedRobot, values: Values, problems: Pro
     mission = source.mission
     return Scope(
         source,
-        robot.profile,
+        robot.believed,
         robot.oriented(mission.polarity or "normal"),
         problems.about(source.document),
         "",

@@ -2,6 +2,6 @@
 
 from __future__ import annotations
 
-from pirate_sm.loading.robot.loader import LoadedRobot, Polarity, load_robot
+from pirate_sm.loading.robot.loader import LoadedRobot, Polarity, load_robot, with_fitted
 
-__all__ = ["LoadedRobot", "Polarity", "load_robot"]
+__all__ = ["LoadedRobot", "Polarity", "load_robot", "with_fitted"]

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal
@@ -37,6 +37,7 @@ from pirate_sm.loading.robot.sensor_limits import thresholds
 from pirate_sm.loading.robot.slots import resolve_slots
 from pirate_sm.loading.robot.state_confirmation import resolve_sight
 from pirate_sm.loading.robot.traction_signals import resolve_traction
+from pirate_sm.loading.robot.twin_file import twin_in, with_twin
 from pirate_sm.loading.robot.vocabulary import resolve_signals
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.validation import try_validate
@@ -54,8 +55,10 @@ class LoadedRobot:
 
     Attributes:
         profile: The content of the profile.
+        believed: The profile with which the specifications were resolved; its motors may have
+            fitted numbers.
         table: The table of its chart.
-        documents: Its source files.
+        documents: Its source files: profile, chart, and the file with fitted numbers, if any.
         folder: The folder of the files.
         normal: The engine's specification in normal polarity.
         mirrored: The specification with every mirrored slot and wheel negated.
@@ -64,6 +67,7 @@ class LoadedRobot:
     """
 
     profile: Profile
+    believed: Profile
     table: ChartTable
     documents: tuple[Document, ...]
     folder: Path
@@ -109,7 +113,40 @@ def load_robot(folder: Path) -> LoadedRobot:
     problems.raise_errors()
     mirrored = _resolve(profile, table, "mirrored", problems)
     documents = (document, chart_document)
-    return LoadedRobot(profile, table, documents, folder, normal, mirrored, rules, outline)
+    return LoadedRobot(profile, profile, table, documents, folder, normal, mirrored, rules, outline)
+
+
+BEYOND_A_MOTOR = frozenset({"robot.control", "robot.setpoint"})
+"""Faults of a profile that asks for more than a fitted motor gives, which then never settles."""
+
+
+def with_fitted(robot: LoadedRobot, document: Document | None) -> LoadedRobot:
+    """Return the robot of whose motors a file says what they bear; without a file as it is.
+
+    The friction in the file is left out: what holds the robot in a pipe does not depend on a fit.
+
+    Raises:
+        LoadError: Everything that is wrong with the file, or what it leaves of the profile is not a
+            robot.
+    """
+    if document is None:
+        return robot
+    twin = twin_in(document, robot.profile)
+    believed = with_twin(robot.profile, twin.model_copy(update={"friction": None}))
+
+    def resolved(polarity: Polarity) -> RobotSpec:
+        problems = Problems(robot.documents[0])
+        spec = _resolve(believed, robot.table, polarity, problems)
+        problems.raise_errors(BEYOND_A_MOTOR)
+        return spec
+
+    return replace(
+        robot,
+        believed=believed,
+        documents=(*robot.documents, document),
+        normal=resolved("normal"),
+        mirrored=resolved("mirrored"),
+    )
 
 
 def _chart(folder: Path, name: str, problems: Problems) -> Document | None:

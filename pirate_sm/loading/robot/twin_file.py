@@ -1,4 +1,4 @@
-"""Read the numbers that a recording has shown of a robot, and put them into its simulator."""
+"""Read the numbers that a recording has shown of a robot, and put them into its profile."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from pathlib import Path
 from pirate_sm.loading.file_kinds import Kind, refuse_other
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
@@ -31,7 +31,15 @@ def load_twin(path: Path, profile: Profile) -> Twin:
     Raises:
         LoadError: Everything that is wrong with the file.
     """
-    document = read_document(path, shown(path))
+    return twin_in(read_document(path, shown(path)), profile)
+
+
+def twin_in(document: Document, profile: Profile) -> Twin:
+    """Return the twin in a document, which must be of this robot.
+
+    Raises:
+        LoadError: Everything that is wrong with it.
+    """
     problems = Problems(document)
     twin = try_validate(document, Twin, problems)
     if twin is None:
@@ -62,10 +70,7 @@ def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
 
 
 def with_twin(profile: Profile, twin: Twin) -> Profile:
-    """Return the profile with the twin's numbers in place of its own.
-
-    It is for a simulated robot only: the engine keeps what the profile says.
-    """
+    """Return the profile with the twin's numbers in place of its own."""
     motors = {
         name: motor.model_copy(update=twin.motors[name].model_dump(exclude_none=True))
         if name in twin.motors

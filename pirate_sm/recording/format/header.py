@@ -35,7 +35,7 @@ CHECKPOINT = "pirate_sm.checkpoint"
 """Name of the metadata before each piece with a checkpoint: its own offset in the file, and the
 topics so far by their numbers. Readers that begin at the end of a file find it by its name."""
 
-Role: TypeAlias = Literal["mission", "profile", "chart", "called", "pipe"]
+Role: TypeAlias = Literal["mission", "profile", "chart", "fit", "called", "pipe"]
 
 
 @dataclass(frozen=True)
@@ -43,7 +43,8 @@ class RecordedFile:
     """A text file that the run was made from.
 
     Attributes:
-        role: Its role; ``pipe`` is absent if the mission contains the pipe itself.
+        role: Its role; ``pipe`` is absent if the mission contains the pipe itself, ``fit`` (fitted
+            numbers of motors) in most runs.
         name: Its name in messages.
         path: Its original path; that of a shipped file begins with ``shipped:``.
         sha256: Hash of the text, hexadecimal.
@@ -206,9 +207,11 @@ def header_of(
 
 
 def _files(loaded: LoadedMission) -> tuple[RecordedFile, ...]:
-    mission, profile, chart, *called, pipe = loaded.documents
-    roles: list[tuple[Role, Any]] = [("mission", mission), ("profile", profile), ("chart", chart)]
-    roles += [("called", document) for document in called]
+    of_robot: tuple[Role, ...] = ("profile", "chart", "fit")
+    robot = loaded.loaded_robot.documents
+    mission, *others, pipe = loaded.documents
+    roles: list[tuple[Role, Any]] = [("mission", mission), *zip(of_robot, robot, strict=False)]
+    roles += [("called", document) for document in others[len(robot) :]]
     if pipe is not mission:
         roles.append(("pipe", pipe))
     found, shipped = [], library.shipped().resolve()

@@ -15,8 +15,9 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.robot import LoadedRobot, load_robot, with_fitted
 from pirate_sm.loading.robot.calibration_files import with_zeros
+from pirate_sm.loading.yaml.document import Document, parse_document
 from pirate_sm.recording.format.engine_state_text import resumption_from_text
 from pirate_sm.recording.format.header import RecordedFile, RunHeader
 
@@ -45,6 +46,7 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
                 settings=header.parameters,
                 start_phase=header.options.get("start_phase"),
                 states=header.options.get("states"),
+                fitted=recorded_fit(header),
             )
         except (LoadError, UsageError) as error:
             raise RecordingError(
@@ -83,7 +85,7 @@ def recorded_robot_files(header: RunHeader) -> LoadedRobot:
                     place = Path(folder, name)
                     place.parent.mkdir(parents=True, exist_ok=True)
                     place.write_text(file.text, encoding="utf-8")
-            return load_robot(Path(folder))
+            return with_fitted(load_robot(Path(folder)), recorded_fit(header))
     except OSError as error:
         raise _unwritable(error) from None
     except (LoadError, UsageError) as error:
@@ -91,6 +93,16 @@ def recorded_robot_files(header: RunHeader) -> LoadedRobot:
             f"the robot in the recording, made with version {header.version}, cannot be "
             f"loaded any more: {error}"
         ) from None
+
+
+def recorded_fit(header: RunHeader) -> Document | None:
+    """Return the file with fitted numbers of the run; None if it had none.
+
+    Raises:
+        LoadError: This version cannot read it.
+    """
+    fits = (parse_document(file.text, file.name) for file in header.files if file.role == "fit")
+    return next(fits, None)
 
 
 def _unwritable(error: OSError) -> RecordingError:
@@ -145,6 +157,8 @@ def _write(header: RunHeader, folder: Path) -> Path:
                 place = folder / "missions" / Path(file.path).name
             case "called":
                 place = folder / "missions" / _beside(file, mission)
+            case "fit":
+                continue
         place.parent.mkdir(parents=True, exist_ok=True)
         place.write_text(file.text, encoding="utf-8")
     return folder / "missions" / Path(mission.path).name

@@ -2,11 +2,16 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.engine.robot.criteria import StalledSpec
 from pirate_sm.errors import PirateError
-from pirate_sm.loading.robot.loader import load_robot
+from pirate_sm.loading.robot import LoadedRobot, load_robot, with_fitted
+from pirate_sm.loading.robot.commands import constants_of
 from pirate_sm.loading.robot.twin_file import load_twin, with_twin
+from pirate_sm.loading.yaml.document import parse_document
+from pirate_sm.wiring import Order, load
 
-PROFILE = load_robot(Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii").profile
+ROBOT = load_robot(Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii")
+PROFILE = ROBOT.profile
 
 
 @pytest.fixture
@@ -54,3 +59,37 @@ def test_what_is_wrong_with_it_is_said(twin_file: Path, old: str, new: str, mess
 
     with pytest.raises(PirateError, match=message):
         load_twin(twin_file, PROFILE)
+
+
+def fitted(text: str) -> LoadedRobot:
+    return with_fitted(ROBOT, parse_document(f"format: 1\nrobot: pirate_ii\n{text}\n", "fit.yaml"))
+
+
+def test_belief_in_a_fit_reaches_what_a_clamp_asks_for_and_conditions_of_missions() -> None:
+    weak = fitted("motors: {bend: {stall_torque: 0.5 Nm}}")
+
+    clamp, assumed = (
+        next(each.done for each in robot.normal.commands if isinstance(each.done, StalledSpec))
+        for robot in (weak, ROBOT)
+    )
+    assert [load.full_nm for load in clamp.loads] == pytest.approx([0.35, 0.35])
+    assert [load.least_nm for load in clamp.loads] == [load.least_nm for load in assumed.loads]
+    assert constants_of(weak.believed)["gamma_1_stall"].value == 0.5
+
+
+def test_belief_in_a_fit_leaves_the_simulated_robot_and_its_friction_alone() -> None:
+    robot = fitted("motors: {bend: {stall_torque: 0.5 Nm}}\nfriction: {static: 0.9, kinetic: 0.8}")
+
+    assert robot.profile is PROFILE
+    assert robot.believed.simulation.friction == PROFILE.simulation.friction
+
+
+def test_a_fit_of_another_robot_is_refused_where_it_says_so(tmp_path: Path) -> None:
+    with pytest.raises(PirateError, match=r"fit.yaml:3:10: .*no kind of motor 'bent'"):
+        fitted("motors: {bent: {stall_torque: 0.5 Nm}}")
+    with pytest.raises(PirateError, match="these are numbers of 'eel'"):
+        with_fitted(ROBOT, parse_document("format: 1\nrobot: eel\n", "fit.yaml"))
+    with pytest.raises(PirateError, match="expected a twin, and this is a pipe"):
+        with_fitted(ROBOT, parse_document("pipe: p\ndiameter: 1 m\nsegments: []\n", "fit.yaml"))
+    with pytest.raises(PirateError, match="nowhere"):
+        load(Order("enter_2d", fitted=str(tmp_path / "nowhere.yaml")))
