@@ -49,6 +49,13 @@ from pirate_sm.mapping.word_places import End, WordPlace, WordReader
 _PARALLEL_RAD = radians(2)
 """Two parts whose axes differ by less show the diameters of plain pipes [decided]."""
 
+_ONE_AXIS_RAD = radians(5)
+"""Parts that differ by more do not lie in one leg [measured]."""
+
+_WAITED_S = 0.25
+"""A detector says that a bend is passed once the shape has fitted for four looks, which are 0.2 s
+[decided]."""
+
 _STILL_RAD = radians(3)
 """Joints that differ by less from the start have not moved [decided]."""
 
@@ -88,7 +95,7 @@ class Mapper:
             return
         self._announced = look.announced or self._announced
         self._looks.append(look)
-        while self._looks[0].at_s < look.at_s - WINDOW_S / 4:
+        while self._looks[0].at_s < look.at_s - _WAITED_S:
             self._looks.popleft()
         self._places.move(look)
         if not self._spots:
@@ -274,14 +281,32 @@ class Mapper:
             passage.passed = True
             into = passage.bend + 1 if leads > 0 else passage.bend
             found, leg = self._place_of_word(look, told, {into}), self.map.legs[into]
-            if found is None:
+            begins_m = leg.begins_m if leads > 0 else leg.ends_m
+            if found is None or (self._waited(look) and (found[1] - begins_m) * leads >= 0.0):
                 return
             if not passage.new:
-                self._places.shift(into, (leg.begins_m if leads > 0 else leg.ends_m) - found[1])
+                self._places.shift(into, begins_m - found[1])
             elif leads > 0:
                 leg.begins_m = found[1]
             else:
                 leg.ends_m = found[1]
+
+    def _before(self, look: Look, by_s: float) -> Look:
+        """Return the look that came so long before another one."""
+        return next(each for each in self._looks if each.at_s >= look.at_s - by_s)
+
+    def _waited(self, look: Look) -> bool:
+        """Return whether a word that a bend is passed may have waited for the robot's shape.
+
+        A detector may say it only once the parts lie along one axis; that begins just before then.
+        A word that has waited says only that the bend ends there or before.
+        """
+        apart = []
+        for each in (self._before(look, _WAITED_S), look):
+            axes = [axis_at(self._body, each.numbers, part) for part in sorted(look.held)]
+            known = [axis for axis in axes if axis is not None]
+            apart.append(max((angle_between(known[0], axis) for axis in known[1:]), default=0.0))
+        return apart[0] > _PARALLEL_RAD and apart[1] <= _ONE_AXIS_RAD
 
     def _place_of_word(
         self, look: Look, told: WordPlace, legs: Collection[int]
@@ -290,7 +315,7 @@ class Mapper:
 
         While no wheel is driven a detector filters places by their median, which is late.
         """
-        then = look if look.driven else self._looks[0]
+        then = look if look.driven else self._before(look, WINDOW_S / 4)
         for part, spot in sorted(
             self._spots.items(),
             key=lambda each: told.wheel not in self._body.wheels_of(each[0]),

@@ -47,6 +47,9 @@ _EVEN, _NOISE = 0.3, 0.015
 quarter of that of the middle one while they slip. The second is of the top speed or the stall
 force, two counts of the encoder [decided]."""
 
+_WITH = 0.1
+"""A wheel turns with the others whose speed differs from theirs by up to this share [decided]."""
+
 _SOME = 0.35
 """Share of the differences that counts where some wheels slip and others roll [decided]."""
 
@@ -209,26 +212,31 @@ def _grip(
     numbers, weight_n = sensing.numbers, robot.body.weight_n
     driven = [wheel for wheel in robot.wheels if setpoints[wheel.slot]]
     recent_s = sensing.distance.at_s - robot.link.period_s
-    turning = [
+    heard = [
         wheel
         for wheel in driven
+        if not isnan(numbers[wheel.speed])
+        and sensing.heard_s[robot.wheel_boards[wheel.place]] > recent_s
+    ]
+    turning = [
+        wheel
+        for wheel in heard
         if wheel.place in by.wheels
         and by.odd_s[wheel.place] == sensing.distance.odd_s[wheel.place] == inf
-        and not isnan(numbers[wheel.speed])
-        and sensing.heard_s[robot.wheel_boards[wheel.place]] > recent_s
     ]
     if not driven:
         return Grip()
     asked_n = weight_n if isnan(pitch_rad) else abs(weight_n * sin(pitch_rad))
-    drag_n = sum(wheel.drag_n for wheel in driven if wheel not in turning)
+    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in turning]
+    bearing = turning + [w for w in _along(numbers, heard, speeds) if w not in turning]
+    drag_n = sum(wheel.drag_n for wheel in driven if wheel not in bearing)
     slack_n = _BALANCED * weight_n + drag_n
     # Currents have no sign. A wheel that turns faster than its duty asks for is pushed.
-    forces_n = [wheel.force_n(numbers) for wheel in turning]
-    pushed = [wheel.is_pushed(numbers, setpoints) for wheel in turning]
+    forces_n = [wheel.force_n(numbers) for wheel in bearing]
+    pushed = [wheel.is_pushed(numbers, setpoints) for wheel in bearing]
     signed_n = sum(-n if back else n for n, back in zip(forces_n, pushed, strict=True))
     excess_n = min(sum(forces_n) - asked_n, abs(signed_n) - asked_n, key=abs)
     top_m_s = max(wheel.top_m_s for wheel in driven)
-    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in turning]
     ends = (min(speeds), max(speeds)) if speeds else (0.0, top_m_s)
     unalike = ends[1] - ends[0] > _ALIKE * top_m_s
     steep = asked_n + drag_n > _BALANCED * weight_n
@@ -242,6 +250,24 @@ def _grip(
     pull_n = min(asked_n, slack_n - excess_n) if steep and weight_n else 0.0
     vague = len(turning) < _FEW <= len(by.wheels)
     return Grip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)
+
+
+def _along(
+    numbers: Numbers, heard: Sequence[WheelSpec], speeds: Sequence[float]
+) -> list[WheelSpec]:
+    """Return the wheels that turn with the others, whether their ways are believed or not.
+
+    Their motors turn them, or the robot does while it moves. So none of them holds back a robot
+    whose other wheels slip, as a dead wheel may.
+    """
+    if not speeds:
+        return []
+    mean_m_s = fmean(speeds)
+    return [
+        wheel
+        for wheel in heard
+        if abs(numbers[wheel.speed] * wheel.metres_per_rad - mean_m_s) <= _WITH * abs(mean_m_s)
+    ]
 
 
 def _gripping(

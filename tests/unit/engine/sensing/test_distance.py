@@ -351,6 +351,23 @@ def test_wheels_that_differ_while_a_robot_starts_do_not_count() -> None:
     assert world.drive(3) == pytest.approx(0.006 * way_m(3, 2.2 / 3))
 
 
+@pytest.mark.parametrize(("speed", "lasts"), [(0.72, True), (0.3, False)])
+def test_belief_in_a_way_lasts_once_a_wheel_that_has_spun_turns_with_the_others_again(
+    speed: float, lasts: bool
+) -> None:
+    world = World(0.07)
+    world.force = 0.07
+    world.speeds[0] = 1.0
+    while not world.sensing.distance.out:
+        world.drive()
+    world.speeds = [speed, SPEED, 0.6, SPEED, 0.6, SPEED]
+
+    grown_m = world.drive(6)
+
+    assert world.sensing.distance.out == {0}
+    assert (grown_m < 0.1 * way_m(6)) == lasts
+
+
 @pytest.mark.parametrize(("pitch_rad", "slips"), [(UP, True), (0.1, False)])
 def test_on_a_slope_wheels_that_differ_slip_although_they_bear_the_weight(
     pitch_rad: float, slips: bool
