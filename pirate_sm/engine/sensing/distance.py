@@ -226,7 +226,6 @@ def _grip(
     ]
     if not driven:
         return Grip()
-    asked_n = weight_n if isnan(pitch_rad) else abs(weight_n * sin(pitch_rad))
     speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in turning]
     bearing = turning + [w for w in _along(numbers, heard, speeds) if w not in turning]
     drag_n = sum(wheel.drag_n for wheel in driven if wheel not in bearing)
@@ -235,11 +234,15 @@ def _grip(
     forces_n = [wheel.force_n(numbers) for wheel in bearing]
     pushed = [wheel.is_pushed(numbers, setpoints) for wheel in bearing]
     signed_n = sum(-n if back else n for n, back in zip(forces_n, pushed, strict=True))
+    asked_n = weight_n if isnan(pitch_rad) else abs(weight_n * sin(pitch_rad))
+    felt = robot.body.imu is not None
+    if not felt:  # whether the pipe climbs, only its wheels show, and a slide nothing
+        asked_n = min(weight_n, abs(signed_n))
     excess_n = min(sum(forces_n) - asked_n, abs(signed_n) - asked_n, key=abs)
     top_m_s = max(wheel.top_m_s for wheel in driven)
     ends = (min(speeds), max(speeds)) if speeds else (0.0, top_m_s)
     unalike = ends[1] - ends[0] > _ALIKE * top_m_s
-    steep = asked_n + drag_n > _BALANCED * weight_n
+    steep = felt and asked_n + drag_n > _BALANCED * weight_n
     lacks = excess_n < -slack_n and not isnan(pitch_rad)
     slips = excess_n > slack_n or lacks or (steep and (unalike or len(turning) < _FEW))
     if not slips and not unalike:
