@@ -85,8 +85,8 @@ def test_belief_in_a_success_ends_where_its_distance_is_wrong_by_a_quarter(
     if known:
         assert (ended.outcome, driver.faults) == ("succeeded", [])
     else:
-        assert driver.faults == [("distance.unknown", "stop")]
-        assert ended.outcome == "fault"
+        assert driver.faults == [("distance.unknown", "unsure")]
+        assert ended.outcome == "failed"
         assert "from there; this must be known within 250 mm" in ended.message
         assert f"but the robot may be {(width_m + BASE_M) * 1000:.0f} mm" in ended.message
         assert ended.message.startswith("distance.unknown: the wheels show 10")
@@ -107,8 +107,8 @@ def test_a_position_counts_from_the_start_of_the_run(drive) -> None:
     ended = finish(driver)
 
     assert ended is not None
-    assert ended.outcome == "fault"
-    assert driver.faults == [("distance.unknown", "stop")]
+    assert ended.outcome == "failed"
+    assert driver.faults == [("distance.unknown", "unsure")]
 
 
 @pytest.mark.parametrize(("within", "known"), [("30 mm", True), ("20 mm", False)])
@@ -149,8 +149,8 @@ def test_a_wait_for_something_else_leaves_the_claim(drive) -> None:
     ended = finish(driver)
 
     assert ended is not None
-    assert ended.outcome == "fault"
-    assert driver.faults == [("distance.unknown", "stop")]
+    assert ended.outcome == "failed"
+    assert driver.faults == [("distance.unknown", "unsure")]
 
 
 def test_a_mission_may_continue_in_spite_of_it(drive) -> None:
