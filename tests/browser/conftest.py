@@ -30,7 +30,7 @@ RUNS = {
 LIST = "list"
 """The page that lists all that were made."""
 
-CUT_SHORT = {"torn": 0.9, "empty": 0.46}
+CUT_SHORT = {"torn": 0.9, "empty": 0.55}
 """How much of a recording is left; 0.44 of it are the files that it holds."""
 
 
