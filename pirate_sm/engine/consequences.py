@@ -87,6 +87,8 @@ def _go_on(moment: Moment, state: EngineState) -> EngineState:
     if state.mission.diverting is not None and (look is None or look.before is not None):
         state = divert(moment, state)
     if look is None:  # no commands during a comparison
+        if state.mission.sight_until_s < inf:
+            state = pausing.await_sight(moment, state)
         if state.mission.pause_wanted:
             state = pausing.begin_if_wanted(moment, state)
         state = advance(moment, state)

@@ -81,6 +81,7 @@ class MissionState(NamedTuple):
         tries: How often its command has been repeated.
         armed_s: Mission time at which it began.
         since: Per trigger the mission time at which its condition became true, NaN while it is not.
+            For a command or a requirement: since when it waits for sight of a clamp.
         origin: Signals from which the last wait counts that uses their changes; empty before it.
         counts_from: The distance when the origin was taken.
         claim: From where the distance counts by which the mission has come here; None without one.
@@ -93,6 +94,8 @@ class MissionState(NamedTuple):
         paused_s: When the present pause began, NaN while running.
         pause_wanted: Whether the mission pauses as soon as no array is awaited.
         one_step: Whether the mission pauses again after this instruction.
+        sight_until_s: Until when it pauses for sensors to show again that a part holds; infinite
+            if it does not.
         second_s: Mission time at which the second began in which ``entered`` counts phases.
     """
 
@@ -115,6 +118,7 @@ class MissionState(NamedTuple):
     paused_s: float = nan
     pause_wanted: bool = False
     one_step: bool = False
+    sight_until_s: float = inf
     before_pause: BeforePause | None = None
     ending: Ending | None = None
     ended: bool = False
@@ -123,7 +127,7 @@ class MissionState(NamedTuple):
 
     @property
     def paused(self) -> bool:
-        """Return whether the operator has paused the mission."""
+        """Return whether the mission is paused: by the operator, or until its robot is known."""
         return not isnan(self.paused_s)
 
     def clock(self, now: float) -> float:

@@ -55,7 +55,8 @@ def lapse(moment: Moment, state: EngineState, of: Iterable[str]) -> EngineState:
     if moment.nominal or moment.alphabet < EVIDENCE_ENDS:
         return state
     parts = moment.robot.unproved(of)
-    return state._replace(robot=commands.deny(moment, state.robot, parts, robot_state.LAPSED))
+    body = commands.deny(moment, state.robot, parts, robot_state.LAPSED)
+    return state._replace(robot=body) if body is not state.robot else state
 
 
 def lapse_unheard(moment: Moment, state: EngineState) -> EngineState:

@@ -27,6 +27,7 @@ from pirate_sm.engine.mission.program import (
 from pirate_sm.engine.mission.waiting import question, wait
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import command_outcome, commands, confirmation, robot_state
+from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model.effects import CommandStatus, Log, PhaseChange
@@ -120,6 +121,11 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return state  # the array in flight is resolved first
     state = lapse_unheard(moment, state)
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
+    known = confirmation.as_last_seen(state.robot)
+    if reason and not command_outcome.refusal(moment.robot, known, it.command):
+        waiting = _awaiting_sight(moment, state)
+        if waiting is not None:
+            return waiting
     if reason.startswith("unneeded") and it.skip_unneeded:
         moment.emit(CommandStatus(name, "skipped", reason, it.place))
         return go(state, it.next)
@@ -134,7 +140,18 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         message = f"{name} ({it.place}) would break {forbidden}"
         return end_by_fault(moment, state, rules.CODE, message)
     moment.effects += trial.effects
-    return state._replace(robot=robot, mission=mission._replace(begun=True, result=None))
+    mission = mission._replace(begun=True, result=None, since=())
+    return state._replace(robot=robot, mission=mission)
+
+
+def _awaiting_sight(moment: Moment, state: EngineState) -> EngineState | None:
+    """Return the state in which a step waits for sensors to show a clamp; None once it is late."""
+    mission = state.mission
+    clock = mission.clock(moment.now_s)
+    since = mission.since or (clock,)
+    if has_come(clock, since[0] + moment.robot.sight.within_s):
+        return None
+    return state if mission.since else state._replace(mission=mission._replace(since=since))
 
 
 def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineState:
@@ -185,23 +202,31 @@ def _branch(moment: Moment, state: EngineState, it: Branch) -> EngineState:
 
 
 def _require(moment: Moment, state: EngineState, it: Require) -> EngineState:
-    names = robot_state.states_of(moment.robot, state.robot)
+    reason = _lacks(moment, state.robot, it)
+    if not reason:
+        return go(state, it.next)
+    if not _lacks(moment, confirmation.as_last_seen(state.robot), it):
+        waiting = _awaiting_sight(moment, state)
+        if waiting is not None:
+            return waiting
+    moment.emit(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
+    cause = f"{it.what} ({it.place}) cannot begin: {reason}"
+    return fail(moment, state, cause, it.failed)
+
+
+def _lacks(moment: Moment, body: RobotState, it: Require) -> str:
+    """Return in words which required states the robot is not in; empty if it is in all."""
+    names = robot_state.states_of(moment.robot, body)
     # States that any accepted array confirms will hold with the called mission's first command.
-    open_ = state.robot.marks - confirmation.awaiting(moment.robot, state.robot)
-    doubtful = robot_state.unconfirmed(moment.robot, state.robot._replace(marks=open_))
-    wrong = [
+    open_ = body.marks - confirmation.awaiting(moment.robot, body)
+    doubtful = robot_state.unconfirmed(moment.robot, body._replace(marks=open_))
+    return "; ".join(
         f"{moment.robot.regions[region]} is {names[region]}"
         + (" unconfirmed" if moment.robot.regions[region] in doubtful else "")
         + f", not {wanted}"
         for region, wanted in it.states
         if names[region] != wanted or moment.robot.regions[region] in doubtful
-    ]
-    if not wrong:
-        return go(state, it.next)
-    reason = "; ".join(wrong)
-    moment.emit(CommandStatus(it.what, "refused", f"impossible: {reason}", it.place))
-    cause = f"{it.what} ({it.place}) cannot begin: {reason}"
-    return fail(moment, state, cause, it.failed)
+    )
 
 
 def _say(moment: Moment, state: EngineState, it: Say) -> EngineState:

@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
-from math import nan
+from math import inf, nan
 
+from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission.ending import end_by_fault
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, confirmation, robot_state
 from pirate_sm.engine.robot.robot_state import Finished, RobotState
+from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import BeforePause, EngineState, MissionState
 from pirate_sm.model.effects import Log
 from pirate_sm.model.events import GoTo
@@ -21,8 +24,41 @@ def wanted(state: EngineState) -> EngineState:
     if look is not None and look.before is not None:  # its pause becomes the operator's
         state = state._replace(look=look._replace(before=look.before._replace(resumes=False)))
     if mission.paused or mission.ending:
+        return state._replace(mission=mission._replace(sight_until_s=inf))
+    return state._replace(mission=mission._replace(pause_wanted=True, sight_until_s=inf))
+
+
+def until_seen(moment: Moment, state: EngineState) -> EngineState:
+    """Request a pause that ends once sensors show again that a part holds.
+
+    It is requested while wheels are driven. If the operator has paused the mission and drives by
+    hand, the wheels are stopped.
+    """
+    mission = state.mission
+    if mission.paused and mission.sight_until_s == inf:
+        robot = commands.doubt(moment.robot, state.robot)
+        return state._replace(robot=commands.stop(moment, robot, state.sensing))
+    if mission.sight_until_s < inf:
         return state
-    return state._replace(mission=mission._replace(pause_wanted=True))
+    limit_s = moment.robot.sight.within_s
+    moment.warn(f"waits for sensors to show again that a part holds, for {limit_s:g} s at most")
+    mission = mission._replace(pause_wanted=True, sight_until_s=moment.now_s + limit_s)
+    return state._replace(mission=mission)
+
+
+def await_sight(moment: Moment, state: EngineState) -> EngineState:
+    """Resume a mission that waits for sight of a clamp, or end it if that takes too long."""
+    mission, body = state.mission, state.robot
+    if not mission.paused or body.awaited is not None:
+        return state
+    if why_not_on(state):  # the operator has given a command meanwhile
+        return state._replace(mission=mission._replace(sight_until_s=inf))
+    missing = _missing(moment, state)
+    if not missing:
+        return resume(moment, state, one_step=mission.one_step)
+    if has_come(moment.now_s, mission.sight_until_s):
+        return end_by_fault(moment, state, rules.CODE, missing)
+    return state
 
 
 def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:
@@ -92,13 +128,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     begin = moment.program.beginning(event.phase, body.control)
     assert begin is not None  # why_not_to has looked
     moment.emit(Log("info", f"handed back at {event.phase}"))
-    mission = mission.at(begin)._replace(
-        handling="",
-        cause="",
-        before_pause=None,
-        paused_s=nan,
-        offset_s=mission.offset_s + moment.now_s - mission.paused_s,
-    )
+    mission = _running(moment, mission).at(begin)._replace(handling="", cause="")
     return state._replace(robot=body, mission=mission)
 
 
@@ -115,6 +145,16 @@ def why_not_to(program: Program, state: EngineState, phase: str) -> str:
     if state.robot.motion is not None and not state.mission.suspended:
         return "a command is under way"
     return ""
+
+
+def _missing(moment: Moment, state: EngineState) -> str:
+    """Return the rules that a paused mission would break by resuming now; empty if none."""
+    before, body = state.mission.before_pause, state.robot
+    if before is None:
+        return ""
+    resumed = body._replace(values=commands.kept(body, before.values))
+    here, there = (rules.broken(moment, state.rules, each) for each in (body, resumed))
+    return "; ".join(rules.said(rule) for rule in there if rule not in here)
 
 
 def why_not_on(state: EngineState) -> str:
@@ -143,7 +183,7 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
     before = mission.before_pause
     if before is None:
         return state._replace(mission=mission._replace(pause_wanted=one_step))
-    obstacle = why_not_on(state)
+    obstacle = why_not_on(state) or _missing(moment, state)
     if obstacle:
         moment.warn(f"still paused: {obstacle}")
         return state
@@ -161,7 +201,11 @@ def resume(moment: Moment, state: EngineState, *, one_step: bool) -> EngineState
         body = body._replace(marks=body.marks - before.doubts)
         moment.emit(robot_state.state_change(moment.robot, body))
     moment.emit(Log("info", "resumed"))
-    running = mission._replace(
-        paused_s=nan, offset_s=mission.offset_s + length, before_pause=None, one_step=one_step
-    )
+    running = _running(moment, mission)._replace(one_step=one_step)
     return state._replace(robot=body, mission=running)
+
+
+def _running(moment: Moment, mission: MissionState) -> MissionState:
+    """Return a paused mission that runs again, with all its deadlines later by the pause."""
+    offset_s = mission.offset_s + moment.now_s - mission.paused_s
+    return mission._replace(paused_s=nan, offset_s=offset_s, before_pause=None, sight_until_s=inf)

@@ -21,7 +21,7 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
     if mission.ending:
         return mission.ending.give_up_s
     if mission.paused or mission.ended:
-        return inf
+        return mission.sight_until_s
     deadline = moment.program.time_limit_s
     instruction = moment.program.instructions[mission.pc]
     if mission.diverting or mission.pause_wanted:

@@ -221,16 +221,17 @@ def switch_control(moment: Moment, state: RobotState, sensing: Sensing, control:
 
 
 def reassert(moment: Moment, state: RobotState, values: Numbers, loops: Loops) -> RobotState:
-    """Restore the actuation that was in force before a pause, with its loops.
-
-    A NaN keeps the present value.
-    """
-    kept = tuple(
-        now if isnan(value) else value for value, now in zip(values, state.values, strict=True)
-    )
-    if kept == state.values and not loops:
+    """Restore the actuation that was in force before a pause, with its loops."""
+    values = kept(state, values)
+    if values == state.values and not loops:
         return state
-    return send(moment, state, state.motion, kept, loops, "loop")
+    return send(moment, state, state.motion, values, loops, "loop")
+
+
+def kept(state: RobotState, values: Numbers) -> Numbers:
+    """Return setpoints to be restored; a NaN keeps the present value."""
+    both = zip(values, state.values, strict=True)
+    return tuple(now if isnan(value) else value for value, now in both)
 
 
 def doubt(robot: RobotSpec, state: RobotState) -> RobotState:

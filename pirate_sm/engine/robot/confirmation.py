@@ -154,6 +154,11 @@ def seen_again(robot: RobotSpec, before: Look | None, body: RobotState) -> Look 
     return Look(inf, at_rest_in(robot, body.configuration).values, marks)
 
 
+def as_last_seen(body: RobotState) -> RobotState:
+    """Return the robot as it is if the parts hold whose sensors are not known now."""
+    return body._replace(marks=frozenset(m for m in body.marks if m.command != LAPSED))
+
+
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:
     """Return the declared states that only the next accepted setpoints can confirm."""
     names = states_of(robot, body)

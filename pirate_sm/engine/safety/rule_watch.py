@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end_by_fault
 from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot import confirmation
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import EngineState
 
@@ -11,7 +13,8 @@ from pirate_sm.engine.state import EngineState
 def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
     """Update the progress of the rules, and end a mission that breaks one.
 
-    If a command of the operator breaks a rule, a warning is emitted and the mission continues.
+    If a command of the operator breaks a rule, a warning is emitted and the mission continues. If
+    only a clamp is missing whose sensors are not known now, it pauses until they show it again.
     """
     if not state.rules:
         return state
@@ -32,9 +35,14 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     # While a fault is being handled the mission breaks no rule: rules were checked before its last
     # command was sent, and its wheels are stopped before the handler begins. While sensors are
     # compared with states no command begins either.
+    unseen = bool(broken) and not rules.broken(moment, state.rules, confirmation.as_last_seen(new))
     for rule in () if diverting else broken:
         if motion is not None and not motion.place:
             moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")
-        elif not (state.mission.ending or state.mission.ended):
+        elif state.mission.ending or state.mission.ended:
+            pass
+        elif unseen:
+            state = pausing.until_seen(moment, state)
+        else:
             state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
     return state

@@ -80,6 +80,11 @@ def follow(
     return tuple(after), tuple(broken)
 
 
+def broken(moment: Moment, places: tuple[int, ...], body: RobotState) -> tuple[RuleSpec, ...]:
+    """Return the rules that the robot breaks in this state, although no command is accepted."""
+    return follow(moment.program, moment.robot, places, body, 0)[1]
+
+
 def forbids(moment: Moment, places: tuple[int, ...], begun: RobotState) -> str:
     """Return the rules that a command would break at its acceptance, as text; empty if none.
 

@@ -23,18 +23,11 @@ def test_no_array_is_lost_comes_out_of_order_or_stays_damaged(
 
 # These seeds failed: a board was not heard for half a second and more; the odometer lagged; one
 # damaged reading was taken for a motion; the first request for the time was lost, and so was its
-# answer; the places leapt back when a board counted as silent.
-@pytest.mark.parametrize("seed", thorough_but([2, 209], [2, 12, 167, 209]))
+# answer; the places leapt back when a board counted as silent; a clamp was not seen for a moment
+# when a command needed it (309, 322), and while the robot drove with it (326).
+@pytest.mark.parametrize("seed", thorough_but([2, 209, 309], [2, 12, 167, 209, 309, 322, 326]))
 def test_the_bend_is_passed_on_a_bad_line(seed: int) -> None:
     passed = ride(seed, reset_every_s=0.0)
 
     assert passed.result.ended.outcome == "succeeded"
-    assert passed.safe
-
-
-@pytest.mark.thorough
-def test_belief_in_the_only_clamp_ends_when_damaged_readings_hide_its_joint() -> None:
-    passed = ride(326, reset_every_s=0.0)  # it succeeded while such a clamp was still believed
-
-    assert passed.result.ended.message.startswith("rule.violated: rule drive_with_a_clamp")
     assert passed.safe
