@@ -9,6 +9,7 @@ import pytest
 from driving import (
     BOTH_CLAMPED,
     IDLE,
+    NEWT,
     REAR_CLAMPED,
     Driver,
     changed_newt,
@@ -392,6 +393,20 @@ def test_one_dead_wheel_is_a_fault_and_no_failed_command(drive):
     assert driver.statuses[-1] == ("DriveForward", "done")
     assert driver.faults == [("wheel.dead", "continue")]
     assert driver.of(fx.Fault)[0].message == "wheel 3 is driven and does not turn"
+
+
+@pytest.mark.parametrize(
+    ("states", "rad_s", "seen"),
+    [({"Grip": "Loose"}, 3.0, "rolls"), ({"Grip": "BothHeld"}, 12.0, "falling")],
+)
+def test_belief_in_a_hold_ends_where_only_the_wheels_show_the_fall(drive, states, rad_s, seen):
+    """The newt has no accelerometer."""
+    driver = drive(IDLE, NEWT, states=states)
+    driver.run(0.5)
+    ways = {"roll_a": rad_s, "roll_b": -rad_s, "roll_c": rad_s, "roll_d": -rad_s}
+    driver.run(1.0, every=0.05, **ways)
+    assert driver.faults[0] == ("robot.fallen", "stop")
+    assert seen in driver.of(fx.Fault)[0].message
 
 
 def test_free_fall_cannot_be_caught(drive):
