@@ -22,22 +22,23 @@ class Grip(Frozen):
             shown, and the largest torque until then.
         share: How the torque is divided: ``as_printed`` takes what eq. 3-25 asks of the apex;
             ``corrected`` twice as much, since the outer wheels get only half of it.
-        at_least: Smallest torque; ``at_most`` the largest.
+        at_least: Smallest torque.
+        at_most: The largest; by default what the apex's motor bears at the limit of its loop.
         alarm: Slip speed of a wheel from which on its part presses as hard as it may.
-        lower_within: How long it takes to lower the torque from ``at_most`` to zero.
+        lower_within: How long it takes to lower the torque from the largest to zero.
     """
 
     safety: Annotated[Number, Field(ge=1)]
     friction: Literal["estimate"] | dict[Name, Annotated[Number, Field(gt=0, le=5)]]
     share: Literal["as_printed", "corrected"] = "corrected"
     at_least: Annotated[Torque, Field(ge=0)] = 0.0
-    at_most: Annotated[Torque, Field(gt=0)]
+    at_most: Annotated[Torque, Field(gt=0)] | None = None
     alarm: Annotated[Speed, Field(gt=0)] = 0.010
     lower_within: Annotated[Duration, Field(gt=0)] = 10.0
 
     @model_validator(mode="after")
     def _has_room(self) -> Grip:
-        if self.at_least > self.at_most:
+        if self.at_most is not None and self.at_least > self.at_most:
             raise ValueError("`at_least` cannot be more than `at_most`")
         return self
 

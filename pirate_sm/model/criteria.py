@@ -75,7 +75,8 @@ class Reached(Frozen):
 
     With ``or_still``, a joint that the wall has stopped counts as well: it is pushed and stands
     still for ``for``. It is pushed while it bears at least ``loaded`` of the stall torque at its
-    duty cycle, in the direction of the push. A spring that still unwinds does not push.
+    duty cycle, in the direction of the push. A spring that still unwinds does not push. Where no
+    joint has ``moved``, none was stopped by the wall: something holds them where they were.
 
     Attributes:
         kind: What shows that a command is done.
@@ -83,6 +84,7 @@ class Reached(Frozen):
         loaded: Share of its stall torque that such a joint bears at least.
         at_least: Smallest torque that counts after ``settled``.
         settled: How long joints must stand still that bear less than their share.
+        moved: How far one of the joints must have turned before the wall can have stopped them.
         for_s: How long all of it must hold.
     """
 
@@ -91,6 +93,7 @@ class Reached(Frozen):
     loaded: Annotated[Ratio, Field(gt=0, le=1)] = 0.7
     at_least: Annotated[Torque, Field(gt=0)] | None = None
     settled: Annotated[Duration, Field(gt=0)] | None = None
+    moved: Annotated[Angle, Field(ge=0)] = 0.0
     for_s: Annotated[Duration, Field(alias="for", ge=0)] = 0.0
 
     @model_validator(mode="after")

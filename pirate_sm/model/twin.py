@@ -36,10 +36,12 @@ class Twin(Frozen):
         format: Version of this format.
         robot: Name of the robot.
         motors: By kind of motor.
+        joints: The same of the motor of one joint, in place of those of its kind.
         friction: Between wheel and wall, in place of the profile's.
     """
 
     format: Format
     robot: Name
     motors: dict[Name, MotorNumbers] = {}
+    joints: dict[Name, MotorNumbers] = {}
     friction: Friction | None = None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from pirate_sm.drawing.robot.robot_page import given
+from pirate_sm.drawing.robot.robot_page import given, most
 from pirate_sm.model.control import Control, Grip
 from pirate_sm.model.profile import Profile
 
@@ -58,6 +58,6 @@ def _grip_text(grip: Grip) -> str:
         else ", ".join(f"{value:g} ({part})" for part, value in friction.items())
     )
     return (
-        f"Clamps press as tilt and friction ask for, up to {grip.at_most * 1000:g} mNm: friction"
+        f"Clamps press as tilt and friction ask for, up to {most(grip)}: friction"
         f" {known}, safety {grip.safety:g}."
     )

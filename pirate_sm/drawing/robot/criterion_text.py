@@ -96,10 +96,13 @@ def _settled(criterion: Stalled | Reached) -> str:
 def _or_stopped(criterion: Reached) -> str:
     if criterion.or_still is None:
         return _lasting(criterion.for_s)
+    turned = f", once one of them has turned by {degrees(criterion.moved):.3g}°"
+    moved = turned if criterion.moved else ""
     return (
         f", or is stopped by the wall: pushed with {criterion.loaded * 100:g} % of its stall torque"
         f" and slower than {_rate(criterion.or_still)}{_lasting(criterion.for_s)}"
         f"{_settled(criterion)}"
+        f"{moved}"
     )
 
 

@@ -14,6 +14,7 @@ from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.actuation import Duty, HeldTorque, Level, Share, Speed, Stage, Target
+from pirate_sm.model.control import Grip
 from pirate_sm.model.profile import Command, Profile, Slot
 
 NOTHING = "–"
@@ -202,10 +203,15 @@ def _controls(profile: Profile) -> Iterator[Block]:
         if control.gravity_compensation:
             yield Paragraph("Wheels that are kept at a speed or a torque also bear the weight.")
         if control.grip is not None:
-            most = f"{control.grip.at_most * 1000:g} mNm"
-            yield Paragraph(f"Clamps press as hard as tilt and friction ask for, up to {most}.")
+            up_to = most(control.grip)
+            yield Paragraph(f"Clamps press as hard as tilt and friction ask for, up to {up_to}.")
         if rows:
             yield Table(("region", "state", "motors"), rows)
+
+
+def most(grip: Grip) -> str:
+    """Return the largest torque of a grip, in words."""
+    return "what a motor bears" if grip.at_most is None else f"{grip.at_most * 1000:g} mNm"
 
 
 def _picture(outline: ChartOutline, place: int) -> Graph:

@@ -17,7 +17,6 @@ from pirate_sm.engine.gliding.criterion_trees import (
     size_of,
 )
 from pirate_sm.engine.gliding.watch import Condition, SameDuty
-from pirate_sm.engine.robot.commands import why_not_clamped
 from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
@@ -28,6 +27,7 @@ from pirate_sm.engine.robot.robot_state import (
     criteria_of,
     posture_of,
 )
+from pirate_sm.engine.robot.unmet_conditions import why_not_clamped
 from pirate_sm.expressions import tree
 from pirate_sm.expressions.bytecode import Code, code_of
 

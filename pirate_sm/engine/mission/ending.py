@@ -6,6 +6,7 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.program import Question
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands, robot_state
+from pirate_sm.engine.robot.command_outcome import doubt_grip
 from pirate_sm.engine.robot.unmet_conditions import unmet_conditions
 from pirate_sm.engine.state import Ending, EngineState
 from pirate_sm.model.effects import Ask, CommandStatus, Ended, Fault, Outcome
@@ -52,7 +53,7 @@ def end(
         unmet = unmet_conditions(moment, robot, state.sensing)
         reason = with_unmet("the mission ended", unmet)
         moment.emit(CommandStatus(command, "failed", reason, motion.place, unmet))
-        robot = commands.doubt_grip(moment.robot, robot)._replace(motion=None)
+        robot = doubt_grip(moment.robot, robot)._replace(motion=None)
     if not robot.sent and _may_stay(moment, state):
         moment.emit(Ended(outcome, message, name))
         return state._replace(mission=state.mission._replace(ended=True), robot=robot)

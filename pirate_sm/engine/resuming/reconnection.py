@@ -16,6 +16,7 @@ from pirate_sm.engine.resuming.dark_way import dark_way
 from pirate_sm.engine.resuming.hypotheses import denied, unproven
 from pirate_sm.engine.resuming.reconciling import changed
 from pirate_sm.engine.robot import commands, confirmation, robot_state
+from pirate_sm.engine.robot.command_outcome import doubt_grip
 from pirate_sm.engine.robot.confirmation import Before, LookResult
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, Numbers, confirmed_parts
@@ -145,7 +146,7 @@ def _hold(moment: Moment, state: EngineState, code: str) -> EngineState:
         reason = f"interrupted by {code}"
         name = moment.robot.commands[motion.command].name
         moment.emit(CommandStatus(name, "failed", reason, motion.place))
-        body = commands.doubt_grip(moment.robot, body)._replace(motion=None)
+        body = doubt_grip(moment.robot, body)._replace(motion=None)
         again = mission if mission.paused else mission._replace(begun=False)
         state = state._replace(robot=body, mission=again)
     if not mission.paused:

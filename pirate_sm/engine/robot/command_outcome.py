@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
+from math import isnan
 
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.command_spec import CommandSpec
@@ -15,6 +16,7 @@ from pirate_sm.engine.robot.robot_state import (
     Marks,
     RobotState,
     confirmed_at,
+    posture_of,
 )
 
 
@@ -97,6 +99,20 @@ def marks_after(robot: RobotSpec, here: int, marks: Marks, command: int) -> Mark
     kept |= {Mark("region", region, command) for region in made}
     kept |= {Mark("part", part, command) for part in (held - was_held) | again & held}
     return frozenset(kept)
+
+
+def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
+    """Mark the held parts as unconfirmed if the command under way has moved their joints.
+
+    It has moved them if its first array, which starts a posture, was accepted.
+    """
+    motion = state.motion
+    if motion is None or isnan(motion.accepted_s):
+        return state
+    if posture_of(robot, motion) is None:
+        return state
+    marks = {Mark("part", part, DENIED) for part in robot.held[state.configuration]}
+    return state._replace(marks=state.marks | marks)
 
 
 def _made_by(robot: RobotSpec, here: int, marks: Marks, command: int) -> frozenset[int]:

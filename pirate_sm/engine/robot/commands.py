@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isnan, nan
 from types import MappingProxyType
+from typing import Literal
 
 from pirate_sm.engine.control.loops import Loops, ends_with_command
 from pirate_sm.engine.control.sending import overtaken_result, send, send_if_new
@@ -17,6 +18,7 @@ from pirate_sm.engine.control.stages import (
     followed,
     is_done,
     looped_values,
+    pushed_harder,
     stage_array,
     switched_array,
     unknown_angle,
@@ -25,9 +27,9 @@ from pirate_sm.engine.control.stages import (
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import confirmation, levelling
-from pirate_sm.engine.robot.command_outcome import marks_after, touched
+from pirate_sm.engine.robot.command_outcome import doubt_grip, marks_after, touched
 from pirate_sm.engine.robot.criteria import AcceptedSpec, AlignedSpec
-from pirate_sm.engine.robot.done import holds, in_words, must_hold_s
+from pirate_sm.engine.robot.done import held_loops, holds, in_words, must_hold_s
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DENIED,
@@ -42,11 +44,15 @@ from pirate_sm.engine.robot.robot_state import (
     confirmed_parts,
     criteria_of,
     criterion_of,
-    posture_of,
     safe_values,
     state_change,
 )
-from pirate_sm.engine.robot.unmet_conditions import unmet_conditions, why_late
+from pirate_sm.engine.robot.unmet_conditions import (
+    unmet_conditions,
+    why_held,
+    why_late,
+    why_not_clamped,
+)
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.model.effects import CommandStatus, Log
 from pirate_sm.model.events import SubmitResult
@@ -154,7 +160,11 @@ def watch(
 
 
 def fail(
-    moment: Moment, state: RobotState, reason: str, unmet: tuple[Unmet, ...] = ()
+    moment: Moment,
+    state: RobotState,
+    reason: str,
+    unmet: tuple[Unmet, ...] = (),
+    status: Literal["failed", "skipped"] = "failed",
 ) -> RobotState:
     """End the command under way as failed; its states stay unconfirmed.
 
@@ -167,37 +177,19 @@ def fail(
         state: The robot's state.
         reason: Why it failed.
         unmet: The conditions that it still awaited.
+        status: How it ended.
     """
     motion = state.motion
     if motion is None:
         return state
     name = moment.robot.commands[motion.command].name
-    moment.emit(CommandStatus(name, "failed", reason, motion.place, unmet))
+    moment.emit(CommandStatus(name, status, reason, motion.place, unmet))
     return _end_motion(moment, doubt_grip(moment.robot, state))
 
 
 def skip(moment: Moment, state: RobotState) -> RobotState:
     """End the command that the operator skips; its states stay unconfirmed."""
-    motion = state.motion
-    if motion is None:
-        return state
-    name = moment.robot.commands[motion.command].name
-    moment.emit(CommandStatus(name, "skipped", "by the operator", motion.place))
-    return _end_motion(moment, doubt_grip(moment.robot, state))
-
-
-def doubt_grip(robot: RobotSpec, state: RobotState) -> RobotState:
-    """Mark the held parts as unconfirmed if the command under way has moved their joints.
-
-    It has moved them if its first array, which starts a posture, was accepted.
-    """
-    motion = state.motion
-    if motion is None or isnan(motion.accepted_s):
-        return state
-    if posture_of(robot, motion) is None:
-        return state
-    marks = {Mark("part", part, DENIED) for part in robot.held[state.configuration]}
-    return state._replace(marks=state.marks | marks)
+    return fail(moment, state, "by the operator", status="skipped")
 
 
 def stop(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
@@ -280,6 +272,8 @@ def _reach(
             since_s = moment.now_s if isnan(before_s) else before_s
             held_s = must_hold_s(done, sensing.numbers, seekers)
             if free and has_come(moment.now_s, since_s + held_s):
+                if held := held_loops(done, sensing.numbers, seekers):
+                    return _push_harder(moment, state, motion, sensing, held)
                 reason = in_words(moment.robot, done, sensing.numbers, seekers)
                 return _complete(moment, state, sensing, reason)
         times_s.append(before_s if isnan(before_s) and isnan(since_s) else since_s)
@@ -297,10 +291,17 @@ def _reach(
     return state, None
 
 
-def why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
-    """Return why a part that the command under way clamps does not hold; empty if it may."""
-    own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
-    return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
+def _push_harder(
+    moment: Moment, state: RobotState, motion: Motion, sensing: Sensing, held: Loops
+) -> tuple[RobotState, Finished | None]:
+    """Push joints that have not moved with all that their loops allow, or fail."""
+    harder = state._replace(loops=pushed_harder(state.loops, held))
+    if harder.loops == state.loops:
+        reason = why_held(moment.robot, held)
+        return fail(moment, state, reason), Finished(False, reason)
+    values = looped_values(moment.robot, harder, sensing)
+    motion = motion._replace(since_s=nan, settled_s=nan)
+    return send_if_new(moment, harder, motion, values, harder.loops), None
 
 
 def _level(

@@ -50,6 +50,7 @@ class ReachedSpec(NamedTuple):
         loaded: Share of the stall torque at its duty that a pushed joint bears.
         least_nm: The smallest torque of a pushed joint.
         settled: What counts as well once it has held for longer; None: nothing.
+        moved_rad: How far a joint must have turned before the wall can have stopped them.
     """
 
     still: float
@@ -57,6 +58,7 @@ class ReachedSpec(NamedTuple):
     for_s: float
     least_nm: float = 0.0
     settled: ReachedSpec | None = None
+    moved_rad: float = 0.0
 
 
 class TurningSpec(NamedTuple):

@@ -66,6 +66,15 @@ def pushed_to_rest(
     return resting and loop.pushes(numbers, setpoints, criterion.loaded, criterion.least_nm)
 
 
+def held_loops(
+    criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
+) -> tuple[PositionLoop, ...]:
+    """Return the loops if none of their joints has moved, so that no wall can have stopped them."""
+    if not isinstance(criterion, ReachedSpec):
+        return ()
+    return loops if all(loop.held(numbers, criterion.moved_rad) for loop in loops) else ()
+
+
 def bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:
     """Return whether a joint bears a torque: that of its torque loop, else at least this one."""
     loop = torque_loop(torque, loops)

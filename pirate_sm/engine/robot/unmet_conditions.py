@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import copysign, inf, isfinite, isnan, nan
 from typing import NamedTuple
 
-from pirate_sm.engine.control.loops import Loops
+from pirate_sm.engine.control.loops import Loops, signal_of
 from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot.criteria import (
@@ -179,6 +179,18 @@ def why_late(
         return late
     held_s, needed_s = min(held, key=lambda it: it[1] - it[0])
     return f"{late}: it has held for {held_s:.3g} s of {needed_s:g} s"
+
+
+def why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]) -> str:
+    """Return why a part that the command under way clamps does not hold; empty if it may."""
+    own = [mark for mark in sorted(state.marks) if mark.command == motion.command]
+    return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
+
+
+def why_held(robot: RobotSpec, held: Loops) -> str:
+    """Return the reason of a failure: joints that were pushed and have not moved."""
+    names = ", ".join(robot.vocabulary.numbers[signal_of(loop)] for loop in held)
+    return f"not moved, though pushed: {names}; a motor is too weak, or something holds it"
 
 
 def _near(signal: int, target: float, within: float) -> Limit:

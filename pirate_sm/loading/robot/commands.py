@@ -246,7 +246,8 @@ def resolve_criterion(  # noqa: C901 - one case per kind
         case criteria.Reached():
             for joint in signals.profile.body.joints if done.or_still is not None else ():
                 _rate(joint.name, signals, path)
-            spec = ReachedSpec(done.or_still or 0.0, done.loaded, done.for_s)
+            still = done.or_still or 0.0
+            spec = ReachedSpec(still, done.loaded, done.for_s, moved_rad=done.moved)
             if done.settled is None or done.at_least is None:
                 return spec
             eased = spec._replace(loaded=0.0, for_s=done.settled, least_nm=done.at_least)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import nan
+from math import inf, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.command_spec import GripSpec, SlotSpec, StageSpec, Write
@@ -103,10 +103,12 @@ def _grips(grip: Grip, name: str, signals: Signals, slots: Slots) -> dict[int, G
             message = f"friction is estimated by `friction_of` a wheel of {part}; there is none"
             signals.problems.add("robot.control", (*path, "friction"), message)
         held = slots.specs[slot].held_torque
-        if held is not None and grip.at_most > held.limit * held.stall_torque_nm:
-            most = held.limit * held.stall_torque_nm * 1000
-            message = f"'{slots.specs[slot].name}' can bear {most:.4g} mNm at its limit"
-            signals.problems.add("robot.control", (*path, "at_most"), message)
+        bears_nm = inf if held is None else held.limit * held.stall_torque_nm
+        at_most_nm = max(bears_nm if grip.at_most is None else grip.at_most, grip.at_least)
+        if at_most_nm > bears_nm:
+            key = "at_least" if grip.at_most is None else "at_most"
+            message = f"'{slots.specs[slot].name}' can bear {bears_nm * 1000:.4g} mNm at its limit"
+            signals.problems.add("robot.control", (*path, key), message)
         found[slot] = GripSpec(
             safety=grip.safety,
             friction=grip.friction[part] if isinstance(grip.friction, dict) else nan,
@@ -119,9 +121,9 @@ def _grips(grip: Grip, name: str, signals: Signals, slots: Slots) -> dict[int, G
             wheels=len(body.wheels),
             share=1.0 if grip.share == "as_printed" else 2.0,
             at_least_nm=grip.at_least,
-            at_most_nm=grip.at_most,
+            at_most_nm=at_most_nm,
             alarm_m_s=grip.alarm,
-            lower_nm_s=grip.at_most / grip.lower_within,
+            lower_nm_s=at_most_nm / grip.lower_within,
         )
     return found
 

@@ -90,7 +90,8 @@ def _slot(
             settings.least_duty,
             settings.limit,
             motor.stall_torque or inf,
-        )  # fmt: skip
+            settings.held_limit or 0.0,
+        )
     return replace(
         duty,
         angle=signals.number(slot.joint, (*path, "joint"), ANGLE) if known else -1,

@@ -104,9 +104,9 @@ def _part(
         _joint(joint, how, actuation, signals, (*path, "loaded", number))
         for number, joint in enumerate(how.loaded)
     ]
-    if any(joint is not None and how.slack >= joint.needed_nm for joint in joints):
+    if any(joint is not None and how.slack > joint.needed_nm for joint in joints):
         key = "share" if how.torque is None else "torque"
-        problems.add("robot.seen", (*path, "slack"), f"`slack` must be smaller than the `{key}`")
+        problems.add("robot.seen", (*path, "slack"), f"`slack` cannot be more than the `{key}`")
     if apex is None or not diameter:
         return None
     return HeldSpec(

@@ -9,8 +9,9 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
+from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.twin import Twin
+from pirate_sm.model.twin import MotorNumbers, Twin
 
 _OF_ONE_KIND = {"hold_torque": "geared", "dead_drag": "geared", "stiffness": "sprung_worm"}
 """Numbers that only one kind of motor has."""
@@ -57,27 +58,53 @@ def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
         message = f"these are numbers of '{twin.robot}', and the robot is {profile.robot}"
         problems.add("twin.robot", ("robot",), message)
         return
-    for name, numbers in twin.motors.items():
-        motor, at = profile.motors.get(name), ("motors", name)
-        if motor is None:
-            known = sorted(profile.motors)
-            problems.add_unknown("twin.motor", at, "kind of motor", name, known, key=True)
-            continue
-        for key, kind in _OF_ONE_KIND.items():
-            if motor.kind != kind and getattr(numbers, key) is not None:
-                message = f"only a {kind} motor has a `{key}`, and '{name}' is {motor.kind}"
-                problems.add("twin.motor", (*at, key), message)
+    driven = {s.joint: profile.motors[s.motor] for s in profile.slots if s.joint is not None}
+    for group, what, known, given in (
+        ("motors", "kind of motor", profile.motors, twin.motors),
+        ("joints", "driven joint", driven, twin.joints),
+    ):
+        for name, numbers in given.items():
+            motor, at = known.get(name), (group, name)
+            if motor is None:
+                problems.add_unknown("twin.motor", at, what, name, sorted(known), key=True)
+                continue
+            for key, kind in _OF_ONE_KIND.items():
+                if motor.kind != kind and getattr(numbers, key) is not None:
+                    message = f"only a {kind} motor has a `{key}`, and '{name}' is {motor.kind}"
+                    problems.add("twin.motor", (*at, key), message)
 
 
 def with_twin(profile: Profile, twin: Twin) -> Profile:
-    """Return the profile with the twin's numbers in place of its own."""
+    """Return the profile with the twin's numbers in place of its own.
+
+    A joint with numbers of its own gets a kind of motor of its own.
+    """
     motors = {
-        name: motor.model_copy(update=twin.motors[name].model_dump(exclude_none=True))
-        if name in twin.motors
-        else motor
-        for name, motor in profile.motors.items()
+        name: _numbered(motor, twin.motors.get(name)) for name, motor in profile.motors.items()
     }
+    own = {s.name: s for s in profile.slots if s.joint is not None and s.joint in twin.joints}
+    kinds = {name: f"{slot.motor}_of_{slot.joint}" for name, slot in own.items()}
+    for name, slot in own.items():
+        motors[kinds[name]] = _numbered(motors[slot.motor], twin.joints[slot.joint or ""])
+    boards = tuple(
+        board.model_copy(
+            update={
+                "slots": tuple(
+                    slot.model_copy(update={"motor": kinds.get(slot.name, slot.motor)})
+                    for slot in board.slots
+                )
+            }
+        )
+        for board in profile.boards
+    )
     simulation = profile.simulation
     if twin.friction is not None:
         simulation = simulation.model_copy(update={"friction": twin.friction})
-    return profile.model_copy(update={"motors": motors, "simulation": simulation})
+    changed = {"motors": motors, "boards": boards, "simulation": simulation}
+    return profile.model_copy(update=changed)
+
+
+def _numbered(motor: Motor, numbers: MotorNumbers | None) -> Motor:
+    if numbers is None:
+        return motor
+    return motor.model_copy(update=numbers.model_dump(exclude_none=True))

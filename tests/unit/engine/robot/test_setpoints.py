@@ -297,3 +297,41 @@ def test_the_next_command_waits_for_the_last_array_of_the_one_before(drive):
     assert driver.statuses[-1] == ("BendBack", "done")
     driver.accept()
     assert driver.statuses[-1] == ("ToggleLighting", "sent")
+
+
+def test_belief_that_a_wall_stopped_a_joint_ends_where_the_joint_has_not_moved(drive):
+    """Braked wheels hold the rear where it is: it is pushed harder, then the bend has failed."""
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    held = {"gamma_3": math.radians(-120), "gamma_4": math.radians(107)}
+    driver.show(0.1, **held, bend_torque_3=-0.5, bend_torque_4=0.7)
+    command(driver, "BendBack")
+    driver.accept()
+    assert driver.nonzero["bend_3"] == pytest.approx(0.5)
+
+    wound = {"gamma_4": math.radians(103), "bend_torque_3": 0.4, "bend_torque_4": -0.4}
+    for _ in range(5):
+        bending(driver, held | wound)
+    assert driver.nonzero["bend_3"] == pytest.approx(1.0), "once, with all that the motor gives"
+    assert driver.nonzero["bend_4"] == pytest.approx(-1.0)
+    assert driver.last_status.status == "accepted"
+
+    for _ in range(30):
+        bending(driver, held | wound)
+    assert driver.last_status.status == "failed"
+    assert driver.last_status.reason.startswith("not moved, though pushed: gamma_3, gamma_4;")
+
+
+def test_a_joint_that_gives_way_to_a_harder_push_is_bent(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    held = {"gamma_3": math.radians(-120), "gamma_4": math.radians(107)}
+    driver.show(0.1, **held, bend_torque_3=-0.5, bend_torque_4=0.7)
+    command(driver, "BendBack")
+    driver.accept()
+    for _ in range(5):
+        bending(driver, held | {"bend_torque_3": 0.4, "bend_torque_4": -0.4})
+    assert driver.nonzero["bend_3"] == pytest.approx(1.0)
+
+    bent = {"gamma_3": math.radians(-115), "gamma_4": math.radians(-29)}
+    for _ in range(30):
+        bending(driver, bent | {"bend_torque_3": 0.9})
+    assert driver.last_status.reason == "gamma_3 stopped by the wall, standing still under torque"
