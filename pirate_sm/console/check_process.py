@@ -7,6 +7,7 @@ turn behind the search, up to some tens of milliseconds.
 from __future__ import annotations
 
 import signal
+from asyncio import CancelledError
 from collections.abc import Callable
 from contextlib import suppress
 from io import BytesIO
@@ -30,6 +31,8 @@ _DEAF_TO: Final = frozenset(BY_SIGNAL) - {signal.SIGTERM}
 _TRIES: Final = 2
 """A process that has died, perhaps for want of memory, is replaced once per question."""
 
+_LOOK_EVERY_S = 0.05
+
 
 class Ask(Protocol):
     """Calls a function with its arguments, and returns its result."""
@@ -49,9 +52,13 @@ class CheckProcess:
 
     Their arguments and results must be such as :mod:`pickle` takes. A mission among the arguments
     is sent once and kept until another one is sent.
+
+    Args:
+        leaving: Returns whether nobody needs answers any more; may be called from any thread.
     """
 
-    def __init__(self) -> None:
+    def __init__(self, leaving: Callable[[], bool] = lambda: False) -> None:
+        self._leaving = leaving
         self._turn = Lock()
         self._mission: LoadedMission | None = None
         self._process: BaseProcess | None = None
@@ -70,6 +77,7 @@ class CheckProcess:
         """Call the function there and wait for its result.
 
         Raises:
+            CancelledError: Nobody needs the answer any more; leaving must not wait for it.
             RuntimeError: The function has raised, or the process has died repeatedly.
         """
         with self._turn:
@@ -88,6 +96,9 @@ class CheckProcess:
             self._connection.send_bytes(_packed(mission, None))
             self._mission = mission
         self._connection.send_bytes(_packed(call, self._mission))
+        while not self._connection.poll(_LOOK_EVERY_S):
+            if self._leaving():
+                raise CancelledError
         answer = self._connection.recv()
         if isinstance(answer, _Raised):
             raise RuntimeError(answer.text)

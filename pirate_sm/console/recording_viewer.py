@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from signal import SIGHUP
 from typing import ClassVar, TypeVar
 
 from textual.app import App, ComposeResult
@@ -19,6 +20,7 @@ from pirate_sm.console.recorded_snapshots import RecordedSnapshots
 from pirate_sm.console.themes import next_theme, no_colour, wear
 from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
 from pirate_sm.palette import USUAL, Theme
+from pirate_sm.runtime.stop_requests import BY_SIGNAL, StopRequests
 from pirate_sm.showing import panels
 from pirate_sm.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
 
@@ -43,6 +45,7 @@ class RecordingViewer(App[None]):
     Args:
         reel: The snapshots of the recording.
         name: Name of the recording.
+        requests: Requests to leave.
         theme: Name of its theme.
 
     Attributes:
@@ -72,7 +75,13 @@ class RecordingViewer(App[None]):
     ]
 
     def __init__(
-        self, reel: RecordedSnapshots, name: str, *, theme: Theme = USUAL, **options: object
+        self,
+        reel: RecordedSnapshots,
+        name: str,
+        *,
+        requests: StopRequests | None = None,
+        theme: Theme = USUAL,
+        **options: object,
     ) -> None:
         super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
         wear(self, theme)
@@ -80,6 +89,7 @@ class RecordingViewer(App[None]):
         self.time_s = 0.0
         self.playing = False
         self._recording = name
+        self._requests = requests or StopRequests()
         self._page = 0
 
     def compose(self) -> ComposeResult:
@@ -141,7 +151,13 @@ class RecordingViewer(App[None]):
         at = round(room * (self.time_s / whole if whole else 0.0))
         return [(said, STRONG), "━" * at, ("●", STRONG), "─" * (room - at), f"  {self._recording}"]
 
+    def leave_now(self) -> None:
+        """Leave, because the terminal has gone; may be called from any thread."""
+        self._requests.ask(BY_SIGNAL[SIGHUP])
+
     def _tick(self) -> None:
+        if self._requests.stop is not None:
+            self.exit()
         if not self.playing:
             return
         self._move(self.time_s + 1 / FRAMES_PER_S)

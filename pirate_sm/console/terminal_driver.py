@@ -1,29 +1,40 @@
 """A terminal driver whose stop key works however busy the app is.
 
-The terminal may also go away: output is then lost, and nothing blocks on it.
+The terminal may also go away: output is then lost, nothing blocks on it, and the app leaves.
 """
 
 from __future__ import annotations
 
+import os
+import select
+from codecs import getincrementaldecoder
 from collections.abc import Callable
 from typing import Any, Protocol, TextIO, runtime_checkable
 
+from textual._xterm_parser import XTermParser
 from textual.drivers.linux_driver import LinuxDriver
 from textual.events import Key
 from textual.message import Message
 
 STOP_KEY = "space"
 
+_LOOK_EVERY_S = 0.1
+
 
 @runtime_checkable
-class Stoppable(Protocol):
+class Leaving(Protocol):
+    """Leaves when asked to from any thread."""
+
+    def leave_now(self) -> None:
+        """Bring the robot, if there is one, to its safe state and leave: the terminal has gone."""
+
+
+@runtime_checkable
+class Stoppable(Leaving, Protocol):
     """Can be stopped from any thread."""
 
     def stop_now(self) -> None:
         """Send the robot to its safe state."""
-
-    def leave_now(self) -> None:
-        """Send the robot to its safe state and leave, because the terminal has gone."""
 
 
 class StopDriver(LinuxDriver):
@@ -45,8 +56,32 @@ class StopDriver(LinuxDriver):
             return
         super().process_message(message)
 
+    def run_input_thread(self) -> None:
+        """Pass on what is typed until the app leaves; at the end of input, make it leave.
+
+        Textual's own loop takes the end of input for a pause in it, and reads it again at once.
+        """
+        parser, decoder = XTermParser(self._debug), getincrementaldecoder("utf-8")("replace")
+        while not self.exit_event.is_set():
+            typed = self._typed()
+            if typed == b"":
+                self._gone()
+                return
+            text = decoder.decode(typed or b"")
+            for message in (*(parser.feed(text) if text else ()), *parser.tick()):
+                self.process_message(message)
+
+    def _typed(self) -> bytes | None:
+        """Return what has been typed: nothing at the end of input, None if no key was pressed."""
+        try:
+            if not select.select([self.fileno], [], [], _LOOK_EVERY_S)[0]:
+                return None
+            return os.read(self.fileno, 4096)
+        except (OSError, ValueError):
+            return b""
+
     def _gone(self) -> None:
-        if isinstance(self._app, Stoppable):
+        if isinstance(self._app, Leaving):
             self._app.leave_now()
 
 

@@ -108,14 +108,11 @@ class CaughtSignals:
             signal.signal(number, before)  # type: ignore[arg-type]
 
     def _catch(self, number: int, _frame: FrameType | None) -> None:
-        if self._over:
+        caught, first = signal.Signals(number), self._requests.stop is None
+        self._requests.ask(BY_SIGNAL[caught])
+        if self._over or first or caught == signal.SIGHUP:
             return
-        caught = signal.Signals(number)
-        if self._requests.stop is None:
-            self._requests.ask(BY_SIGNAL[caught])
-        elif caught == signal.SIGHUP:
-            return
-        elif not self._requests.urgent:
+        if not self._requests.urgent:
             self._insisted_s = self._now()
             self._requests.insist()
         elif self._now() >= self._insisted_s + PATIENCE_S:

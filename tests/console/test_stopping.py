@@ -3,8 +3,11 @@
 from __future__ import annotations
 
 import io
+import os
 from collections.abc import Sequence
 from dataclasses import replace
+from signal import SIGHUP, SIGINT, SIGTERM
+from threading import Thread
 from typing import Any
 
 import pytest
@@ -14,17 +17,18 @@ from textual.widget import Widget
 from pirate_sm.cli.commands.console import standing
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.session import OperatorSession
+from pirate_sm.console.quitting import LEAVE_WITHIN_S, Quitting, Watchdog
+from pirate_sm.console.session import LEFT, OperatorSession
 from pirate_sm.console.terminal_driver import Lossy, StopDriver
 from pirate_sm.engine.mission.pausing import why_not_to
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
-from pirate_sm.runtime.stop_requests import BY_SIGNAL
+from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
 from pirate_sm.wiring import Order, Prepared
 
-from .driving import Operator, by_hand, confirming, operator, played, with_mission
+from .driving import HandClock, Operator, by_hand, confirming, operator, played, with_mission
 
 SMALL = (80, 24)
 
@@ -101,6 +105,47 @@ def test_the_key_is_heard_by_the_thread_that_reads_the_terminal_while_the_rest_i
             assert me.wheels_stand()
 
     played(story)
+
+
+def test_the_end_of_input_is_the_operator_gone() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await drive(me)
+            driver = StopDriver(me.app)
+            driver.fileno, typed = os.pipe()
+            os.write(typed, b" ")
+            os.close(typed)
+            driver.run_input_thread()  # returns, and does not read the end again and again
+            os.close(driver.fileno)
+            me.until(lambda: me.latest.over)
+
+            assert me.session.quitting.gone == BY_SIGNAL[SIGHUP]
+            assert me.wheels_stand()
+
+    played(story)
+
+
+@pytest.mark.parametrize(
+    ("requests", "codes"),
+    [
+        ([LEFT], []),
+        ([BY_SIGNAL[SIGINT]], []),
+        ([BY_SIGNAL[SIGTERM]], [143]),
+        ([LEFT, BY_SIGNAL[SIGHUP]], [129]),
+    ],
+)
+def test_the_process_ends_when_leaving_takes_long_and_nobody_is_there(
+    requests: list[Stop], codes: list[int]
+) -> None:
+    clock, quitting, found = HandClock(), Quitting(), []
+    dog = Thread(target=Watchdog(quitting, found.append, clock).watch, daemon=True)
+    dog.start()
+    for request in requests:
+        quitting.ask(request)
+    clock.run(LEAVE_WITHIN_S - 0.1, lambda: not dog.is_alive())
+    assert found == []
+    clock.run(0.3, lambda: not dog.is_alive())
+    assert found == codes
 
 
 def test_the_last_sentence_says_whether_anything_is_clamped() -> None:

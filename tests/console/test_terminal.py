@@ -23,14 +23,22 @@ pytestmark = pytest.mark.slow  # real terminals, in real time
 
 
 class Terminal:
-    """A pseudo-terminal with the console in it."""
+    """A pseudo-terminal with the console in it.
 
-    def __init__(self, folder: Path) -> None:
+    Args:
+        folder: The working directory.
+        shows: The mission or the recording.
+        deaf: Whether nobody tells the console of a lost terminal.
+    """
+
+    def __init__(self, folder: Path, shows: str = "mitre_bend", *, deaf: bool = False) -> None:
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
             os.chdir(folder)
             os.environ.update(TERM="xterm-256color", PIRATE_SM_RUNS="runs")
-            os.execv(PIRATE, ["pirate", "console", "mitre_bend"])
+            if deaf:
+                signal.signal(signal.SIGHUP, signal.SIG_IGN)
+            os.execv(PIRATE, ["pirate", "console", shows])
         fcntl.ioctl(self.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 48, 160, 0, 0))
         self.shown = ""
 
@@ -83,15 +91,66 @@ def test_every_way_out_ends_in_the_safe_state_with_the_terminal_as_it_was(
     assert list((tmp_path / "runs").glob("*.mcap"))
 
 
-def test_a_terminal_that_is_closed_ends_in_the_safe_state(tmp_path: Path) -> None:
-    there = Terminal(tmp_path)
-    there.read_until("PAUSED")
-    os.close(there.fd)
+STATES: dict[str, tuple[str, str]] = {
+    "paused": ("", "PAUSED"),
+    "running": ("r", "RUNNING"),
+    "a list": ("m", "Esc leaves"),
+    "the help page": ("?", "Esc leaves"),
+    "leaving": ("q", ""),
+}
+
+
+def ended(there: Terminal) -> int:
+    """Its exit code; nobody reads what it writes."""
     for _ in range(400):
         pid, status = os.waitpid(there.pid, os.WNOHANG)
         if pid:
-            break
+            return os.waitstatus_to_exitcode(status)
         time.sleep(0.05)
+    os.kill(there.pid, signal.SIGKILL)
+    os.waitpid(there.pid, 0)
+    raise AssertionError("it is still there")
 
-    assert pid
-    assert os.waitstatus_to_exitcode(status) == 129
+
+@pytest.mark.parametrize("deaf", [False, True], ids=["with a signal", "without a signal"])
+@pytest.mark.parametrize("state", STATES)
+def test_a_terminal_that_is_closed_ends_the_console(state: str, deaf: bool, tmp_path: Path) -> None:
+    there = Terminal(tmp_path, deaf=deaf)
+    there.read_until("PAUSED")
+    key, sign = STATES[state]
+    there.press(key)
+    there.read_until(sign)
+    os.close(there.fd)
+
+    assert ended(there) in ((0, 129) if state == "leaving" else (129,))
+
+
+def test_a_terminal_that_takes_no_more_output_does_not_keep_the_console(tmp_path: Path) -> None:
+    there = Terminal(tmp_path)
+    there.read_until("PAUSED")
+    there.press("r")
+    time.sleep(5.0)  # what it writes fills the terminal, which is what this is about
+    os.kill(there.pid, signal.SIGTERM)
+
+    assert ended(there) == 143
+
+
+@pytest.mark.parametrize("end", ["close", "SIGTERM"])
+def test_a_recording_is_left_when_its_terminal_goes(end: str, tmp_path: Path) -> None:
+    first = Terminal(tmp_path)
+    first.read_until("PAUSED")
+    first.press("c")
+    first.read_until("under way")
+    first.press("q")
+    assert first.code() == 0
+    (recording,) = (tmp_path / "runs").glob("*.mcap")
+
+    there = Terminal(tmp_path, str(recording), deaf=True)
+    there.read_until("RECORDING")
+    if end == "close":
+        os.close(there.fd)
+        assert ended(there) == 129
+    else:
+        os.kill(there.pid, signal.SIGTERM)
+        assert there.code() == 143
+        assert CURSOR in there.shown[there.shown.rindex(NORMAL_SCREEN) :]

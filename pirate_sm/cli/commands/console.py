@@ -78,11 +78,14 @@ def open_console(options: ConsoleOptions) -> int:
         session = _session(prepared, factor, recording, begun)
     from pirate_sm.console.app import Console
     from pirate_sm.console.check_process import CheckProcess
+    from pirate_sm.console.quitting import Watchdog, ender
     from pirate_sm.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
-        ask = stack.enter_context(CheckProcess()).ask
+        Watchdog(session.quitting, ender()).start()
+        checking = CheckProcess(lambda: session.quitting.stop is not None)
+        ask = stack.enter_context(checking).ask
         panel = _panel(session, stack)
         app = Console(session, panel, ask_check=ask, theme=options.theme, driver_class=StopDriver)
         try:
@@ -141,21 +144,29 @@ def _session(
 
 
 def _view(path: str, theme: Theme) -> int:
-    """Show a recording.
+    """Show a recording; return the exit code when it is closed.
 
     Raises:
         RecordingError: The recording cannot be read.
     """
     from pathlib import Path
 
+    from pirate_sm.console.quitting import LeaveRequests, Watchdog, ender
     from pirate_sm.console.recorded_snapshots import recorded_snapshots
     from pirate_sm.console.recording_viewer import RecordingViewer
+    from pirate_sm.console.terminal_driver import StopDriver
     from pirate_sm.recording.read.reader import read_recording
 
     with progress(f"reading {visible(path)}") as watch:
         reel = recorded_snapshots(read_recording(Path(path), watch))
-    RecordingViewer(reel, Path(path).name, theme=theme).run()
-    return SUCCEEDED
+    requests = LeaveRequests()
+    viewer = RecordingViewer(
+        reel, Path(path).name, requests=requests, theme=theme, driver_class=StopDriver
+    )
+    with CaughtSignals(requests, ends_process=True):
+        Watchdog(requests, ender()).start()
+        viewer.run()
+    return requests.stop.exit_code if requests.stop is not None else SUCCEEDED
 
 
 def _prepared(order: Order) -> Prepared:

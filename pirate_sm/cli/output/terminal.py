@@ -37,7 +37,7 @@ def agree(question: str, nobody: str) -> None:
     if not (sys.stdin.isatty() and sys.stderr.isatty()):
         raise UsageError(nobody)
     print(f"{question} [y/N] ", end="", file=sys.stderr, flush=True)
-    if sys.stdin.readline().strip().lower() not in {"y", "yes"}:
+    if answered_line(lambda: None).strip().lower() not in {"y", "yes"}:
         raise UsageError("nothing has moved")
 
 

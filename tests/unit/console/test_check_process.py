@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import time
+from asyncio import CancelledError
 from collections.abc import Iterator
 
 import pytest
@@ -87,3 +89,8 @@ def test_it_ends_with_the_console() -> None:
 
     with pytest.raises(ProcessLookupError):
         os.kill(number, 0)
+
+
+def test_leaving_does_not_wait_for_an_answer() -> None:
+    with CheckProcess(leaving=lambda: True) as process, pytest.raises(CancelledError):
+        process.ask(time.sleep, 3600)
