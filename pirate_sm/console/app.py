@@ -10,7 +10,7 @@ from rich.text import Text
 from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, ItemGrid, Vertical
-from textual.events import Resize
+from textual.events import Event, Key, Resize
 from textual.screen import Screen
 from textual.widget import Widget
 from textual.widgets import Footer
@@ -176,6 +176,12 @@ class Console(PanelActions, App[None]):
 
     def _restyle(self) -> None:
         self.query_one(Picture).restyle()
+
+    async def on_event(self, event: Event) -> None:
+        """Ignore a key that was pressed before the dialog that it would answer could be read."""
+        meant_for_it = isinstance(event, Key) and event.key != STOP_KEY
+        if not (meant_for_it and self.is_unread(event.time)):
+            await super().on_event(event)
 
     def on_resize(self, event: Resize) -> None:
         """Show everything, or one page if the terminal is too small."""

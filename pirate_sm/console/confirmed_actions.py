@@ -6,7 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING
 
-from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.dialogs import READ_AFTER_S, Confirm, Dialog
 from pirate_sm.model.events import Event
 
 if TYPE_CHECKING:
@@ -20,10 +20,20 @@ else:
 
 
 class ConfirmedActions(_Base):
-    """Actions that the operator must confirm first."""
+    """Actions that the operator must confirm first.
+
+    Attributes:
+        read_after_s: How long after a dialog has been drawn it can have been read.
+    """
 
     session: OperatorSession
+    read_after_s = READ_AFTER_S
     _agreed = False
+
+    def is_unread(self, acted_s: float) -> bool:
+        """Return whether a dialog is open that nobody can have read at that monotonic time, s."""
+        dialog = self.screen_stack[-1] if self.screen_stack else None
+        return isinstance(dialog, Dialog) and acted_s < dialog.drawn_s + self.read_after_s
 
     def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
         """Act once the operator has said yes; at once if there is no question."""

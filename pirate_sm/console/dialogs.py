@@ -1,10 +1,15 @@
-"""Dialogs over the console. The stop key works in all of them."""
+"""Dialogs over the console. The stop key works in all of them.
+
+A key that was pressed before a dialog could be read was meant for something else and is ignored.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import inf
 from textwrap import wrap
-from typing import ClassVar, NamedTuple
+from time import monotonic
+from typing import ClassVar, NamedTuple, TypeVar
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -14,7 +19,7 @@ from textual.screen import ModalScreen
 from textual.widgets import Button, Footer, OptionList, Static
 from textual.widgets.option_list import Option
 
-from pirate_sm.console.key_bindings import LEAVE, both_cases
+from pirate_sm.console.key_bindings import LEAVE, NO, YES, both_cases
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.themed_lines import line
 from pirate_sm.showing.text_styles import MUTED
@@ -26,7 +31,7 @@ _FRAME = 6
 """Columns of a list for border, padding and scroll bar."""
 
 
-_NO_KEYS = f"{both_cases('n')},{both_cases(LEAVE)},escape"
+_NO_KEYS = f"{both_cases(NO)},{both_cases(LEAVE)},escape"
 _STOP = Binding(STOP_KEY, "app.stop", "STOP")
 """The stop key in the last line of each dialog."""
 
@@ -36,13 +41,36 @@ def last_line() -> Footer:
     return Footer(show_command_palette=False, compact=True)
 
 
-class Confirm(ModalScreen[bool]):
+_R = TypeVar("_R")
+
+READ_AFTER_S = 0.3
+"""A dialog is read no sooner after it was drawn than a person can react to it."""
+
+
+class Dialog(ModalScreen[_R]):
+    """A dialog that knows since when it can be read.
+
+    Attributes:
+        drawn_s: When it was drawn, by the monotonic clock; infinite before.
+    """
+
+    drawn_s = inf
+
+    def on_screen_resume(self) -> None:
+        """Note when it has been drawn."""
+        self.call_after_refresh(self._note_drawn)
+
+    def _note_drawn(self) -> None:
+        self.drawn_s = min(self.drawn_s, monotonic())
+
+
+class Confirm(Dialog[bool]):
     """Asks a question; any answer but yes is a no."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
         _STOP,
-        Binding(both_cases("y"), "answer(True)", "Yes", key_display="y"),
-        Binding(_NO_KEYS, "answer(False)", "No", key_display="n"),
+        Binding(both_cases(YES), "answer(True)", "Yes", key_display=YES),
+        Binding(_NO_KEYS, "answer(False)", "No", key_display=NO),
     ]
 
     def __init__(self, question: str, yes: str) -> None:
@@ -81,7 +109,7 @@ class Choice(NamedTuple):
     reason: str = ""
 
 
-class Pick(ModalScreen[str | None]):
+class Pick(Dialog[str | None]):
     """A list to choose from."""
 
     BINDINGS: ClassVar[list[BindingType]] = [
@@ -149,7 +177,7 @@ class Pick(ModalScreen[str | None]):
             self.dismiss(choice.name)
 
 
-class HelpDialog(ModalScreen[None]):
+class HelpDialog(Dialog[None]):
     """A page with every key and the meaning of the signs."""
 
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -1,10 +1,12 @@
-"""Keys for commands and controls: letters from their names, so they fit any robot.
+"""Every key of the console: those with a meaning of their own, and those made from names.
 
-A letter means the same in both cases, so Caps Lock does no harm.
+A key means one thing, so a key that answers a question never moves the robot. A letter means the
+same in both cases, so Caps Lock does no harm.
 """
 
 from __future__ import annotations
 
+import unicodedata
 from collections.abc import Mapping, Sequence
 from string import ascii_lowercase
 
@@ -12,33 +14,39 @@ from pirate_sm.engine.robot.criteria import StoppedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import at_rest_in
 
-LEAVE = "q"
+LEAVE, MISSIONS = "q", "m"
+YES, NO = "y", "n"
 CONTROLS: Mapping[str, str] = {
     "go": "r",
     "pause": "p",
-    "step": "n",
+    "step": ".",
     "skip": "k",
     "hand_back": "h",
     "abort": "x",
 }
-"""Letters of the controls of a mission."""
+"""Keys of the controls of a mission."""
 
-MISSIONS = "m"
-TAKEN = frozenset({LEAVE, MISSIONS, *CONTROLS.values()})
-"""Letters that no command gets."""
+ANSWERS = frozenset([YES, NO, LEAVE, "escape", "enter", *"123456789"])
+"""Keys that answer a question; no command, control or word of a detector has one of them."""
+
+RESERVED = frozenset([*ANSWERS, MISSIONS, *CONTROLS.values()])
+"""Keys that no command and no word of a detector gets."""
+
+_SIGNS = ",;'[]"
+"""Keys for names when there are no more letters."""
 
 
 def letters_for(names: Sequence[str]) -> dict[str, str]:
-    """Return a lower-case letter for each name, in order, as far as there are letters.
+    """Return a lower-case letter for each name, in order, as far as there are letters and signs.
 
     The first that is free of: the capitals of the name, its other letters, the rest of the
-    alphabet from its end.
+    alphabet from its end, some signs.
     """
-    free = [letter for letter in ascii_lowercase if letter not in TAKEN]
+    free = [key for key in ascii_lowercase + _SIGNS if key not in RESERVED]
     found: dict[str, str] = {}
     for name in names:
         capitals = [letter.lower() for letter in name if letter.isupper()]
-        wanted = (*capitals, *name.lower(), *reversed(ascii_lowercase))
+        wanted = (*capitals, *name.lower(), *reversed(ascii_lowercase), *_SIGNS)
         letter = next((each for each in wanted if each in free), None)
         if letter is None:
             break
@@ -48,8 +56,10 @@ def letters_for(names: Sequence[str]) -> dict[str, str]:
 
 
 def both_cases(letter: str) -> str:
-    """Return the keys of a letter in both cases, for a binding."""
-    return f"{letter},{letter.upper()}"
+    """Return the keys of a letter in both cases, for a binding; of a sign its name."""
+    if letter.isalpha():
+        return f"{letter},{letter.upper()}"
+    return unicodedata.name(letter).lower().replace("-", "_").replace(" ", "_")
 
 
 def arrows_for(robot: RobotSpec) -> dict[str, str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from time import monotonic
 from typing import assert_never
 
 from pirate_sm.console.dialogs import Confirm
@@ -39,7 +40,8 @@ class PanelActions(OperatorActions):
     def _press(self, button: Button) -> None:
         """Do what the button does; while a dialog is open, only answers count."""
         dialog = self.screen if len(self.screen_stack) > 1 else None
-        if isinstance(dialog, Confirm) and isinstance(button, AnswerButton):
+        unread = self.is_unread(monotonic())
+        if isinstance(dialog, Confirm) and isinstance(button, AnswerButton) and not unread:
             dialog.action_answer(button.answer == 1)
             return
         if dialog is not None:

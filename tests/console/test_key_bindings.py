@@ -2,12 +2,26 @@
 
 from __future__ import annotations
 
+from math import inf
+from pathlib import Path
+
 import pytest
 
+from pirate_sm.console.app import Console
+from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.key_bindings import (
+    ANSWERS,
+    CONTROLS,
+    LEAVE,
+    RESERVED,
+    arrows_for,
+    letters_for,
+)
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.showing import panels
 from pirate_sm.wiring import Order
 
-from .driving import by_hand, operator, played, with_mission
+from .driving import ROOT, by_hand, confirming, operator, played, with_mission
 from .test_looks import text_of
 
 
@@ -124,5 +138,74 @@ def test_what_the_robot_has_come_is_not_forgotten_after_a_stop() -> None:
             me.wait(1.0)
             await me.look()
             assert f"odometry {me.latest.before_m:.2f}+0.0" in text_of(me)
+
+    played(story)
+
+
+ROBOTS = [*sorted((ROOT / "hardware_profiles").glob("*/profile.yaml"))]
+ROBOTS += [*sorted((ROOT / "tests" / "robots").glob("*/profile.yaml"))]
+
+
+@pytest.mark.parametrize("profile", ROBOTS, ids=[each.parent.name for each in ROBOTS])
+def test_no_key_that_moves_the_robot_or_is_a_word_answers_a_question(profile: Path) -> None:
+    robot = load_robot(profile.parent).normal
+    names = [*(command.name for command in robot.commands), *robot.detector_words]
+    letters = letters_for(names)
+
+    assert list(letters) == names
+    moving = [*letters.values(), *arrows_for(robot), *CONTROLS.values()]
+    assert not ANSWERS & set(moving)
+    assert len(moving) == len(set(moving))
+    assert not RESERVED & set(letters.values())
+
+
+def test_each_key_of_the_console_has_one_meaning() -> None:
+    keys = [key for binding in Console.BINDINGS for key in binding.key.split(",")]
+
+    assert len(keys) == len(set(keys))
+    assert LEAVE in keys
+
+
+def test_a_dialog_ignores_keys_that_were_pressed_before_it_could_be_read() -> None:
+    async def story() -> None:
+        prepared = confirming(by_hand(Order("by_hand", backend="trace")), "The robot may move")
+        async with operator(prepared, size=(80, 24)) as me:
+            me.app.read_after_s = inf
+            await me.press(me.app.letters["ClampFront"])
+            for key in ("y", "enter", "escape", "q"):
+                await me.press(key)
+                assert isinstance(me.app.screen, Confirm), key
+            assert me.session.quitting.stop is None
+
+            me.app.read_after_s = 0.0
+            await me.press("y")
+            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+
+    played(story)
+
+
+def test_the_stop_key_stops_in_a_dialog_that_nobody_has_read() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
+            for command in ("ClampFront", "ClampRear", "DriveForward"):
+                await me.command(command)
+            me.app.read_after_s = inf
+            await me.press("question_mark")
+            await me.press("space")
+            me.wait(0.5)
+            assert me.wheels_stand()
+
+    played(story)
+
+
+def test_a_step_and_a_word_have_signs_where_there_are_no_letters() -> None:
+    async def story() -> None:
+        prepared = with_mission("mitre_bend", "trace", robot="pirate_ii_imu")
+        async with operator(prepared, size=(80, 24)) as me:
+            await me.look()
+            await me.press("full_stop")
+            me.until(lambda: not me.latest.state.mission.paused or me.latest.state.robot.motion)
+            words = me.latest.scene.robot.detector_words
+            assert any(not me.app.letters[word].isalpha() for word in words)
 
     played(story)
