@@ -30,6 +30,10 @@ _SKIPPED = (ast.JoinedStr, ast.Assert, ast.pattern)
 of a ``match``, whose parts are no expressions."""
 
 
+_SYMMETRIC = frozenset({"min", "max", "suppress", "hypot", "dot"})
+"""Functions whose arguments may be in any order."""
+
+
 class Mutant(NamedTuple):
     """One small fault.
 
@@ -158,8 +162,8 @@ class _Maker:
 
 
 def _is_symmetric(node: ast.Call) -> bool:
-    """Whether the order of the arguments changes nothing: the least or the most of some numbers."""
-    return isinstance(node.func, ast.Name) and node.func.id in ("min", "max") and not node.keywords
+    """Whether the order of the arguments changes nothing, as for the least of some numbers."""
+    return isinstance(node.func, ast.Name) and node.func.id in _SYMMETRIC and not node.keywords
 
 
 def _is_promise(node: ast.AST) -> bool:

@@ -9,7 +9,7 @@ from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.geometry.network import BRANCH, port_of
 from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.space import Frame, Vector, combined, dot
+from pirate_sm.geometry.space import Frame, Vector
 
 JointKind: TypeAlias = Literal["mitre", "elbow", "tee", "reducer"]
 JointOrEnd: TypeAlias = Literal["mitre", "elbow", "tee", "reducer", "end"]
@@ -132,6 +132,4 @@ def _tee(before: Piece, after: Piece, ports: tuple[str, str], frame: Frame, junc
 
 def _towards(piece: Piece, direction: Vector) -> float:
     """Return the roll of a direction at the end of a piece."""
-    frame = piece.frame_at(piece.ends_m)
-    across = combined((1.0, direction), (-dot(direction, frame.ahead), frame.ahead))
-    return frame.roll_of(across)
+    return piece.frame_at(piece.ends_m).roll_of(direction)

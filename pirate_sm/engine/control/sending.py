@@ -81,7 +81,7 @@ def resend(moment: Moment, state: RobotState, sensing: Sensing) -> RobotState:
     flight = state.flight
     if flight is None or not has_come(moment.now_s, flight.resend_at_s):
         return state
-    if flight.purpose == "stream" and (newer := stream(moment, state, sensing)) is not state:
+    if (newer := stream(moment, state, sensing)) is not state:
         return newer
     moment.emit(Setpoints(flight.setpoint_id, flight.values))
     return state._replace(flight=flight._replace(tries=flight.tries + 1, resend_at_s=inf))

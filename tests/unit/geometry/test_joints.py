@@ -7,7 +7,7 @@ from math import isnan, pi, radians, sqrt, tan
 import pytest
 
 from pirate_sm.geometry.joints import Bend, Joint, bend_at
-from pirate_sm.geometry.network import Elbow, Network, Reducer, Run, Straight, Tee, planar
+from pirate_sm.geometry.network import Elbow, Mitre, Network, Reducer, Run, Straight, Tee, planar
 from pirate_sm.geometry.route import Route
 
 DIAMETER_M = 0.12
@@ -80,3 +80,37 @@ def test_a_reducer_reaches_from_its_beginning_to_its_end() -> None:
     (joint,) = Route(planar(0.12, parts)).joints
 
     assert joint[:5] == pytest.approx(("reducer", 1.0, 0.0, 0.06, 0.0))
+
+
+@pytest.mark.parametrize(("turn", "towards"), [(1, 0.0), (-1, pi)])
+def test_a_mitre_takes_as_much_wall_before_the_crossing_as_after_it(
+    turn: int, towards: float
+) -> None:
+    parts = (Straight(1.0), Mitre(turn * pi / 3), Straight(0.5))
+    (joint,) = Route(planar(0.12, parts)).joints
+
+    taken_m = 0.06 * tan(pi / 6)
+    assert joint[:5] == pytest.approx(("mitre", 1.0, taken_m, taken_m, pi / 3))
+    assert abs(joint.towards_rad) == pytest.approx(towards)
+
+
+def test_an_elbow_between_straights_is_named_by_its_middle() -> None:
+    parts = (Straight(1.0), Elbow(pi / 2, 0.2, roll_rad=0.5), Straight(0.5))
+    (joint,) = Route(planar(0.12, parts)).joints
+
+    half_m = 0.2 * pi / 4
+    assert joint[:6] == pytest.approx(("elbow", 1.0 + half_m, half_m, half_m, pi / 2, 0.5))
+
+
+def test_a_tee_opens_towards_its_branch_wherever_the_route_goes() -> None:
+    runs = {
+        "trunk": Run(0.12, (Straight(1.0),), ends="tee"),
+        "on": Run(0.12, (Straight(1.0),), begins="tee.on"),
+        "branch": Run(0.12, (Straight(1.0),), begins="tee.branch"),
+    }
+    tees = {"tee": Tee(roll_rad=0.5)}
+    network = Network(runs, {"on": ("trunk", "on"), "off": ("trunk", "branch")}, tees=tees)
+    (on,), (off,) = Route(network, "on").joints, Route(network, "off").joints
+
+    assert (on.turn_rad, off.turn_rad) == pytest.approx((0.0, pi / 2))
+    assert (on.towards_rad, off.towards_rad) == pytest.approx((0.5, 0.5))

@@ -58,22 +58,23 @@ class Registration:
     """
 
     def __init__(self, left: LeftBehind) -> None:
-        self._descriptor = -1
+        self._descriptor: int | None = None
         self._path = _folder() / f"guardian-{left.pid}.json"
         draft = self._path.with_suffix(".draft")
         with suppress(OSError):
             self._path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
-            self._descriptor = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
-            fcntl.flock(self._descriptor, fcntl.LOCK_EX)
+            opened = os.open(draft, os.O_WRONLY | os.O_CREAT | os.O_TRUNC, 0o600)
+            self._descriptor = opened
+            fcntl.flock(opened, fcntl.LOCK_EX)
             fields = left._replace(payload=b"")._asdict() | {"payload": left.payload.hex()}
-            os.write(self._descriptor, json.dumps(fields).encode())
+            os.write(opened, json.dumps(fields).encode())
             draft.rename(self._path)
 
     def remove(self) -> None:
         """Delete the file and release its lock."""
         with suppress(OSError):
             self._path.unlink()
-        if self._descriptor >= 0:
+        if self._descriptor is not None:
             os.close(self._descriptor)
 
 

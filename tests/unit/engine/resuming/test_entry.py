@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isnan
 
 import pytest
 from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, changed_newt, command
 
-from pirate_sm.engine.resuming.entry import Entry, entry
+from pirate_sm.engine.mission.program import Do, Enter, Wait
+from pirate_sm.engine.resuming.entry import RESTORING, Entry, Refused, entry, resumed_program
 from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.robot.robot_state import Mark
 from pirate_sm.engine.sensing.known_signals import with_changes
@@ -463,3 +465,89 @@ def test_a_command_that_was_restored_already_counts_as_done(drive):
 
     assert resumed.phases == ["again"]
     assert [each for each in resumed.statuses if each[1] == "sent"] == [("DriveForward", "sent")]
+
+
+class TestExactly:
+    """What is returned for a mission that waits, and the program that begins there."""
+
+    @pytest.fixture
+    def driver(self, drive):
+        return waiting(drive)
+
+    @staticmethod
+    def entry_of(driver, last=None, program=None, at: str = "here", control: int = 0):
+        robot, last = driver.robot, last or driver.state
+        body = hypotheses(robot, driver.engine.program, last)[0].body._replace(control=control)
+        return entry(robot, program or driver.engine.program, last, driver.now, body, at)
+
+    @pytest.mark.parametrize("ended", [True, False])
+    def test_a_mission_that_has_ended_or_is_ending_does_not_go_on(self, driver, ended):
+        over = {"ended": True} if ended else {"ending": fx.Ended("failed", "late", "")}
+        last = driver.state._replace(mission=driver.state.mission._replace(**over))
+
+        assert self.entry_of(driver, last) == Refused("the mission had come to its end")
+
+    def test_only_a_wait_has_been_armed_for_a_time(self, driver):
+        program, pc = driver.engine.program, driver.state.mission.pc
+        command = next(n for n, it in enumerate(program.instructions) if isinstance(it, Do))
+        mission = driver.state.mission._replace(pc=command)
+
+        found = self.entry_of(driver, driver.state._replace(mission=mission))
+
+        assert (found.pc, found.armed_s) == (command, 0.0)
+        assert self.entry_of(driver).pc == pc
+        assert self.entry_of(driver).armed_s > 0.0
+
+    def test_another_phase_is_begun_under_the_control_in_force(self, driver):
+        program, pc = driver.engine.program, driver.state.mission.pc
+        work, unclear = program.phase_of[pc], program.enter("unclear")
+        leading = tuple(
+            it._replace(resume=unclear) if isinstance(it, Enter) and it.phase == work else it
+            for it in program.instructions
+        )
+        plain = replace(program, instructions=leading)
+        under_controls = replace(plain, entries={"unclear": ((0, 1), (1, 2))})
+
+        assert self.entry_of(driver, program=plain, control=1).pc == unclear
+        assert self.entry_of(driver, program=under_controls, control=0).pc == unclear
+        assert self.entry_of(driver, program=under_controls, control=1).pc == 2
+
+    def test_the_program_enters_the_phase_restores_and_goes_on_with_the_wait(self, driver):
+        program, pc = driver.engine.program, driver.state.mission.pc
+        first, failed = len(program.instructions), program.enter("unclear")
+
+        resumed = resumed_program(program, Entry(pc, (4, 7), 10.0))
+
+        assert resumed.start == first
+        enter, *restoring, goal = resumed.instructions[first:]
+        assert enter == Enter("work", first + 1, failed, "here")
+        assert restoring == [
+            Do(4, None, 0, True, first + 2, failed, RESTORING),
+            Do(7, None, 0, True, first + 3, failed, RESTORING),
+        ]
+        assert isinstance(goal, Wait)
+        assert goal.within_s == pytest.approx(program.instructions[pc].within_s - 10.0)
+        assert goal.counts_on
+        assert resumed.phase_of[first:] == ("work",) * 4
+        assert resumed.handlers[first:] == (program.handlers[pc],) * 4
+
+    def test_a_program_without_turns_goes_on_without_any(self, driver):
+        plain = replace(driver.engine.program, turn_of=())
+
+        assert resumed_program(plain, Entry(0)).turn_of == ("", "")
+
+    def test_a_wait_that_was_not_armed_counts_from_its_own_beginning(self, driver):
+        program, pc = driver.engine.program, driver.state.mission.pc
+
+        goal = resumed_program(program, Entry(pc)).instructions[-1]
+
+        assert goal == program.instructions[pc]
+        assert not goal.counts_on
+
+    def test_a_time_that_has_passed_leaves_none(self, driver):
+        program, pc = driver.engine.program, driver.state.mission.pc
+
+        goal = resumed_program(program, Entry(pc, armed_s=1000.0)).instructions[-1]
+
+        assert goal.within_s == 0.0
+        assert [each.after_s for each in goal.triggers] == [None, 0.0]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import fcntl
 import os
 import signal
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -70,6 +71,61 @@ def test_another_name_of_the_port_finds_it_too(
     assert take_over(str(tmp_path / "alias"), MD5) == guardian
 
 
+def test_a_guardian_knows_its_port_by_the_name_it_was_given_and_by_the_device(
+    port: str, tmp_path: Path
+) -> None:
+    alias = tmp_path / "alias"
+    alias.symlink_to(port)
+
+    left = LeftBehind.of(str(alias), MD5, PAYLOAD)
+
+    assert left == (os.getpid(), str(alias), os.path.realpath(port), MD5, PAYLOAD)
+    alias.unlink()  # such as a name by-id of a device that was unplugged
+    assert left.holds(port)
+    assert not left.holds("/dev/another")
+
+
+def test_guardians_of_several_ports_register_side_by_side(
+    guardian: LeftBehind, port: str, tmp_path: Path, runtime: Path
+) -> None:
+    (tmp_path / "other").touch()
+    other = LeftBehind.of(str(tmp_path / "other"), MD5, PAYLOAD)._replace(pid=0)
+
+    registration = Registration(other)
+
+    assert len(files(runtime)) == 2
+    registration.remove()
+    assert take_over(port, MD5) == guardian
+
+
+def test_folders_that_lack_are_made(
+    port: str, runtime: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(runtime / "of" / "later"))
+    monkeypatch.setattr(takeover, "user_runtime_path", lambda name: runtime / "of/later" / name)
+
+    registration = Registration(LeftBehind.of(port, MD5, PAYLOAD))
+
+    assert len(files(runtime)) == 1
+    registration.remove()
+
+
+def test_a_machine_with_a_substitute_for_its_runtime_folder_is_no_reason_to_warn(
+    port: str, runtime: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def substitute(name: str) -> Path:
+        warnings.warn("there is no such folder", UserWarning, stacklevel=2)
+        return runtime / name
+
+    monkeypatch.setattr(takeover, "user_runtime_path", substitute)
+
+    assert take_over(port, MD5) is None  # every warning is an error here
+
+
+def test_a_guardian_whose_file_has_gone_meanwhile_holds_nothing(tmp_path: Path) -> None:
+    assert not takeover._ask(tmp_path / "gone", os.getpid())
+
+
 def test_a_file_of_another_user_is_neither_believed_nor_deleted(
     guardian: LeftBehind, port: str, runtime: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -122,11 +178,18 @@ def test_a_guardian_that_does_not_answer_is_killed(
     guardian: LeftBehind, port: str, monkeypatch: pytest.MonkeyPatch, dies: bool
 ) -> None:
     given: list[tuple[int, int]] = []
+    waited_s: list[float] = []
     unlocked = iter([False, False, dies])  # before it is asked, after it is asked, and killed
+
+    def locked(descriptor: int, within_s: float) -> bool:
+        waited_s.append(within_s)
+        return next(unlocked)
+
     monkeypatch.setattr(os, "kill", lambda pid, number: given.append((pid, number)))
-    monkeypatch.setattr(takeover, "_locked", lambda descriptor, within_s: next(unlocked))
+    monkeypatch.setattr(takeover, "_locked", locked)
 
     assert take_over(port, MD5) == guardian
+    assert waited_s == [0.0, 2.0, 2.0]
     assert given == [(os.getpid(), signal.SIGUSR1), (os.getpid(), signal.SIGKILL)]
 
 
@@ -161,7 +224,9 @@ def test_a_lock_is_waited_for_no_longer_than_wanted(
         fcntl.flock(held, fcntl.LOCK_EX)
         assert not takeover._locked(wanted.fileno(), 1.0)
         assert sum(slept) == pytest.approx(1.0, abs=0.03)
+        slept.clear()
         assert not takeover._locked(wanted.fileno(), 0.0)
+        assert slept == []
         fcntl.flock(held, fcntl.LOCK_UN)
         assert takeover._locked(wanted.fileno(), 0.0)
 
