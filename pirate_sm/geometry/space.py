@@ -63,7 +63,7 @@ class Frame(NamedTuple):
         return self.rolled(roll_rad).side
 
     def roll_of(self, direction: Vector) -> float:
-        """Return the roll of a direction, by what of it is across ``ahead``; see :meth:`towards`."""
+        """Return the roll of what a direction has across ``ahead``; see :meth:`towards`."""
         return atan2(-dot(direction, self.normal), dot(direction, self.side))
 
     def bent(self, towards: Vector, angle_rad: float) -> Frame:

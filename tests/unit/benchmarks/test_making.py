@@ -40,7 +40,7 @@ def test_code_gets_the_fault(code: str, kind: str, after: str) -> None:
     "code",
     [
         *('"""Says it."""', "assert a > 7", "return f'{a + b}'", "return f(*a, b)", "return a"),
-        *("return max(a, b)", "return f(a, strict=True)"),
+        *("return max(a, b)", "return hypot(a, b)", "return f(a, strict=True)"),
     ],
 )
 def test_what_decides_nothing_gets_none(code: str) -> None:

@@ -53,23 +53,18 @@ class Guard:
         confirmed: Whether the device has echoed the safe array since the guardian took over.
     """
 
-    def __init__(self, instructions: Instructions, epoch_s: float = 0.0) -> None:
+    def __init__(self, instructions: Instructions, epoch_s: float) -> None:
         self._instructions = instructions
         self._epoch_s = epoch_s
         self._silence_s = instructions.silence_s
         self._patience = SilenceTimer(instructions.silence_s / BEATS)
         self._number: int | None = None
-        self._written = -1
         self._plugged = False
         self._opened_s = -inf
         self._retry_s = inf
         self._wrote_s = -inf
         self._alike_s = -inf
-        self._safe_due_s = inf
         self._give_up_s = inf
-        self._decoder = Decoder()
-        self._conversation = self._meet(0.0)
-        self._beat: bytes | None = None
         self.payload = b""
         self.acting = False
         self.alone = False
@@ -102,11 +97,11 @@ class Guard:
             case Kind.HEED:
                 self.acting = False
             case Kind.STOP:
-                self._beat, self.payload = None, note.body
+                self.payload = note.body
                 self._take_over(now)
             case Kind.BEAT:
-                if not self.acting and note.body != self._beat:
-                    self._beat, self.payload = note.body, _payload_of(note.body)
+                if not self.acting:
+                    self.payload = _payload_of(note.body)
                 return [ToRunner(Note(Kind.HEARD))]
             case Kind.WRITE if not self.acting:  # else it may be older than what stopped the robot
                 return self._relay(note.body, now)
@@ -171,7 +166,7 @@ class Guard:
         """Return whether this echoes the guardian's own writing, not a recent one of the runner."""
         if frame.payload != self.payload or frame.topic < FIRST_OF_THE_DEVICE:
             return False
-        return self._written not in (-1, frame.topic) and now > self._alike_s + _LATE_ECHO_S
+        return self._written not in (None, frame.topic) and now > self._alike_s + _LATE_ECHO_S
 
     # --- time -------------------------------------------------------------------------------
 
@@ -192,7 +187,7 @@ class Guard:
 
     def _take_over(self, now: float) -> None:
         self.acting, self.confirmed = True, False
-        self._written = -1
+        self._written: int | None = None
         self._conversation = self._meet(now)
 
     def _meet(self, now: float) -> Conversation:
@@ -224,8 +219,6 @@ class Guard:
 
     def _safe_frame(self) -> bytes:
         """Return the safe frame with the topic number that the device has assigned."""
-        if not self._plugged:
-            return b""
         frame = self._conversation.frame(self._instructions.array, self.payload)
         if not frame and self._number is not None:
             frame = encode(self._number, self.payload)

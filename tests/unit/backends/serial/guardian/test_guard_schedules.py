@@ -92,7 +92,7 @@ class World:
     def __init__(self, resets: bool) -> None:
         self.now = 0.0
         self.device = Device(resets)
-        self.guard = Guard(Instructions(SILENCE_S, WANTED, BOOT_S, STAY_S))
+        self.guard = Guard(Instructions(SILENCE_S, WANTED, BOOT_S, STAY_S), 0.0)
         self.plugged = self.alive = self.beats = True
         self.to_device = self.to_host = True
         self.finished: EndGuardian | None = None
