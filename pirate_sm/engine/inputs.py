@@ -43,7 +43,8 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
         sensing = forget_outdated(sensing, now_s)
     if board.wheels and sensing.distance.every_s > 0:
         pitch_rad = state.surveyed.reported.pitch_rad
-        sensing = judge(robot, sensing, body.values, pitch_rad, now_s)
+        held, bores_m = robot.held[body.configuration], moment.program.bores_m
+        sensing = judge(robot, sensing, body.values, pitch_rad, now_s, held, bores_m)
     spec = robot.traction
     if spec and board.wheels and (moment.follows_traction or sensing.sees_slip):
         sensing = rolled(spec, sensing, board, now_s)

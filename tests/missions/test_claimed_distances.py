@@ -6,7 +6,10 @@ from pathlib import Path
 
 import pytest
 
+from benchmarks.belief import judged
+from benchmarks.belief_cases import WAYS, Case
 from pirate_sm.model.effects import Fault
+from pirate_sm.wiring import Order
 
 STEP = """\
 format: 1
@@ -26,6 +29,18 @@ frame: {pitch: 90 deg}
 segments: [{straight: 3 m}]
 start: {at: 1.2 m}
 patches: [{from: 1.25 m, to: 1.6 m, static: 0.05, kinetic: 0.036}]
+"""
+
+
+WIDER = """\
+format: 1
+pipe: wider
+section: round
+diameter: 115 mm
+frame: {pitch: 0 deg}
+segments: [{straight: 1.269 m}, {reducer: 43 mm, to: 118 mm}, {straight: 1.931 m}]
+start: {at: 1 m}
+friction: {static: 0.843, kinetic: 0.786}
 """
 
 
@@ -72,6 +87,19 @@ def test_belief_in_wheels_ends_where_they_may_slip(
     assert record.ended.outcome != "succeeded"
     assert {"distance.unknown", "robot.stuck", "robot.fallen"} & set(codes)
     assert off_mm < bound_mm or "robot.fallen" in codes
+
+
+def test_belief_in_wheels_ends_where_they_run_on_the_sides_of_their_tyres(tmp_path: Path) -> None:
+    """It clamped above the axis of the pipe, and said 419 ± 19 mm at 392 mm."""
+    pipe = tmp_path / "wider.yaml"
+    pipe.write_text(WIDER, encoding="utf-8")
+    order = Order(
+        "enter_2d", pipe=str(pipe), settings={"way": "416 mm"}, seed=238, start_jitter_m=0.02
+    )
+
+    claim = judged(Case(238, "pipe", WAYS[4], order, None, 0.416)).claim
+
+    assert 0.02 < abs(claim.estimate_m - claim.truth_m) < claim.bound_m < 0.06
 
 
 def test_a_wait_asks_for_a_bound_of_its_own(run, tmp_path: Path) -> None:

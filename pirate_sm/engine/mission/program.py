@@ -237,7 +237,8 @@ class Program:
         phases: Phase names in the order of the file; inlined phases are ``caller/callee``.
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest duration of the run; infinite without a limit.
-        diameter_m: Inner diameter of the pipe; None where it is unknown.
+        diameter_m: Inner diameter of the pipe where the robot starts; None where it is unknown.
+        bores_m: All inner diameters of its route, ascending; empty where they are unknown.
         rules: The robot's safety rules, without those that the mission waives.
         most_phases: How many phases may begin within one second of mission time.
         turn_of: Per instruction the round of its repeat, such as ``2 of 4``, or empty.
@@ -256,6 +257,7 @@ class Program:
     time_limit_s: float
     rules: tuple[RuleSpec, ...] = ()
     diameter_m: float | None = None
+    bores_m: tuple[float, ...] = ()
     most_phases: float = MOST_PHASES
     turn_of: tuple[str, ...] = ()
     entries: Mapping[str, tuple[tuple[int, int], ...]] = field(default_factory=dict)

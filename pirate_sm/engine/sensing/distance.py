@@ -9,13 +9,14 @@ a slope the slide comes on top of it.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from math import inf, isnan, nan, sin
 from statistics import fmean
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.board_spec import WheelSpec
+from pirate_sm.engine.sensing.environment import AGREEING
 from pirate_sm.engine.sensing.known_signals import DistanceMemory, Numbers, Sensing
 from pirate_sm.engine.sensing.wheel_belief import Believed, believed
 from pirate_sm.geometry.space import GRAVITY_M_S2
@@ -106,7 +107,13 @@ def _with_bound(
 
 
 def judge(
-    robot: RobotSpec, sensing: Sensing, setpoints: Numbers, pitch_rad: float, now_s: float
+    robot: RobotSpec,
+    sensing: Sensing,
+    setpoints: Numbers,
+    pitch_rad: float,
+    now_s: float,
+    held: Collection[int] = (),
+    bores_m: Sequence[float] = (),
 ) -> Sensing:
     """Return the signals after a frame, with odometry judged if that is due.
 
@@ -116,6 +123,8 @@ def judge(
         setpoints: In force, per slot.
         pitch_rad: By how much the pipe climbs; NaN is unknown.
         now_s: When it is.
+        held: The parts that are clamped.
+        bores_m: The inner diameters of the pipe, ascending; empty where they are unknown.
     """
     memory = sensing.distance
     pitch_rad = memory.pitch_rad if isnan(pitch_rad) else pitch_rad
@@ -138,7 +147,7 @@ def judge(
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
     elif ways_m and not starts:
         slipped_m = max(ways_m) * _SOME
-    wrong = _SHARE + _LOST * sensing.loss
+    wrong = _SHARE + _LOST * sensing.loss + _tilted(robot, sensing.numbers, held, bores_m)
     width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m)
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (starts or grip.vague)
@@ -160,6 +169,25 @@ def judge(
         rolled_m=memory.rolled_m + abs(by.moved_m),
     )
     return _with_bound(robot, sensing, numbers, memory)
+
+
+def _tilted(
+    robot: RobotSpec, numbers: Numbers, held: Collection[int], bores_m: Sequence[float]
+) -> float:
+    """Return the share of the way that wheels lack because they run on the sides of their tyres.
+
+    A part in a plane beside the axis of a round pipe spans less than its diameter. Its wheels lean
+    on the wall, and roll on as much less than their radius as the part spans less. While another
+    part lies along the axis, they turn faster than its wheels, which is seen without this.
+    """
+    body, lacks = robot.body, []
+    shown = [numbers[body.parts[at].diameter] for at in held if body.parts[at].diameter >= 0]
+    for diameter_m in shown:
+        able = [bore_m for bore_m in bores_m if diameter_m <= bore_m * (1 + AGREEING)]
+        if not able or diameter_m >= able[0] * (1 - AGREEING):
+            return 0.0  # it lies along the axis, or nobody knows
+        lacks.append((able[0] - diameter_m) / (able[0] - 2 * body.wheel_radius_m))
+    return fmean(lacks) if lacks else 0.0
 
 
 def _begun(robot: RobotSpec, sensing: Sensing, now_s: float) -> DistanceMemory:

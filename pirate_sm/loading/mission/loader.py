@@ -152,7 +152,8 @@ def read_mission(
     problems.raise_errors(tolerated)
     if chosen is not None:
         length_m = sum(link.length for link in loaded.profile.body.links)
-        program = replace(program, diameter_m=chosen.diameter_at_start(length_m))
+        diameter_m = chosen.diameter_at_start(length_m)
+        program = replace(program, diameter_m=diameter_m, bores_m=chosen.bores_m)
     documents = (document, *loaded.documents, *called, pipe_document)
     hashes = {each.name: _hash(each) for each in documents}
     texts = {name: value.text for name, value in values.items()}

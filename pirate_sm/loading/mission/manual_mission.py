@@ -34,6 +34,7 @@ def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -
         time_limit_s=inf,
         rules=tuple(rule for rule in robot.rules if not rule.waived_by),
         diameter_m=pipe.diameter_at_start(sum(spec.body.lengths_m)) if pipe is not None else None,
+        bores_m=pipe.bores_m if pipe is not None else (),
     )
     mission = Mission(
         format=1,

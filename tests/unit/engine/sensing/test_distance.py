@@ -45,6 +45,8 @@ class World:
         speeds: Speed of each wheel, as shares of that at full duty without load.
         force: Force of all wheels along their rims, as a share of the weight.
         forces: Share of each wheel in that.
+        spans_m: Inner diameter that each part shows.
+        bores_m: Those of the pipe.
     """
 
     def __init__(self, pitch_rad: float = LEVEL) -> None:
@@ -52,6 +54,7 @@ class World:
         self.speeds = [SPEED] * 6
         self.force, self.forces = 0.0, [1 / 6] * 6
         self.joints_rad = [0.0] * 4
+        self.spans_m, self.held, self.bores_m = [0.12, 0.12], (0, 1), (0.11, 0.12)
         self.now_s, self.duty = 10.0, 1.0
         self.silent: set[int] = set()
         fresh = nothing_known(robot())
@@ -68,7 +71,13 @@ class World:
 
     def judge(self) -> None:
         self.sensing = judge(
-            robot(), self.sensing, setpoints(self.duty), self.pitch_rad, self.now_s
+            robot(),
+            self.sensing,
+            setpoints(self.duty),
+            self.pitch_rad,
+            self.now_s,
+            self.held,
+            self.bores_m,
         )
 
     def drive(self, rounds: int = 1) -> float:
@@ -90,6 +99,8 @@ class World:
             joints = [at for at in robot().body.joints if at >= 0]
             for at, angle in zip(joints, self.joints_rad, strict=True):
                 numbers[at] = angle
+            for part, span_m in zip(robot().body.parts, self.spans_m, strict=True):
+                numbers[part.diameter] = span_m
             self.sensing = self.sensing._replace(
                 numbers=tuple(numbers), angles=tuple(angles), heard_s=tuple(heard_s)
             )
@@ -227,6 +238,31 @@ def test_belief_ends_only_in_part_where_one_part_rolls_and_the_other_slips() -> 
 
     mean_m = way_m(5, (5 * SPEED + 0.6) / 6)
     assert grown_m == pytest.approx(0.35 * (way_m(5) - mean_m) + 0.006 * mean_m, rel=0.02)
+
+
+@pytest.mark.parametrize(
+    ("spans_m", "held", "bores_m", "share"),
+    [
+        ([0.100, 0.100], (0, 1), (0.12,), 20 / 72),
+        ([0.100, 0.108], (0, 1), (0.12,), 16 / 72),
+        ([0.100, 0.100], (0, 1), (0.11, 0.12), 10 / 62),
+        ([0.100, 0.117], (0, 1), (0.12,), 0),  # one lies along the axis
+        ([0.100, 0.120], (0,), (0.12,), 20 / 72),
+        ([0.110, 0.110], (0, 1), (0.11, 0.12), 0),
+        ([0.113, 0.113], (0, 1), (0.11, 0.12), 0),
+        ([0.125, 0.125], (0, 1), (0.12,), 0),
+        ([0.100, nan], (0, 1), (0.12,), 0),
+        ([0.100, 0.100], (0, 1), (), 0),
+        ([0.100, 0.100], (), (0.12,), 0),
+    ],
+)
+def test_belief_in_a_way_ends_where_parts_lie_beside_the_axis_of_the_pipe(
+    spans_m: list[float], held: tuple[int, ...], bores_m: tuple[float, ...], share: float
+) -> None:
+    world = World()
+    world.spans_m, world.held, world.bores_m = spans_m, held, bores_m
+
+    assert world.drive(10) == pytest.approx((0.006 + share) * way_m(10))
 
 
 def test_a_wheel_that_is_dead_is_taken_out_with_the_way_that_it_lacks() -> None:
