@@ -10,36 +10,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.digitizing import digitize
-from pirate_sm.simulation.gliding.columns import (
-    A_ALARM_S,
-    A_UNTIL_S,
-    B_ROW,
-    B_VALUES,
-    G_BEFORE_M,
-    G_BEHIND_M,
-    G_CYCLE_S,
-    G_OUT_OF_PLANE,
-    G_TOUCHING,
-    L_DUE_S,
-    L_LOOKS,
-    N_BOARD,
-    N_FRAMES,
-    N_SURROUNDINGS,
-    N_WAITING,
-    PRESS,
-    T_CYCLES,
-    T_LISTENING_S,
-    T_NOW_S,
-    T_PASSED_S,
-    U_BOARD,
-    U_FIRST,
-    U_LAST,
-    U_REPORTS,
-    X_CYCLES,
-    X_MET,
-    X_PASSED_S,
-    X_UNTIL,
-)
+from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import (
     Electronics,
     Looker,
@@ -93,11 +64,11 @@ def _repeats(
     _, _, _, origin, _, watch = task
     _, _, _, ticks, met = taken
     looker, _, _, _, _, _ = sees
-    now_s, made = looker[L_DUE_S], looker[L_LOOKS]
+    now_s, made = looker[col.L_DUE_S], looker[col.L_LOOKS]
     if not (may_repeat(looker, watch, clock, ticks, met) and look(arcs, sees)):
         return False
     if not looks_round(now_s, signals[: origin.shape[0]], posture):
-        looker[L_DUE_S], looker[L_LOOKS] = now_s, made  # the engine hears the word
+        looker[col.L_DUE_S], looker[col.L_LOOKS] = now_s, made  # the engine hears the word
         return False
     repeat(now_s, looker, watch, clock, ticks, met)
     return True
@@ -122,13 +93,13 @@ def may_begin(
     _, _, _, _, _, watch = task
     looker, _, _, _, _, _ = sees
     times_s, _, _, _, met = taken
-    due_s = (clock[T_CYCLES] + 1.0) * around[G_CYCLE_S]
-    while min(looker[L_DUE_S], clock[T_LISTENING_S]) < min(
-        due_s, watch[A_UNTIL_S], watch[A_ALARM_S]
+    due_s = (clock[col.T_CYCLES] + 1.0) * around[col.G_CYCLE_S]
+    while min(looker[col.L_DUE_S], clock[col.T_LISTENING_S]) < min(
+        due_s, watch[col.A_UNTIL_S], watch[col.A_ALARM_S]
     ):
-        now_s = looker[L_DUE_S]
-        if clock[T_LISTENING_S] <= now_s:  # the engine comes before the detector
-            now_s = clock[T_LISTENING_S]
+        now_s = looker[col.L_DUE_S]
+        if clock[col.T_LISTENING_S] <= now_s:  # the engine comes before the detector
+            now_s = clock[col.T_LISTENING_S]
             if not _listens(now_s, rows, task, clock, signals, posture, taken):
                 return False
         elif repeats(looker):
@@ -136,12 +107,15 @@ def may_begin(
                 return False
         elif not look(arcs, sees):
             return False
-        clock[T_NOW_S] = max(clock[T_NOW_S], now_s)
-    if not due_s < min(watch[A_UNTIL_S], watch[A_ALARM_S]) or met[N_FRAMES] == times_s.shape[0]:
+        clock[col.T_NOW_S] = max(clock[col.T_NOW_S], now_s)
+    if (
+        not due_s < min(watch[col.A_UNTIL_S], watch[col.A_ALARM_S])
+        or met[col.N_FRAMES] == times_s.shape[0]
+    ):
         return False
-    clock[T_NOW_S] = max(clock[T_NOW_S], due_s)
-    clock[T_CYCLES] += 1.0
-    clock[T_PASSED_S] += around[G_CYCLE_S]
+    clock[col.T_NOW_S] = max(clock[col.T_NOW_S], due_s)
+    clock[col.T_CYCLES] += 1.0
+    clock[col.T_PASSED_S] += around[col.G_CYCLE_S]
     return True
 
 
@@ -159,15 +133,15 @@ def _stays(place: Place) -> bool:
     """Return whether the robot is in the pipe, with its parts in the plane of the bends."""
     quantities, rolls, arcs, around = place
     for part in range(1, rolls.shape[0]):
-        if abs(rolls[part]) >= around[G_OUT_OF_PLANE]:
+        if abs(rolls[part]) >= around[col.G_OUT_OF_PLANE]:
             return False
-    if around[G_TOUCHING] != 0.0:
-        first = PRESS * arcs.shape[0]
+    if around[col.G_TOUCHING] != 0.0:
+        first = col.PRESS * arcs.shape[0]
         return _touches(quantities[first : first + arcs.shape[0]])
     before, behind = True, True
     for arc_m in arcs:
-        before = before and arc_m <= around[G_BEFORE_M]
-        behind = behind and arc_m >= around[G_BEHIND_M]
+        before = before and arc_m <= around[col.G_BEFORE_M]
+        behind = behind and arc_m >= around[col.G_BEHIND_M]
     return not before and not behind
 
 
@@ -178,17 +152,17 @@ def _measure(
     """Read the channels whose turn it is after a cycle; return whether the robot stays."""
     quantities, _, _, _ = place
     turn = turns[cycles % turns.shape[0]]
-    digitize(sources, turn[U_FIRST], turn[U_LAST], quantities, counts, rng)
+    digitize(sources, turn[col.U_FIRST], turn[col.U_LAST], quantities, counts, rng)
     return _stays(place)
 
 
 @compiled
 def may_pass(span: Floats, around: Floats) -> bool:
     """Return whether another cycle may pass with the duties in force; if so, it has begun."""
-    if span[X_CYCLES] >= span[X_UNTIL]:
+    if span[col.X_CYCLES] >= span[col.X_UNTIL]:
         return False
-    span[X_CYCLES] += 1.0
-    span[X_PASSED_S] += around[G_CYCLE_S]
+    span[col.X_CYCLES] += 1.0
+    span[col.X_PASSED_S] += around[col.G_CYCLE_S]
     return True
 
 
@@ -206,8 +180,8 @@ def passes_on(
         rng: The state of the generator of noise.
         span: Changed.
     """
-    stays = _measure(place, turns, int(span[X_CYCLES]), sources, counts, rng)
-    span[X_MET] = 0.0 if stays else 1.0
+    stays = _measure(place, turns, int(span[col.X_CYCLES]), sources, counts, rng)
+    span[col.X_MET] = 0.0 if stays else 1.0
     return stays
 
 
@@ -241,23 +215,23 @@ def goes_on(
     sources, counts, rng, forced = electronics
     times_s, reporters, reports, ticks, met = taken
     boards, _, _, _, _, _, _ = rows
-    turn = turns[int(clock[T_CYCLES]) % turns.shape[0]]
-    stays = _measure(place, turns, int(clock[T_CYCLES]), sources, counts, rng)
-    met[N_SURROUNDINGS] = 0 if stays else 1
-    if turn[U_REPORTS] == 0:
+    turn = turns[int(clock[col.T_CYCLES]) % turns.shape[0]]
+    stays = _measure(place, turns, int(clock[col.T_CYCLES]), sources, counts, rng)
+    met[col.N_SURROUNDINGS] = 0 if stays else 1
+    if turn[col.U_REPORTS] == 0:
         return stays
-    position = turn[U_BOARD]
-    at = met[N_FRAMES]
+    position = turn[col.U_BOARD]
+    at = met[col.N_FRAMES]
     values = reports[at]
-    first = boards[position, B_ROW]
-    for k in range(boards[position, B_VALUES]):
+    first = boards[position, col.B_ROW]
+    for k in range(boards[position, col.B_VALUES]):
         shown = forced[first + k]
         values[k] = counts[first + k] if np.isnan(shown) else shown
-    times_s[at] = clock[T_NOW_S]
+    times_s[at] = clock[col.T_NOW_S]
     reporters[at] = position
     if take_frame(position, values, rows, task, clock, signals, scratch, posture, ticks, met):
-        met[N_FRAMES] = at + 1
+        met[col.N_FRAMES] = at + 1
         return stays
-    met[N_WAITING] = 1
-    met[N_BOARD] = position
+    met[col.N_WAITING] = 1
+    met[col.N_BOARD] = position
     return False

@@ -3,19 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.simulation.arrays import Floats, Ints
-from pirate_sm.simulation.gliding.columns import (
-    A_ALARM_S,
-    J_AT_S,
-    J_OF_FRAME,
-    J_WAKE_S,
-    N_TICKS,
-    R_LISTEN_EVERY_S,
-    R_SILENT_AFTER_S,
-    R_STALE_AFTER_S,
-    T_CHECKED_S,
-    T_LISTENING_S,
-    TOLERANCE_S,
-)
+from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.machine_code import compiled
 
 
@@ -28,16 +16,19 @@ def may_listen(
     If not, the engine has to look. `heard_s` tells when each board last reported; see
     :mod:`pirate_sm.engine.safety.faults`.
     """
-    if met[N_TICKS] == ticks.shape[0] or heard_s.shape[0] == 0:
+    if met[col.N_TICKS] == ticks.shape[0] or heard_s.shape[0] == 0:
         return False
-    if now_s >= watch[A_ALARM_S] - TOLERANCE_S:
+    if now_s >= watch[col.A_ALARM_S] - col.TOLERANCE_S:
         return False
     newest_s = heard_s[0]
     for at_s in heard_s:
         newest_s = max(newest_s, at_s)
-        if at_s <= now_s - robot[R_STALE_AFTER_S] or at_s <= now_s - robot[R_SILENT_AFTER_S]:
+        if (
+            at_s <= now_s - robot[col.R_STALE_AFTER_S]
+            or at_s <= now_s - robot[col.R_SILENT_AFTER_S]
+        ):
             return False
-    return bool(newest_s > now_s - robot[R_SILENT_AFTER_S] / 2)
+    return bool(newest_s > now_s - robot[col.R_SILENT_AFTER_S] / 2)
 
 
 @compiled
@@ -51,10 +42,10 @@ def listen(
     met: Ints,
 ) -> None:
     """Note that every board has reported. See `columns.py` for the arrays."""
-    made = met[N_TICKS]
-    clock[T_CHECKED_S] = now_s
-    clock[T_LISTENING_S] = now_s + robot[R_LISTEN_EVERY_S]
-    ticks[made, J_AT_S] = now_s
-    ticks[made, J_WAKE_S] = min(watch[A_ALARM_S], clock[T_LISTENING_S])
-    ticks[made, J_OF_FRAME] = of_frame
-    met[N_TICKS] = made + 1
+    made = met[col.N_TICKS]
+    clock[col.T_CHECKED_S] = now_s
+    clock[col.T_LISTENING_S] = now_s + robot[col.R_LISTEN_EVERY_S]
+    ticks[made, col.J_AT_S] = now_s
+    ticks[made, col.J_WAKE_S] = min(watch[col.A_ALARM_S], clock[col.T_LISTENING_S])
+    ticks[made, col.J_OF_FRAME] = of_frame
+    met[col.N_TICKS] = made + 1

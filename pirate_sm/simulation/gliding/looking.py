@@ -10,32 +10,7 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
-from pirate_sm.simulation.gliding.columns import (
-    A_ALARM_S,
-    A_DEADLINE_S,
-    J_AT_S,
-    J_OF_FRAME,
-    J_WAKE_S,
-    L_DIRECTION,
-    L_DRIVEN,
-    L_DUE_S,
-    L_EVERY_S,
-    L_FORGOTTEN_M,
-    L_LOOKS,
-    L_REPEAT_S,
-    L_SAID_S,
-    L_SEEN,
-    L_SLACK_M,
-    L_VALID_S,
-    L_WINDOW_S,
-    L_WORD,
-    N_TICKS,
-    O_MORE_M,
-    O_WHEEL,
-    T_LISTENING_S,
-    T_WORD_S,
-    TOLERANCE_S,
-)
+from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import Looker
 from pirate_sm.simulation.gliding.sorting import median_of
 from pirate_sm.simulation.machine_code import compiled
@@ -65,20 +40,20 @@ def _word(
     count: int, looker: Floats, points: Floats, bends: Floats, seen: Floats, values: Floats
 ) -> int:
     """Return the index of the word that holds; -1 for none, -2 if a position is unknown."""
-    direction = looker[L_DIRECTION]
+    direction = looker[col.L_DIRECTION]
     if direction == 0.0:
         return -1
-    driven = looker[L_DRIVEN] != 0.0
+    driven = looker[col.L_DRIVEN] != 0.0
     for k in range(bends.shape[0]):
         for p in range(points.shape[0]):
-            place_m = _place(int(points[p, O_WHEEL]) + 1, count, driven, seen, values)
+            place_m = _place(int(points[p, col.O_WHEEL]) + 1, count, driven, seen, values)
             passed_m = direction * (place_m - bends[k, 0])
-            passed_m += points[p, O_MORE_M]
+            passed_m += points[p, col.O_MORE_M]
             passed_m += bends[k, 1] if p == points.shape[0] - 1 else -bends[k, 1]
             if np.isnan(passed_m):
                 return -2
-            if passed_m >= (-looker[L_SLACK_M] if p == looker[L_WORD] else 0.0):
-                if passed_m < looker[L_FORGOTTEN_M]:
+            if passed_m >= (-looker[col.L_SLACK_M] if p == looker[col.L_WORD] else 0.0):
+                if passed_m < looker[col.L_FORGOTTEN_M]:
                     return p
                 break
     return -1
@@ -87,17 +62,17 @@ def _word(
 @compiled
 def repeats(looker: Floats) -> bool:
     """Return whether the present word is due again at the next look."""
-    return bool(looker[L_DUE_S] - looker[L_SAID_S] >= looker[L_REPEAT_S])
+    return bool(looker[col.L_DUE_S] - looker[col.L_SAID_S] >= looker[col.L_REPEAT_S])
 
 
 @compiled
 def may_repeat(looker: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints) -> bool:
     """Return whether the engine would do nothing but prolong the word. See `columns.py`."""
-    now_s, due_s = looker[L_DUE_S], min(watch[A_ALARM_S], clock[T_LISTENING_S])
-    until_s = min(watch[A_DEADLINE_S], now_s + looker[L_VALID_S])
-    if looker[L_VALID_S] == 0.0 or met[N_TICKS] == ticks.shape[0]:
+    now_s, due_s = looker[col.L_DUE_S], min(watch[col.A_ALARM_S], clock[col.T_LISTENING_S])
+    until_s = min(watch[col.A_DEADLINE_S], now_s + looker[col.L_VALID_S])
+    if looker[col.L_VALID_S] == 0.0 or met[col.N_TICKS] == ticks.shape[0]:
         return False
-    return bool(now_s < due_s - TOLERANCE_S and min(until_s, clock[T_LISTENING_S]) == due_s)
+    return bool(now_s < due_s - col.TOLERANCE_S and min(until_s, clock[col.T_LISTENING_S]) == due_s)
 
 
 @compiled
@@ -105,13 +80,13 @@ def repeat(
     now_s: float, looker: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints
 ) -> None:
     """Say the present word again. See `columns.py` for the arrays."""
-    looker[L_SAID_S] = now_s
-    clock[T_WORD_S] = now_s + looker[L_VALID_S]
-    watch[A_ALARM_S] = min(watch[A_DEADLINE_S], clock[T_WORD_S])
-    ticks[met[N_TICKS], J_AT_S] = now_s
-    ticks[met[N_TICKS], J_WAKE_S] = np.inf
-    ticks[met[N_TICKS], J_OF_FRAME] = 0.0
-    met[N_TICKS] += 1
+    looker[col.L_SAID_S] = now_s
+    clock[col.T_WORD_S] = now_s + looker[col.L_VALID_S]
+    watch[col.A_ALARM_S] = min(watch[col.A_DEADLINE_S], clock[col.T_WORD_S])
+    ticks[met[col.N_TICKS], col.J_AT_S] = now_s
+    ticks[met[col.N_TICKS], col.J_WAKE_S] = np.inf
+    ticks[met[col.N_TICKS], col.J_OF_FRAME] = 0.0
+    met[col.N_TICKS] += 1
 
 
 @compiled
@@ -121,13 +96,13 @@ def look(arcs: Floats, sees: Looker) -> bool:
     If there is, the look has not been made. `arcs` has the position of each wheel along the pipe.
     """
     looker, points, bends, seen, looks, values = sees
-    now_s = looker[L_DUE_S]
-    count = int(looker[L_SEEN])
-    made = int(looker[L_LOOKS])
+    now_s = looker[col.L_DUE_S]
+    count = int(looker[col.L_SEEN])
+    made = int(looker[col.L_LOOKS])
     if made == looks.shape[0]:
         return False
     first = 0
-    while first < count and seen[first, 0] < now_s - looker[L_WINDOW_S]:
+    while first < count and seen[first, 0] < now_s - looker[col.L_WINDOW_S]:
         first += 1
     if first == 0 and count == seen.shape[0]:
         return False
@@ -139,9 +114,9 @@ def look(arcs: Floats, sees: Looker) -> bool:
             seen[i - first, column] = seen[i, column]
         seen[count - first, column] = looks[made, column]
     count -= first
-    if _word(count + 1, looker, points, bends, seen, values) != int(looker[L_WORD]):
+    if _word(count + 1, looker, points, bends, seen, values) != int(looker[col.L_WORD]):
         return False
-    looker[L_SEEN] = count + 1
-    looker[L_LOOKS] = made + 1
-    looker[L_DUE_S] = now_s + looker[L_EVERY_S]
+    looker[col.L_SEEN] = count + 1
+    looker[col.L_LOOKS] = made + 1
+    looker[col.L_DUE_S] = now_s + looker[col.L_EVERY_S]
     return True

@@ -11,21 +11,13 @@ from math import asin, atan2, cos, sin, sqrt
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.gliding.columns import (
-    H_JOINT,
-    H_LENGTH,
-    H_SIDE,
-    I_RADIUS_M,
-    Q_DIAMETER,
-    Q_FIRST,
-    Q_LAST,
-)
+from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.machine_code import compiled
 
 
 @compiled
 def _angle(wheel: int, numbers: Floats, chain: Floats) -> float:
-    joint = int(chain[wheel, H_JOINT])
+    joint = int(chain[wheel, col.H_JOINT])
     return float(numbers[joint]) if joint >= 0 else 0.0
 
 
@@ -46,13 +38,13 @@ def _lean(first: int, last: int, aside_m: float, numbers: Floats, chain: Floats)
     x, y = 0.0, 0.0
     for link in range(first, last):  # the first wheel stands at the origin
         heading = _heading(link, first, numbers, chain)
-        x -= chain[link, H_LENGTH] * cos(heading)
-        y -= chain[link, H_LENGTH] * sin(heading)
+        x -= chain[link, col.H_LENGTH] * cos(heading)
+        y -= chain[link, col.H_LENGTH] * sin(heading)
     along, across = 0.0 - x, 0.0 - y
     length = sqrt(along * along + across * across)
     if length == 0.0:
         length = 1.0
-    rise = (chain[first, H_SIDE] - chain[last, H_SIDE]) * aside_m / length
+    rise = (chain[first, col.H_SIDE] - chain[last, col.H_SIDE]) * aside_m / length
     if np.isnan(rise):
         return np.nan
     return asin(max(-1.0, min(1.0, rise))) - atan2(across, along)
@@ -63,11 +55,11 @@ def heading_in_pipe(
     part: int, link: int, numbers: Floats, chain: Floats, parts: Floats, body: Floats
 ) -> float:
     """Return a link's heading relative to the pipe axis at a clamped part, rad; NaN is unknown."""
-    first, last = int(parts[part, Q_FIRST]), int(parts[part, Q_LAST])
+    first, last = int(parts[part, col.Q_FIRST]), int(parts[part, col.Q_LAST])
     aside_m = 0.0
-    if chain[first, H_SIDE] != chain[last, H_SIDE]:
-        diameter = int(parts[part, Q_DIAMETER])
+    if chain[first, col.H_SIDE] != chain[last, col.H_SIDE]:
+        diameter = int(parts[part, col.Q_DIAMETER])
         span_m = numbers[diameter] if diameter >= 0 else np.nan
-        aside_m = span_m / 2 - body[I_RADIUS_M]
+        aside_m = span_m / 2 - body[col.I_RADIUS_M]
     turn = _lean(first, last, aside_m, numbers, chain)
     return _heading(link, min(first, chain.shape[0] - 2), numbers, chain) + turn

@@ -5,30 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
-from pirate_sm.simulation.gliding.columns import (
-    A_ALARM_S,
-    A_FRAMES_S,
-    E_DUE_S,
-    K_BEGIN,
-    K_BOARDS,
-    K_END,
-    K_HOLDS,
-    MEMORY_COLUMNS,
-    P_ANGLE,
-    P_GAIN,
-    P_LEAST,
-    P_LIMIT,
-    P_RESOLUTION,
-    P_SENT,
-    P_TARGET,
-    P_THRESHOLD,
-    R_LOSS_GAIN,
-    R_PERIOD_S,
-    T_LISTENING_S,
-    T_LOSS,
-    T_NOW_S,
-    TOLERANCE_S,
-)
+from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Task
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.machine import value_of
@@ -57,11 +34,11 @@ def holds_as_before(
 ) -> bool:
     """Return whether every condition of a board is as it was."""
     for k in range(conditions.shape[0]):
-        if (conditions[k, K_BOARDS] >> position) & 1 == 0:
+        if (conditions[k, col.K_BOARDS] >> position) & 1 == 0:
             continue
-        begin, end = conditions[k, K_BEGIN], conditions[k, K_END]
+        begin, end = conditions[k, col.K_BEGIN], conditions[k, col.K_END]
         value = value_of(code, begin, end, numbers, origin, stack)
-        if (value == 1.0) != (conditions[k, K_HOLDS] == 1):
+        if (value == 1.0) != (conditions[k, col.K_HOLDS] == 1):
             return False
     return True
 
@@ -73,14 +50,14 @@ def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
     See :class:`pirate_sm.engine.control.position_loop.PositionLoop`.
     """
     for p in range(duties.shape[0]):
-        error = duties[p, P_TARGET] - numbers[int(duties[p, P_ANGLE])]
+        error = duties[p, col.P_TARGET] - numbers[int(duties[p, col.P_ANGLE])]
         duty = 0.0
-        if abs(error) > duties[p, P_THRESHOLD]:
-            size = max(abs(error) * duties[p, P_GAIN] * (1.0 - loss), duties[p, P_LEAST])
-            size = min(size, duties[p, P_LIMIT])
+        if abs(error) > duties[p, col.P_THRESHOLD]:
+            size = max(abs(error) * duties[p, col.P_GAIN] * (1.0 - loss), duties[p, col.P_LEAST])
+            size = min(size, duties[p, col.P_LIMIT])
             duty = size if error > 0.0 else -size
-        resolution = duties[p, P_RESOLUTION]
-        if np.rint(duty / resolution) * resolution != duties[p, P_SENT]:
+        resolution = duties[p, col.P_RESOLUTION]
+        if np.rint(duty / resolution) * resolution != duties[p, col.P_SENT]:
             return False
     return True
 
@@ -95,7 +72,7 @@ def _copy(some: Floats, to: Floats) -> None:
 def looks_round(now_s: float, numbers: Floats, posture: Posture) -> bool:
     """Survey the pipe if that is due; return whether there is nothing to report."""
     chain, parts, body, held, surveyed = posture
-    if now_s < surveyed[0, E_DUE_S]:
+    if now_s < surveyed[0, col.E_DUE_S]:
         return True
     _copy(surveyed[0], surveyed[1])
     if not survey(now_s, numbers, chain, parts, body, held, surveyed[1]):
@@ -126,18 +103,18 @@ def take_frame(
     boards, channels, derived, wheels, own, sensors, robot = rows
     slots, conditions, code, origin, duties, watch = task
     fresh, stack = scratch
-    now_s = clock[T_NOW_S]
+    now_s = clock[col.T_NOW_S]
     count, width = origin.shape[0], wheels.shape[0]
     heard_at = count
     shares_at = heard_at + boards.shape[0]
     angles_at = shares_at + width
     memory_at = angles_at + width
     heard_s = signals[heard_at:shares_at]
-    elapsed_s = max(now_s - heard_s[position], robot[R_PERIOD_S])
-    listens = now_s >= clock[T_LISTENING_S]
-    due_s = watch[A_ALARM_S] if listens else min(watch[A_ALARM_S], clock[T_LISTENING_S])
-    deadline_s = min(watch[A_FRAMES_S], due_s - TOLERANCE_S)
-    if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[R_PERIOD_S]:
+    elapsed_s = max(now_s - heard_s[position], robot[col.R_PERIOD_S])
+    listens = now_s >= clock[col.T_LISTENING_S]
+    due_s = watch[col.A_ALARM_S] if listens else min(watch[col.A_ALARM_S], clock[col.T_LISTENING_S])
+    deadline_s = min(watch[col.A_FRAMES_S], due_s - col.TOLERANCE_S)
+    if now_s >= deadline_s or elapsed_s > _IN_TIME * robot[col.R_PERIOD_S]:
         return False
     board = boards[position]
     _copy(signals, fresh)
@@ -145,7 +122,7 @@ def take_frame(
     known = convert(board, channels, values, numbers)
     if not (known and is_plausible(board, sensors, numbers, before, elapsed_s)):
         return False
-    memory = fresh[memory_at:].reshape(sensors.shape[0], MEMORY_COLUMNS)
+    memory = fresh[memory_at:].reshape(sensors.shape[0], col.MEMORY_COLUMNS)
     if not moves_as_asked(board, now_s, sensors, robot, slots, watch, numbers, memory):
         return False
     derive(board, derived, slots, numbers, before, elapsed_s)
@@ -163,7 +140,7 @@ def take_frame(
         signals[angles_at:memory_at],
         fresh[angles_at:memory_at],
     )
-    loss = clock[T_LOSS] * (1.0 - robot[R_LOSS_GAIN])
+    loss = clock[col.T_LOSS] * (1.0 - robot[col.R_LOSS_GAIN])
     quiet = asks_the_same(duties, numbers, loss)
     quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
     fresh[heard_at + position] = now_s
@@ -174,5 +151,5 @@ def take_frame(
     if listens:
         listen(now_s, 1.0, robot, watch, clock, ticks, met)
     _copy(fresh, signals)
-    clock[T_LOSS] = loss
+    clock[col.T_LOSS] = loss
     return True

@@ -26,31 +26,7 @@ from pirate_sm.engine.sensing.environment_report import NOISE_M, NOISE_RAD
 from pirate_sm.engine.sensing.joint_around import STEP
 from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.simulation.arrays import Floats, Ints
-from pirate_sm.simulation.gliding.columns import (
-    E_DIAMETER_M,
-    E_DUE_S,
-    E_FELT_S,
-    E_FORCES,
-    E_IN_BEND,
-    E_MADE,
-    E_PART,
-    E_PITCH,
-    E_ROLL,
-    E_SEGMENT,
-    E_STRAIGHT_M,
-    E_WORD,
-    I_AHEAD,
-    I_LASTING_S,
-    I_LINK,
-    I_ROLL,
-    I_SIDE,
-    I_UP,
-    Q_ANGLE,
-    Q_DIAMETER,
-    Q_FIRST,
-    Q_STOP,
-    SURVEY_ENTRIES,
-)
+from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.posture import heading_in_pipe
 from pirate_sm.simulation.gliding.sorting import median
 from pirate_sm.simulation.machine_code import compiled
@@ -67,8 +43,8 @@ def _walled(held: Ints, parts: Floats, numbers: Floats, walled: Ints) -> int:
     """Write the held parts that touch a wall; return how many there are."""
     count = 0
     for part in held:
-        angle = int(parts[part, Q_ANGLE])
-        if angle >= 0 and abs(numbers[angle]) > parts[part, Q_STOP] - OPEN_RAD:
+        angle = int(parts[part, col.Q_ANGLE])
+        if angle >= 0 and abs(numbers[angle]) > parts[part, col.Q_STOP] - OPEN_RAD:
             continue
         walled[count] = part
         count += 1
@@ -80,7 +56,7 @@ def _turn(
     walled: Ints, count: int, numbers: Floats, chain: Floats, parts: Floats, body: Floats
 ) -> float:
     """Return the largest angle between the axes of the parts, rad; 0 if it is unknown."""
-    roll = int(body[I_ROLL])
+    roll = int(body[col.I_ROLL])
     if roll >= 0 and not abs(numbers[roll]) <= COPLANAR_RAD:
         return 0.0
     least, most = np.inf, -np.inf
@@ -103,8 +79,8 @@ def _segment(
     body: Floats,
 ) -> int:
     """Return the segment around the robot; -1 where rounding could decide."""
-    in_bend = surveyed[E_IN_BEND] != 0.0
-    if surveyed[E_WORD] != 0.0 and in_bend:
+    in_bend = surveyed[col.E_IN_BEND] != 0.0
+    if surveyed[col.E_WORD] != 0.0 and in_bend:
         return JOINT
     if held.shape[0] > 0 and count == 0:
         return OUT
@@ -137,7 +113,7 @@ def _along(
         return count
     found = 0
     for k in range(count):
-        diameter = int(parts[walled[k], Q_DIAMETER])
+        diameter = int(parts[walled[k], col.Q_DIAMETER])
         if diameter >= 0 and abs(numbers[diameter] - straight_m) <= AGREEING * straight_m:
             along[found] = walled[k]
             found += 1
@@ -149,7 +125,7 @@ def _diameter(walled: Ints, count: int, parts: Floats, numbers: Floats) -> float
     """Return the mean inner diameter that the parts show, m; NaN if unknown or different."""
     known, sum_m, least, most = 0, 0.0, np.inf, -np.inf
     for k in range(count):
-        diameter = int(parts[walled[k], Q_DIAMETER])
+        diameter = int(parts[walled[k], col.Q_DIAMETER])
         if diameter < 0 or np.isnan(numbers[diameter]):
             continue
         known += 1
@@ -172,17 +148,17 @@ def _feel(
     body: Floats,
 ) -> bool:
     """Remember the force in the axes of the pipe; return whether rounding could not decide."""
-    if part != int(surveyed[E_PART]):
-        surveyed[E_FORCES] = 0.0
-    count = int(surveyed[E_FORCES])
+    if part != int(surveyed[col.E_PART]):
+        surveyed[col.E_FORCES] = 0.0
+    count = int(surveyed[col.E_FORCES])
     ahead, side, up = np.nan, np.nan, np.nan
-    if part >= 0 and body[I_LINK] >= 0.0:
-        x, y = numbers[int(body[I_AHEAD])], numbers[int(body[I_SIDE])]
-        up = numbers[int(body[I_UP])]
-        if body[I_ROLL] >= 0.0 and parts[part, Q_FIRST] > body[I_LINK]:
-            turn = -numbers[int(body[I_ROLL])]
+    if part >= 0 and body[col.I_LINK] >= 0.0:
+        x, y = numbers[int(body[col.I_AHEAD])], numbers[int(body[col.I_SIDE])]
+        up = numbers[int(body[col.I_UP])]
+        if body[col.I_ROLL] >= 0.0 and parts[part, col.Q_FIRST] > body[col.I_LINK]:
+            turn = -numbers[int(body[col.I_ROLL])]
             y, up = y * cos(turn) - up * sin(turn), y * sin(turn) + up * cos(turn)
-        turn = -heading_in_pipe(part, int(body[I_LINK]), numbers, chain, parts, body)
+        turn = -heading_in_pipe(part, int(body[col.I_LINK]), numbers, chain, parts, body)
         ahead, side = x * cos(turn) - y * sin(turn), x * sin(turn) + y * cos(turn)
     away = abs(sqrt(ahead * ahead + side * side + up * up) - GRAVITY_M_S2)
     if abs(away - AT_REST * GRAVITY_M_S2) < _DOUBT:
@@ -194,10 +170,10 @@ def _feel(
                     forces[k - 1, axis] = forces[k, axis]
             count -= 1
         forces[count, 0], forces[count, 1], forces[count, 2] = ahead, side, up
-        surveyed[E_FORCES] = count + 1
-        surveyed[E_FELT_S] = now_s
-    elif not now_s - surveyed[E_FELT_S] < body[I_LASTING_S]:
-        surveyed[E_FORCES] = 0.0
+        surveyed[col.E_FORCES] = count + 1
+        surveyed[col.E_FELT_S] = now_s
+    elif not now_s - surveyed[col.E_FELT_S] < body[col.I_LASTING_S]:
+        surveyed[col.E_FORCES] = 0.0
     return True
 
 
@@ -215,7 +191,7 @@ def _near(old: float, new: float, noise: float, turn: float) -> bool:
 @compiled
 def _looks_level(surveyed: Floats, forces: Floats, sorted_: Floats) -> bool:
     """Return whether roll and pitch are surely what was reported; `sorted_` is memory."""
-    count = int(surveyed[E_FORCES])
+    count = int(surveyed[col.E_FORCES])
     roll, pitch = np.nan, np.nan
     if count >= LEAST_SAMPLES:
         along = median(forces, 0, count, sorted_)
@@ -227,16 +203,16 @@ def _looks_level(surveyed: Floats, forces: Floats, sorted_: Floats) -> bool:
         if across > UPRIGHT * GRAVITY_M_S2:
             roll = atan2(-side, up)
         pitch = atan2(along, across)
-    return _near(surveyed[E_ROLL], roll, NOISE_RAD, 2.0 * pi) and _near(
-        surveyed[E_PITCH], pitch, NOISE_RAD, 0.0
+    return _near(surveyed[col.E_ROLL], roll, NOISE_RAD, 2.0 * pi) and _near(
+        surveyed[col.E_PITCH], pitch, NOISE_RAD, 0.0
     )
 
 
 @compiled
 def _steps(walled: Ints, parts: Floats, numbers: Floats) -> bool:
     """Return whether two parts may show a reducer; which axes they have is not asked."""
-    one = int(parts[walled[0], Q_DIAMETER])
-    other = int(parts[walled[1], Q_DIAMETER])
+    one = int(parts[walled[0], col.Q_DIAMETER])
+    other = int(parts[walled[1], col.Q_DIAMETER])
     if one < 0 or other < 0:
         return False
     most = max(numbers[one], numbers[other])
@@ -259,8 +235,8 @@ def survey(
     parts that count, the others are memory; the other arrays are described in
     :mod:`pirate_sm.simulation.gliding.columns`.
     """
-    end = SURVEY_ENTRIES + 3 * SAMPLES
-    forces = surveyed[SURVEY_ENTRIES:end].reshape(SAMPLES, 3)
+    end = col.SURVEY_ENTRIES + 3 * SAMPLES
+    forces = surveyed[col.SURVEY_ENTRIES : end].reshape(SAMPLES, 3)
     walled, along = held[1], held[2]
     count = _walled(held[0], parts, numbers, walled)
     if count > 2:  # the sum of more numbers depends on how it is made
@@ -268,7 +244,7 @@ def survey(
     segment = _segment(held[0], walled, count, surveyed, numbers, chain, parts, body)
     if segment == STRAIGHT and count == 2 and _steps(walled, parts, numbers):
         return False
-    lying = _along(walled, count, surveyed[E_STRAIGHT_M], parts, numbers, along)
+    lying = _along(walled, count, surveyed[col.E_STRAIGHT_M], parts, numbers, along)
     if segment == STRAIGHT:
         if lying == 0:
             lying = count
@@ -278,16 +254,16 @@ def survey(
         _copy(along, count, walled)
     part = along[0] if lying > 0 else -1
     for k in range(lying):
-        if along[k] == int(surveyed[E_PART]):
+        if along[k] == int(surveyed[col.E_PART]):
             part = along[k]
     if not _feel(part, now_s, surveyed, forces, numbers, chain, parts, body):
         return False
     diameter_m = _diameter(walled, count, parts, numbers)
     if segment == STRAIGHT and not np.isnan(diameter_m):
-        surveyed[E_STRAIGHT_M] = diameter_m
-    surveyed[E_PART] = part
-    surveyed[E_DUE_S] = now_s + SURVEY_EVERY_S
-    surveyed[E_MADE] += 1.0
-    same = segment == int(surveyed[E_SEGMENT])
-    same = same and _near(surveyed[E_DIAMETER_M], diameter_m, NOISE_M, 0.0)
+        surveyed[col.E_STRAIGHT_M] = diameter_m
+    surveyed[col.E_PART] = part
+    surveyed[col.E_DUE_S] = now_s + SURVEY_EVERY_S
+    surveyed[col.E_MADE] += 1.0
+    same = segment == int(surveyed[col.E_SEGMENT])
+    same = same and _near(surveyed[col.E_DIAMETER_M], diameter_m, NOISE_M, 0.0)
     return same and _looks_level(surveyed, forces, surveyed[end:])

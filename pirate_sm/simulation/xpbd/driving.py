@@ -6,44 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.columns import (
-    ANCHOR_MAX,
-    C_FORCE,
-    C_MU,
-    C_SLOPE,
-    DEPTH,
-    J_FRICTION,
-    J_LAM,
-    J_STOP,
-    JOINT_K,
-    JOINT_MAX,
-    JOINT_MIN,
-    JOINT_RATE,
-    JOINT_STALL,
-    KEY,
-    L_GB,
-    L_GN,
-    L_GT,
-    MASS_INV,
-    MU_STATIC,
-    NODE,
-    OTHER,
-    OUT_PER_WHEEL,
-    PUSH,
-    RADIUS,
-    ROLL_LINK,
-    ROLL_RATE,
-    ROLL_STALL,
-    ROLL_TARGET,
-    ROLLING,
-    SPIN,
-    STUCK,
-    T_CURRENT,
-    T_DRIVE,
-    T_GRIP,
-    T_PRESS,
-    TARGET,
-)
+from pirate_sm.simulation.xpbd import columns as col
 from pirate_sm.simulation.xpbd.contacts import rolled_m
 
 # The motor side of a spring may wind this far beyond the joint's own end stop.
@@ -70,16 +33,16 @@ def turn_motor(
 
     It turns at rate * (duty - torque / stall torque) and is never driven back.
     """
-    rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
+    rate = duty - body[i, col.JOINT_K] * (motor[i] - bend[i]) / body[i, col.JOINT_STALL]
     rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
-    turned = motor[i] + body[i, JOINT_RATE] * rate * dt
+    turned = motor[i] + body[i, col.JOINT_RATE] * rate * dt
     motor[i] = min(
-        max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
+        max(turned, body[i, col.JOINT_MIN] - _WINDING_RAD), body[i, col.JOINT_MAX] + _WINDING_RAD
     )
-    tally[i, T_CURRENT] += abs(duty - rate)
-    w[i, J_LAM] = 0.0
-    w[i, J_FRICTION] = 0.0
-    w[i, J_STOP] = 0.0
+    tally[i, col.T_CURRENT] += abs(duty - rate)
+    w[i, col.J_LAM] = 0.0
+    w[i, col.J_FRICTION] = 0.0
+    w[i, col.J_STOP] = 0.0
 
 
 @compiled
@@ -88,10 +51,10 @@ def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: F
     for i in range(n):
         touch[i] = -1
     for c in range(count):
-        i = who[c, NODE]
-        if con[c, PUSH] > 0.0 and who[c, KEY] >= 0:
-            tally[i, T_PRESS] += con[c, PUSH]
-            if touch[i] < 0 or con[c, PUSH] > con[touch[i], PUSH]:
+        i = who[c, col.NODE]
+        if con[c, col.PUSH] > 0.0 and who[c, col.KEY] >= 0:
+            tally[i, col.T_PRESS] += con[c, col.PUSH]
+            if touch[i] < 0 or con[c, col.PUSH] > con[touch[i], col.PUSH]:
                 touch[i] = c
 
 
@@ -115,30 +78,32 @@ def turn_wheels(
     and turns with its motor, only if the force along the wall has reached its friction. A blocked
     wheel may leave much unsolved although it grips. All other wheels turn with the wall.
     """
-    radius = world[RADIUS]
-    bound = world[ANCHOR_MAX]
+    radius = world[col.RADIUS]
+    bound = world[col.ANCHOR_MAX]
     _strongest(n, count, con, who, touch, tally)
     anchor[:] = 0.0
     for c in range(count):
-        if con[c, PUSH] <= 0.0 or who[c, KEY] < 0:
+        if con[c, col.PUSH] <= 0.0 or who[c, col.KEY] < 0:
             continue
-        i = who[c, NODE]
-        rolled = rolled_m(c, i, who[c, OTHER], pos, w, con)
-        force = con[c, ROLLING]
-        left = con[c, TARGET] - rolled - con[c, C_SLOPE] * force
-        tally[i, T_DRIVE] += abs(force)
-        tally[i, T_GRIP] += force
-        friction = con[c, C_MU] * con[c, PUSH]
-        stalled = con[c, C_FORCE] < friction and abs(force) >= _REACHED * con[c, C_FORCE]
+        i = who[c, col.NODE]
+        rolled = rolled_m(c, i, who[c, col.OTHER], pos, w, con)
+        force = con[c, col.ROLLING]
+        left = con[c, col.TARGET] - rolled - con[c, col.C_SLOPE] * force
+        tally[i, col.T_DRIVE] += abs(force)
+        tally[i, col.T_GRIP] += force
+        friction = con[c, col.C_MU] * con[c, col.PUSH]
+        stalled = con[c, col.C_FORCE] < friction and abs(force) >= _REACHED * con[c, col.C_FORCE]
         slips = abs(left) >= bound and not stalled and abs(force) >= _REACHED * friction
         if not stalled:
-            most = bound if slips else STUCK * bound
-            anchor[i, who[c, KEY]] = min(max(left, -most), most)
+            most = bound if slips else col.STUCK * bound
+            anchor[i, who[c, col.KEY]] = min(max(left, -most), most)
         if touch[i] == c:
-            wheel[i] += w[i, SPIN] - con[c, C_SLOPE] * force / radius if slips else rolled / radius
+            wheel[i] += (
+                w[i, col.SPIN] - con[c, col.C_SLOPE] * force / radius if slips else rolled / radius
+            )
     for i in range(n):
         if touch[i] < 0:
-            wheel[i] += w[i, SPIN]
+            wheel[i] += w[i, col.SPIN]
 
 
 @compiled
@@ -146,10 +111,10 @@ def lies(n: int, part: int, body: Floats, legs: Floats, world: Floats, out: Floa
     """Return whether a part (1: ahead of the roll joint, 2: behind) lies in the pipe, unwedged."""
     press, mass = 0.0, 0.0
     for i in range(n):
-        if (i <= world[ROLL_LINK]) == (part == 1):
+        if (i <= world[col.ROLL_LINK]) == (part == 1):
             press += out[6 * n + i]
-            mass += 1.0 / body[i, MASS_INV]
-    gravity = np.sqrt(legs[0, L_GT] ** 2 + legs[0, L_GN] ** 2 + legs[0, L_GB] ** 2)
+            mass += 1.0 / body[i, col.MASS_INV]
+    gravity = np.sqrt(legs[0, col.L_GT] ** 2 + legs[0, col.L_GN] ** 2 + legs[0, col.L_GB] ** 2)
     return bool(press <= _LYING_WEIGHTS * mass * gravity)
 
 
@@ -165,10 +130,10 @@ def turn_roll(
 
     The current is the motor's share of its stall torque: all of it while it stalls.
     """
-    k = OUT_PER_WHEEL * n
+    k = col.OUT_PER_WHEEL * n
     out[k] = roll[0]
     out[k + 1] = 0.0
-    wanted = world[ROLL_TARGET] - roll[0]
+    wanted = world[col.ROLL_TARGET] - roll[0]
     if wanted == 0.0:
         return
     part, friction = 0, np.inf
@@ -177,15 +142,15 @@ def turn_roll(
             continue
         torque = 0.0
         for i in range(n):
-            if (i <= world[ROLL_LINK]) == (half == 1):
-                torque += body[i, MU_STATIC] * out[6 * n + i] * world[DEPTH]
+            if (i <= world[col.ROLL_LINK]) == (half == 1):
+                torque += body[i, col.MU_STATIC] * out[6 * n + i] * world[col.DEPTH]
         if torque < friction:
             part, friction = half, torque
-    load = friction / world[ROLL_STALL]
+    load = friction / world[col.ROLL_STALL]
     if part == 0 or load >= 1.0:
         out[k + 1] = 1.0
         return
-    reach = world[ROLL_RATE] * (1.0 - load) * passed
+    reach = world[col.ROLL_RATE] * (1.0 - load) * passed
     turn = min(max(wanted, -reach), reach)
     roll[0] += turn
     roll[part] += turn if part == 1 else -turn

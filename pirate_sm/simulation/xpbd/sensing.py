@@ -6,47 +6,31 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.columns import (
-    L_GB,
-    L_GN,
-    L_GT,
-    L_LENGTH,
-    L_S,
-    L_TX,
-    L_TY,
-    L_X,
-    L_Y,
-    MAG_X,
-    MAG_Y,
-    MAG_Z,
-    OUT_PER_WHEEL,
-    OUT_SINGLE,
-    ROLL_LINK,
-)
+from pirate_sm.simulation.xpbd import columns as col
 
 
 @compiled
 def project(n: int, pos: Floats, legs: Floats, out: Floats) -> None:
     """Write arc length, offset towards side A and leg of each wheel to their blocks of `out`."""
-    side = OUT_PER_WHEEL * n + OUT_SINGLE
+    side = col.OUT_PER_WHEEL * n + col.OUT_SINGLE
     for i in range(n):
         best = np.inf
         for k in range(legs.shape[0]):
-            dx = pos[i, 0] - legs[k, L_X]
-            dy = pos[i, 1] - legs[k, L_Y]
-            along = dx * legs[k, L_TX] + dy * legs[k, L_TY]
-            across = dy * legs[k, L_TX] - dx * legs[k, L_TY]
+            dx = pos[i, 0] - legs[k, col.L_X]
+            dy = pos[i, 1] - legs[k, col.L_Y]
+            along = dx * legs[k, col.L_TX] + dy * legs[k, col.L_TY]
+            across = dy * legs[k, col.L_TX] - dx * legs[k, col.L_TY]
             # The first and the last leg continue beyond the pipe's open ends.
             if k > 0:
                 along = max(along, 0.0)
             if k < legs.shape[0] - 1:
-                along = min(along, legs[k, L_LENGTH])
-            ax = dx - along * legs[k, L_TX]
-            ay = dy - along * legs[k, L_TY]
+                along = min(along, legs[k, col.L_LENGTH])
+            ax = dx - along * legs[k, col.L_TX]
+            ay = dy - along * legs[k, col.L_TY]
             away2 = ax * ax + ay * ay
             if away2 < best:
                 best = away2
-                out[7 * n + i] = legs[k, L_S] + along
+                out[7 * n + i] = legs[k, col.L_S] + along
                 out[side + i] = across
                 out[side + n + i] = k
 
@@ -68,9 +52,9 @@ def feel(
     "Up" is the normal of the plane of the part ahead of the roll joint. It points up when the
     pipe lies flat and the part has roll 0. In free fall the specific force is zero.
     """
-    k = OUT_PER_WHEEL * n
-    m = min(max(int(world[ROLL_LINK]), 0), n - 2)
-    leg = legs[int(out[(OUT_PER_WHEEL + 1) * n + OUT_SINGLE + m])]
+    k = col.OUT_PER_WHEEL * n
+    m = min(max(int(world[col.ROLL_LINK]), 0), n - 2)
+    leg = legs[int(out[(col.OUT_PER_WHEEL + 1) * n + col.OUT_SINGLE + m])]
     hx = pos[m, 0] - pos[m + 1, 0]
     hy = pos[m, 1] - pos[m + 1, 1]
     length = np.sqrt(hx * hx + hy * hy)
@@ -78,13 +62,13 @@ def feel(
     hy /= length
     cr = np.cos(roll[1])
     sr = np.sin(roll[1])
-    across = leg[L_GN] if roll[1] == 0.0 else leg[L_GN] * cr - leg[L_GB] * sr
-    fx = accel_x - (leg[L_GT] * leg[L_TX] - across * leg[L_TY])
-    fy = accel_y - (leg[L_GT] * leg[L_TY] + across * leg[L_TX])
+    across = leg[col.L_GN] if roll[1] == 0.0 else leg[col.L_GN] * cr - leg[col.L_GB] * sr
+    fx = accel_x - (leg[col.L_GT] * leg[col.L_TX] - across * leg[col.L_TY])
+    fy = accel_y - (leg[col.L_GT] * leg[col.L_TY] + across * leg[col.L_TX])
     out[k + 2] = fx * hx + fy * hy
     out[k + 3] = fx * hy - fy * hx
-    out[k + 4] = leg[L_GN] * sr + leg[L_GB] * cr
-    sideways = world[MAG_X] * hy - world[MAG_Y] * hx
-    out[k + 5] = world[MAG_X] * hx + world[MAG_Y] * hy
-    out[k + 6] = sideways * cr - world[MAG_Z] * sr
-    out[k + 7] = sideways * sr + world[MAG_Z] * cr
+    out[k + 4] = leg[col.L_GN] * sr + leg[col.L_GB] * cr
+    sideways = world[col.MAG_X] * hy - world[col.MAG_Y] * hx
+    out[k + 5] = world[col.MAG_X] * hx + world[col.MAG_Y] * hy
+    out[k + 6] = sideways * cr - world[col.MAG_Z] * sr
+    out[k + 7] = sideways * sr + world[col.MAG_Z] * cr

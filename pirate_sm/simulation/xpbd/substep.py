@@ -6,57 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.columns import (
-    DRAG,
-    DT,
-    FORCE,
-    G_X,
-    G_Y,
-    GA_X,
-    GA_Y,
-    GAP,
-    GB_X,
-    GB_Y,
-    GM_X,
-    GM_Y,
-    J_C,
-    J_D,
-    J_INV,
-    J_RESISTS,
-    J_W,
-    JOINT_DAMPING,
-    JOINT_FRICTION,
-    JOINT_K,
-    JOINT_MAX,
-    JOINT_MIN,
-    K_GAP,
-    K_PUSH,
-    L_GB,
-    L_GN,
-    L_GT,
-    L_TX,
-    L_TY,
-    LEVER_X,
-    LEVER_Y,
-    LINK_LENGTH,
-    LINK_SCALE,
-    MASS_INV,
-    MU_KINETIC,
-    NODE,
-    NX,
-    NY,
-    OUT_PER_WHEEL,
-    OUT_SINGLE,
-    RADIUS,
-    ROLL_LINK,
-    SLOPE,
-    SPIN,
-    WHEEL_HOLD,
-    WHEEL_RATE,
-    WHEEL_STALL,
-    X0,
-    Y0,
-)
+from pirate_sm.simulation.xpbd import columns as col
 from pirate_sm.simulation.xpbd.contacts import aim
 from pirate_sm.simulation.xpbd.corners import clear
 from pirate_sm.simulation.xpbd.driving import lies, turn_motor
@@ -78,9 +28,9 @@ def prepare(
     w: Floats,
 ) -> None:
     """Set what is constant during a call: gravity, motor limits, compliances."""
-    dt = world[DT]
-    radius = world[RADIUS]
-    leg_of = (OUT_PER_WHEEL + 1) * n + OUT_SINGLE
+    dt = world[col.DT]
+    radius = world[col.RADIUS]
+    leg_of = (col.OUT_PER_WHEEL + 1) * n + col.OUT_SINGLE
     front, rear = roll[1], roll[2]
     if front != rear:
         front_lies = lies(n, 1, body, legs, world, out)
@@ -92,27 +42,27 @@ def prepare(
             rear = front
     for i in range(n):
         leg = legs[int(out[leg_of + i])]
-        part = front if i <= world[ROLL_LINK] else rear
-        across = leg[L_GN]
+        part = front if i <= world[col.ROLL_LINK] else rear
+        across = leg[col.L_GN]
         if part != 0.0:
-            across = leg[L_GN] * np.cos(part) - leg[L_GB] * np.sin(part)
-        w[i, G_X] = leg[L_GT] * leg[L_TX] - across * leg[L_TY]
-        w[i, G_Y] = leg[L_GT] * leg[L_TY] + across * leg[L_TX]
+            across = leg[col.L_GN] * np.cos(part) - leg[col.L_GB] * np.sin(part)
+        w[i, col.G_X] = leg[col.L_GT] * leg[col.L_TX] - across * leg[col.L_TY]
+        w[i, col.G_Y] = leg[col.L_GT] * leg[col.L_TY] + across * leg[col.L_TX]
         # A wheel that presses on no wall lies on the floor and drags by its weight.
-        floor = abs(leg[L_GN] * np.sin(part) + leg[L_GB] * np.cos(part))
-        w[i, DRAG] = body[i, MU_KINETIC] * floor * dt if out[6 * n + i] == 0.0 else 0.0
+        floor = abs(leg[col.L_GN] * np.sin(part) + leg[col.L_GB] * np.cos(part))
+        w[i, col.DRAG] = body[i, col.MU_KINETIC] * floor * dt if out[6 * n + i] == 0.0 else 0.0
         duty = command[n + i]
-        w[i, SPIN] = duty * body[i, WHEEL_RATE] * dt
-        w[i, SLOPE] = 0.0
-        w[i, FORCE] = body[i, WHEEL_HOLD] / radius * dt * dt
+        w[i, col.SPIN] = duty * body[i, col.WHEEL_RATE] * dt
+        w[i, col.SLOPE] = 0.0
+        w[i, col.FORCE] = body[i, col.WHEEL_HOLD] / radius * dt * dt
         if duty != 0.0:
-            w[i, FORCE] = body[i, WHEEL_STALL] / radius * dt * dt
-            w[i, SLOPE] = body[i, WHEEL_RATE] * radius**2 / (body[i, WHEEL_STALL] * dt)
-        w[i, J_C] = 1.0 / (body[i, JOINT_K] * dt * dt)
-        w[i, J_D] = body[i, JOINT_DAMPING] / (body[i, JOINT_K] * dt)
+            w[i, col.FORCE] = body[i, col.WHEEL_STALL] / radius * dt * dt
+            w[i, col.SLOPE] = body[i, col.WHEEL_RATE] * radius**2 / (body[i, col.WHEEL_STALL] * dt)
+        w[i, col.J_C] = 1.0 / (body[i, col.JOINT_K] * dt * dt)
+        w[i, col.J_D] = body[i, col.JOINT_DAMPING] / (body[i, col.JOINT_K] * dt)
         if i < n - 1:
-            both = body[i, MASS_INV] + body[i + 1, MASS_INV]
-            w[i, LINK_SCALE] = 0.5 / (body[i, LINK_LENGTH] ** 2 * both)
+            both = body[i, col.MASS_INV] + body[i + 1, col.MASS_INV]
+            w[i, col.LINK_SCALE] = 0.5 / (body[i, col.LINK_LENGTH] ** 2 * both)
 
 
 @compiled
@@ -128,18 +78,18 @@ def begin(
     tally: Floats,
 ) -> None:
     """Compute angles and gradients from the positions, and turn the motors by one substep."""
-    dt = world[DT]
+    dt = world[col.DT]
     before = 0.0
     for i in range(n):
-        w[i, X0] = pos[i, 0]
-        w[i, Y0] = pos[i, 1]
+        w[i, col.X0] = pos[i, 0]
+        w[i, col.Y0] = pos[i, 1]
         if i == n - 1:
             break
         ex = pos[i, 0] - pos[i + 1, 0]
         ey = pos[i, 1] - pos[i + 1, 1]
         length2 = ex * ex + ey * ey
-        w[i, LEVER_X] = -ey / length2
-        w[i, LEVER_Y] = ex / length2
+        w[i, col.LEVER_X] = -ey / length2
+        w[i, col.LEVER_Y] = ex / length2
         heading = np.arctan2(ey, ex)
         change = heading - before - bend[i]
         before = heading
@@ -149,20 +99,20 @@ def begin(
             change -= 2.0 * np.pi * np.rint(change / (2.0 * np.pi))
         bend[i] += change
         turn_motor(i, command[i], bend, motor, body, dt, w, tally)
-        w[i, GA_X] = -w[i - 1, LEVER_X]
-        w[i, GA_Y] = -w[i - 1, LEVER_Y]
-        w[i, GB_X] = -w[i, LEVER_X]
-        w[i, GB_Y] = -w[i, LEVER_Y]
-        w[i, GM_X] = w[i, LEVER_X] + w[i - 1, LEVER_X]
-        w[i, GM_Y] = w[i, LEVER_Y] + w[i - 1, LEVER_Y]
-        w[i, J_W] = (
-            body[i - 1, MASS_INV] * (w[i, GA_X] ** 2 + w[i, GA_Y] ** 2)
-            + body[i, MASS_INV] * (w[i, GM_X] ** 2 + w[i, GM_Y] ** 2)
-            + body[i + 1, MASS_INV] * (w[i, GB_X] ** 2 + w[i, GB_Y] ** 2)
+        w[i, col.GA_X] = -w[i - 1, col.LEVER_X]
+        w[i, col.GA_Y] = -w[i - 1, col.LEVER_Y]
+        w[i, col.GB_X] = -w[i, col.LEVER_X]
+        w[i, col.GB_Y] = -w[i, col.LEVER_Y]
+        w[i, col.GM_X] = w[i, col.LEVER_X] + w[i - 1, col.LEVER_X]
+        w[i, col.GM_Y] = w[i, col.LEVER_Y] + w[i - 1, col.LEVER_Y]
+        w[i, col.J_W] = (
+            body[i - 1, col.MASS_INV] * (w[i, col.GA_X] ** 2 + w[i, col.GA_Y] ** 2)
+            + body[i, col.MASS_INV] * (w[i, col.GM_X] ** 2 + w[i, col.GM_Y] ** 2)
+            + body[i + 1, col.MASS_INV] * (w[i, col.GB_X] ** 2 + w[i, col.GB_Y] ** 2)
         )
-        w[i, J_INV] = 1.0 / ((1.0 + w[i, J_D]) * w[i, J_W] + w[i, J_C])
-        free = body[i, JOINT_MIN] + _STOP_RAD < bend[i] < body[i, JOINT_MAX] - _STOP_RAD
-        w[i, J_RESISTS] = 0.0 if free and body[i, JOINT_FRICTION] == 0.0 else 1.0
+        w[i, col.J_INV] = 1.0 / ((1.0 + w[i, col.J_D]) * w[i, col.J_W] + w[i, col.J_C])
+        free = body[i, col.JOINT_MIN] + _STOP_RAD < bend[i] < body[i, col.JOINT_MAX] - _STOP_RAD
+        w[i, col.J_RESISTS] = 0.0 if free and body[i, col.JOINT_FRICTION] == 0.0 else 1.0
 
 
 @compiled
@@ -190,28 +140,30 @@ def go_on(
     """
     for i in range(1, n - 1):
         bend[i] += turned_rad(i, pos, w)
-        turn_motor(i, command[i], bend, motor, body, world[DT], w, tally)
+        turn_motor(i, command[i], bend, motor, body, world[col.DT], w, tally)
     for c in range(count):
-        i = who[c, NODE]
-        con[c, GAP] += con[c, NX] * (pos[i, 0] - w[i, X0]) + con[c, NY] * (pos[i, 1] - w[i, Y0])
+        i = who[c, col.NODE]
+        con[c, col.GAP] += con[c, col.NX] * (pos[i, 0] - w[i, col.X0]) + con[c, col.NY] * (
+            pos[i, 1] - w[i, col.Y0]
+        )
         aim(c, i, body, world, anchor, w, con, who)
     for c in range(corners):
-        cor[c, K_GAP] = clear(c, at_corner[c], pos, w, cor)
-        cor[c, K_PUSH] = 0.0
+        cor[c, col.K_GAP] = clear(c, at_corner[c], pos, w, cor)
+        cor[c, col.K_PUSH] = 0.0
     for i in range(n):
-        w[i, X0] = pos[i, 0]
-        w[i, Y0] = pos[i, 1]
+        w[i, col.X0] = pos[i, 0]
+        w[i, col.Y0] = pos[i, 1]
 
 
 @compiled
 def predict(n: int, pos: Floats, vel: Floats, dt: float, w: Floats) -> None:
     """Move the wheels as gravity and the floor's friction alone would."""
     for i in range(n):
-        vx = vel[i, 0] + dt * w[i, G_X]
-        vy = vel[i, 1] + dt * w[i, G_Y]
-        if w[i, DRAG] > 0.0:
+        vx = vel[i, 0] + dt * w[i, col.G_X]
+        vy = vel[i, 1] + dt * w[i, col.G_Y]
+        if w[i, col.DRAG] > 0.0:
             speed = np.sqrt(vx * vx + vy * vy)
-            left = 1.0 - w[i, DRAG] / speed if speed > w[i, DRAG] else 0.0
+            left = 1.0 - w[i, col.DRAG] / speed if speed > w[i, col.DRAG] else 0.0
             vx *= left
             vy *= left
         pos[i, 0] += dt * vx

@@ -6,73 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    ANCHOR_MAX,
-    ANCHORS,
-    BLOCK_NODE,
-    BLOCK_NX,
-    BLOCK_NY,
-    BLOCK_NZ,
-    BLOCK_X,
-    BLOCK_Y,
-    BLOCK_Z,
-    CONTACT_COMPLIANCE,
-    DISTANCE,
-    DRIVE,
-    DRIVE_INV,
-    DT,
-    FORCE,
-    GAP,
-    GI_X,
-    GI_Y,
-    GI_Z,
-    GO_X,
-    GO_Y,
-    GO_Z,
-    K_CREEP,
-    K_FORCE,
-    K_MU,
-    K_RADIUS,
-    K_SLOPE,
-    LF_X,
-    LOOK,
-    LR_X,
-    MARGIN_M,
-    MASS_INV,
-    MOTOR_LINK,
-    MU_KINETIC,
-    MU_STATIC,
-    N_BX,
-    N_BY,
-    N_BZ,
-    N_INV_I,
-    N_ROLL,
-    N_X,
-    N_Y,
-    N_Z,
-    NODE,
-    NX,
-    NY,
-    NZ,
-    OTHER,
-    PART,
-    PUSH,
-    PUSH_INV,
-    RADIUS,
-    ROLL_LINK,
-    S_TARGET,
-    S_TURN,
-    SIDE,
-    SIDE_W,
-    SLIPPED,
-    SLOPE,
-    SPIN,
-    SURFACE,
-    SX,
-    SY,
-    SZ,
-    TARGET,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 from pirate_sm.simulation.xpbd.space.walls import faces_edge, foot, on_edge
 
 # Below this share of its radius a wheel that lies on its side does not roll.
@@ -92,12 +26,12 @@ def _touch(
     """Note a contact of a wheel; return the count of contacts."""
     if count == con.shape[0]:
         return count
-    con[count, NX] = hit[0]
-    con[count, NY] = hit[1]
-    con[count, NZ] = hit[2]
-    con[count, DISTANCE] = hit[3] - world[RADIUS]
-    who[count, NODE] = i
-    who[count, SURFACE] = surface
+    con[count, col.NX] = hit[0]
+    con[count, col.NY] = hit[1]
+    con[count, col.NZ] = hit[2]
+    con[count, col.DISTANCE] = hit[3] - world[col.RADIUS]
+    who[count, col.NODE] = i
+    who[count, col.SURFACE] = surface
     return count + 1
 
 
@@ -120,12 +54,12 @@ def find_contacts(
 ) -> int:
     """Write normals and gaps of wheels near a wall, an edge or an obstacle; return the count."""
     count = 0
-    radius = world[RADIUS]
-    kept = (world[LOOK] - 1.0) * world[DT]
+    radius = world[col.RADIUS]
+    kept = (world[col.LOOK] - 1.0) * world[col.DT]
     for i in range(n):
         x, y, z = pos[i, 0], pos[i, 1], pos[i, 2]
         speed = abs(vel[i, 0]) + abs(vel[i, 1]) + abs(vel[i, 2])
-        reach = radius + MARGIN_M + kept * speed
+        reach = radius + col.MARGIN_M + kept * speed
         for k in range(nears[i]):
             solid = near[i, k]
             if foot(x, y, z, solids, solid, hit) and -radius < hit[3] < reach:
@@ -138,14 +72,14 @@ def find_contacts(
                 rim_at[i, k] = at
                 if faces_edge(x, y, z, solids, edges[k], reach, hit):
                     count = _touch(count, i, solids.shape[0] + k, hit, world, con, who)
-        if world[BLOCK_NODE] == i:
-            hit[0] = world[BLOCK_NX]
-            hit[1] = world[BLOCK_NY]
-            hit[2] = world[BLOCK_NZ]
+        if world[col.BLOCK_NODE] == i:
+            hit[0] = world[col.BLOCK_NX]
+            hit[1] = world[col.BLOCK_NY]
+            hit[2] = world[col.BLOCK_NZ]
             hit[3] = (
-                (x - world[BLOCK_X]) * hit[0]
-                + (y - world[BLOCK_Y]) * hit[1]
-                + (z - world[BLOCK_Z]) * hit[2]
+                (x - world[col.BLOCK_X]) * hit[0]
+                + (y - world[col.BLOCK_Y]) * hit[1]
+                + (z - world[col.BLOCK_Z]) * hit[2]
             )
             if hit[3] < reach:
                 count = _touch(count, i, -1, hit, world, con, who)
@@ -159,15 +93,15 @@ def _face(c: int, p: int, radius: float, parts: Floats, con: Floats) -> float:
     Sliding = s dp + r s (e x N) d roll, with e = b x n. A wheel that lies on its side does not
     roll, and any direction in the wall will do: then the sine is 0.
     """
-    nx = con[c, NX]
-    ny = con[c, NY]
-    nz = con[c, NZ]
-    ax = parts[p, N_X]
-    ay = parts[p, N_Y]
-    az = parts[p, N_Z]
-    bx = parts[p, N_BX]
-    by = parts[p, N_BY]
-    bz = parts[p, N_BZ]
+    nx = con[c, col.NX]
+    ny = con[c, col.NY]
+    nz = con[c, col.NZ]
+    ax = parts[p, col.N_X]
+    ay = parts[p, col.N_Y]
+    az = parts[p, col.N_Z]
+    bx = parts[p, col.N_BX]
+    by = parts[p, col.N_BY]
+    bz = parts[p, col.N_BZ]
     ex = by * az - bz * ay
     ey = bz * ax - bx * az
     ez = bx * ay - by * ax
@@ -190,13 +124,13 @@ def _face(c: int, p: int, radius: float, parts: Floats, con: Floats) -> float:
     sy = nz * tx - nx * tz
     sz = nx * ty - ny * tx
     turn = sx * (ey * nz - ez * ny) + sy * (ez * nx - ex * nz) + sz * (ex * ny - ey * nx)
-    con[c, GI_X] = tx
-    con[c, GI_Y] = ty
-    con[c, GI_Z] = tz
-    con[c, SX] = sx
-    con[c, SY] = sy
-    con[c, SZ] = sz
-    con[c, S_TURN] = turn * radius
+    con[c, col.GI_X] = tx
+    con[c, col.GI_Y] = ty
+    con[c, col.GI_Z] = tz
+    con[c, col.SX] = sx
+    con[c, col.SY] = sy
+    con[c, col.SZ] = sz
+    con[c, col.S_TURN] = turn * radius
     return float(sine)
 
 
@@ -207,15 +141,15 @@ def recall(
     """Set the targets of a contact to what its wheel has kept there, and its friction."""
     drive = 0.0
     side = 0.0
-    for k in range(0, 3 * ANCHORS, 3):
-        if anchor[i, k] == who[c, SURFACE] + 1.0:
+    for k in range(0, 3 * col.ANCHORS, 3):
+        if anchor[i, k] == who[c, col.SURFACE] + 1.0:
             drive = anchor[i, k + 1]
             side = anchor[i, k + 2]
-    slipped = SLIPPED * world[ANCHOR_MAX]
+    slipped = col.SLIPPED * world[col.ANCHOR_MAX]
     slipping = drive * drive + side * side >= slipped * slipped
-    con[c, K_MU] = body[i, MU_KINETIC] if slipping else body[i, MU_STATIC]
-    con[c, TARGET] = drive
-    con[c, S_TARGET] = side
+    con[c, col.K_MU] = body[i, col.MU_KINETIC] if slipping else body[i, col.MU_STATIC]
+    con[c, col.TARGET] = drive
+    con[c, col.S_TARGET] = side
 
 
 @compiled
@@ -224,42 +158,42 @@ def _gear(c: int, i: int, sine: float, body: Floats, world: Floats, w: Floats, c
 
     The motor reacts on its link: rolling = t dp - r sine (d link angle + d wheel angle).
     """
-    radius = world[RADIUS] * sine
-    link = int(body[i, MOTOR_LINK])
+    radius = world[col.RADIUS] * sine
+    link = int(body[i, col.MOTOR_LINK])
     other = link
-    column = LR_X
+    column = col.LR_X
     lever = -radius
     if link == i:
         other = link + 1
-        column = LF_X
+        column = col.LF_X
         lever = radius
     own = 0.0
     across = 0.0
     for k in range(3):
         reaction = lever * w[link, column + k]
-        con[c, GI_X + k] -= reaction
-        con[c, GO_X + k] = reaction
-        own += con[c, GI_X + k] ** 2
+        con[c, col.GI_X + k] -= reaction
+        con[c, col.GO_X + k] = reaction
+        own += con[c, col.GI_X + k] ** 2
         across += reaction * reaction
-    con[c, K_RADIUS] = radius
-    con[c, K_FORCE] = w[i, FORCE] / sine
-    con[c, K_SLOPE] = w[i, SLOPE] * sine * sine
-    con[c, TARGET] += w[i, SPIN] * radius
-    mass_inv = body[i, MASS_INV] * own + body[other, MASS_INV] * across
-    con[c, DRIVE_INV] = 1.0 / (mass_inv + con[c, K_SLOPE])
+    con[c, col.K_RADIUS] = radius
+    con[c, col.K_FORCE] = w[i, col.FORCE] / sine
+    con[c, col.K_SLOPE] = w[i, col.SLOPE] * sine * sine
+    con[c, col.TARGET] += w[i, col.SPIN] * radius
+    mass_inv = body[i, col.MASS_INV] * own + body[other, col.MASS_INV] * across
+    con[c, col.DRIVE_INV] = 1.0 / (mass_inv + con[c, col.K_SLOPE])
     return other
 
 
 @compiled
 def press(c: int, con: Floats) -> None:
     """Set the gap of a contact by its distance, and zero its impulses."""
-    con[c, PUSH] = 0.0
-    con[c, DRIVE] = 0.0
-    con[c, SIDE] = 0.0
+    con[c, col.PUSH] = 0.0
+    con[c, col.DRIVE] = 0.0
+    con[c, col.SIDE] = 0.0
     # The gap as one of constant stiffness would be with the same force.
-    gap = con[c, DISTANCE]
+    gap = con[c, col.DISTANCE]
     gap += (_FLAT_TYRE_STIFFER - 1.0) * min(0.0, gap + _FLAT_TYRE_M)
-    con[c, GAP] = max(gap, -_DEEPEST_M)
+    con[c, col.GAP] = max(gap, -_DEEPEST_M)
 
 
 @compiled
@@ -274,31 +208,31 @@ def prepare_contacts(
     who: Ints,
 ) -> None:
     """Set gradients, masses, limits and targets of the contacts, and zero their impulses."""
-    compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
+    compliance = world[col.CONTACT_COMPLIANCE] / (world[col.DT] * world[col.DT])
     for c in range(count):
-        i = who[c, NODE]
-        p = 0 if i <= world[ROLL_LINK] else 1
-        who[c, PART] = p
-        who[c, OTHER] = i
+        i = who[c, col.NODE]
+        p = 0 if i <= world[col.ROLL_LINK] else 1
+        who[c, col.PART] = p
+        who[c, col.OTHER] = i
         press(c, con)
-        con[c, PUSH_INV] = 1.0 / (body[i, MASS_INV] + compliance)
-        if who[c, SURFACE] < 0:
-            con[c, K_MU] = 0.0
+        con[c, col.PUSH_INV] = 1.0 / (body[i, col.MASS_INV] + compliance)
+        if who[c, col.SURFACE] < 0:
+            con[c, col.K_MU] = 0.0
             continue
-        sine = _face(c, p, world[RADIUS], parts, con)
+        sine = _face(c, p, world[col.RADIUS], parts, con)
         recall(c, i, body, world, anchor, con, who)
-        con[c, SIDE_W] = body[i, MASS_INV] + con[c, S_TURN] ** 2 * parts[p, N_INV_I]
-        con[c, K_CREEP] = _SLIDING_SLIP_RAD
+        con[c, col.SIDE_W] = body[i, col.MASS_INV] + con[c, col.S_TURN] ** 2 * parts[p, col.N_INV_I]
+        con[c, col.K_CREEP] = _SLIDING_SLIP_RAD
         if sine > 0.0:
-            who[c, OTHER] = _gear(c, i, sine, body, world, w, con)
+            who[c, col.OTHER] = _gear(c, i, sine, body, world, w, con)
             continue
-        con[c, K_CREEP] = 0.0
-        con[c, K_RADIUS] = 0.0
-        con[c, K_SLOPE] = 0.0
-        con[c, K_FORCE] = np.inf
-        con[c, DRIVE_INV] = 1.0 / body[i, MASS_INV]
+        con[c, col.K_CREEP] = 0.0
+        con[c, col.K_RADIUS] = 0.0
+        con[c, col.K_SLOPE] = 0.0
+        con[c, col.K_FORCE] = np.inf
+        con[c, col.DRIVE_INV] = 1.0 / body[i, col.MASS_INV]
         for k in range(3):
-            con[c, GO_X + k] = 0.0
+            con[c, col.GO_X + k] = 0.0
 
 
 @compiled
@@ -307,55 +241,59 @@ def solve_contacts(
 ) -> None:
     """Push out, roll and hold each contact once, with friction within its cone."""
     for c in range(count):
-        i = who[c, NODE]
-        inv = body[i, MASS_INV]
+        i = who[c, col.NODE]
+        inv = body[i, col.MASS_INV]
         # What a wheel moves stays in registers until it is known.
         x, y, z = mov[i, 0], mov[i, 1], mov[i, 2]
-        push = con[c, PUSH]
-        gap = (con[c, GAP] + con[c, NX] * x) + (con[c, NY] * y + con[c, NZ] * z)
-        new = max(0.0, push - (gap + compliance * push) * con[c, PUSH_INV])
+        push = con[c, col.PUSH]
+        gap = (con[c, col.GAP] + con[c, col.NX] * x) + (con[c, col.NY] * y + con[c, col.NZ] * z)
+        new = max(0.0, push - (gap + compliance * push) * con[c, col.PUSH_INV])
         step = inv * (new - push)
-        con[c, PUSH] = new
-        x += step * con[c, NX]
-        y += step * con[c, NY]
-        z += step * con[c, NZ]
-        limit = con[c, K_MU] * new
-        drive = con[c, DRIVE]
-        side = con[c, SIDE]
-        if con[c, K_MU] == 0.0 or (limit == 0.0 and drive == 0.0 and side == 0.0):
+        con[c, col.PUSH] = new
+        x += step * con[c, col.NX]
+        y += step * con[c, col.NY]
+        z += step * con[c, col.NZ]
+        limit = con[c, col.K_MU] * new
+        drive = con[c, col.DRIVE]
+        side = con[c, col.SIDE]
+        if con[c, col.K_MU] == 0.0 or (limit == 0.0 and drive == 0.0 and side == 0.0):
             mov[i, 0] = x
             mov[i, 1] = y
             mov[i, 2] = z
             continue
-        o = who[c, OTHER]
-        p = who[c, PART]
-        rolled = con[c, GI_X] * x + con[c, GI_Y] * y + con[c, GI_Z] * z
-        rolled += con[c, GO_X] * mov[o, 0] + con[c, GO_Y] * mov[o, 1] + con[c, GO_Z] * mov[o, 2]
-        slid = con[c, SX] * x + con[c, SY] * y + con[c, SZ] * z
-        slid += con[c, S_TURN] * parts[p, N_ROLL]
-        left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
-        to_drive = drive + left * con[c, DRIVE_INV]
-        to_drive = min(max(to_drive, -con[c, K_FORCE]), con[c, K_FORCE])
-        creep = con[c, K_CREEP] * abs(rolled)
+        o = who[c, col.OTHER]
+        p = who[c, col.PART]
+        rolled = con[c, col.GI_X] * x + con[c, col.GI_Y] * y + con[c, col.GI_Z] * z
+        rolled += (
+            con[c, col.GO_X] * mov[o, 0]
+            + con[c, col.GO_Y] * mov[o, 1]
+            + con[c, col.GO_Z] * mov[o, 2]
+        )
+        slid = con[c, col.SX] * x + con[c, col.SY] * y + con[c, col.SZ] * z
+        slid += con[c, col.S_TURN] * parts[p, col.N_ROLL]
+        left = con[c, col.TARGET] - rolled - con[c, col.K_SLOPE] * drive
+        to_drive = drive + left * con[c, col.DRIVE_INV]
+        to_drive = min(max(to_drive, -con[c, col.K_FORCE]), con[c, col.K_FORCE])
+        creep = con[c, col.K_CREEP] * abs(rolled)
         # At a limit of 0 the circle below leaves nothing.
         to_side = side
         if limit > 0.0:
-            away = (con[c, S_TARGET] - slid) * limit - creep * side
-            to_side += away / (con[c, SIDE_W] * limit + creep)
+            away = (con[c, col.S_TARGET] - slid) * limit - creep * side
+            to_side += away / (con[c, col.SIDE_W] * limit + creep)
         both2 = to_drive * to_drive + to_side * to_side
         if both2 > limit * limit:
             share = limit / np.sqrt(both2)
             to_drive *= share
             to_side *= share
-        con[c, DRIVE] = to_drive
-        con[c, SIDE] = to_side
+        con[c, col.DRIVE] = to_drive
+        con[c, col.SIDE] = to_side
         drive = to_drive - drive
         side = to_side - side
-        mov[i, 0] = x + inv * (drive * con[c, GI_X] + side * con[c, SX])
-        mov[i, 1] = y + inv * (drive * con[c, GI_Y] + side * con[c, SY])
-        mov[i, 2] = z + inv * (drive * con[c, GI_Z] + side * con[c, SZ])
-        parts[p, N_ROLL] += parts[p, N_INV_I] * con[c, S_TURN] * side
-        step = body[o, MASS_INV] * drive
-        mov[o, 0] += step * con[c, GO_X]
-        mov[o, 1] += step * con[c, GO_Y]
-        mov[o, 2] += step * con[c, GO_Z]
+        mov[i, 0] = x + inv * (drive * con[c, col.GI_X] + side * con[c, col.SX])
+        mov[i, 1] = y + inv * (drive * con[c, col.GI_Y] + side * con[c, col.SY])
+        mov[i, 2] = z + inv * (drive * con[c, col.GI_Z] + side * con[c, col.SZ])
+        parts[p, col.N_ROLL] += parts[p, col.N_INV_I] * con[c, col.S_TURN] * side
+        step = body[o, col.MASS_INV] * drive
+        mov[o, 0] += step * con[c, col.GO_X]
+        mov[o, 1] += step * con[c, col.GO_Y]
+        mov[o, 2] += step * con[c, col.GO_Z]

@@ -6,56 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    ANCHOR_MAX,
-    ANCHORS,
-    DRIVE,
-    DT,
-    GI_X,
-    GI_Y,
-    GI_Z,
-    GO_X,
-    GO_Y,
-    GO_Z,
-    J_FRICTION,
-    J_LAM,
-    J_STOP,
-    JOINT_K,
-    JOINT_MAX,
-    JOINT_MIN,
-    JOINT_RATE,
-    JOINT_STALL,
-    K_CREEP,
-    K_FORCE,
-    K_MU,
-    K_RADIUS,
-    K_SLOPE,
-    N_ROLL,
-    NODE,
-    OTHER,
-    PART,
-    PUSH,
-    R_ANGLE,
-    R_MOTOR,
-    ROLL_RATE,
-    ROLL_STALL,
-    ROLL_TARGET,
-    S_TARGET,
-    S_TURN,
-    SIDE,
-    SPIN,
-    STUCK,
-    SURFACE,
-    SX,
-    SY,
-    SZ,
-    T_CURRENT,
-    T_DRIVE,
-    T_GRIP,
-    T_PRESS,
-    TARGET,
-    TWIST_NM_RAD,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
@@ -77,16 +28,16 @@ def turn_motor(
 
     It turns at rate * (duty - torque / stall torque) and is never driven back.
     """
-    rate = duty - body[i, JOINT_K] * (motor[i] - bend[i]) / body[i, JOINT_STALL]
+    rate = duty - body[i, col.JOINT_K] * (motor[i] - bend[i]) / body[i, col.JOINT_STALL]
     rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
-    turned = motor[i] + body[i, JOINT_RATE] * rate * dt
+    turned = motor[i] + body[i, col.JOINT_RATE] * rate * dt
     motor[i] = min(
-        max(turned, body[i, JOINT_MIN] - _WINDING_RAD), body[i, JOINT_MAX] + _WINDING_RAD
+        max(turned, body[i, col.JOINT_MIN] - _WINDING_RAD), body[i, col.JOINT_MAX] + _WINDING_RAD
     )
-    tally[i, T_CURRENT] += abs(duty - rate)
-    w[i, J_LAM] = 0.0
-    w[i, J_FRICTION] = 0.0
-    w[i, J_STOP] = 0.0
+    tally[i, col.T_CURRENT] += abs(duty - rate)
+    w[i, col.J_LAM] = 0.0
+    w[i, col.J_FRICTION] = 0.0
+    w[i, col.J_STOP] = 0.0
 
 
 @compiled
@@ -95,44 +46,48 @@ def turn_roll_motor(roll: Floats, world: Floats) -> float:
 
     It turns at rate * (1 - torque / stall torque) and is never driven back.
     """
-    wanted = world[ROLL_TARGET] - roll[R_MOTOR]
+    wanted = world[col.ROLL_TARGET] - roll[col.R_MOTOR]
     if wanted == 0.0:
         return 0.0
-    against = TWIST_NM_RAD * (roll[R_MOTOR] - roll[R_ANGLE]) / world[ROLL_STALL]
+    against = col.TWIST_NM_RAD * (roll[col.R_MOTOR] - roll[col.R_ANGLE]) / world[col.ROLL_STALL]
     if wanted < 0.0:
         against = -against
     load = min(max(against, 0.0), 1.0)
-    reach = world[ROLL_RATE] * (1.0 - load) * world[DT]
-    roll[R_MOTOR] += min(max(wanted, -reach), reach)
+    reach = world[col.ROLL_RATE] * (1.0 - load) * world[col.DT]
+    roll[col.R_MOTOR] += min(max(wanted, -reach), reach)
     return float(load)
 
 
 @compiled
 def _rolled(c: int, i: int, o: int, mov: Floats, con: Floats) -> float:
     """Return how far a wheel without its motor would have rolled along the wall."""
-    own = con[c, GI_X] * mov[i, 0]
-    own += con[c, GI_Y] * mov[i, 1]
-    own += con[c, GI_Z] * mov[i, 2]
-    other = con[c, GO_X] * mov[o, 0]
-    other += con[c, GO_Y] * mov[o, 1]
-    other += con[c, GO_Z] * mov[o, 2]
+    own = con[c, col.GI_X] * mov[i, 0]
+    own += con[c, col.GI_Y] * mov[i, 1]
+    own += con[c, col.GI_Z] * mov[i, 2]
+    other = con[c, col.GO_X] * mov[o, 0]
+    other += con[c, col.GO_Y] * mov[o, 1]
+    other += con[c, col.GO_Z] * mov[o, 2]
     return float(own + other)
 
 
 @compiled
 def _slid(c: int, i: int, mov: Floats, parts: Floats, con: Floats, p: int) -> float:
     """Return how far a wheel has slid along its axle."""
-    slid = con[c, SX] * mov[i, 0]
-    slid += con[c, SY] * mov[i, 1]
-    slid += con[c, SZ] * mov[i, 2]
-    return float(slid + con[c, S_TURN] * parts[p, N_ROLL])
+    slid = con[c, col.SX] * mov[i, 0]
+    slid += con[c, col.SY] * mov[i, 1]
+    slid += con[c, col.SZ] * mov[i, 2]
+    return float(slid + con[c, col.S_TURN] * parts[p, col.N_ROLL])
 
 
 @compiled
 def _crept(c: int, rolled: float, con: Floats) -> float:
     """Return how far a wheel has crept along its axle while it rolled."""
-    friction = con[c, K_MU] * con[c, PUSH]
-    return float(con[c, K_CREEP] * abs(rolled) * con[c, SIDE] / friction) if friction > 0.0 else 0.0
+    friction = con[c, col.K_MU] * con[c, col.PUSH]
+    return (
+        float(con[c, col.K_CREEP] * abs(rolled) * con[c, col.SIDE] / friction)
+        if friction > 0.0
+        else 0.0
+    )
 
 
 @compiled
@@ -141,17 +96,17 @@ def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: F
     for i in range(n):
         touch[i] = -1
     for c in range(count):
-        i = who[c, NODE]
-        if con[c, PUSH] > 0.0 and who[c, SURFACE] >= 0:
-            tally[i, T_PRESS] += con[c, PUSH]
-            if touch[i] < 0 or con[c, PUSH] > con[touch[i], PUSH]:
+        i = who[c, col.NODE]
+        if con[c, col.PUSH] > 0.0 and who[c, col.SURFACE] >= 0:
+            tally[i, col.T_PRESS] += con[c, col.PUSH]
+            if touch[i] < 0 or con[c, col.PUSH] > con[touch[i], col.PUSH]:
                 touch[i] = c
 
 
 @compiled
 def _remember(anchor: Floats, surface: float, drive: float, side: float) -> None:
     """Keep what a wheel has left unsolved at a surface, where there is room."""
-    for k in range(0, 3 * ANCHORS, 3):
+    for k in range(0, 3 * col.ANCHORS, 3):
         if anchor[k] == 0.0:
             anchor[k] = surface
             anchor[k + 1] = drive
@@ -179,41 +134,43 @@ def turn_wheels(
     As in the plane: a wheel slips only if the force along the wall has reached its friction, and a
     stalled wheel keeps no anchor along its drive.
     """
-    bound = world[ANCHOR_MAX]
+    bound = world[col.ANCHOR_MAX]
     _strongest(n, count, con, who, touch, tally)
     anchor[:] = 0.0
     for c in range(count):
-        if con[c, PUSH] <= 0.0 or who[c, SURFACE] < 0:
+        if con[c, col.PUSH] <= 0.0 or who[c, col.SURFACE] < 0:
             continue
-        i = who[c, NODE]
-        drive = con[c, DRIVE]
-        side = con[c, SIDE]
-        rolled = _rolled(c, i, who[c, OTHER], mov, con)
-        left = con[c, TARGET] - rolled - con[c, K_SLOPE] * drive
+        i = who[c, col.NODE]
+        drive = con[c, col.DRIVE]
+        side = con[c, col.SIDE]
+        rolled = _rolled(c, i, who[c, col.OTHER], mov, con)
+        left = con[c, col.TARGET] - rolled - con[c, col.K_SLOPE] * drive
         aside = (
-            con[c, S_TARGET] - _slid(c, i, mov, parts, con, who[c, PART]) - _crept(c, rolled, con)
+            con[c, col.S_TARGET]
+            - _slid(c, i, mov, parts, con, who[c, col.PART])
+            - _crept(c, rolled, con)
         )
-        tally[i, T_DRIVE] += abs(drive) * con[c, K_RADIUS]
-        tally[i, T_GRIP] += drive
-        friction = con[c, K_MU] * con[c, PUSH]
-        stalled = con[c, K_FORCE] < friction and abs(drive) >= _REACHED * con[c, K_FORCE]
+        tally[i, col.T_DRIVE] += abs(drive) * con[c, col.K_RADIUS]
+        tally[i, col.T_GRIP] += drive
+        friction = con[c, col.K_MU] * con[c, col.PUSH]
+        stalled = con[c, col.K_FORCE] < friction and abs(drive) >= _REACHED * con[c, col.K_FORCE]
         if stalled:
             left = 0.0
         away = np.sqrt(left * left + aside * aside)
         force = np.sqrt(drive * drive + side * side)
         slips = away >= bound and force >= _REACHED * friction
-        most = bound if slips else STUCK * bound
+        most = bound if slips else col.STUCK * bound
         if away > most:
             left *= most / away
             aside *= most / away
-        _remember(anchor[i], who[c, SURFACE] + 1.0, left, aside)
+        _remember(anchor[i], who[c, col.SURFACE] + 1.0, left, aside)
         if touch[i] == c:
-            if con[c, K_RADIUS] == 0.0 or (slips and not stalled):
-                wheel[i] += w[i, SPIN]
-                if con[c, K_RADIUS] != 0.0:
-                    wheel[i] -= con[c, K_SLOPE] * drive / con[c, K_RADIUS]
+            if con[c, col.K_RADIUS] == 0.0 or (slips and not stalled):
+                wheel[i] += w[i, col.SPIN]
+                if con[c, col.K_RADIUS] != 0.0:
+                    wheel[i] -= con[c, col.K_SLOPE] * drive / con[c, col.K_RADIUS]
             else:
-                wheel[i] += rolled / con[c, K_RADIUS]
+                wheel[i] += rolled / con[c, col.K_RADIUS]
     for i in range(n):
         if touch[i] < 0:
-            wheel[i] += w[i, SPIN]
+            wheel[i] += w[i, col.SPIN]

@@ -4,49 +4,22 @@ from __future__ import annotations
 
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    D_X,
-    D_Y,
-    D_Z,
-    GA_X,
-    GA_Y,
-    GA_Z,
-    GB_X,
-    GB_Y,
-    GB_Z,
-    GM_X,
-    GM_Y,
-    GM_Z,
-    J_C,
-    J_D,
-    J_FRICTION,
-    J_INV,
-    J_LAM,
-    J_RESISTS,
-    J_STOP,
-    J_W,
-    JOINT_FRICTION,
-    JOINT_MAX,
-    JOINT_MIN,
-    LINK_LENGTH,
-    LINK_SCALE,
-    MASS_INV,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 
 
 @compiled
 def turned_rad(i: int, mov: Floats, w: Floats) -> float:
     """Return by how much a joint has turned in this substep."""
     # Three short sums, because one long sum would wait for each of its terms in turn.
-    ahead = w[i, GA_X] * mov[i - 1, 0]
-    ahead += w[i, GA_Y] * mov[i - 1, 1]
-    ahead += w[i, GA_Z] * mov[i - 1, 2]
-    middle = w[i, GM_X] * mov[i, 0]
-    middle += w[i, GM_Y] * mov[i, 1]
-    middle += w[i, GM_Z] * mov[i, 2]
-    behind = w[i, GB_X] * mov[i + 1, 0]
-    behind += w[i, GB_Y] * mov[i + 1, 1]
-    behind += w[i, GB_Z] * mov[i + 1, 2]
+    ahead = w[i, col.GA_X] * mov[i - 1, 0]
+    ahead += w[i, col.GA_Y] * mov[i - 1, 1]
+    ahead += w[i, col.GA_Z] * mov[i - 1, 2]
+    middle = w[i, col.GM_X] * mov[i, 0]
+    middle += w[i, col.GM_Y] * mov[i, 1]
+    middle += w[i, col.GM_Z] * mov[i, 2]
+    behind = w[i, col.GB_X] * mov[i + 1, 0]
+    behind += w[i, col.GB_Y] * mov[i + 1, 1]
+    behind += w[i, col.GB_Z] * mov[i + 1, 2]
     return float(behind + middle + ahead)
 
 
@@ -54,18 +27,18 @@ def turned_rad(i: int, mov: Floats, w: Floats) -> float:
 def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
     """Return the impulse that a joint's dry friction and end stops add after it has turned."""
     added = 0.0
-    if body[i, JOINT_FRICTION] > 0.0:
-        limit = body[i, JOINT_FRICTION] * dt2
-        new = min(max(w[i, J_FRICTION] - turned / w[i, J_W], -limit), limit)
-        added = new - w[i, J_FRICTION]
-        w[i, J_FRICTION] = new
-    angle = bend + turned + added * w[i, J_W]
-    old = w[i, J_STOP]
-    if angle > body[i, JOINT_MAX] or old < 0.0:
-        w[i, J_STOP] = min(0.0, old - (angle - body[i, JOINT_MAX]) / w[i, J_W])
-    elif angle < body[i, JOINT_MIN] or old > 0.0:
-        w[i, J_STOP] = max(0.0, old - (angle - body[i, JOINT_MIN]) / w[i, J_W])
-    return float(added + w[i, J_STOP] - old)
+    if body[i, col.JOINT_FRICTION] > 0.0:
+        limit = body[i, col.JOINT_FRICTION] * dt2
+        new = min(max(w[i, col.J_FRICTION] - turned / w[i, col.J_W], -limit), limit)
+        added = new - w[i, col.J_FRICTION]
+        w[i, col.J_FRICTION] = new
+    angle = bend + turned + added * w[i, col.J_W]
+    old = w[i, col.J_STOP]
+    if angle > body[i, col.JOINT_MAX] or old < 0.0:
+        w[i, col.J_STOP] = min(0.0, old - (angle - body[i, col.JOINT_MAX]) / w[i, col.J_W])
+    elif angle < body[i, col.JOINT_MIN] or old > 0.0:
+        w[i, col.J_STOP] = max(0.0, old - (angle - body[i, col.JOINT_MIN]) / w[i, col.J_W])
+    return float(added + w[i, col.J_STOP] - old)
 
 
 @compiled
@@ -75,38 +48,38 @@ def solve_joints(
     """Pull each joint once towards its motor-side angle through its spring."""
     for i in range(1, n - 1):
         turned = turned_rad(i, mov, w)
-        left = motor[i] - bend[i] - turned * (1.0 + w[i, J_D]) - w[i, J_C] * w[i, J_LAM]
-        delta = left * w[i, J_INV]
-        w[i, J_LAM] += delta
-        turned += w[i, J_W] * delta
-        if w[i, J_RESISTS] != 0.0:
+        left = motor[i] - bend[i] - turned * (1.0 + w[i, col.J_D]) - w[i, col.J_C] * w[i, col.J_LAM]
+        delta = left * w[i, col.J_INV]
+        w[i, col.J_LAM] += delta
+        turned += w[i, col.J_W] * delta
+        if w[i, col.J_RESISTS] != 0.0:
             delta += _resist(i, turned, bend[i], body, dt2, w)
-        step = body[i - 1, MASS_INV] * delta
-        mov[i - 1, 0] += step * w[i, GA_X]
-        mov[i - 1, 1] += step * w[i, GA_Y]
-        mov[i - 1, 2] += step * w[i, GA_Z]
-        step = body[i, MASS_INV] * delta
-        mov[i, 0] += step * w[i, GM_X]
-        mov[i, 1] += step * w[i, GM_Y]
-        mov[i, 2] += step * w[i, GM_Z]
-        step = body[i + 1, MASS_INV] * delta
-        mov[i + 1, 0] += step * w[i, GB_X]
-        mov[i + 1, 1] += step * w[i, GB_Y]
-        mov[i + 1, 2] += step * w[i, GB_Z]
+        step = body[i - 1, col.MASS_INV] * delta
+        mov[i - 1, 0] += step * w[i, col.GA_X]
+        mov[i - 1, 1] += step * w[i, col.GA_Y]
+        mov[i - 1, 2] += step * w[i, col.GA_Z]
+        step = body[i, col.MASS_INV] * delta
+        mov[i, 0] += step * w[i, col.GM_X]
+        mov[i, 1] += step * w[i, col.GM_Y]
+        mov[i, 2] += step * w[i, col.GM_Z]
+        step = body[i + 1, col.MASS_INV] * delta
+        mov[i + 1, 0] += step * w[i, col.GB_X]
+        mov[i + 1, 1] += step * w[i, col.GB_Y]
+        mov[i + 1, 2] += step * w[i, col.GB_Z]
 
 
 @compiled
 def solve_links(n: int, mov: Floats, body: Floats, w: Floats) -> None:
     """Bring each link back to its length once."""
     for m in range(n - 1):
-        dx = w[m, D_X] + mov[m, 0] - mov[m + 1, 0]
-        dy = w[m, D_Y] + mov[m, 1] - mov[m + 1, 1]
-        dz = w[m, D_Z] + mov[m, 2] - mov[m + 1, 2]
+        dx = w[m, col.D_X] + mov[m, 0] - mov[m + 1, 0]
+        dy = w[m, col.D_Y] + mov[m, 1] - mov[m + 1, 1]
+        dz = w[m, col.D_Z] + mov[m, 2] - mov[m + 1, 2]
         # (d^2 - l^2) / 2l has the same root as d - l and needs no square root.
-        scale = body[m, LINK_LENGTH] ** 2 - dx * dx - dy * dy - dz * dz
-        scale *= w[m, LINK_SCALE]
-        ahead = scale * body[m, MASS_INV]
-        behind = scale * body[m + 1, MASS_INV]
+        scale = body[m, col.LINK_LENGTH] ** 2 - dx * dx - dy * dy - dz * dz
+        scale *= w[m, col.LINK_SCALE]
+        ahead = scale * body[m, col.MASS_INV]
+        behind = scale * body[m + 1, col.MASS_INV]
         mov[m, 0] += ahead * dx
         mov[m, 1] += ahead * dy
         mov[m, 2] += ahead * dz

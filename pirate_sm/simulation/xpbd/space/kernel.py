@@ -22,44 +22,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    ANCHORS,
-    CONTACT_COLUMNS,
-    CONTACT_COMPLIANCE,
-    DISTANCE,
-    DT,
-    IMU_LINK,
-    INERTIA_FRONT,
-    INERTIA_REAR,
-    ITERATIONS,
-    JOINT_K,
-    K_COLUMNS,
-    K_GAP,
-    LOOK,
-    N_INV_I,
-    NODE_COLUMNS,
-    OUT_DEEPEST,
-    OUT_PER_WHEEL,
-    OUT_ROLL,
-    OUT_SINGLE,
-    PART_COLUMNS,
-    PULL,
-    R_ANGLE,
-    ROLL_ENTRIES,
-    S_ANCHOR,
-    S_BEND,
-    S_MOTOR,
-    S_READ,
-    S_ROLL,
-    S_TURNED,
-    S_WHEEL,
-    T_COLUMNS,
-    T_CURRENT,
-    T_DRIVE,
-    T_GRIP,
-    T_PRESS,
-    T_TORQUE,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 from pirate_sm.simulation.xpbd.space.contacts import find_contacts, prepare_contacts, solve_contacts
 from pirate_sm.simulation.xpbd.space.driving import turn_roll_motor, turn_wheels
 from pirate_sm.simulation.xpbd.space.joints import solve_joints, solve_links
@@ -81,12 +44,12 @@ _CONTACTS_EACH = 4
 # stand the two parts, a foot and a place of the centre line. A call begins with zeros in the first
 # three and in the parts.
 _AT_NODES = 0
-_AT_MOVED = _AT_NODES + NODE_COLUMNS
+_AT_MOVED = _AT_NODES + col.NODE_COLUMNS
 _AT_TALLY = _AT_MOVED + 3
-_AT_OFF = _AT_TALLY + T_COLUMNS
+_AT_OFF = _AT_TALLY + col.T_COLUMNS
 _AT_CONTACTS = _AT_OFF + 2
-_AT_LEANING = _AT_CONTACTS + _CONTACTS_EACH * CONTACT_COLUMNS
-_AT_PARTS = _AT_LEANING + 2 * K_COLUMNS
+_AT_LEANING = _AT_CONTACTS + _CONTACTS_EACH * col.CONTACT_COLUMNS
+_AT_PARTS = _AT_LEANING + 2 * col.K_COLUMNS
 _FOOT, _SPOT = 7, 9
 # Blocks of `marks`, likewise: who touches, which links lean, the strongest contact, how many solids
 # are near, whether an edge is; then a row per wheel of solids, and two of edges.
@@ -102,7 +65,7 @@ _WHEEL_FILTER = 0.5  # of x_velocity, a mean of angle differences (thesis B-11)
 
 def scratch_arrays(wheels: int, solids: int, edges: int) -> tuple[Floats, Ints]:
     """Return arrays for `scratch` and `marks` of :func:`advance`, which keeps nothing in them."""
-    single = 2 * PART_COLUMNS + _FOOT + _SPOT
+    single = 2 * col.PART_COLUMNS + _FOOT + _SPOT
     return (
         np.zeros(_AT_PARTS * wheels + single),
         np.zeros((_AT_NEAR + solids + 2 * edges) * wheels, dtype=np.int64),
@@ -146,21 +109,23 @@ def advance(
     n = body.shape[0]
     pos = state[: 3 * n].reshape(n, 3)
     vel = state[3 * n : 6 * n].reshape(n, 3)
-    motor = state[S_MOTOR * n : S_WHEEL * n]
-    wheel = state[S_WHEEL * n : S_BEND * n]
-    bend = state[S_BEND * n : S_ANCHOR * n]
-    anchor = state[S_ANCHOR * n : S_TURNED * n].reshape(n, 3 * ANCHORS)
-    turned = state[S_TURNED * n : S_READ * n]
-    read = state[S_READ * n : S_ROLL * n]
-    roll = state[S_ROLL * n : S_ROLL * n + ROLL_ENTRIES]
-    w = scratch[: _AT_MOVED * n].reshape(n, NODE_COLUMNS)
+    motor = state[col.S_MOTOR * n : col.S_WHEEL * n]
+    wheel = state[col.S_WHEEL * n : col.S_BEND * n]
+    bend = state[col.S_BEND * n : col.S_ANCHOR * n]
+    anchor = state[col.S_ANCHOR * n : col.S_TURNED * n].reshape(n, 3 * col.ANCHORS)
+    turned = state[col.S_TURNED * n : col.S_READ * n]
+    read = state[col.S_READ * n : col.S_ROLL * n]
+    roll = state[col.S_ROLL * n : col.S_ROLL * n + col.ROLL_ENTRIES]
+    w = scratch[: _AT_MOVED * n].reshape(n, col.NODE_COLUMNS)
     mov = scratch[_AT_MOVED * n : _AT_TALLY * n].reshape(n, 3)
-    tally = scratch[_AT_TALLY * n : _AT_OFF * n].reshape(n, T_COLUMNS)
+    tally = scratch[_AT_TALLY * n : _AT_OFF * n].reshape(n, col.T_COLUMNS)
     off = scratch[_AT_OFF * n : _AT_CONTACTS * n].reshape(2, n)
-    con = scratch[_AT_CONTACTS * n : _AT_LEANING * n].reshape(_CONTACTS_EACH * n, CONTACT_COLUMNS)
-    cor = scratch[_AT_LEANING * n : _AT_PARTS * n].reshape(2 * n, K_COLUMNS)
-    at = _AT_PARTS * n + 2 * PART_COLUMNS
-    parts = scratch[_AT_PARTS * n : at].reshape(2, PART_COLUMNS)
+    con = scratch[_AT_CONTACTS * n : _AT_LEANING * n].reshape(
+        _CONTACTS_EACH * n, col.CONTACT_COLUMNS
+    )
+    cor = scratch[_AT_LEANING * n : _AT_PARTS * n].reshape(2 * n, col.K_COLUMNS)
+    at = _AT_PARTS * n + 2 * col.PART_COLUMNS
+    parts = scratch[_AT_PARTS * n : at].reshape(2, col.PART_COLUMNS)
     hit = scratch[at : at + _FOOT]
     spot = scratch[at + _FOOT : at + _FOOT + _SPOT]
     who = marks[: _AT_WHO_LEANS * n].reshape(_CONTACTS_EACH * n, 4)
@@ -175,13 +140,13 @@ def advance(
     link_at = marks[at : at + edges.shape[0] * n].reshape(n, edges.shape[0])
     scratch[: _AT_OFF * n] = 0.0
     parts[:] = 0.0
-    dt = world[DT]
+    dt = world[col.DT]
     passed = dt * steps
-    compliance = world[CONTACT_COMPLIANCE] / (dt * dt)
-    imu = int(world[IMU_LINK])
+    compliance = world[col.CONTACT_COMPLIANCE] / (dt * dt)
+    imu = int(world[col.IMU_LINK])
     vx, vy, vz = vel[imu, 0], vel[imu, 1], vel[imu, 2]
-    parts[0, N_INV_I] = 1.0 / world[INERTIA_FRONT]
-    parts[1, N_INV_I] = 1.0 / world[INERTIA_REAR]
+    parts[0, col.N_INV_I] = 1.0 / world[col.INERTIA_FRONT]
+    parts[1, col.N_INV_I] = 1.0 / world[col.INERTIA_REAR]
     prepare(n, command, body, world, w)
     look_around(
         n, pos, vel, body, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
@@ -191,7 +156,7 @@ def advance(
     count = 0
     leans = 0
     for step in range(steps):
-        if step % int(world[LOOK]) == 0:
+        if step % int(world[col.LOOK]) == 0:
             stand(pos, roll, world, parts)
             begin(n, pos, bend, motor, command, body, world, w, parts, tally)
             lie_in_planes(n, body, world, w, parts)
@@ -210,13 +175,13 @@ def advance(
             )  # fmt: skip
         current += turn_roll_motor(roll, world)
         for c in range(count):
-            deepest = min(deepest, con[c, DISTANCE])
+            deepest = min(deepest, con[c, col.DISTANCE])
         for c in range(leans):
-            deepest = min(deepest, cor[c, K_GAP])
+            deepest = min(deepest, cor[c, col.K_GAP])
         predict(n, mov, vel, roll, world, parts)
         twist = 0.0
-        for k in range(int(world[ITERATIONS])):
-            if k >= world[PULL]:
+        for k in range(int(world[col.ITERATIONS])):
+            if k >= world[col.PULL]:
                 solve_joints(n, mov, bend, motor, body, dt * dt, w)
             solve_planes(n, mov, body, world, w, parts, off)
             twist = solve_twist(roll, parts, dt, twist)
@@ -227,7 +192,7 @@ def advance(
             for k in range(3):
                 vel[i, k] = mov[i, k] / dt
                 pos[i, k] += mov[i, k]
-            tally[i, T_TORQUE] += body[i, JOINT_K] * (motor[i] - bend[i])
+            tally[i, col.T_TORQUE] += body[i, col.JOINT_K] * (motor[i] - bend[i])
         turn_wheels(n, count, mov, wheel, anchor, world, w, parts, con, who, touch, tally)
         keep(roll, parts, dt)
     stand(pos, roll, world, parts)
@@ -237,18 +202,18 @@ def advance(
         turned[i] += _WHEEL_FILTER * (wheel[i] - read[i] - turned[i])
         read[i] = wheel[i]
         out[i] = bend[i]
-        out[n + i] = tally[i, T_TORQUE] / steps
-        out[2 * n + i] = tally[i, T_CURRENT] / steps
+        out[n + i] = tally[i, col.T_TORQUE] / steps
+        out[2 * n + i] = tally[i, col.T_CURRENT] / steps
         out[3 * n + i] = wheel[i]
         out[4 * n + i] = turned[i]
-        out[5 * n + i] = tally[i, T_DRIVE] * per_step
-        out[6 * n + i] = tally[i, T_PRESS] * per_step
-        out[8 * n + i] = tally[i, T_GRIP] * per_step
-    out[OUT_PER_WHEEL * n] = roll[R_ANGLE]
-    out[OUT_PER_WHEEL * n + 1] = current / steps
-    own = OUT_PER_WHEEL * n + OUT_SINGLE
-    out[own + OUT_ROLL] = roll[R_ANGLE]
-    out[own + OUT_DEEPEST] = max(out[own + OUT_DEEPEST], -deepest)
+        out[5 * n + i] = tally[i, col.T_DRIVE] * per_step
+        out[6 * n + i] = tally[i, col.T_PRESS] * per_step
+        out[8 * n + i] = tally[i, col.T_GRIP] * per_step
+    out[col.OUT_PER_WHEEL * n] = roll[col.R_ANGLE]
+    out[col.OUT_PER_WHEEL * n + 1] = current / steps
+    own = col.OUT_PER_WHEEL * n + col.OUT_SINGLE
+    out[own + col.OUT_ROLL] = roll[col.R_ANGLE]
+    out[own + col.OUT_DEEPEST] = max(out[own + col.OUT_DEEPEST], -deepest)
     feel(
         n, pos, (vel[imu, 0] - vx) / passed, (vel[imu, 1] - vy) / passed,
         (vel[imu, 2] - vz) / passed, world, parts, out,

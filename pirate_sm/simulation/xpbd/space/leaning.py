@@ -6,35 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    A_X,
-    A_Y,
-    A_Z,
-    CONTACT_COMPLIANCE,
-    DT,
-    HALF_THICKNESS,
-    K_GAP,
-    K_INV,
-    K_NX,
-    K_NY,
-    K_NZ,
-    K_PUSH,
-    K_SHARE,
-    KIND,
-    LOOK,
-    MARGIN_M,
-    MASS_INV,
-    O_X,
-    O_Y,
-    O_Z,
-    P_IX,
-    P_IY,
-    P_IZ,
-    P_X,
-    P_Y,
-    P_Z,
-    TORUS,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 from pirate_sm.simulation.xpbd.space.walls import foot, on_edge
 
 
@@ -50,19 +22,23 @@ def _lean(
     who: Ints,
 ) -> int:
     """Note a contact of a link; return the count. `hit`: the normal, the distance of its middle."""
-    gap = hit[3] - world[HALF_THICKNESS]
-    if gap > MARGIN_M * world[LOOK] or gap < -2.0 * world[HALF_THICKNESS] or count == cor.shape[0]:
+    gap = hit[3] - world[col.HALF_THICKNESS]
+    if (
+        gap > col.MARGIN_M * world[col.LOOK]
+        or gap < -2.0 * world[col.HALF_THICKNESS]
+        or count == cor.shape[0]
+    ):
         return count
-    compliance = world[CONTACT_COMPLIANCE] / (world[DT] * world[DT])
+    compliance = world[col.CONTACT_COMPLIANCE] / (world[col.DT] * world[col.DT])
     who[count] = m
-    cor[count, K_NX] = hit[0]
-    cor[count, K_NY] = hit[1]
-    cor[count, K_NZ] = hit[2]
-    cor[count, K_SHARE] = share
-    cor[count, K_GAP] = gap
-    cor[count, K_PUSH] = 0.0
-    mass_inv = body[m, MASS_INV] * (1.0 - share) ** 2 + body[m + 1, MASS_INV] * share**2
-    cor[count, K_INV] = 1.0 / (mass_inv + compliance)
+    cor[count, col.K_NX] = hit[0]
+    cor[count, col.K_NY] = hit[1]
+    cor[count, col.K_NZ] = hit[2]
+    cor[count, col.K_SHARE] = share
+    cor[count, col.K_GAP] = gap
+    cor[count, col.K_PUSH] = 0.0
+    mass_inv = body[m, col.MASS_INV] * (1.0 - share) ** 2 + body[m + 1, col.MASS_INV] * share**2
+    cor[count, col.K_INV] = 1.0 / (mass_inv + compliance)
     return count + 1
 
 
@@ -91,7 +67,7 @@ def _lean_on_edge(
     hit: Floats,
 ) -> int:
     """Note the contact of a link with an edge, if any; return the count."""
-    share = _share(pos, m, points[at, P_X], points[at, P_Y], points[at, P_Z])
+    share = _share(pos, m, points[at, col.P_X], points[at, col.P_Y], points[at, col.P_Z])
     for _ in range(2):
         share = min(max(share, 0.0), 1.0)
         x = pos[m, 0] + share * (pos[m + 1, 0] - pos[m, 0])
@@ -105,10 +81,10 @@ def _lean_on_edge(
     y = pos[m, 1] + share * (pos[m + 1, 1] - pos[m, 1]) - hit[1]
     z = pos[m, 2] + share * (pos[m + 1, 2] - pos[m, 2]) - hit[2]
     away = np.sqrt(x * x + y * y + z * z)
-    if away > world[HALF_THICKNESS] + MARGIN_M * world[LOOK] or away < 1e-9:
+    if away > world[col.HALF_THICKNESS] + col.MARGIN_M * world[col.LOOK] or away < 1e-9:
         return count
     # The link may have got over the edge with its middle; the pipe's inside says which way is out.
-    if x * points[at, P_IX] + y * points[at, P_IY] + z * points[at, P_IZ] < 0.0:
+    if x * points[at, col.P_IX] + y * points[at, col.P_IY] + z * points[at, col.P_IZ] < 0.0:
         away = -away
     hit[0] = x / away
     hit[1] = y / away
@@ -146,15 +122,15 @@ def find_leaning(
                     )
         for k in range(nears[m]):
             solid = near[m, k]
-            if solids[solid, KIND] != TORUS:
+            if solids[solid, col.KIND] != col.TORUS:
                 continue
             # The place of the link that is nearest to the axis of the ring.
-            ax = solids[solid, A_X]
-            ay = solids[solid, A_Y]
-            az = solids[solid, A_Z]
-            dx = pos[m, 0] - solids[solid, O_X]
-            dy = pos[m, 1] - solids[solid, O_Y]
-            dz = pos[m, 2] - solids[solid, O_Z]
+            ax = solids[solid, col.A_X]
+            ay = solids[solid, col.A_Y]
+            az = solids[solid, col.A_Z]
+            dx = pos[m, 0] - solids[solid, col.O_X]
+            dy = pos[m, 1] - solids[solid, col.O_Y]
+            dz = pos[m, 2] - solids[solid, col.O_Z]
             ex = pos[m + 1, 0] - pos[m, 0]
             ey = pos[m + 1, 1] - pos[m, 1]
             ez = pos[m + 1, 2] - pos[m, 2]
@@ -178,15 +154,15 @@ def find_leaning(
 @compiled
 def clear(c: int, m: int, mov: Floats, cor: Floats) -> float:
     """Return the gap between a link and what it leans on after what it has moved."""
-    behind = cor[c, K_SHARE]
+    behind = cor[c, col.K_SHARE]
     ahead = 1.0 - behind
-    gap = cor[c, K_GAP]
-    gap += cor[c, K_NX] * ahead * mov[m, 0]
-    gap += cor[c, K_NY] * ahead * mov[m, 1]
-    gap += cor[c, K_NZ] * ahead * mov[m, 2]
-    gap += cor[c, K_NX] * behind * mov[m + 1, 0]
-    gap += cor[c, K_NY] * behind * mov[m + 1, 1]
-    gap += cor[c, K_NZ] * behind * mov[m + 1, 2]
+    gap = cor[c, col.K_GAP]
+    gap += cor[c, col.K_NX] * ahead * mov[m, 0]
+    gap += cor[c, col.K_NY] * ahead * mov[m, 1]
+    gap += cor[c, col.K_NZ] * ahead * mov[m, 2]
+    gap += cor[c, col.K_NX] * behind * mov[m + 1, 0]
+    gap += cor[c, col.K_NY] * behind * mov[m + 1, 1]
+    gap += cor[c, col.K_NZ] * behind * mov[m + 1, 2]
     return float(gap)
 
 
@@ -197,17 +173,19 @@ def solve_leaning(
     """Push each link that leans on something clear of it once."""
     for c in range(count):
         m = who[c]
-        behind = cor[c, K_SHARE]
+        behind = cor[c, col.K_SHARE]
         ahead = 1.0 - behind
         gap = clear(c, m, mov, cor)
-        new = max(0.0, cor[c, K_PUSH] - (gap + compliance * cor[c, K_PUSH]) * cor[c, K_INV])
-        delta = new - cor[c, K_PUSH]
-        cor[c, K_PUSH] = new
-        step = body[m, MASS_INV] * ahead * delta
-        mov[m, 0] += step * cor[c, K_NX]
-        mov[m, 1] += step * cor[c, K_NY]
-        mov[m, 2] += step * cor[c, K_NZ]
-        step = body[m + 1, MASS_INV] * behind * delta
-        mov[m + 1, 0] += step * cor[c, K_NX]
-        mov[m + 1, 1] += step * cor[c, K_NY]
-        mov[m + 1, 2] += step * cor[c, K_NZ]
+        new = max(
+            0.0, cor[c, col.K_PUSH] - (gap + compliance * cor[c, col.K_PUSH]) * cor[c, col.K_INV]
+        )
+        delta = new - cor[c, col.K_PUSH]
+        cor[c, col.K_PUSH] = new
+        step = body[m, col.MASS_INV] * ahead * delta
+        mov[m, 0] += step * cor[c, col.K_NX]
+        mov[m, 1] += step * cor[c, col.K_NY]
+        mov[m, 2] += step * cor[c, col.K_NZ]
+        step = body[m + 1, col.MASS_INV] * behind * delta
+        mov[m + 1, 0] += step * cor[c, col.K_NX]
+        mov[m + 1, 1] += step * cor[c, col.K_NY]
+        mov[m + 1, 2] += step * cor[c, col.K_NZ]

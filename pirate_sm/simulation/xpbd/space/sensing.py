@@ -6,37 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    C_ARC,
-    C_LENGTH,
-    C_RADIUS,
-    C_SX,
-    C_SY,
-    C_SZ,
-    C_TX,
-    C_TY,
-    C_TZ,
-    C_UX,
-    C_UY,
-    C_UZ,
-    C_X,
-    C_Y,
-    C_Z,
-    G_X,
-    G_Y,
-    G_Z,
-    IMU_LINK,
-    MAG_X,
-    MAG_Y,
-    MAG_Z,
-    N_X,
-    N_Y,
-    N_Z,
-    OUT_PER_WHEEL,
-    OUT_ROLL_FRONT,
-    OUT_SINGLE,
-    ROLL_LINK,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 
 
 @compiled
@@ -45,44 +15,48 @@ def _on_leg(x: float, y: float, z: float, leg: Floats, first: bool, last: bool) 
 
     The first and the last piece continue beyond the pipe's ends.
     """
-    dx = x - leg[C_X]
-    dy = y - leg[C_Y]
-    dz = z - leg[C_Z]
-    along = dx * leg[C_TX] + dy * leg[C_TY] + dz * leg[C_TZ]
-    if leg[C_RADIUS] > 0.0:
-        inward = dx * leg[C_UX] + dy * leg[C_UY] + dz * leg[C_UZ]
-        angle = np.arctan2(along, leg[C_RADIUS] - inward)
+    dx = x - leg[col.C_X]
+    dy = y - leg[col.C_Y]
+    dz = z - leg[col.C_Z]
+    along = dx * leg[col.C_TX] + dy * leg[col.C_TY] + dz * leg[col.C_TZ]
+    if leg[col.C_RADIUS] > 0.0:
+        inward = dx * leg[col.C_UX] + dy * leg[col.C_UY] + dz * leg[col.C_UZ]
+        angle = np.arctan2(along, leg[col.C_RADIUS] - inward)
         # Beyond its ends the nearer one counts.
-        opposite = 0.5 * leg[C_LENGTH] / leg[C_RADIUS] - np.pi
+        opposite = 0.5 * leg[col.C_LENGTH] / leg[col.C_RADIUS] - np.pi
         if angle < opposite:
             angle += 2.0 * np.pi
-        along = angle * leg[C_RADIUS]
+        along = angle * leg[col.C_RADIUS]
     if not first:
         along = max(along, 0.0)
     if not last:
-        along = min(along, leg[C_LENGTH])
+        along = min(along, leg[col.C_LENGTH])
     return float(along)
 
 
 @compiled
 def _at_leg(along: float, leg: Floats, spot: Floats) -> None:
     """Write a place of a piece of the centre line, and its tangent and side, to `spot`."""
-    if leg[C_RADIUS] == 0.0:
+    if leg[col.C_RADIUS] == 0.0:
         for k in range(3):
-            spot[k] = leg[C_X + k] + along * leg[C_TX + k]
-            spot[3 + k] = leg[C_TX + k]
-            spot[6 + k] = leg[C_SX + k]
+            spot[k] = leg[col.C_X + k] + along * leg[col.C_TX + k]
+            spot[3 + k] = leg[col.C_TX + k]
+            spot[6 + k] = leg[col.C_SX + k]
         return
-    angle = along / leg[C_RADIUS]
+    angle = along / leg[col.C_RADIUS]
     sin = np.sin(angle)
     cos = np.cos(angle)
-    inward = leg[C_SX] * leg[C_UX] + leg[C_SY] * leg[C_UY] + leg[C_SZ] * leg[C_UZ]
+    inward = (
+        leg[col.C_SX] * leg[col.C_UX]
+        + leg[col.C_SY] * leg[col.C_UY]
+        + leg[col.C_SZ] * leg[col.C_UZ]
+    )
     for k in range(3):
-        t = leg[C_TX + k]
-        u = leg[C_UX + k]
-        spot[k] = leg[C_X + k] + leg[C_RADIUS] * (sin * t + (1.0 - cos) * u)
+        t = leg[col.C_TX + k]
+        u = leg[col.C_UX + k]
+        spot[k] = leg[col.C_X + k] + leg[col.C_RADIUS] * (sin * t + (1.0 - cos) * u)
         spot[3 + k] = cos * t + sin * u
-        spot[6 + k] = leg[C_SX + k] + inward * ((cos - 1.0) * u - sin * t)
+        spot[6 + k] = leg[col.C_SX + k] + inward * ((cos - 1.0) * u - sin * t)
 
 
 @compiled
@@ -90,10 +64,10 @@ def _roll_of(p: int, parts: Floats, spot: Floats) -> float:
     """Return the roll of a part against the pipe where it is."""
     aside = 0.0
     for k in range(3):
-        aside += parts[p, N_X + k] * spot[6 + k]
-    up = parts[p, N_X] * (spot[4] * spot[8] - spot[5] * spot[7])
-    up += parts[p, N_Y] * (spot[5] * spot[6] - spot[3] * spot[8])
-    up += parts[p, N_Z] * (spot[3] * spot[7] - spot[4] * spot[6])
+        aside += parts[p, col.N_X + k] * spot[6 + k]
+    up = parts[p, col.N_X] * (spot[4] * spot[8] - spot[5] * spot[7])
+    up += parts[p, col.N_Y] * (spot[5] * spot[6] - spot[3] * spot[8])
+    up += parts[p, col.N_Z] * (spot[3] * spot[7] - spot[4] * spot[6])
     return float(np.arctan2(aside, up))
 
 
@@ -102,8 +76,8 @@ def project(
     n: int, pos: Floats, legs: Floats, world: Floats, parts: Floats, spot: Floats, out: Floats
 ) -> None:
     """Write the arc length of each wheel and the rolls of the parts to `out`."""
-    r = int(world[ROLL_LINK])
-    own = OUT_PER_WHEEL * n + OUT_SINGLE
+    r = int(world[col.ROLL_LINK])
+    own = col.OUT_PER_WHEEL * n + col.OUT_SINGLE
     for i in range(n):
         best = np.inf
         at = 0
@@ -119,10 +93,10 @@ def project(
                 best = away2
                 at = k
                 there = along
-        out[7 * n + i] = legs[at, C_ARC] + there
+        out[7 * n + i] = legs[at, col.C_ARC] + there
         if i == r or i == r + 1:
             _at_leg(there, legs[at], spot)
-            out[own + OUT_ROLL_FRONT + i - r] = _roll_of(i - r, parts, spot)
+            out[own + col.OUT_ROLL_FRONT + i - r] = _roll_of(i - r, parts, spot)
 
 
 @compiled
@@ -141,8 +115,8 @@ def feel(
     "Up" is against the normal of the part ahead of the roll joint. In free fall the specific force
     is zero.
     """
-    k = OUT_PER_WHEEL * n + 2
-    m = int(world[IMU_LINK])
+    k = col.OUT_PER_WHEEL * n + 2
+    m = int(world[col.IMU_LINK])
     ex = pos[m, 0] - pos[m + 1, 0]
     ey = pos[m, 1] - pos[m + 1, 1]
     ez = pos[m, 2] - pos[m + 1, 2]
@@ -150,18 +124,18 @@ def feel(
     ex /= length
     ey /= length
     ez /= length
-    nx = parts[0, N_X]
-    ny = parts[0, N_Y]
-    nz = parts[0, N_Z]
+    nx = parts[0, col.N_X]
+    ny = parts[0, col.N_Y]
+    nz = parts[0, col.N_Z]
     bx = ny * ez - nz * ey
     by = nz * ex - nx * ez
     bz = nx * ey - ny * ex
-    fx = accel_x - world[G_X]
-    fy = accel_y - world[G_Y]
-    fz = accel_z - world[G_Z]
+    fx = accel_x - world[col.G_X]
+    fy = accel_y - world[col.G_Y]
+    fz = accel_z - world[col.G_Z]
     out[k] = fx * ex + fy * ey + fz * ez
     out[k + 1] = -(fx * bx + fy * by + fz * bz)
     out[k + 2] = -(fx * nx + fy * ny + fz * nz)
-    out[k + 3] = world[MAG_X] * ex + world[MAG_Y] * ey + world[MAG_Z] * ez
-    out[k + 4] = -(world[MAG_X] * bx + world[MAG_Y] * by + world[MAG_Z] * bz)
-    out[k + 5] = -(world[MAG_X] * nx + world[MAG_Y] * ny + world[MAG_Z] * nz)
+    out[k + 3] = world[col.MAG_X] * ex + world[col.MAG_Y] * ey + world[col.MAG_Z] * ez
+    out[k + 4] = -(world[col.MAG_X] * bx + world[col.MAG_Y] * by + world[col.MAG_Z] * bz)
+    out[k + 5] = -(world[col.MAG_X] * nx + world[col.MAG_Y] * ny + world[col.MAG_Z] * nz)

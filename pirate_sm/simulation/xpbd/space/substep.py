@@ -6,63 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    D_X,
-    D_Y,
-    D_Z,
-    DISTANCE,
-    DT,
-    FORCE,
-    G_X,
-    GA_X,
-    GB_X,
-    GM_X,
-    J_C,
-    J_D,
-    J_INV,
-    J_RESISTS,
-    J_W,
-    JOINT_DAMPING,
-    JOINT_FRICTION,
-    JOINT_K,
-    JOINT_MAX,
-    JOINT_MIN,
-    K_GAP,
-    K_PUSH,
-    K_RADIUS,
-    LF_X,
-    LF_Y,
-    LF_Z,
-    LINK_LENGTH,
-    LINK_SCALE,
-    LR_X,
-    LR_Y,
-    LR_Z,
-    MASS_INV,
-    N_ROLL,
-    N_X,
-    N_Y,
-    N_Z,
-    NODE,
-    NX,
-    NY,
-    NZ,
-    P_C,
-    P_LAM,
-    P_ROLL,
-    P_TILT,
-    R_ANGLE,
-    R_RATE,
-    RADIUS,
-    ROLL_LINK,
-    SLOPE,
-    SPIN,
-    SURFACE,
-    TARGET,
-    WHEEL_HOLD,
-    WHEEL_RATE,
-    WHEEL_STALL,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 from pirate_sm.simulation.xpbd.space.contacts import press, recall
 from pirate_sm.simulation.xpbd.space.driving import turn_motor
 from pirate_sm.simulation.xpbd.space.joints import turned_rad
@@ -75,21 +19,21 @@ _STOP_RAD = 0.1
 @compiled
 def prepare(n: int, command: Floats, body: Floats, world: Floats, w: Floats) -> None:
     """Set what is constant during a call: motor limits, compliances."""
-    dt = world[DT]
-    radius = world[RADIUS]
+    dt = world[col.DT]
+    radius = world[col.RADIUS]
     for i in range(n):
         duty = command[n + i]
-        w[i, SPIN] = duty * body[i, WHEEL_RATE] * dt
-        w[i, SLOPE] = 0.0
-        w[i, FORCE] = body[i, WHEEL_HOLD] / radius * dt * dt
+        w[i, col.SPIN] = duty * body[i, col.WHEEL_RATE] * dt
+        w[i, col.SLOPE] = 0.0
+        w[i, col.FORCE] = body[i, col.WHEEL_HOLD] / radius * dt * dt
         if duty != 0.0:
-            w[i, FORCE] = body[i, WHEEL_STALL] / radius * dt * dt
-            w[i, SLOPE] = body[i, WHEEL_RATE] * radius**2 / (body[i, WHEEL_STALL] * dt)
-        w[i, J_C] = 1.0 / (body[i, JOINT_K] * dt * dt)
-        w[i, J_D] = body[i, JOINT_DAMPING] / (body[i, JOINT_K] * dt)
+            w[i, col.FORCE] = body[i, col.WHEEL_STALL] / radius * dt * dt
+            w[i, col.SLOPE] = body[i, col.WHEEL_RATE] * radius**2 / (body[i, col.WHEEL_STALL] * dt)
+        w[i, col.J_C] = 1.0 / (body[i, col.JOINT_K] * dt * dt)
+        w[i, col.J_D] = body[i, col.JOINT_DAMPING] / (body[i, col.JOINT_K] * dt)
         if i < n - 1:
-            both = body[i, MASS_INV] + body[i + 1, MASS_INV]
-            w[i, LINK_SCALE] = 0.5 / (body[i, LINK_LENGTH] ** 2 * both)
+            both = body[i, col.MASS_INV] + body[i + 1, col.MASS_INV]
+            w[i, col.LINK_SCALE] = 0.5 / (body[i, col.LINK_LENGTH] ** 2 * both)
 
 
 @compiled
@@ -106,35 +50,35 @@ def begin(
     tally: Floats,
 ) -> None:
     """Compute angles and gradients from the positions, and turn the motors by one substep."""
-    dt = world[DT]
-    r = int(world[ROLL_LINK])
+    dt = world[col.DT]
+    r = int(world[col.ROLL_LINK])
     for i in range(n - 1):
         dx = pos[i, 0] - pos[i + 1, 0]
         dy = pos[i, 1] - pos[i + 1, 1]
         dz = pos[i, 2] - pos[i + 1, 2]
-        w[i, D_X] = dx
-        w[i, D_Y] = dy
-        w[i, D_Z] = dz
+        w[i, col.D_X] = dx
+        w[i, col.D_Y] = dy
+        w[i, col.D_Z] = dz
         share = 1.0 / (dx * dx + dy * dy + dz * dz)
         p = 0 if i <= r else 1
-        nx = parts[p, N_X]
-        ny = parts[p, N_Y]
-        nz = parts[p, N_Z]
-        w[i, LF_X] = (ny * dz - nz * dy) * share
-        w[i, LF_Y] = (nz * dx - nx * dz) * share
-        w[i, LF_Z] = (nx * dy - ny * dx) * share
+        nx = parts[p, col.N_X]
+        ny = parts[p, col.N_Y]
+        nz = parts[p, col.N_Z]
+        w[i, col.LF_X] = (ny * dz - nz * dy) * share
+        w[i, col.LF_Y] = (nz * dx - nx * dz) * share
+        w[i, col.LF_Z] = (nx * dy - ny * dx) * share
         if i == r:
-            w[i, LR_X] = (parts[1, N_Y] * dz - parts[1, N_Z] * dy) * share
-            w[i, LR_Y] = (parts[1, N_Z] * dx - parts[1, N_X] * dz) * share
-            w[i, LR_Z] = (parts[1, N_X] * dy - parts[1, N_Y] * dx) * share
+            w[i, col.LR_X] = (parts[1, col.N_Y] * dz - parts[1, col.N_Z] * dy) * share
+            w[i, col.LR_Y] = (parts[1, col.N_Z] * dx - parts[1, col.N_X] * dz) * share
+            w[i, col.LR_Z] = (parts[1, col.N_X] * dy - parts[1, col.N_Y] * dx) * share
         else:
             for k in range(3):
-                w[i, LR_X + k] = w[i, LF_X + k]
+                w[i, col.LR_X + k] = w[i, col.LF_X + k]
         if i == 0:
             continue
-        ax = w[i - 1, D_X]
-        ay = w[i - 1, D_Y]
-        az = w[i - 1, D_Z]
+        ax = w[i - 1, col.D_X]
+        ay = w[i - 1, col.D_Y]
+        az = w[i - 1, col.D_Z]
         sin = nx * (ay * dz - az * dy) + ny * (az * dx - ax * dz) + nz * (ax * dy - ay * dx)
         cos = ax * dx + ay * dy + az * dz
         cos -= (nx * ax + ny * ay + nz * az) * (nx * dx + ny * dy + nz * dz)
@@ -145,16 +89,16 @@ def begin(
         turn_motor(i, command[i], bend, motor, body, dt, w, tally)
         inv = 0.0
         for k in range(3):
-            w[i, GA_X + k] = -w[i - 1, LR_X + k]
-            w[i, GB_X + k] = -w[i, LF_X + k]
-            w[i, GM_X + k] = w[i, LF_X + k] + w[i - 1, LR_X + k]
-            inv += body[i - 1, MASS_INV] * w[i, GA_X + k] ** 2
-            inv += body[i, MASS_INV] * w[i, GM_X + k] ** 2
-            inv += body[i + 1, MASS_INV] * w[i, GB_X + k] ** 2
-        w[i, J_W] = inv
-        w[i, J_INV] = 1.0 / ((1.0 + w[i, J_D]) * inv + w[i, J_C])
-        free = body[i, JOINT_MIN] + _STOP_RAD < bend[i] < body[i, JOINT_MAX] - _STOP_RAD
-        w[i, J_RESISTS] = 0.0 if free and body[i, JOINT_FRICTION] == 0.0 else 1.0
+            w[i, col.GA_X + k] = -w[i - 1, col.LR_X + k]
+            w[i, col.GB_X + k] = -w[i, col.LF_X + k]
+            w[i, col.GM_X + k] = w[i, col.LF_X + k] + w[i - 1, col.LR_X + k]
+            inv += body[i - 1, col.MASS_INV] * w[i, col.GA_X + k] ** 2
+            inv += body[i, col.MASS_INV] * w[i, col.GM_X + k] ** 2
+            inv += body[i + 1, col.MASS_INV] * w[i, col.GB_X + k] ** 2
+        w[i, col.J_W] = inv
+        w[i, col.J_INV] = 1.0 / ((1.0 + w[i, col.J_D]) * inv + w[i, col.J_C])
+        free = body[i, col.JOINT_MIN] + _STOP_RAD < bend[i] < body[i, col.JOINT_MAX] - _STOP_RAD
+        w[i, col.J_RESISTS] = 0.0 if free and body[i, col.JOINT_FRICTION] == 0.0 else 1.0
 
 
 @compiled
@@ -182,12 +126,12 @@ def go_on(
 
     Angles, distances and links change by what the wheels have moved.
     """
-    r = int(world[ROLL_LINK])
-    roll[R_ANGLE] += parts[0, N_ROLL] - parts[1, N_ROLL]
+    r = int(world[col.ROLL_LINK])
+    roll[col.R_ANGLE] += parts[0, col.N_ROLL] - parts[1, col.N_ROLL]
     for p in range(2):
-        nx = parts[p, N_X]
-        ny = parts[p, N_Y]
-        nz = parts[p, N_Z]
+        nx = parts[p, col.N_X]
+        ny = parts[p, col.N_Y]
+        nz = parts[p, col.N_Z]
         tilted = nx * (mov[r, 0] - mov[r + 1, 0])
         tilted += ny * (mov[r, 1] - mov[r + 1, 1])
         tilted += nz * (mov[r, 2] - mov[r + 1, 2])
@@ -195,32 +139,36 @@ def go_on(
             off = nx * (mov[m, 0] - mov[m + 1, 0])
             off += ny * (mov[m, 1] - mov[m + 1, 1])
             off += nz * (mov[m, 2] - mov[m + 1, 2])
-            w[m, P_C] += off + w[m, P_ROLL] * parts[p, N_ROLL] - w[m, P_TILT] * tilted
-            w[m, P_LAM] = 0.0
+            w[m, col.P_C] += (
+                off + w[m, col.P_ROLL] * parts[p, col.N_ROLL] - w[m, col.P_TILT] * tilted
+            )
+            w[m, col.P_LAM] = 0.0
     for m in range(n - 1):
         for k in range(3):
-            w[m, D_X + k] += mov[m, k] - mov[m + 1, k]
+            w[m, col.D_X + k] += mov[m, k] - mov[m + 1, k]
     for i in range(1, n - 1):
         bend[i] += turned_rad(i, mov, w)
-        turn_motor(i, command[i], bend, motor, body, world[DT], w, tally)
+        turn_motor(i, command[i], bend, motor, body, world[col.DT], w, tally)
     for c in range(count):
-        i = who[c, NODE]
-        con[c, DISTANCE] += con[c, NX] * mov[i, 0] + con[c, NY] * mov[i, 1] + con[c, NZ] * mov[i, 2]
+        i = who[c, col.NODE]
+        con[c, col.DISTANCE] += (
+            con[c, col.NX] * mov[i, 0] + con[c, col.NY] * mov[i, 1] + con[c, col.NZ] * mov[i, 2]
+        )
         press(c, con)
-        if who[c, SURFACE] >= 0:
+        if who[c, col.SURFACE] >= 0:
             recall(c, i, body, world, anchor, con, who)
-            con[c, TARGET] += w[i, SPIN] * con[c, K_RADIUS]
+            con[c, col.TARGET] += w[i, col.SPIN] * con[c, col.K_RADIUS]
     for c in range(leans):
-        cor[c, K_GAP] = clear(c, leaning[c], mov, cor)
-        cor[c, K_PUSH] = 0.0
+        cor[c, col.K_GAP] = clear(c, leaning[c], mov, cor)
+        cor[c, col.K_PUSH] = 0.0
 
 
 @compiled
 def predict(n: int, mov: Floats, vel: Floats, roll: Floats, world: Floats, parts: Floats) -> None:
     """Move the wheels as gravity alone would, and roll the parts on."""
-    dt = world[DT]
+    dt = world[col.DT]
     for i in range(n):
         for k in range(3):
-            mov[i, k] = dt * (vel[i, k] + dt * world[G_X + k])
+            mov[i, k] = dt * (vel[i, k] + dt * world[col.G_X + k])
     for p in range(2):
-        parts[p, N_ROLL] = dt * roll[R_RATE + p]
+        parts[p, col.N_ROLL] = dt * roll[col.R_RATE + p]

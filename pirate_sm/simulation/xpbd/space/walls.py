@@ -6,58 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.space.columns import (
-    A_X,
-    A_Y,
-    A_Z,
-    B_DX,
-    B_DY,
-    B_DZ,
-    B_RADIUS,
-    B_X,
-    B_Y,
-    B_Z,
-    COSINE,
-    DISC,
-    E_CLOSED,
-    E_COUNT,
-    E_FIRST,
-    E_ONE,
-    E_RADIUS,
-    E_X,
-    E_Y,
-    E_Z,
-    F_VALUE,
-    F_X,
-    F_Y,
-    F_Z,
-    H_DX,
-    H_DY,
-    H_DZ,
-    H_RADIUS,
-    H_X,
-    H_Y,
-    H_Z,
-    HALF_HOLE,
-    HOLE,
-    KIND,
-    L_VALUE,
-    L_X,
-    L_Y,
-    L_Z,
-    LINK_LENGTH,
-    NO_HOLE,
-    O_X,
-    O_Y,
-    O_Z,
-    P_X,
-    P_Y,
-    P_Z,
-    RADIUS,
-    SIZE,
-    SLOPE_OR_SIZE,
-    TORUS,
-)
+from pirate_sm.simulation.xpbd.space import columns as col
 
 # How much nearer than they were a wheel or link may come to a wall during a call, besides what its
 # speed brings it.
@@ -68,22 +17,22 @@ _NEAR_M = 0.02
 def _in_bounds(x: float, y: float, z: float, solids: Floats, k: int, foot: Floats) -> bool:
     """Return whether a foot lies between a solid's planes and outside its hole."""
     fx, fy, fz = foot[0], foot[1], foot[2]
-    first = solids[k, F_X] * fx + solids[k, F_Y] * fy + solids[k, F_Z] * fz
-    if first < solids[k, F_VALUE]:
+    first = solids[k, col.F_X] * fx + solids[k, col.F_Y] * fy + solids[k, col.F_Z] * fz
+    if first < solids[k, col.F_VALUE]:
         return False
-    last = solids[k, L_X] * fx + solids[k, L_Y] * fy + solids[k, L_Z] * fz
-    if last > solids[k, L_VALUE]:
+    last = solids[k, col.L_X] * fx + solids[k, col.L_Y] * fy + solids[k, col.L_Z] * fz
+    if last > solids[k, col.L_VALUE]:
         return False
-    if solids[k, HOLE] == NO_HOLE:
+    if solids[k, col.HOLE] == col.NO_HOLE:
         return True
-    dx = fx - solids[k, H_X]
-    dy = fy - solids[k, H_Y]
-    dz = fz - solids[k, H_Z]
-    along = dx * solids[k, H_DX] + dy * solids[k, H_DY] + dz * solids[k, H_DZ]
-    if solids[k, HOLE] == HALF_HOLE and along < 0.0:
+    dx = fx - solids[k, col.H_X]
+    dy = fy - solids[k, col.H_Y]
+    dz = fz - solids[k, col.H_Z]
+    along = dx * solids[k, col.H_DX] + dy * solids[k, col.H_DY] + dz * solids[k, col.H_DZ]
+    if solids[k, col.HOLE] == col.HALF_HOLE and along < 0.0:
         return True
     away2 = dx * dx + dy * dy + dz * dz - along * along
-    return bool(away2 >= solids[k, H_RADIUS] ** 2)
+    return bool(away2 >= solids[k, col.H_RADIUS] ** 2)
 
 
 @compiled
@@ -92,29 +41,29 @@ def foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> b
 
     `hit` gets the unit normal into the pipe and the distance from the wall, negative behind it.
     """
-    dx = x - solids[k, O_X]
-    dy = y - solids[k, O_Y]
-    dz = z - solids[k, O_Z]
-    ax = solids[k, A_X]
-    ay = solids[k, A_Y]
-    az = solids[k, A_Z]
+    dx = x - solids[k, col.O_X]
+    dy = y - solids[k, col.O_Y]
+    dz = z - solids[k, col.O_Z]
+    ax = solids[k, col.A_X]
+    ay = solids[k, col.A_Y]
+    az = solids[k, col.A_Z]
     along = dx * ax + dy * ay + dz * az
     rx = dx - along * ax
     ry = dy - along * ay
     rz = dz - along * az
     off = np.sqrt(rx * rx + ry * ry + rz * rz)
-    kind = solids[k, KIND]
-    if kind == DISC:
+    kind = solids[k, col.KIND]
+    if kind == col.DISC:
         hit[0] = ax
         hit[1] = ay
         hit[2] = az
         hit[3] = along
-        if not solids[k, SLOPE_OR_SIZE] <= off <= solids[k, SIZE]:
+        if not solids[k, col.SLOPE_OR_SIZE] <= off <= solids[k, col.SIZE]:
             return False
     elif off < 1e-9:
         return False
-    elif kind == TORUS:
-        share = solids[k, SLOPE_OR_SIZE] / off
+    elif kind == col.TORUS:
+        share = solids[k, col.SLOPE_OR_SIZE] / off
         rx = dx - share * rx
         ry = dy - share * ry
         rz = dz - share * rz
@@ -124,16 +73,16 @@ def foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> b
         hit[0] = -rx / away
         hit[1] = -ry / away
         hit[2] = -rz / away
-        hit[3] = solids[k, SIZE] - away
+        hit[3] = solids[k, col.SIZE] - away
     else:
-        slope = solids[k, SLOPE_OR_SIZE]
-        cos = solids[k, COSINE]
+        slope = solids[k, col.SLOPE_OR_SIZE]
+        cos = solids[k, col.COSINE]
         sin = slope * cos
         share = cos / off
         hit[0] = sin * ax - share * rx
         hit[1] = sin * ay - share * ry
         hit[2] = sin * az - share * rz
-        hit[3] = (solids[k, SIZE] + slope * along - off) * cos
+        hit[3] = (solids[k, col.SIZE] + slope * along - off) * cos
     hit[4] = x - hit[3] * hit[0]
     hit[5] = y - hit[3] * hit[1]
     hit[6] = z - hit[3] * hit[2]
@@ -143,28 +92,28 @@ def foot(x: float, y: float, z: float, solids: Floats, k: int, hit: Floats) -> b
 @compiled
 def _beside(edge: Floats, at: int, step: int) -> int:
     """Return the point of an edge that is `step` points on; -1 beyond its ends."""
-    count = int(edge[E_COUNT])
-    k = at - int(edge[E_FIRST]) + step
-    if edge[E_CLOSED] != 0.0:
+    count = int(edge[col.E_COUNT])
+    k = at - int(edge[col.E_FIRST]) + step
+    if edge[col.E_CLOSED] != 0.0:
         k = (k + count) % count
     elif k < 0 or k >= count:
         return -1
-    return k + int(edge[E_FIRST])
+    return k + int(edge[col.E_FIRST])
 
 
 @compiled
 def _walk(x: float, y: float, z: float, edge: Floats, points: Floats, at: int) -> int:
     """Return the point of an edge nearest to a place, walking from point `at`."""
     best = np.inf
-    for _ in range(int(edge[E_COUNT])):
+    for _ in range(int(edge[col.E_COUNT])):
         here = at
         for step in (-1, 0, 1):
             k = _beside(edge, here, step)
             if k < 0:
                 continue
-            dx = x - points[k, P_X]
-            dy = y - points[k, P_Y]
-            dz = z - points[k, P_Z]
+            dx = x - points[k, col.P_X]
+            dy = y - points[k, col.P_Y]
+            dz = z - points[k, col.P_Z]
             away2 = dx * dx + dy * dy + dz * dz
             if away2 < best:
                 best = away2
@@ -188,12 +137,12 @@ def on_edge(
         k = _beside(edge, at, step)
         if k < 0:
             continue
-        ex = points[k, P_X] - points[at, P_X]
-        ey = points[k, P_Y] - points[at, P_Y]
-        ez = points[k, P_Z] - points[at, P_Z]
-        dx = x - points[at, P_X]
-        dy = y - points[at, P_Y]
-        dz = z - points[at, P_Z]
+        ex = points[k, col.P_X] - points[at, col.P_X]
+        ey = points[k, col.P_Y] - points[at, col.P_Y]
+        ez = points[k, col.P_Z] - points[at, col.P_Z]
+        dx = x - points[at, col.P_X]
+        dy = y - points[at, col.P_Y]
+        dz = z - points[at, col.P_Z]
         share = (dx * ex + dy * ey + dz * ez) / (ex * ex + ey * ey + ez * ez)
         share = min(max(share, 0.0), 1.0)
         dx -= share * ex
@@ -224,14 +173,14 @@ def _nearest_point(
 
     The line begins at (x, y, z) and goes by (ex, ey, ez), which may be nothing.
     """
-    first = int(edge[E_FIRST])
+    first = int(edge[col.E_FIRST])
     length2 = ex * ex + ey * ey + ez * ez
     found = -1
     best = reach * reach
-    for k in range(first, first + int(edge[E_COUNT])):
-        dx = points[k, P_X] - x
-        dy = points[k, P_Y] - y
-        dz = points[k, P_Z] - z
+    for k in range(first, first + int(edge[col.E_COUNT])):
+        dx = points[k, col.P_X] - x
+        dy = points[k, col.P_Y] - y
+        dz = points[k, col.P_Z] - z
         if length2 > 0.0:
             share = min(max((dx * ex + dy * ey + dz * ez) / length2, 0.0), 1.0)
             dx -= share * ex
@@ -270,30 +219,30 @@ def look_around(
     for i in range(n):
         x, y, z = pos[i, 0], pos[i, 1], pos[i, 2]
         speed = np.sqrt(vel[i, 0] ** 2 + vel[i, 1] ** 2 + vel[i, 2] ** 2)
-        reach = world[RADIUS] + _NEAR_M + 2.0 * (speed + passed * 9.81) * passed
+        reach = world[col.RADIUS] + _NEAR_M + 2.0 * (speed + passed * 9.81) * passed
         nears[i] = 0
         for k in range(solids.shape[0]):
-            dx = x - solids[k, B_X]
-            dy = y - solids[k, B_Y]
-            dz = z - solids[k, B_Z]
-            length2 = solids[k, B_DX] ** 2 + solids[k, B_DY] ** 2 + solids[k, B_DZ] ** 2
-            share = dx * solids[k, B_DX] + dy * solids[k, B_DY] + dz * solids[k, B_DZ]
+            dx = x - solids[k, col.B_X]
+            dy = y - solids[k, col.B_Y]
+            dz = z - solids[k, col.B_Z]
+            length2 = solids[k, col.B_DX] ** 2 + solids[k, col.B_DY] ** 2 + solids[k, col.B_DZ] ** 2
+            share = dx * solids[k, col.B_DX] + dy * solids[k, col.B_DY] + dz * solids[k, col.B_DZ]
             share = min(max(share / length2, 0.0), 1.0) if length2 > 0.0 else 0.0
-            dx -= share * solids[k, B_DX]
-            dy -= share * solids[k, B_DY]
-            dz -= share * solids[k, B_DZ]
-            if dx * dx + dy * dy + dz * dz < (solids[k, B_RADIUS] + reach) ** 2:
+            dx -= share * solids[k, col.B_DX]
+            dy -= share * solids[k, col.B_DY]
+            dz -= share * solids[k, col.B_DZ]
+            if dx * dx + dy * dy + dz * dz < (solids[k, col.B_RADIUS] + reach) ** 2:
                 near[i, nears[i]] = k
                 nears[i] += 1
         rims[i] = 0
         for k in range(edges.shape[0]):
-            dx = x - edges[k, E_X]
-            dy = y - edges[k, E_Y]
-            dz = z - edges[k, E_Z]
+            dx = x - edges[k, col.E_X]
+            dy = y - edges[k, col.E_Y]
+            dz = z - edges[k, col.E_Z]
             away2 = dx * dx + dy * dy + dz * dz
             rim_at[i, k] = -1
             link_at[i, k] = -1
-            if away2 < (edges[k, E_RADIUS] + reach) ** 2:
+            if away2 < (edges[k, col.E_RADIUS] + reach) ** 2:
                 rim_at[i, k] = _nearest_point(x, y, z, 0.0, 0.0, 0.0, edges[k], points, reach)
                 rims[i] = max(rims[i], rim_at[i, k] + 1)
             if i == n - 1:
@@ -305,7 +254,7 @@ def look_around(
             dy += 0.5 * ey
             dz += 0.5 * ez
             away2 = dx * dx + dy * dy + dz * dz
-            if away2 < (edges[k, E_RADIUS] + 0.5 * body[i, LINK_LENGTH] + reach) ** 2:
+            if away2 < (edges[k, col.E_RADIUS] + 0.5 * body[i, col.LINK_LENGTH] + reach) ** 2:
                 link_at[i, k] = _nearest_point(x, y, z, ex, ey, ez, edges[k], points, reach)
                 rims[i] = max(rims[i], link_at[i, k] + 1)
 
@@ -325,7 +274,7 @@ def faces_edge(
     ny = (y - hit[1]) / away
     nz = (z - hit[2]) / away
     for m in range(3):
-        solid = int(edge[E_ONE + m])
+        solid = int(edge[col.E_ONE + m])
         if solid >= 0 and foot(x, y, z, solids, solid, hit):
             return False
     hit[0] = nx
