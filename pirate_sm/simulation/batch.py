@@ -108,9 +108,10 @@ class _Course:
         physics, electronics = robot.physics, robot.electronics
         self._physics = physics if isinstance(physics, GlidingPhysics) else None
         self._span: Floats = np.zeros(4)
+        self._around: Floats = np.array([link.cycle, *robot.leeway])
         self._arrays: tuple[Any, ...] = (
-            *(robot.arcs, np.array([link.cycle, *robot.leeway]), _turn_table(self._turns)),
-            *(electronics.channels, electronics.counts, electronics.rng, self._span),
+            *(_turn_table(self._turns), electronics.channels),
+            *(electronics.counts, electronics.rng, self._span),
         )
 
     def run(self, cycles: int) -> None:
@@ -136,12 +137,14 @@ class _Course:
     def _pass(self, physics: GlidingPhysics, last: float) -> None:
         """Let cycles pass in one compiled call."""
         self._span[:] = self._cycles, last, self.robot.time_s, 0.0
-        physics.pass_cycles(physics.roll_angles, *self._arrays)
+        robot = self.robot
+        place = robot.physics.quantities, physics.roll_angles, robot.arcs, self._around
+        physics.pass_cycles(place, *self._arrays)
         cycles, _, time_s, met = self._span.tolist()
-        self.robot.passed(int(cycles) - self._cycles, time_s)
+        robot.passed(int(cycles) - self._cycles, time_s)
         self._cycles = int(cycles)
         if met:
-            self.robot.meet_obstacles()
+            robot.meet_obstacles()
 
     def _step(self) -> None:
         """Let one cycle pass."""

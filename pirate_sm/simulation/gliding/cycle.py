@@ -17,6 +17,7 @@ from pirate_sm.simulation.gliding.groups import (
     Place,
     Posture,
     RobotRows,
+    Scratch,
     Taken,
     Task,
 )
@@ -194,7 +195,7 @@ def goes_on(
     task: Task,
     clock: Floats,
     signals: Floats,
-    scratch: tuple[Floats, Floats],
+    scratch: Scratch,
     posture: Posture,
     taken: Taken,
 ) -> bool:

@@ -146,18 +146,17 @@ class Glider:
 
     def _arguments(self, physics: GlidingPhysics) -> tuple[Any, ...]:
         electronics, signals, watch = self._electronics, self._signals, self._watch
+        simulated = self._simulated
         assert self._tables is not None  # glide has looked
         return (
-            *(physics.roll_angles, self._simulated.arcs, self._around, self._turns),
-            *(electronics.channels, electronics.counts, electronics.rng, self._forced),
-            *self._tables,
-            *(watch.slots, watch.conditions, watch.pool.code, watch.origin, watch.duties),
-            *(watch.watch, self._clock),
-            *(signals.signals, *self._scratch),
-            *self._survey.arrays,
-            *(self._times_s, self._reporters, self._reports, self._met),
-            self._ticks,
-            *self._looks.arrays,
+            (simulated.physics.quantities, physics.roll_angles, simulated.arcs, self._around),
+            self._turns,
+            (electronics.channels, electronics.counts, electronics.rng, self._forced),
+            self._tables,
+            watch.arrays,
+            *(self._clock, signals.signals, self._scratch),
+            *(self._survey.arrays, self._looks.arrays),
+            (self._times_s, self._reporters, self._reports, self._ticks, self._met),
             self._trail,
         )
 

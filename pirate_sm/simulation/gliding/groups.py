@@ -17,6 +17,9 @@ generator of noise; the counts that defects show in place of those measured, NaN
 RobotRows: TypeAlias = tuple[Ints, Floats, Floats, Floats, Floats, Floats, Floats]
 """`boards`, `channels`, `derived`, `wheels`, `own`, `sensors`, `robot`."""
 
+Scratch: TypeAlias = tuple[Floats, Floats]
+"""As long as the signals, and the stack of :mod:`~pirate_sm.simulation.gliding.machine`."""
+
 Task: TypeAlias = tuple[Floats, Ints, Floats, Floats, Floats, Floats]
 """`slots`, `conditions`, the code of the conditions, the signals when the wait began, `duties`,
 `watch`."""

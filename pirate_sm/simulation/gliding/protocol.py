@@ -25,8 +25,8 @@ class GlidingPhysics(Protocol):
         This is one array as long as the physics exists.
         """
 
-    def glide(self, *arrays: Any) -> None:
-        """Let cycles pass; the arguments are those of ``xpbd.glide.glide`` from ``rolls`` on."""
+    def glide(self, *groups: Any) -> None:
+        """Let cycles pass; the arguments are those of ``xpbd.glide.glide`` from ``place`` on."""
 
-    def pass_cycles(self, *arrays: Any) -> None:
+    def pass_cycles(self, *groups: Any) -> None:
         """Let cycles pass with the duties in force; as for ``xpbd.glide.pass_cycles``."""

@@ -6,7 +6,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
-from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Task
+from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Scratch, Task
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.machine import value_of
 from pirate_sm.simulation.gliding.observing import (
@@ -89,7 +89,7 @@ def take_frame(
     task: Task,
     clock: Floats,
     signals: Floats,
-    scratch: tuple[Floats, Floats],
+    scratch: Scratch,
     posture: Posture,
     ticks: Floats,
     met: Ints,

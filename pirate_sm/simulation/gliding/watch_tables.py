@@ -11,6 +11,7 @@ from pirate_sm.engine.sensing.known_signals import MotorRequest
 from pirate_sm.expressions.bytecode import DEEPEST, Code, depth_of
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
+from pirate_sm.simulation.gliding.groups import Task
 
 
 class CodePool:
@@ -70,6 +71,14 @@ class WatchTables:
         self._asked: object = None
         self._of: Watch | None = None
         self._possible = False
+
+    @property
+    def arrays(self) -> Task:
+        """Return the arrays, as compiled functions take them."""
+        return (
+            *(self.slots, self.conditions, self.pool.code),
+            *(self.origin, self.duties, self.watch),
+        )
 
     def take(self, watch: Watch, asked: MotorRequest, until_s: float) -> bool:
         """Take a watch in; return whether the machine can keep it.

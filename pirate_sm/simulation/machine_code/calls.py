@@ -5,7 +5,7 @@ from __future__ import annotations
 import ctypes
 from collections.abc import Callable, Sequence
 from functools import partial
-from itertools import accumulate
+from itertools import accumulate, chain
 from operator import is_, itemgetter
 from typing import Any, TypeVar, cast
 
@@ -32,12 +32,15 @@ def callable_from_python(entry: EntryPoint, function: Any) -> Callable[..., Any]
     function.argtypes = [ctypes.c_void_p, *(_NUMBERS[each.kind] for each in entry.numbers)]
     if result is not None:
         function.argtypes.append(ctypes.c_void_p)
-    expected = len(entry.arguments)
-    arrays_of = _picker([i for i, each in enumerate(entry.arguments) if each.dimensions])
-    numbers_of = _picker([i for i, each in enumerate(entry.arguments) if not each.dimensions])
+    expected = len(entry.flat)
+    grouped = expected > len(entry.arguments)
+    arrays_of = _picker([i for i, each in enumerate(entry.flat) if each.dimensions])
+    numbers_of = _picker([i for i, each in enumerate(entry.flat) if not each.dimensions])
     places = _Places(entry)
 
     def call(*arguments: Any) -> Any:
+        if grouped:
+            arguments = tuple(chain.from_iterable(_members(each) for each in arguments))
         if len(arguments) != expected:
             raise TypeError(f"{entry.name} takes {expected} arguments, not {len(arguments)}")
         block = places.of(arrays_of(arguments))
@@ -54,6 +57,10 @@ def callable_from_python(entry: EntryPoint, function: Any) -> Callable[..., Any]
 
     call.again = partial(callable_from_python, entry, function)  # type: ignore[attr-defined]
     return call
+
+
+def _members(argument: Any) -> tuple[Any, ...]:
+    return argument if isinstance(argument, tuple) else (argument,)
 
 
 def own_call(function: _F) -> _F:
@@ -82,7 +89,7 @@ class _Places:
 
     def __init__(self, entry: EntryPoint) -> None:
         self._entry = entry
-        self._kinds = [each for each in entry.arguments if each.dimensions]
+        self._kinds = [each for each in entry.flat if each.dimensions]
         lengths = [1 + kind.dimensions for kind in self._kinds]
         self._starts = [0, *accumulate(lengths)]
         block = (ctypes.c_int64 * self._starts[-1])()
@@ -110,7 +117,7 @@ class _Places:
 
     def _wanted(self, index: int) -> str:
         kind = self._kinds[index]
-        number = [i for i, each in enumerate(self._entry.arguments, 1) if each.dimensions][index]
+        number = [i for i, each in enumerate(self._entry.flat, 1) if each.dimensions][index]
         return (
             f"argument {number} of {self._entry.name} must be {kind.kind} of {kind.dimensions} "
             "dimension(s), contiguous in C order, that can be written to"

@@ -31,17 +31,34 @@ ARRAYS = {
 
 SCALARS = ("float", "int", "bool")
 
+GROUPS = {
+    "Bars": "Floats1 Floats1 Floats2 Floats2 Floats2 Floats1 Floats1 Floats1 Ints1 int",
+    "Electronics": "Floats2 Floats1 Words1 Floats1",
+    "Looker": "Floats1 Floats2 Floats2 Floats2 Floats2 Floats1",
+    "Place": "Floats1 Floats1 Floats1 Floats1",
+    "Posture": "Floats2 Floats2 Floats1 Ints2 Floats2",
+    "RobotRows": "Ints2 Floats2 Floats2 Floats2 Floats2 Floats2 Floats1",
+    "Round": "Floats1 Floats1 Floats2 Floats2 Floats2 Floats2 Floats2 Floats1 Floats1"
+    " Floats1 Ints1 int",
+    "Scratch": "Floats1 Floats1",
+    "Taken": "Floats1 Ints1 Floats2 Floats2 Ints1",
+    "Task": "Floats2 Ints2 Floats2 Floats1 Floats2 Floats1",
+}
+"""What each group of arguments that is passed as one tuple consists of, by the name of its type."""
+
 
 class Argument(NamedTuple):
     """What an argument must be.
 
     Attributes:
-        kind: A key of `ARRAYS` or one of `SCALARS`.
-        dimensions: Of an array; 0 for a number.
+        kind: A key of `ARRAYS` or `GROUPS`, or one of `SCALARS`.
+        dimensions: Of an array; 0 for a number or a group.
+        members: Of a group.
     """
 
     kind: str
-    dimensions: int
+    dimensions: int = 0
+    members: tuple[Argument, ...] = ()
 
 
 class EntryPoint(NamedTuple):
@@ -62,9 +79,14 @@ class EntryPoint(NamedTuple):
     long: bool = False
 
     @property
+    def flat(self) -> tuple[Argument, ...]:
+        """Its arguments, with the members of each group in its place."""
+        return tuple(each for it in self.arguments for each in it.members or (it,))
+
+    @property
     def numbers(self) -> tuple[Argument, ...]:
-        """Those of its arguments that are no arrays."""
-        return tuple(each for each in self.arguments if not each.dimensions)
+        """Those of them that are no arrays."""
+        return tuple(each for each in self.flat if not each.dimensions)
 
     @property
     def symbol(self) -> str:
@@ -81,6 +103,7 @@ def entry_point(
         place: `module:name`.
         arguments: The annotations of the arguments in order; an array's with the number of its
             dimensions, such as `Floats2`. Arrays are contiguous, in C order, and may be written to.
+            The name of a group is a tuple.
         result: The annotation of the result.
         long: As in :class:`EntryPoint`.
 
@@ -90,13 +113,18 @@ def entry_point(
     module, _, name = place.partition(":")
     if result not in (*SCALARS, "None"):
         raise ValueError(f"{place}: {result!r} cannot be returned, only {', '.join(SCALARS)}")
-    taken = tuple(_argument(place, text) for text in arguments.replace(",", " ").split())
-    return EntryPoint(module, name, taken, result, long)
+    return EntryPoint(module, name, _arguments(place, arguments), result, long)
+
+
+def _arguments(place: str, texts: str) -> tuple[Argument, ...]:
+    return tuple(_argument(place, text) for text in texts.split())
 
 
 def _argument(place: str, text: str) -> Argument:
     if text in SCALARS:
-        return Argument(text, 0)
+        return Argument(text)
+    if text in GROUPS:
+        return Argument(text, members=_arguments(place, GROUPS[text]))
     kind, dimensions = text[:-1], text[-1:]
     if kind not in ARRAYS or dimensions not in "123":
         known = ", ".join((*SCALARS, *(f"{name}1, {name}2" for name in ARRAYS)))
@@ -104,37 +132,28 @@ def _argument(place: str, text: str) -> Argument:
     return Argument(kind, int(dimensions))
 
 
-_SCRATCH = "Floats1, Ints1, int"
-_BARS = f"Floats1, Floats1, Floats2, Floats2, Floats2, Floats1, Floats1, {_SCRATCH}"
-_ROUND = (
-    f"Floats1, Floats1, Floats2, Floats2, Floats2, Floats2, Floats2, Floats1, Floats1, {_SCRATCH}"
-)
-_PASSING = "Floats1, Floats1, Floats1, Ints2, Floats2, Floats1, Words1, Floats1"
 _GLIDING = (
-    f"{_PASSING}, Ints2, Floats2, "
-    "Floats2, Floats2, Floats2, Floats2, Floats1, Floats2, Ints2, Floats2, Floats1, "
-    "Floats2, Floats1, Floats1, Floats1, Floats1, Floats1, Floats2, Floats2, Floats1, "
-    "Ints2, Floats2, Floats1, Ints1, Floats2, Ints1, Floats2, Floats1, Floats2, "
-    "Floats2, Floats2, Floats2, Floats1, Floats2"
+    "Floats1 Place Ints2 Electronics RobotRows Task Floats1 Floats1 Scratch Posture Looker Taken "
+    "Floats2"
 )
-"""What a physics takes, what cycles take besides to pass, and what gliding takes."""
+_PASSING = "Place Ints2 Floats2 Floats1 Words1 Floats1"
+"""What gliding takes besides the chain, and what cycles take besides to pass."""
 
 ENTRY_POINTS = (
-    entry_point("pirate_sm.simulation.xpbd.kernel:advance", _BARS),
-    entry_point("pirate_sm.simulation.xpbd.glide:glide", f"{_BARS}, {_GLIDING}", long=True),
-    entry_point("pirate_sm.simulation.xpbd.glide:pass_cycles", f"{_BARS}, {_PASSING}", long=True),
-    entry_point("pirate_sm.simulation.xpbd.space.kernel:advance", _ROUND),
-    entry_point("pirate_sm.simulation.xpbd.space.glide:glide", f"{_ROUND}, {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.kernel:advance", GROUPS["Bars"]),
+    entry_point("pirate_sm.simulation.xpbd.glide:glide", f"Bars {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.glide:pass_cycles", f"Bars {_PASSING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.space.kernel:advance", GROUPS["Round"]),
+    entry_point("pirate_sm.simulation.xpbd.space.glide:glide", f"Round {_GLIDING}", long=True),
     entry_point(
-        "pirate_sm.simulation.xpbd.space.glide:pass_cycles", f"{_ROUND}, {_PASSING}", long=True
+        "pirate_sm.simulation.xpbd.space.glide:pass_cycles", f"Round {_PASSING}", long=True
     ),
     entry_point(
-        "pirate_sm.simulation.digitizing:digitize",
-        "Floats2, int, int, Floats1, Floats1, Words1",
+        "pirate_sm.simulation.digitizing:digitize", "Floats2 int int Floats1 Floats1 Words1"
     ),
     entry_point(
         "pirate_sm.experiments.reduced.kernel:simulate",
-        "Floats2, Floats1, Floats2, Floats2, Floats2, bool, int, Floats2, Floats2",
+        "Floats2 Floats1 Floats2 Floats2 Floats2 bool int Floats2 Floats2",
     ),
 )
 

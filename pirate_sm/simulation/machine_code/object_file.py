@@ -24,11 +24,17 @@ from numba.core import types
 from numba.core.compiler import Flags, compile_extra
 from numba.core.compiler_lock import global_compiler_lock
 from numba.core.registry import cpu_target
+from numba.core.types import containers
 from numba.np.arrayobj import populate_array
 
 from pirate_sm.simulation.machine_code.builder import SOURCES
 from pirate_sm.simulation.machine_code.built_library import MANIFEST
-from pirate_sm.simulation.machine_code.entry_points import ARRAYS, ENTRY_POINTS, EntryPoint
+from pirate_sm.simulation.machine_code.entry_points import (
+    ARRAYS,
+    ENTRY_POINTS,
+    Argument,
+    EntryPoint,
+)
 from pirate_sm.simulation.machine_code.sources import digest
 
 _NUMBERS = {
@@ -53,10 +59,7 @@ def write_object_file(into: Path) -> None:
 
 def _compile(entry: EntryPoint, context: Any, library: Any) -> Any:
     """Compile an entry point and what it calls into the library, as numba does on a first call."""
-    arguments = tuple(
-        types.Array(getattr(types, ARRAYS[kind].type), dims, "C") if dims else _NUMBERS[kind]
-        for kind, dims in entry.arguments
-    )
+    arguments = tuple(map(_type, entry.arguments))
     flags = Flags()
     flags.no_compile = flags.no_cpython_wrapper = flags.no_cfunc_wrapper = True
     # No function gets memory of its own: numba would count who uses each array, with locks.
@@ -65,6 +68,14 @@ def _compile(entry: EntryPoint, context: Any, library: Any) -> Any:
     function = getattr(importlib.import_module(entry.module), entry.name).py_func
     typing, result = cpu_target.typing_context, _NUMBERS[entry.result]
     return compile_extra(typing, context, function, arguments, result, flags, {}, library=library)
+
+
+def _type(argument: Argument) -> Any:
+    if argument.members:
+        return containers.Tuple(tuple(map(_type, argument.members)))
+    if argument.dimensions:
+        return types.Array(getattr(types, ARRAYS[argument.kind].type), argument.dimensions, "C")
+    return _NUMBERS[argument.kind]
 
 
 def _fronts(compiled: Sequence[Any], context: Any, library: Any) -> Any:
@@ -90,20 +101,23 @@ def _front(entry: EntryPoint, compiled: Any, context: Any, module: Any) -> None:
     builder = ir.IRBuilder(front.append_basic_block())
     places = (builder.gep(front.args[0], [ir.Constant(word, i)]) for i in count())
     words, given = map(builder.load, places), iter(front.args[1:])
-    values = []
-    for argument, kind in zip(entry.arguments, compiled.signature.args, strict=True):
+
+    def value(argument: Argument, kind: Any) -> Any:
+        if argument.members:
+            members = list(map(value, argument.members, kind.types))
+            return context.make_tuple(builder, kind, members)
         if argument.dimensions:
-            values.append(_array(words, kind, context, builder))
-        elif argument.kind == "bool":
-            values.append(builder.icmp_signed("!=", next(given), ir.Constant(word, 0)))
-        else:
-            values.append(next(given))
+            return _array(words, kind, context, builder)
+        if argument.kind == "bool":
+            return builder.icmp_signed("!=", next(given), ir.Constant(word, 0))
+        return next(given)
+
     status, result = context.call_conv.call_function(
         builder,
         context.declare_function(module, compiled.fndesc),
         compiled.signature.return_type,
         compiled.signature.args,
-        values,
+        list(map(value, entry.arguments, compiled.signature.args)),
     )
     if results:
         whole = builder.zext(result, word) if entry.result == "bool" else result

@@ -3,20 +3,85 @@
 from __future__ import annotations
 
 from types import ModuleType
+from typing import Any
 
+import numpy as np
+
+from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.machine_code import own_call
+from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.xpbd.chain import body_array
+from pirate_sm.simulation.xpbd.iterations import STEP_S, Effort
+
+# 1e5 N/m; with 1000 N/m a clamped V snaps through the wall. In space the ends of missions depend
+# on it [measured with benchmarks.space].
+_CONTACT_COMPLIANCE_M_N = 1e-5
+_ANCHOR_M = 2e-4
 
 
 class ChainWorld:
     """A chain in the arrays of a kernel.
 
+    A kind of it names the module of the columns and that of the compiled functions.
+
+    Args:
+        chain: The moving parts.
+        friction: Friction between wheels and walls.
+        cycle_s: Duration of a cycle.
+
     Attributes:
         body: The moving parts, `(wheels, BODY_COLUMNS)`.
+        duties: Duties in force: of joints, then of wheels.
     """
 
-    body: Floats
     _columns: ModuleType
-    _world: Floats
+    _functions: ModuleType
+
+    def __init__(self, chain: ChainBody, friction: Friction, cycle_s: float) -> None:
+        self.body: Floats = body_array(chain, friction)
+        self.duties: Floats = np.zeros(2 * chain.nodes)
+        self._steps = max(1, round(cycle_s / STEP_S))
+        self._world: Floats = np.zeros(self._columns.WORLD_ENTRIES)
+        self._world[self._columns.DT] = cycle_s / self._steps
+
+    def _fill(self, chain: ChainBody, effort: Effort, field_ut: tuple[float, ...]) -> None:
+        """Fill in what the kernels must know of any pipe."""
+        world, columns = self._world, self._columns
+        world[[columns.ITERATIONS, columns.LOOK, columns.PULL]] = effort
+        world[columns.RADIUS] = chain.wheel_radius_m
+        world[columns.HALF_THICKNESS] = chain.half_thickness_m
+        world[columns.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
+        world[columns.ANCHOR_MAX] = _ANCHOR_M
+        world[columns.BLOCK_NODE] = -1
+        world[columns.ROLL_LINK] = chain.roll_link
+        world[columns.ROLL_RATE] = chain.roll_rate_rad_s
+        world[columns.ROLL_STALL] = chain.roll_stall_nm
+        world[columns.MAG_X : columns.MAG_Z + 1] = field_ut
+
+    def _start(self, centres: Floats, *arrays: Any) -> None:
+        """Fill in the quantities of the start pose, in hardly any time.
+
+        Args:
+            centres: Those of the wheels, in the first of the arrays.
+            arrays: What the kernel takes before the number of steps.
+        """
+        self._chain, self._centres = (*arrays, self._steps), centres
+        self._glide = own_call(self._functions.glide)
+        self._pass_cycles = own_call(self._functions.pass_cycles)
+        self._functions.advance(*arrays, 1)
+
+    def advance(self) -> None:
+        """Simulate one cycle."""
+        self._functions.advance(*self._chain)
+
+    def glide(self, *groups: Any) -> None:
+        """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
+        self._glide(self._chain, self._centres, *groups)
+
+    def pass_cycles(self, *groups: Any) -> None:
+        """Let cycles pass with the duties in force; see `glide`."""
+        self._pass_cycles(self._chain, *groups)
 
     def turn_roll_to(self, angle_rad: float) -> None:
         """Set a new target for the roll joint."""

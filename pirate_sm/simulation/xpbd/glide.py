@@ -5,84 +5,61 @@ from __future__ import annotations
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.gliding.columns import T_CYCLES
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, passes_on
+from pirate_sm.simulation.gliding.groups import (
+    Electronics,
+    Looker,
+    Place,
+    Posture,
+    RobotRows,
+    Scratch,
+    Taken,
+    Task,
+)
 from pirate_sm.simulation.gliding.standing import stand
 from pirate_sm.simulation.machine_code import compiled
-from pirate_sm.simulation.xpbd.kernel import advance
+from pirate_sm.simulation.xpbd.kernel import Bars, advance
 
 
 @compiled
 def glide(
-    state: Floats,
-    command: Floats,
-    wheel_rows: Floats,
-    walls: Floats,
-    legs: Floats,
-    world: Floats,
-    quantities: Floats,
-    memory: Floats,
-    marks: Ints,
-    steps: int,
-    rolls: Floats,
-    arcs: Floats,
-    around: Floats,
+    chain: Bars,
+    centres: Floats,
+    place: Place,
     turns: Ints,
-    sources: Floats,
-    counts: Floats,
-    rng: Words,
-    forced: Floats,
-    boards: Ints,
-    channels: Floats,
-    derived: Floats,
-    wheels: Floats,
-    own: Floats,
-    sensors: Floats,
-    robot: Floats,
-    slots: Floats,
-    conditions: Ints,
-    code: Floats,
-    origin: Floats,
-    duties: Floats,
-    watch: Floats,
+    electronics: Electronics,
+    rows: RobotRows,
+    task: Task,
     clock: Floats,
     signals: Floats,
-    fresh: Floats,
-    stack: Floats,
-    chain: Floats,
-    parts: Floats,
-    body: Floats,
-    held: Ints,
-    surveyed: Floats,
-    times_s: Floats,
-    reporters: Ints,
-    reports: Floats,
-    met: Ints,
-    ticks: Floats,
-    looker: Floats,
-    points: Floats,
-    bends: Floats,
-    seen: Floats,
-    looks: Floats,
-    values: Floats,
+    scratch: Scratch,
+    posture: Posture,
+    sees: Looker,
+    taken: Taken,
     trail: Floats,
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
 
-    The first ten arguments are those of :func:`~pirate_sm.simulation.xpbd.kernel.advance`; the
-    others are in :mod:`~pirate_sm.simulation.gliding.groups` and `gliding/columns.py`.
+    Args:
+        chain: The arguments of :func:`~pirate_sm.simulation.xpbd.kernel.advance`.
+        centres: Those of the wheels, in the state of the chain.
+        place: See `groups.py`; so for the other groups.
+        turns: See `columns.py`; so for `clock` and `signals`.
+        electronics: The boards.
+        rows: The robot.
+        task: What is watched.
+        clock: Changed.
+        signals: Changed with each quiet frame.
+        scratch: See `goes_on`.
+        posture: For the survey of the pipe.
+        sees: What a detector looks at.
+        taken: Frames are added.
+        trail: Where the robot was after each cycle.
     """
-    electronics = sources, counts, rng, forced
-    rows = boards, channels, derived, wheels, own, sensors, robot
-    task = slots, conditions, code, origin, duties, watch
-    posture = chain, parts, body, held, surveyed
-    sees = looker, points, bends, seen, looks, values
-    taken = times_s, reporters, reports, ticks, met
-    centres = state[: 2 * arcs.shape[0]]
+    _, rolls, arcs, around = place
     stand(centres, rolls, clock[T_CYCLES], trail)
     while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
-        advance(state, command, wheel_rows, walls, legs, world, quantities, memory, marks, steps)
+        advance(*chain)
         stand(centres, rolls, clock[T_CYCLES], trail)
-        place = quantities, rolls, arcs, around
-        scratch = fresh, stack
         if not goes_on(
             place, turns, electronics, rows, task, clock, signals, scratch, posture, taken
         ):
@@ -91,19 +68,8 @@ def glide(
 
 @compiled
 def pass_cycles(
-    state: Floats,
-    command: Floats,
-    wheel_rows: Floats,
-    walls: Floats,
-    legs: Floats,
-    world: Floats,
-    quantities: Floats,
-    memory: Floats,
-    marks: Ints,
-    steps: int,
-    rolls: Floats,
-    arcs: Floats,
-    around: Floats,
+    chain: Bars,
+    place: Place,
     turns: Ints,
     sources: Floats,
     counts: Floats,
@@ -112,10 +78,10 @@ def pass_cycles(
 ) -> None:
     """Let cycles pass with the duties in force, until the surroundings act or all have passed.
 
-    The arguments are those of :func:`glide`; `span` is in `gliding/columns.py`.
+    The chain is that of :func:`glide`; the others are the arguments of `passes_on`.
     """
-    place = quantities, rolls, arcs, around
+    _, _, _, around = place
     while may_pass(span, around):
-        advance(state, command, wheel_rows, walls, legs, world, quantities, memory, marks, steps)
+        advance(*chain)
         if not passes_on(place, turns, sources, counts, rng, span):
             break

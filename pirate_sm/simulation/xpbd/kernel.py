@@ -12,6 +12,8 @@ what, for some substeps. Impulses are in kg m, that is force times the squared s
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
@@ -46,6 +48,10 @@ def scratch_arrays(wheels: int) -> tuple[Floats, Ints]:
         np.zeros(_AT_CORNERS * wheels + _CORNERS * col.K_COLUMNS + _FOOT),
         np.zeros(_AT_WHO_CORNERS * wheels + _CORNERS, dtype=np.int64),
     )
+
+
+Bars: TypeAlias = tuple[Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Ints, int]
+"""The arguments of :func:`advance`."""
 
 
 @compiled

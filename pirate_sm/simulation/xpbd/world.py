@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -13,18 +12,14 @@ from pirate_sm.geometry.space import Vector
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
-from pirate_sm.simulation.xpbd import columns, kernel
-from pirate_sm.simulation.xpbd.chain import ChainState, body_array
+from pirate_sm.simulation.xpbd import columns, glide, kernel
+from pirate_sm.simulation.xpbd.chain import ChainState
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
-from pirate_sm.simulation.xpbd.glide import glide, pass_cycles
-from pirate_sm.simulation.xpbd.iterations import EFFORTS, STEP_S, Effort
+from pirate_sm.simulation.xpbd.iterations import EFFORTS
 from pirate_sm.simulation.xpbd.pipe_arrays import gravity_along, leg_rows, wall_rows
 
-_CONTACT_COMPLIANCE_M_N = 1e-5  # 1e5 N/m; with 1000 N/m a clamped V snaps through the wall
-_ANCHOR_M = 2e-4
 # A horizontal magnetic field along the first leg and downwards, uT (central Europe).
 _FIELD_UT = (20.0, 0.0, 44.0)
 
@@ -42,11 +37,10 @@ class World(ChainWorld):
 
     Attributes:
         state: Positions, velocities and angles.
-        duties: Duties in force: of joints, then of wheels.
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
-    _columns = columns
+    _columns, _functions = columns, glide
 
     def __init__(
         self,
@@ -57,45 +51,30 @@ class World(ChainWorld):
         cycle_s: float,
         fidelity: Fidelity = USUAL,
     ) -> None:
+        super().__init__(chain, friction, cycle_s)
         n = chain.nodes
-        self.body: Floats = body_array(chain, friction)
         self.state = ChainState(n)
-        self.duties: Floats = np.zeros(2 * n)
         self.quantities: Floats = np.zeros(
             (columns.OUT_PER_WHEEL + columns.OUT_OWN) * n + columns.OUT_SINGLE
         )
         self._route = route
-        self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, route, cycle_s / self._steps, EFFORTS[fidelity])
+        self._fill(chain, EFFORTS[fidelity], _FIELD_UT)
+        self._world[columns.DEPTH] = route.pieces[0].diameter_m / 2.0
         self._legs = leg_rows(route)
-        self._arrays = (
-            *(self.state.array, self.duties, self.body, wall_rows(route), self._legs),
-            *(self._world, self.quantities, *kernel.scratch_arrays(n)),
-        )
         self.state.position[:] = [place[:2] for place in pose.places]
         self.state.bend[:] = pose.bends_rad
         self.state.motor[:] = pose.motors_rad
         self.state.roll[:] = pose.rolls_rad or (0.0, pose.roll_rad, pose.roll_rad)
-        self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
-        # This fills in the quantities of the start pose; hardly any time passes.
-        kernel.advance(*self._arrays, 1)
-
-    def advance(self) -> None:
-        """Simulate one cycle."""
-        kernel.advance(*self._arrays, self._steps)
+        self._start(
+            *(self.state.array[: 2 * n], self.state.array, self.duties, self.body),
+            *(wall_rows(route), self._legs, self._world, self.quantities),
+            *kernel.scratch_arrays(n),
+        )
 
     @property
     def roll_angles(self) -> Floats:
         """Angle of the roll joint, then the roll of the parts ahead and behind, rad."""
         return self.state.roll
-
-    def glide(self, *arrays: Any) -> None:
-        """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
-        self._glide(*self._arrays, self._steps, *arrays)
-
-    def pass_cycles(self, *arrays: Any) -> None:
-        """Let cycles pass with the duties in force; see `glide`."""
-        self._pass_cycles(*self._arrays, self._steps, *arrays)
 
     def places(self) -> Sequence[Vector]:
         """Return the centre of each wheel in the drawing of the pipe, m; z is 0."""
@@ -118,20 +97,3 @@ class World(ChainWorld):
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
         self._legs[:, columns.L_GT :] = [gravity_along(piece, up) for piece in self._route.pieces]
-
-
-def _constants(chain: ChainBody, route: Route, dt: float, effort: Effort) -> Floats:
-    world = np.zeros(columns.WORLD_ENTRIES)
-    world[columns.DT] = dt
-    world[[columns.ITERATIONS, columns.LOOK, columns.PULL]] = effort
-    world[columns.RADIUS] = chain.wheel_radius_m
-    world[columns.HALF_THICKNESS] = chain.half_thickness_m
-    world[columns.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
-    world[columns.ANCHOR_MAX] = _ANCHOR_M
-    world[columns.DEPTH] = route.pieces[0].diameter_m / 2.0
-    world[columns.BLOCK_NODE] = -1
-    world[columns.ROLL_LINK] = chain.roll_link
-    world[columns.ROLL_RATE] = chain.roll_rate_rad_s
-    world[columns.ROLL_STALL] = chain.roll_stall_nm
-    world[columns.MAG_X : columns.MAG_Z + 1] = _FIELD_UT
-    return world

@@ -147,9 +147,8 @@ def test_other_threads_go_on_while_cycles_pass(profile: Profile, pipe: str) -> N
     arrays = electronics.channels, electronics.counts, electronics.rng, span
     most = 4e6
     span[col.X_UNTIL] = most
-    let: Callable[[], None] = partial(
-        physics.pass_cycles, physics.roll_angles, robot.arcs, around, turns, *arrays
-    )
+    place = physics.quantities, physics.roll_angles, robot.arcs, around
+    let: Callable[[], None] = partial(physics.pass_cycles, place, turns, *arrays)
     passing = Thread(target=let)
     passing.start()
     while passing.is_alive() and span[col.X_CYCLES] == 0.0:

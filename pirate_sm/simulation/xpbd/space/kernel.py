@@ -18,6 +18,8 @@ The method is that of the planar kernel (`xpbd/kernel.py`). What space adds:
 
 from __future__ import annotations
 
+from typing import TypeAlias
+
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
@@ -70,6 +72,12 @@ def scratch_arrays(wheels: int, solids: int, edges: int) -> tuple[Floats, Ints]:
         np.zeros(_AT_PARTS * wheels + single),
         np.zeros((_AT_NEAR + solids + 2 * edges) * wheels, dtype=np.int64),
     )
+
+
+Round: TypeAlias = tuple[
+    Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Floats, Ints, int
+]
+"""The arguments of :func:`advance`."""
 
 
 @compiled

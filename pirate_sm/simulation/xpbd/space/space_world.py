@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 
@@ -12,21 +11,15 @@ from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import lying, normals_of
-from pirate_sm.simulation.xpbd.chain import body_array
 from pirate_sm.simulation.xpbd.chain_world import ChainWorld
-from pirate_sm.simulation.xpbd.iterations import EFFORTS, STEP_S, Effort
-from pirate_sm.simulation.xpbd.space import columns, kernel
-from pirate_sm.simulation.xpbd.space.glide import glide, pass_cycles
+from pirate_sm.simulation.xpbd.iterations import EFFORTS
+from pirate_sm.simulation.xpbd.space import columns, glide, kernel
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.space.space_state import SpaceState
 
-# 1e5 N/m as in the plane: the ends of missions depend on it [measured with benchmarks.space].
-_CONTACT_COMPLIANCE_M_N = 1e-5
-_ANCHOR_M = 2e-4
 # A horizontal magnetic field along the first leg and against its normal, uT (central Europe).
 _FIELD_UT = (20.0, 0.0, -44.0)
 
@@ -44,11 +37,10 @@ class SpaceWorld(ChainWorld):
 
     Attributes:
         state: Positions, velocities and angles.
-        duties: Duties in force: of joints, then of wheels.
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
-    _columns = columns
+    _columns, _functions = columns, glide
 
     def __init__(
         self,
@@ -59,47 +51,43 @@ class SpaceWorld(ChainWorld):
         cycle_s: float,
         fidelity: Fidelity = USUAL,
     ) -> None:
+        super().__init__(chain, friction, cycle_s)
         n = chain.nodes
-        self.body: Floats = body_array(chain, friction)
         self.state = SpaceState(n)
-        self.duties: Floats = np.zeros(2 * n)
         own = columns.OUT_PER_WHEEL * n + columns.OUT_SINGLE
         self.quantities: Floats = np.zeros(own + columns.OUT_OWN)
         self._own = self.quantities[own:]
         self._route = route
-        self._steps = max(1, round(cycle_s / STEP_S))
-        self._world = _constants(chain, cycle_s / self._steps, EFFORTS[fidelity])
+        self._fill(chain, EFFORTS[fidelity], _FIELD_UT)
+        link = self._fill_roll_joint(chain)
         self.turn_gravity(route.up)
+        places = pose.places if pose.rolls_rad else lying(pose, chain, route)
+        self.state.take(pose, places, normals_of(pose, route, link))
         shape = shape_of(route)
-        self._arrays = (
-            *(self.state.array, self.duties, self.body),
-            *shape,
+        self._start(
+            *(self.state.array[: 3 * n], self.state.array, self.duties, self.body, *shape),
             *(self._world, self.quantities),
             *kernel.scratch_arrays(n, len(shape.solids), len(shape.edges)),
         )
-        places = pose.places if pose.rolls_rad else lying(pose, chain, route)
-        link = int(self._world[columns.ROLL_LINK])
-        self.state.take(pose, places, normals_of(pose, route, link))
-        self._glide, self._pass_cycles = own_call(glide), own_call(pass_cycles)
-        # This fills in the quantities of the start pose; hardly any time passes.
-        kernel.advance(*self._arrays, 1)
 
-    def advance(self) -> None:
-        """Simulate one cycle."""
-        kernel.advance(*self._arrays, self._steps)
+    def _fill_roll_joint(self, chain: ChainBody) -> int:
+        """Fill in the roll joint; return its link.
+
+        A chain without a roll joint has one that stands still, in the middle.
+        """
+        link = chain.roll_link if chain.roll_link >= 0 else (chain.nodes - 2) // 2
+        if chain.roll_link < 0:
+            self._world[columns.ROLL_RATE] = 0.0
+        self._world[columns.ROLL_LINK] = link
+        self._world[columns.INERTIA_FRONT] = _roll_inertia(chain, 0, link)
+        self._world[columns.INERTIA_REAR] = _roll_inertia(chain, link + 1, chain.nodes - 1)
+        self._world[columns.IMU_LINK] = max(chain.roll_link, 0)
+        return link
 
     @property
     def roll_angles(self) -> Floats:
         """Angle of the roll joint, then the roll of the parts ahead and behind, rad."""
         return self._own[: columns.OUT_DEEPEST]
-
-    def glide(self, *arrays: Any) -> None:
-        """Let cycles pass; see :class:`~pirate_sm.simulation.gliding.protocol.GlidingPhysics`."""
-        self._glide(*self._arrays, self._steps, *arrays)
-
-    def pass_cycles(self, *arrays: Any) -> None:
-        """Let cycles pass with the duties in force; see `glide`."""
-        self._pass_cycles(*self._arrays, self._steps, *arrays)
 
     def places(self) -> Sequence[Vector]:
         """Return the centre of each wheel in the drawing of the pipe, m."""
@@ -126,27 +114,6 @@ class SpaceWorld(ChainWorld):
     def turn_gravity(self, up: Vector) -> None:
         """Let gravity pull against this unit vector from now on."""
         self._world[columns.G_X : columns.G_Z + 1] = [-GRAVITY_M_S2 * each for each in up]
-
-
-def _constants(chain: ChainBody, dt: float, effort: Effort) -> Floats:
-    world = np.zeros(columns.WORLD_ENTRIES)
-    # A chain without a roll joint has one that stands still, in the middle.
-    link = chain.roll_link if chain.roll_link >= 0 else (chain.nodes - 2) // 2
-    world[columns.DT] = dt
-    world[[columns.ITERATIONS, columns.LOOK, columns.PULL]] = effort
-    world[columns.RADIUS] = chain.wheel_radius_m
-    world[columns.HALF_THICKNESS] = chain.half_thickness_m
-    world[columns.CONTACT_COMPLIANCE] = _CONTACT_COMPLIANCE_M_N
-    world[columns.ANCHOR_MAX] = _ANCHOR_M
-    world[columns.MAG_X : columns.MAG_Z + 1] = _FIELD_UT
-    world[columns.BLOCK_NODE] = -1
-    world[columns.ROLL_LINK] = link
-    world[columns.ROLL_RATE] = chain.roll_rate_rad_s if chain.roll_link >= 0 else 0.0
-    world[columns.ROLL_STALL] = chain.roll_stall_nm
-    world[columns.INERTIA_FRONT] = _roll_inertia(chain, 0, link)
-    world[columns.INERTIA_REAR] = _roll_inertia(chain, link + 1, chain.nodes - 1)
-    world[columns.IMU_LINK] = max(chain.roll_link, 0)
-    return world
 
 
 def _roll_inertia(chain: ChainBody, first: int, last: int) -> float:
