@@ -117,7 +117,7 @@ def entry_point(
 
 
 def _arguments(place: str, texts: str) -> tuple[Argument, ...]:
-    return tuple(_argument(place, text) for text in texts.split())
+    return tuple(_argument(place, text) for text in texts.replace(",", " ").split())
 
 
 def _argument(place: str, text: str) -> Argument:

@@ -41,18 +41,17 @@ OUT_PER_WHEEL = 9
 OUT_SINGLE = 8
 OUT_OWN = 2
 
-# Scratch columns per wheel.
-(
-    X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, J_C, J_D, J_W, J_INV, J_LAM,
-    J_FRICTION, J_STOP, G_X, G_Y, SPIN, FORCE, SLOPE, LINK_SCALE,
-    J_RESISTS, DRAG,
-) = range(25)  # fmt: skip
+# Scratch columns per wheel. Those of joints and motors come first, as in space, which uses the same
+# functions for them.
+J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(8)
+SPIN, FORCE, SLOPE, LINK_SCALE = range(8, 12)
+X0, Y0, LEVER_X, LEVER_Y, GA_X, GA_Y, GM_X, GM_Y, GB_X, GB_Y, G_X, G_Y, DRAG = range(12, 25)
 NODE_COLUMNS = 25
 # Sums per wheel over the substeps of a call.
 T_PRESS, T_DRIVE, T_GRIP, T_TORQUE, T_CURRENT, T_COLUMNS = range(6)
 # Scratch columns per contact, and per link at an inner corner.
 (
-    NX, NY, GAP, PUSH, GI_X, GI_Y, GO_X, GO_Y, N_INV, T_INV, ROLLING, TARGET, C_SLOPE, C_MU,
+    NX, NY, N_INV, GAP, PUSH, GI_X, GI_Y, GO_X, GO_Y, T_INV, ROLLING, TARGET, C_SLOPE, C_MU,
     C_FORCE,
 ) = range(15)  # fmt: skip
 CONTACT_COLUMNS = 15

@@ -12,10 +12,30 @@ from pirate_sm.simulation.xpbd.contacts import rolled_m
 # The motor side of a spring may wind this far beyond the joint's own end stop.
 _WINDING_RAD = 0.6
 # Share of its limit from which a force counts as having reached it.
-_REACHED = 0.9999
+REACHED = 0.9999
 # A part that lies in the pipe presses with up to its weight, and little more where its joints still
 # bear some torque. A part that was clamped and is relaxed presses with at least 4 weights.
 _LYING_WEIGHTS = 2.0
+
+
+@compiled
+def prepare_motors(n: int, command: Floats, body: Floats, world: Floats, w: Floats) -> None:
+    """Set what is constant during a call: limits of motors, compliances of joints, of links."""
+    dt = world[col.DT]
+    radius = world[col.RADIUS]
+    for i in range(n):
+        duty = command[n + i]
+        w[i, col.SPIN] = duty * body[i, col.WHEEL_RATE] * dt
+        w[i, col.SLOPE] = 0.0
+        w[i, col.FORCE] = body[i, col.WHEEL_HOLD] / radius * dt * dt
+        if duty != 0.0:
+            w[i, col.FORCE] = body[i, col.WHEEL_STALL] / radius * dt * dt
+            w[i, col.SLOPE] = body[i, col.WHEEL_RATE] * radius**2 / (body[i, col.WHEEL_STALL] * dt)
+        w[i, col.J_C] = 1.0 / (body[i, col.JOINT_K] * dt * dt)
+        w[i, col.J_D] = body[i, col.JOINT_DAMPING] / (body[i, col.JOINT_K] * dt)
+        if i < n - 1:
+            both = body[i, col.MASS_INV] + body[i + 1, col.MASS_INV]
+            w[i, col.LINK_SCALE] = 0.5 / (body[i, col.LINK_LENGTH] ** 2 * both)
 
 
 @compiled
@@ -46,7 +66,7 @@ def turn_motor(
 
 
 @compiled
-def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: Floats) -> None:
+def strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: Floats) -> None:
     """Write the strongest wall contact of each wheel to `touch`, -1 without any."""
     for i in range(n):
         touch[i] = -1
@@ -80,7 +100,7 @@ def turn_wheels(
     """
     radius = world[col.RADIUS]
     bound = world[col.ANCHOR_MAX]
-    _strongest(n, count, con, who, touch, tally)
+    strongest(n, count, con, who, touch, tally)
     anchor[:] = 0.0
     for c in range(count):
         if con[c, col.PUSH] <= 0.0 or who[c, col.KEY] < 0:
@@ -92,8 +112,8 @@ def turn_wheels(
         tally[i, col.T_DRIVE] += abs(force)
         tally[i, col.T_GRIP] += force
         friction = con[c, col.C_MU] * con[c, col.PUSH]
-        stalled = con[c, col.C_FORCE] < friction and abs(force) >= _REACHED * con[c, col.C_FORCE]
-        slips = abs(left) >= bound and not stalled and abs(force) >= _REACHED * friction
+        stalled = con[c, col.C_FORCE] < friction and abs(force) >= REACHED * con[c, col.C_FORCE]
+        slips = abs(left) >= bound and not stalled and abs(force) >= REACHED * friction
         if not stalled:
             most = bound if slips else col.STUCK * bound
             anchor[i, who[c, col.KEY]] = min(max(left, -most), most)

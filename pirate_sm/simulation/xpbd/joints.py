@@ -22,7 +22,7 @@ def turned_rad(i: int, pos: Floats, w: Floats) -> float:
 
 
 @compiled
-def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
+def resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
     """Return the impulse that a joint's dry friction and end stops add after it has turned."""
     added = 0.0
     if body[i, col.JOINT_FRICTION] > 0.0:
@@ -51,7 +51,7 @@ def solve_joints(
         w[i, col.J_LAM] += delta
         turned += w[i, col.J_W] * delta
         if w[i, col.J_RESISTS] != 0.0:
-            delta += _resist(i, turned, bend[i], body, dt2, w)
+            delta += resist(i, turned, bend[i], body, dt2, w)
         step = body[i - 1, col.MASS_INV] * delta
         pos[i - 1, 0] += step * w[i, col.GA_X]
         pos[i - 1, 1] += step * w[i, col.GA_Y]

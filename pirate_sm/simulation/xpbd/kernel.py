@@ -97,13 +97,12 @@ def advance(
     roll = state[col.S_ROLL * n : col.S_ROLL * n + 3]
     w = scratch[: _AT_TALLY * n].reshape(n, col.NODE_COLUMNS)
     tally = scratch[_AT_TALLY * n : _AT_CONTACTS * n].reshape(n, col.T_COLUMNS)
-    con = scratch[_AT_CONTACTS * n : _AT_CORNERS * n].reshape(
-        _CONTACTS_EACH * n, col.CONTACT_COLUMNS
-    )
+    most = _CONTACTS_EACH * n
+    con = scratch[_AT_CONTACTS * n : _AT_CORNERS * n].reshape(most, col.CONTACT_COLUMNS)
     at = _AT_CORNERS * n + _CORNERS * col.K_COLUMNS
     cor = scratch[_AT_CORNERS * n : at].reshape(_CORNERS, col.K_COLUMNS)
     hit = scratch[at : at + _FOOT]
-    who = marks[: _AT_TOUCH * n].reshape(_CONTACTS_EACH * n, 3)
+    who = marks[: _AT_TOUCH * n].reshape(most, 3)
     touch = marks[_AT_TOUCH * n : _AT_WHO_CORNERS * n]
     at_corner = marks[_AT_WHO_CORNERS * n : _AT_WHO_CORNERS * n + _CORNERS]
     tally[:] = 0.0

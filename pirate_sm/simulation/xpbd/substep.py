@@ -9,7 +9,7 @@ from pirate_sm.simulation.machine_code import compiled
 from pirate_sm.simulation.xpbd import columns as col
 from pirate_sm.simulation.xpbd.contacts import aim
 from pirate_sm.simulation.xpbd.corners import clear
-from pirate_sm.simulation.xpbd.driving import lies, turn_motor
+from pirate_sm.simulation.xpbd.driving import lies, prepare_motors, turn_motor
 from pirate_sm.simulation.xpbd.joints import turned_rad
 
 # A joint farther from its end stops than this cannot reach them in one substep.
@@ -28,8 +28,8 @@ def prepare(
     w: Floats,
 ) -> None:
     """Set what is constant during a call: gravity, motor limits, compliances."""
+    prepare_motors(n, command, body, world, w)
     dt = world[col.DT]
-    radius = world[col.RADIUS]
     leg_of = (col.OUT_PER_WHEEL + 1) * n + col.OUT_SINGLE
     front, rear = roll[1], roll[2]
     if front != rear:
@@ -51,18 +51,6 @@ def prepare(
         # A wheel that presses on no wall lies on the floor and drags by its weight.
         floor = abs(leg[col.L_GN] * np.sin(part) + leg[col.L_GB] * np.cos(part))
         w[i, col.DRAG] = body[i, col.MU_KINETIC] * floor * dt if out[6 * n + i] == 0.0 else 0.0
-        duty = command[n + i]
-        w[i, col.SPIN] = duty * body[i, col.WHEEL_RATE] * dt
-        w[i, col.SLOPE] = 0.0
-        w[i, col.FORCE] = body[i, col.WHEEL_HOLD] / radius * dt * dt
-        if duty != 0.0:
-            w[i, col.FORCE] = body[i, col.WHEEL_STALL] / radius * dt * dt
-            w[i, col.SLOPE] = body[i, col.WHEEL_RATE] * radius**2 / (body[i, col.WHEEL_STALL] * dt)
-        w[i, col.J_C] = 1.0 / (body[i, col.JOINT_K] * dt * dt)
-        w[i, col.J_D] = body[i, col.JOINT_DAMPING] / (body[i, col.JOINT_K] * dt)
-        if i < n - 1:
-            both = body[i, col.MASS_INV] + body[i + 1, col.MASS_INV]
-            w[i, col.LINK_SCALE] = 0.5 / (body[i, col.LINK_LENGTH] ** 2 * both)
 
 
 @compiled

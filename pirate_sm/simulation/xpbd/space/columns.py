@@ -68,12 +68,12 @@ OUT_SINGLE = 8
 OUT_ROLL, OUT_ROLL_FRONT, OUT_ROLL_REAR, OUT_DEEPEST = range(4)
 OUT_OWN = 4
 
-# Scratch columns per wheel: the link behind it, its levers in the planes of its two ends, gradients
-# of its joint, and what is constant in a call.
-D_X, D_Y, D_Z, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(9)
-GA_X, GA_Y, GA_Z, GM_X, GM_Y, GM_Z, GB_X, GB_Y, GB_Z = range(9, 18)
-J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(18, 26)
-SPIN, FORCE, SLOPE, LINK_SCALE = range(26, 30)
+# Scratch columns per wheel: its joint and its motors, as in the plane; the link behind it, its
+# levers in the planes of its two ends, gradients of its joint.
+J_C, J_D, J_W, J_INV, J_LAM, J_FRICTION, J_STOP, J_RESISTS = range(8)
+SPIN, FORCE, SLOPE, LINK_SCALE = range(8, 12)
+D_X, D_Y, D_Z, LF_X, LF_Y, LF_Z, LR_X, LR_Y, LR_Z = range(12, 21)
+GA_X, GA_Y, GA_Z, GM_X, GM_Y, GM_Z, GB_X, GB_Y, GB_Z = range(21, 30)
 # Coplanarity of the link behind the wheel: value, share of the roll link's tilt, of the roll,
 # inverse mass, impulse.
 P_C, P_TILT, P_ROLL, P_INV, P_LAM = range(30, 35)

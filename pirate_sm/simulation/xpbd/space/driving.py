@@ -1,4 +1,4 @@
-"""Motors of joints, wheels and the roll joint, and what they turn."""
+"""The motors of wheels and of the roll joint, and what they turn."""
 
 from __future__ import annotations
 
@@ -6,38 +6,8 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.xpbd.driving import REACHED, strongest
 from pirate_sm.simulation.xpbd.space import columns as col
-
-# The motor side of a spring may wind this far beyond the joint's own end stop.
-_WINDING_RAD = 0.6
-_REACHED = 0.9999
-
-
-@compiled
-def turn_motor(
-    i: int,
-    duty: float,
-    bend: Floats,
-    motor: Floats,
-    body: Floats,
-    dt: float,
-    w: Floats,
-    tally: Floats,
-) -> None:
-    """Turn the motor of a joint by one substep, and zero the joint's impulses.
-
-    It turns at rate * (duty - torque / stall torque) and is never driven back.
-    """
-    rate = duty - body[i, col.JOINT_K] * (motor[i] - bend[i]) / body[i, col.JOINT_STALL]
-    rate = min(max(rate, min(duty, 0.0)), max(duty, 0.0))
-    turned = motor[i] + body[i, col.JOINT_RATE] * rate * dt
-    motor[i] = min(
-        max(turned, body[i, col.JOINT_MIN] - _WINDING_RAD), body[i, col.JOINT_MAX] + _WINDING_RAD
-    )
-    tally[i, col.T_CURRENT] += abs(duty - rate)
-    w[i, col.J_LAM] = 0.0
-    w[i, col.J_FRICTION] = 0.0
-    w[i, col.J_STOP] = 0.0
 
 
 @compiled
@@ -91,19 +61,6 @@ def _crept(c: int, rolled: float, con: Floats) -> float:
 
 
 @compiled
-def _strongest(n: int, count: int, con: Floats, who: Ints, touch: Ints, tally: Floats) -> None:
-    """Write the strongest wall contact of each wheel to `touch`, -1 without any."""
-    for i in range(n):
-        touch[i] = -1
-    for c in range(count):
-        i = who[c, col.NODE]
-        if con[c, col.PUSH] > 0.0 and who[c, col.SURFACE] >= 0:
-            tally[i, col.T_PRESS] += con[c, col.PUSH]
-            if touch[i] < 0 or con[c, col.PUSH] > con[touch[i], col.PUSH]:
-                touch[i] = c
-
-
-@compiled
 def _remember(anchor: Floats, surface: float, drive: float, side: float) -> None:
     """Keep what a wheel has left unsolved at a surface, where there is room."""
     for k in range(0, 3 * col.ANCHORS, 3):
@@ -135,7 +92,7 @@ def turn_wheels(
     stalled wheel keeps no anchor along its drive.
     """
     bound = world[col.ANCHOR_MAX]
-    _strongest(n, count, con, who, touch, tally)
+    strongest(n, count, con, who, touch, tally)
     anchor[:] = 0.0
     for c in range(count):
         if con[c, col.PUSH] <= 0.0 or who[c, col.SURFACE] < 0:
@@ -153,12 +110,12 @@ def turn_wheels(
         tally[i, col.T_DRIVE] += abs(drive) * con[c, col.K_RADIUS]
         tally[i, col.T_GRIP] += drive
         friction = con[c, col.K_MU] * con[c, col.PUSH]
-        stalled = con[c, col.K_FORCE] < friction and abs(drive) >= _REACHED * con[c, col.K_FORCE]
+        stalled = con[c, col.K_FORCE] < friction and abs(drive) >= REACHED * con[c, col.K_FORCE]
         if stalled:
             left = 0.0
         away = np.sqrt(left * left + aside * aside)
         force = np.sqrt(drive * drive + side * side)
-        slips = away >= bound and force >= _REACHED * friction
+        slips = away >= bound and force >= REACHED * friction
         most = bound if slips else col.STUCK * bound
         if away > most:
             left *= most / away

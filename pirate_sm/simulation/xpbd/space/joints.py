@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.xpbd.joints import resist
 from pirate_sm.simulation.xpbd.space import columns as col
 
 
@@ -24,24 +25,6 @@ def turned_rad(i: int, mov: Floats, w: Floats) -> float:
 
 
 @compiled
-def _resist(i: int, turned: float, bend: float, body: Floats, dt2: float, w: Floats) -> float:
-    """Return the impulse that a joint's dry friction and end stops add after it has turned."""
-    added = 0.0
-    if body[i, col.JOINT_FRICTION] > 0.0:
-        limit = body[i, col.JOINT_FRICTION] * dt2
-        new = min(max(w[i, col.J_FRICTION] - turned / w[i, col.J_W], -limit), limit)
-        added = new - w[i, col.J_FRICTION]
-        w[i, col.J_FRICTION] = new
-    angle = bend + turned + added * w[i, col.J_W]
-    old = w[i, col.J_STOP]
-    if angle > body[i, col.JOINT_MAX] or old < 0.0:
-        w[i, col.J_STOP] = min(0.0, old - (angle - body[i, col.JOINT_MAX]) / w[i, col.J_W])
-    elif angle < body[i, col.JOINT_MIN] or old > 0.0:
-        w[i, col.J_STOP] = max(0.0, old - (angle - body[i, col.JOINT_MIN]) / w[i, col.J_W])
-    return float(added + w[i, col.J_STOP] - old)
-
-
-@compiled
 def solve_joints(
     n: int, mov: Floats, bend: Floats, motor: Floats, body: Floats, dt2: float, w: Floats
 ) -> None:
@@ -53,7 +36,7 @@ def solve_joints(
         w[i, col.J_LAM] += delta
         turned += w[i, col.J_W] * delta
         if w[i, col.J_RESISTS] != 0.0:
-            delta += _resist(i, turned, bend[i], body, dt2, w)
+            delta += resist(i, turned, bend[i], body, dt2, w)
         step = body[i - 1, col.MASS_INV] * delta
         mov[i - 1, 0] += step * w[i, col.GA_X]
         mov[i - 1, 1] += step * w[i, col.GA_Y]

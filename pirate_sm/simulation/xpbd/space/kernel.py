@@ -24,6 +24,7 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.xpbd.driving import prepare_motors
 from pirate_sm.simulation.xpbd.space import columns as col
 from pirate_sm.simulation.xpbd.space.contacts import find_contacts, prepare_contacts, solve_contacts
 from pirate_sm.simulation.xpbd.space.driving import turn_roll_motor, turn_wheels
@@ -37,7 +38,7 @@ from pirate_sm.simulation.xpbd.space.planes import (
     stand,
 )
 from pirate_sm.simulation.xpbd.space.sensing import feel, project
-from pirate_sm.simulation.xpbd.space.substep import begin, go_on, predict, prepare
+from pirate_sm.simulation.xpbd.space.substep import begin, go_on, predict
 from pirate_sm.simulation.xpbd.space.walls import look_around
 
 _CONTACTS_EACH = 4
@@ -128,15 +129,14 @@ def advance(
     mov = scratch[_AT_MOVED * n : _AT_TALLY * n].reshape(n, 3)
     tally = scratch[_AT_TALLY * n : _AT_OFF * n].reshape(n, col.T_COLUMNS)
     off = scratch[_AT_OFF * n : _AT_CONTACTS * n].reshape(2, n)
-    con = scratch[_AT_CONTACTS * n : _AT_LEANING * n].reshape(
-        _CONTACTS_EACH * n, col.CONTACT_COLUMNS
-    )
+    most = _CONTACTS_EACH * n
+    con = scratch[_AT_CONTACTS * n : _AT_LEANING * n].reshape(most, col.CONTACT_COLUMNS)
     cor = scratch[_AT_LEANING * n : _AT_PARTS * n].reshape(2 * n, col.K_COLUMNS)
     at = _AT_PARTS * n + 2 * col.PART_COLUMNS
     parts = scratch[_AT_PARTS * n : at].reshape(2, col.PART_COLUMNS)
     hit = scratch[at : at + _FOOT]
     spot = scratch[at + _FOOT : at + _FOOT + _SPOT]
-    who = marks[: _AT_WHO_LEANS * n].reshape(_CONTACTS_EACH * n, 4)
+    who = marks[: _AT_WHO_LEANS * n].reshape(most, 4)
     leaning = marks[_AT_WHO_LEANS * n : _AT_TOUCH * n]
     touch = marks[_AT_TOUCH * n : _AT_NEARS * n]
     nears = marks[_AT_NEARS * n : _AT_RIMS * n]
@@ -155,14 +155,12 @@ def advance(
     vx, vy, vz = vel[imu, 0], vel[imu, 1], vel[imu, 2]
     parts[0, col.N_INV_I] = 1.0 / world[col.INERTIA_FRONT]
     parts[1, col.N_INV_I] = 1.0 / world[col.INERTIA_REAR]
-    prepare(n, command, body, world, w)
+    prepare_motors(n, command, body, world, w)
     look_around(
         n, pos, vel, body, solids, edges, points, world, passed, near, nears, rims, rim_at, link_at
     )
-    current = 0.0
-    deepest = 0.0
-    count = 0
-    leans = 0
+    current, deepest = 0.0, 0.0
+    count, leans = 0, 0
     for step in range(steps):
         if step % int(world[col.LOOK]) == 0:
             stand(pos, roll, world, parts)

@@ -1,4 +1,4 @@
-"""How a call and each of its substeps begin, before anything is pulled or pushed."""
+"""How each substep begins, before anything is pulled or pushed."""
 
 from __future__ import annotations
 
@@ -6,34 +6,14 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.xpbd.driving import turn_motor
 from pirate_sm.simulation.xpbd.space import columns as col
 from pirate_sm.simulation.xpbd.space.contacts import press, recall
-from pirate_sm.simulation.xpbd.space.driving import turn_motor
 from pirate_sm.simulation.xpbd.space.joints import turned_rad
 from pirate_sm.simulation.xpbd.space.leaning import clear
 
 # A joint farther from its end stops than this cannot reach them in one substep.
 _STOP_RAD = 0.1
-
-
-@compiled
-def prepare(n: int, command: Floats, body: Floats, world: Floats, w: Floats) -> None:
-    """Set what is constant during a call: motor limits, compliances."""
-    dt = world[col.DT]
-    radius = world[col.RADIUS]
-    for i in range(n):
-        duty = command[n + i]
-        w[i, col.SPIN] = duty * body[i, col.WHEEL_RATE] * dt
-        w[i, col.SLOPE] = 0.0
-        w[i, col.FORCE] = body[i, col.WHEEL_HOLD] / radius * dt * dt
-        if duty != 0.0:
-            w[i, col.FORCE] = body[i, col.WHEEL_STALL] / radius * dt * dt
-            w[i, col.SLOPE] = body[i, col.WHEEL_RATE] * radius**2 / (body[i, col.WHEEL_STALL] * dt)
-        w[i, col.J_C] = 1.0 / (body[i, col.JOINT_K] * dt * dt)
-        w[i, col.J_D] = body[i, col.JOINT_DAMPING] / (body[i, col.JOINT_K] * dt)
-        if i < n - 1:
-            both = body[i, col.MASS_INV] + body[i + 1, col.MASS_INV]
-            w[i, col.LINK_SCALE] = 0.5 / (body[i, col.LINK_LENGTH] ** 2 * both)
 
 
 @compiled
