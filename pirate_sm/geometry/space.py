@@ -127,6 +127,12 @@ def scaled(factor: float, vector: Vector) -> Vector:
     return factor * vector[0], factor * vector[1], factor * vector[2]
 
 
+def crossed(one: Vector, other: Vector) -> Vector:
+    """Return the vector product of two vectors."""
+    (ax, ay, az), (bx, by, bz) = one, other
+    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
+
+
 def between(one: Vector, other: Vector) -> Vector:
     """Return the vector from one point to the other."""
     return other[0] - one[0], other[1] - one[1], other[2] - one[2]

@@ -9,7 +9,17 @@ from typing import TypeAlias
 
 from pirate_sm.geometry.plane import Walls
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import DRAWING, Frame, Place, Vector, between, combined, dot, scaled
+from pirate_sm.geometry.space import (
+    DRAWING,
+    Frame,
+    Place,
+    Vector,
+    between,
+    combined,
+    crossed,
+    dot,
+    scaled,
+)
 from pirate_sm.geometry.tube_rings import Rings
 
 Outline: TypeAlias = tuple[Place, ...]
@@ -31,9 +41,7 @@ def upright(up: Vector) -> Frame:
     ahead = DRAWING.ahead if abs(up[0]) < 1.0 - 1e-6 else DRAWING.side
     level = combined((1.0, ahead), (-dot(ahead, up), up))
     level = scaled(dot(level, level) ** -0.5, level)
-    (ax, ay, az), (ux, uy, uz) = level, up
-    left = (uy * az - uz * ay, uz * ax - ux * az, ux * ay - uy * ax)
-    return Frame(DRAWING.origin, level, left, up)
+    return Frame(DRAWING.origin, level, crossed(up, level), up)
 
 
 def seen_in(frame: Frame, point: Vector) -> Vector:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.engine.sensing.part_axes import axis_of, meeting, plane_of, wheel_at
-from pirate_sm.geometry.space import Frame, Vector, between, combined, dot, scaled
+from pirate_sm.geometry.space import Frame, Vector, between, combined, crossed, dot, scaled
 
 BEND_RAD = radians(20)
 """The least angle of a bend; a smaller one may be a slanting part [decided]."""
@@ -92,7 +92,7 @@ def away_by_last_wheel(
     angle = bend.angle_rad
     towards = axis.towards(bend.towards_rad)
     other = combined((cos(angle), axis.ahead), (-leads * sin(angle), towards))
-    side = _cross(plane_of(body, numbers, last).normal, other)
+    side = crossed(plane_of(body, numbers, last).normal, other)
     slope = dot(axis.ahead, side)
     if abs(slope) < sin(BEND_RAD):
         return nan
@@ -109,8 +109,3 @@ def angle_between(one: Frame, other: Frame) -> float:
 def _across(direction: Vector, axis: Vector) -> Vector:
     """Return the part of a direction across an axis."""
     return combined((1.0, direction), (-dot(direction, axis), axis))
-
-
-def _cross(one: Vector, other: Vector) -> Vector:
-    (ax, ay, az), (bx, by, bz) = one, other
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx

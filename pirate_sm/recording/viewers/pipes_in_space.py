@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from pirate_sm.geometry.part_planes import unit
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector, combined, dot
+from pirate_sm.geometry.space import Vector, combined, crossed, dot
 from pirate_sm.geometry.tube_rings import Ring, Rings, walls_in_space
 from pirate_sm.recording.viewers.quaternions import Quaternion, of_axes
 
@@ -68,9 +68,7 @@ def _cylinder(rings: Rings) -> Cylinder | None:
             ):
                 return None
     across = unit(combined((1.0, rings[0][0]), (-1.0, first)))
-    (ax, ay, az), (cx, cy, cz) = axis, across
-    third = ay * cz - az * cy, az * cx - ax * cz, ax * cy - ay * cx
-    turned = of_axes(across, third, axis)
+    turned = of_axes(across, crossed(axis, across), axis)
     return Cylinder(combined((0.5, first), (0.5, last)), turned, 2 * radius_m, length_m)
 
 

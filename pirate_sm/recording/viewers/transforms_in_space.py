@@ -10,7 +10,7 @@ from math import isfinite
 
 from pirate_sm.geometry.part_planes import part_normals, unit
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import DRAWING, Frame, Vector, combined, dot
+from pirate_sm.geometry.space import DRAWING, Frame, Vector, combined, crossed, dot
 from pirate_sm.geometry.views import seen_in, upright
 from pirate_sm.model.body import Body
 from pirate_sm.model.true_position import InSpace
@@ -78,9 +78,7 @@ def _standing(front: Vector, behind: Vector, normal: Vector) -> Frame:
     """Return the frame of a link from its two wheels and the normal of its part."""
     ahead = unit(combined((1.0, front), (-1.0, behind)))
     square = unit(combined((1.0, normal), (-dot(normal, ahead), ahead)))
-    (nx, ny, nz), (ax, ay, az) = square, ahead
-    side = ny * az - nz * ay, nz * ax - nx * az, nx * ay - ny * ax
-    return Frame(front, ahead, side, square)
+    return Frame(front, ahead, crossed(square, ahead), square)
 
 
 def _transform(stamp: str, parent: str, child: str, place: Vector, turned: Quaternion) -> str:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from pirate_sm.geometry.space import Vector, dot
+from pirate_sm.geometry.space import Vector, crossed, dot
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
@@ -94,7 +94,7 @@ class WheelContacts:
             push, first_n, second_n = forces[address : address + 3].tolist()
             sign = 1.0 if second else -1.0
             normal = (sign * frame[0], sign * frame[1], sign * frame[2])
-            tangent = _cross(motions[wheel].axle, normal)
+            tangent = crossed(motions[wheel].axle, normal)
             along = first_n * dot(frame[3:6], tangent) + second_n * dot(frame[6:], tangent)
             press[wheel] += push
             grip[wheel] += sign * along
@@ -127,23 +127,15 @@ class WheelContacts:
         found = []
         for (a, b, c, u, v, w), (px, py, pz), axes in rows:
             arm = (px - x, py - y, pz - z)
-            turning = _cross((a, b, c), arm)
+            turning = crossed((a, b, c), arm)
             moving = (u + turning[0], v + turning[1], w + turning[2])
             found.append(_Motion((a, b, c), moving, (axes[2], axes[5], axes[8])))
         return found
 
     def _slip(self, motion: _Motion, normal: Vector) -> float:
         """Return how fast the wheel's surface moves along the wall that it touches, m/s."""
-        (sx, sy, sz), (vx, vy, vz) = _cross(motion.turning, normal), motion.moving
+        (sx, sy, sz), (vx, vy, vz) = crossed(motion.turning, normal), motion.moving
         r = self._radius_m
         surface = (vx - r * sx, vy - r * sy, vz - r * sz)
         off = dot(surface, normal)
         return float(max(dot(surface, surface) - off * off, 0.0) ** 0.5)
-
-
-def _cross(one: Vector, other: Vector) -> Vector:
-    return (
-        one[1] * other[2] - one[2] * other[1],
-        one[2] * other[0] - one[0] * other[2],
-        one[0] * other[1] - one[1] * other[0],
-    )

@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.geometry.space import Frame, Vector, combined, dot, scaled
+from pirate_sm.geometry.space import Frame, Vector, combined, crossed, dot, scaled
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
-from pirate_sm.simulation.xpbd.space.solids import Hole, crossed
+from pirate_sm.simulation.xpbd.space.solids import Hole
 
 MITRE_POINTS = 65
 """Of the inner half of an ellipse; in 120 mm they are 3 mm apart and 0.02 mm off it."""

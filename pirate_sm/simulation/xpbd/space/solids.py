@@ -13,7 +13,7 @@ from typing import NamedTuple, TypeAlias
 import numpy as np
 
 from pirate_sm.geometry.piece import Arc
-from pirate_sm.geometry.space import Frame, Vector, combined, dot
+from pirate_sm.geometry.space import Frame, Vector, combined, crossed, dot
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
 
@@ -119,12 +119,6 @@ def disc(frame: Frame, radius_m: float, inner_m: float = 0.0) -> Row:
     row[columns.B_X : columns.B_Z + 1] = frame.origin
     row[columns.B_RADIUS] = radius_m
     return row
-
-
-def crossed(one: Vector, other: Vector) -> Vector:
-    """Return the vector product of two vectors."""
-    (ax, ay, az), (bx, by, bz) = one, other
-    return ay * bz - az * by, az * bx - ax * bz, ax * by - ay * bx
 
 
 def _row(kind: float, point: Vector, direction: Vector, *sizes: float) -> Row:
