@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from bisect import bisect_right
 from collections.abc import Callable, Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import degrees, isnan, nan
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import derived as kinds
-from pirate_sm.model.profile import Profile, Slot
+from pirate_sm.model.profile import Profile
 from pirate_sm.report.contents import Chart, Series
 from pirate_sm.report.sampling import Samples, over, value_at
 
@@ -44,10 +44,15 @@ class Measured:
     until_s: float
     travel: Travel | None
 
-    def signal(self, name: str, scale: float = 1.0) -> Series:
-        """Return a signal by its name."""
-        index = self.robot.vocabulary.numbers.index(name)
-        return self.signals.series(index, name, scale=scale)
+    def named(self, names: Iterable[str], scale: float = 1.0) -> tuple[Series, ...]:
+        """Return signals by their names."""
+        index = self.robot.vocabulary.numbers.index
+        return tuple(self.signals.series(index(name), name, scale=scale) for name in names)
+
+    def derived(self, kind: type, scale: float = 1.0) -> tuple[Series, ...]:
+        """Return the derived signals of a kind."""
+        derived = self.profile.derived.items()
+        return self.named((name for name, each in derived if isinstance(each, kind)), scale)
 
     def rim(self, number: int, scale: float = 1.0) -> Series:
         """Return the forward speed of a wheel's rim, m/s."""
@@ -59,57 +64,43 @@ class Measured:
 
 def charts(measured: Measured) -> tuple[Chart, ...]:
     """Return the plots that have a curve with a point in it."""
-    found = (make(measured) for make in _CHARTS)
+    found = (*_of_joints(measured), *_of_wheels(measured), *_of_way(measured), *_others(measured))
     return tuple(chart for each in found if (chart := _filled(each)) is not None)
 
 
 def _filled(chart: Chart) -> Chart | None:
     series = tuple(each for each in chart.series if not all(map(isnan, each.values)))
-    return Chart(chart.title, chart.unit, chart.digits, series, chart.note) if series else None
+    return replace(chart, series=series) if series else None
 
 
-def _angles(it: Measured) -> Chart:
-    body = it.profile.body
-    names = [joint.name for joint in body.joints] + [link.roll for link in body.links if link.roll]
-    series = tuple(it.signal(name, _DEGREES) for name in names)
-    return Chart("Joint angles", "°", 2, series)
+def _of_joints(it: Measured) -> Iterator[Chart]:
+    joints, rolls = it.profile.body.joints, [link.roll for link in it.profile.body.links]
+    names = [joint.name for joint in joints] + [roll for roll in rolls if roll]
+    yield Chart("Joint angles", "°", 2, it.named(names, _DEGREES))
+    torques = [joint.torque for joint in joints if joint.torque]
+    yield Chart("Joint torques", "Nm", 3, it.named(torques))
+    yield Chart("Joint motor currents", "mA", 0, it.named(_currents(it.profile, False), 1e3))
 
 
-def _joint_torques(it: Measured) -> Chart:
-    names = [joint.torque for joint in it.profile.body.joints if joint.torque]
-    return Chart("Joint torques", "Nm", 3, tuple(it.signal(name) for name in names))
+def _of_wheels(it: Measured) -> Iterator[Chart]:
+    yield Chart("Wheel motor currents", "mA", 0, it.named(_currents(it.profile, True), 1e3))
+    rims = tuple(it.rim(number, 1e3) for number in range(len(it.robot.wheels)))
+    yield Chart("Wheel speeds at the rim", "mm/s", 1, rims, "Positive is forward.")
+    yield _slip(it)
+    note = "By the statics of the chain; unknown where no part is clamped."
+    yield Chart("Normal forces", "N", 1, it.derived(kinds.NormalForceOf), note)
+    note = "Known where a wheel slips steadily and somebody outside measures the speed."
+    yield Chart("Friction", "", 2, it.derived(kinds.FrictionOf), note)
 
 
-def _wheel_torques(it: Measured) -> Chart:
-    known = {joint.torque for joint in it.profile.body.joints}
-    names = [name for name in _derived(it.profile, kinds.TorqueOf) if name not in known]
-    note = "From the motors' currents; the sign is that of the setpoint."
-    return Chart("Motor torques", "Nm", 3, tuple(it.signal(name) for name in names), note)
-
-
-def _wheel_currents(it: Measured) -> Chart:
-    series = _currents(it, lambda slot: slot.wheel is not None)
-    return Chart("Wheel motor currents", "mA", 0, tuple(series))
-
-
-def _other_currents(it: Measured) -> Chart:
-    series = _currents(it, lambda slot: slot.wheel is None)
-    return Chart("Joint motor currents", "mA", 0, tuple(series))
-
-
-def _currents(it: Measured, wanted: Callable[[Slot], bool]) -> Iterator[Series]:
-    slots = {slot.name: slot for slot in it.profile.slots}
-    for board in it.profile.boards:
+def _currents(profile: Profile, of_wheels: bool) -> Iterator[str]:
+    slots = {slot.name: slot for slot in profile.slots}
+    for board in profile.boards:
         for channel in board.channels:
             if channel.senses != "current" or channel.signal is None or channel.slot is None:
                 continue
-            if wanted(slots[channel.slot]):
-                yield it.signal(channel.signal, 1e3)
-
-
-def _rim_speeds(it: Measured) -> Chart:
-    series = [it.rim(number, 1e3) for number in range(len(it.robot.wheels))]
-    return Chart("Wheel speeds at the rim", "mm/s", 1, tuple(series), "Positive is forward.")
+            if (slots[channel.slot].wheel is not None) == of_wheels:
+                yield channel.signal
 
 
 def _slip(it: Measured) -> Chart:
@@ -130,86 +121,29 @@ def _slip(it: Measured) -> Chart:
     return Chart(title, "mm/s", 1, tuple(series), note)
 
 
-def _normal_forces(it: Measured) -> Chart:
-    note = "By the statics of the chain; unknown where no part is clamped."
-    series = _signals(it, kinds.NormalForceOf, 1.0)
-    return Chart("Normal forces", "N", 1, tuple(series), note)
+def _of_way(it: Measured) -> Iterator[Chart]:
+    names, travel = it.robot.vocabulary.numbers, it.travel
+    distances = [*it.named(names[i] for i in [it.robot.odometry] if i >= 0)]
+    speeds = [*it.named((names[i] for i in [it.robot.speed] if i >= 0), 1e3)]
+    if travel is not None and travel.true:
+        rate, distance = _rate(travel.distance), travel.distance
+        distances.append(distance)
+        speeds.append(over(distance, lambda at_s, _: rate(at_s) * 1e3, distance.name))
+    yield Chart("Distance", "m", 4, tuple(distances))
+    yield Chart("Speed", "mm/s", 1, tuple(speeds))
 
 
-def _frictions(it: Measured) -> Chart:
-    note = "Known where a wheel slips steadily and somebody outside measures the speed."
-    return Chart("Friction", "", 2, tuple(_signals(it, kinds.FrictionOf, 1.0)), note)
-
-
-def _distance(it: Measured) -> Chart:
-    series = []
-    if it.robot.odometry >= 0:
-        name = it.robot.vocabulary.numbers[it.robot.odometry]
-        series.append(it.signals.series(it.robot.odometry, name))
-    if it.travel is not None and it.travel.true:
-        series.append(it.travel.distance)
-    return Chart("Distance", "m", 4, tuple(series))
-
-
-def _speeds(it: Measured) -> Chart:
-    series = []
-    if it.robot.speed >= 0:
-        name = it.robot.vocabulary.numbers[it.robot.speed]
-        series.append(it.signals.series(it.robot.speed, name, scale=1e3))
-    if it.travel is not None and it.travel.true:
-        rate, distance = _rate(it.travel.distance), it.travel.distance
-        series.append(over(distance, lambda at_s, _: rate(at_s) * 1e3, distance.name))
-    return Chart("Speed", "mm/s", 1, tuple(series))
-
-
-def _diameters(it: Measured) -> Chart:
+def _others(it: Measured) -> Iterator[Chart]:
+    known = {joint.torque for joint in it.profile.body.joints}
+    torques = [each for each in it.derived(kinds.TorqueOf) if each.name not in known]
+    note = "From the motors' currents; the sign is that of the setpoint."
+    yield Chart("Motor torques", "Nm", 3, tuple(torques), note)
     note = "As a part sees it, whether or not it is clamped."
-    series = _signals(it, kinds.DiameterOf, 1e3)
-    return Chart("Inner diameter", "mm", 1, tuple(series), note)
-
-
-def _attitude(it: Measured) -> Chart:
-    series = [*_signals(it, kinds.RollOf, _DEGREES), *_signals(it, kinds.PitchOf, _DEGREES)]
-    return Chart("Roll and pitch", "°", 2, tuple(series))
-
-
-def _duties(it: Measured) -> Chart:
-    return Chart("Setpoints: duty cycles", "%", 1, tuple(_setpoints(it, "duty", 100.0)))
-
-
-def _angle_setpoints(it: Measured) -> Chart:
-    return Chart("Setpoints: angles", "°", 2, tuple(_setpoints(it, "angle", _DEGREES)))
-
-
-_CHARTS: tuple[Callable[[Measured], Chart], ...] = (
-    *(
-        _angles,
-        _joint_torques,
-        _other_currents,
-        _wheel_currents,
-        _rim_speeds,
-        _slip,
-        _normal_forces,
-    ),
-    *(
-        _frictions,
-        _distance,
-        _speeds,
-        _wheel_torques,
-        _diameters,
-        _attitude,
-        _duties,
-        _angle_setpoints,
-    ),
-)
-
-
-def _derived(profile: Profile, kind: type) -> Iterator[str]:
-    return (name for name, each in profile.derived.items() if isinstance(each, kind))
-
-
-def _signals(it: Measured, kind: type, scale: float) -> Iterable[Series]:
-    return (it.signal(name, scale) for name in _derived(it.profile, kind))
+    yield Chart("Inner diameter", "mm", 1, it.derived(kinds.DiameterOf, 1e3), note)
+    angles = it.derived(kinds.RollOf, _DEGREES) + it.derived(kinds.PitchOf, _DEGREES)
+    yield Chart("Roll and pitch", "°", 2, angles)
+    yield Chart("Setpoints: duty cycles", "%", 1, tuple(_setpoints(it, "duty", 100.0)))
+    yield Chart("Setpoints: angles", "°", 2, tuple(_setpoints(it, "angle", _DEGREES)))
 
 
 def _setpoints(it: Measured, unit: str, scale: float) -> Iterator[Series]:
