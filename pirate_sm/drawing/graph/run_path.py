@@ -6,14 +6,7 @@ from collections.abc import Sequence
 
 from pirate_sm.drawing.graph.graph import EdgeKind
 from pirate_sm.drawing.graph.highlight import Stop
-from pirate_sm.model.effects import (
-    CommandStatus,
-    Effect,
-    Ended,
-    Fault,
-    PhaseChange,
-    TriggerFired,
-)
+from pirate_sm.model import effects as fx
 
 
 class RunPath:
@@ -28,21 +21,21 @@ class RunPath:
         self._here = ""
         self._kind: EdgeKind | None = None
 
-    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+    def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
         """Note the phases and the end that the effects reach."""
         for effect in effects:
             match effect:
-                case PhaseChange(phase=phase):
+                case fx.PhaseChange(phase=phase):
                     self._reach(phase)
-                case Ended(end=end) if end:
+                case fx.Ended(end=end) if end:
                     self._reach(end)
-                case TriggerFired(trigger=trigger):
+                case fx.TriggerFired(trigger=trigger):
                     self._kind = EdgeKind.WITHIN if trigger == "within" else EdgeKind.TRIGGER
-                case CommandStatus(status="failed" | "refused"):
+                case fx.CommandStatus(status="failed" | "refused"):
                     self._kind = EdgeKind.FAILURE
-                case Fault(handling=handling) if handling != "continue":
+                case fx.Fault(handling=handling) if handling != "continue":
                     self._kind = EdgeKind.FAULT
-                case CommandStatus(status="sent" | "skipped"):
+                case fx.CommandStatus(status="sent" | "skipped"):
                     self._kind = None
                 case _:
                     pass

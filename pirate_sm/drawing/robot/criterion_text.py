@@ -6,47 +6,38 @@ from collections.abc import Iterable, Sequence
 from math import degrees
 from typing import assert_never
 
-from pirate_sm.model.criteria import (
-    Accepted,
-    Aligned,
-    Below,
-    Criterion,
-    Reached,
-    Stalled,
-    Stopped,
-    Turning,
-)
+from pirate_sm.model import criteria as kinds
 from pirate_sm.model.profile import Profile
 from pirate_sm.units import ANGLE, Quantity, format_quantity
 
 
-def done_when(profile: Profile, criterion: Criterion) -> str:
+def done_when(profile: Profile, criterion: kinds.Criterion) -> str:
     """Return how a command with this criterion is found to be done, in words."""
     match criterion:
-        case Accepted():
+        case kinds.Accepted():
             return "its setpoints are accepted: no sensor shows more"
-        case Stalled():
+        case kinds.Stalled():
             return (
                 f"{_joints(criterion.joints)} still, slower than {_rate(criterion.still)}, and "
                 f"{_bearing(criterion)} more than {_load(criterion)}{_lasting(criterion.for_s)}"
                 f"{_settled(criterion)}"
             )
-        case Reached():
+        case kinds.Reached():
             return f"every joint has come to its angle{_or_stopped(criterion)}"
-        case Turning():
+        case kinds.Turning():
             return (
                 f"a driven wheel turns the way it is driven, faster than {criterion.above:g} rad/s"
             )
-        case Stopped():
+        case kinds.Stopped():
             return (
                 f"no wheel that can be heard turns faster than {criterion.below:g} rad/s"
                 f"{_lasting(criterion.for_s)}"
             )
-        case Aligned():
+        case kinds.Aligned():
             rolls = {slot.name: slot.roll or slot.name for slot in profile.slots}
             names = listed(rolls[name] for name in criterion.slots)
             return f"{names} is within {angle(criterion.within)} of its setpoint"
-        case Below():
+        case kinds.Below():
             return (
                 f"{listed(criterion.signals)} are within {_quantity(criterion.limit)} of zero"
                 f"{_lasting(criterion.for_s)}"
@@ -74,26 +65,26 @@ def _joints(names: Sequence[str]) -> str:
     return f"{listed(names)} stand{'s' if len(names) == 1 else ''}"
 
 
-def _bearing(criterion: Stalled) -> str:
+def _bearing(criterion: kinds.Stalled) -> str:
     if criterion.loaded == criterion.joints:
         return "bears" if len(criterion.joints) == 1 else "each bear"
     return f"{listed(criterion.loaded)} {'bears' if len(criterion.loaded) == 1 else 'each bear'}"
 
 
-def _load(criterion: Stalled) -> str:
+def _load(criterion: kinds.Stalled) -> str:
     if criterion.share is None:
         return f"{criterion.torque:g} Nm"
     return f"{criterion.share * 100:g} % of what its motor gives at its duty"
 
 
-def _settled(criterion: Stalled | Reached) -> str:
+def _settled(criterion: kinds.Stalled | kinds.Reached) -> str:
     if criterion.settled is None or criterion.at_least is None:
         return ""
-    holds = " and what holds the robot there" if isinstance(criterion, Stalled) else ""
+    holds = " and what holds the robot there" if isinstance(criterion, kinds.Stalled) else ""
     return f", or more than {criterion.at_least:g} Nm{holds}{_lasting(criterion.settled)}"
 
 
-def _or_stopped(criterion: Reached) -> str:
+def _or_stopped(criterion: kinds.Reached) -> str:
     if criterion.or_still is None:
         return _lasting(criterion.for_s)
     turned = f", once one of them has turned by {degrees(criterion.moved):.3g}°"
