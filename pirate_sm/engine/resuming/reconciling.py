@@ -271,9 +271,7 @@ def _redeclared(last: EngineState, body: RobotState, judged: Sequence[StateVerdi
     shown = {
         each.mark
         for each in judged
-        if each.word == "confirmed"
-        and each.mark.command == DENIED
-        and each.mark not in last.robot.marks
+        if each.word == "confirmed" and each.mark not in last.robot.marks
     }
     again = {mark._replace(command=DECLARED) for mark in shown}
     return body._replace(marks=(body.marks - shown) | again)

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import pytest
 from driving import BOTH_CLAMPED, Driver
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.mission.claims import claim_of, counted, met_unknown
+from pirate_sm.engine.mission.program import TriggerSpec
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.distance import BASE_M
+from pirate_sm.engine.state import Counted
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -212,3 +220,67 @@ def test_a_recording_of_before_claims_as_it_did(drive) -> None:
     state, _ = engine.start(0.0, body=driver.state.robot)
 
     assert state.sensing.distance.every_s == 0.0
+
+
+def moment(driver: Driver, robot: RobotSpec | None = None) -> Moment:
+    return Moment(robot or driver.robot, driver.engine.program, False, driver.now)
+
+
+class TestExactly:
+    """A claim from 0.4 m on, where the robot was uncertain by 10 mm and had driven 1 m."""
+
+    @pytest.fixture
+    def driver(self, drive) -> Driver:
+        return drive(
+            BODY.replace("HANDLED", "go: unsure")
+            .replace("NEXT", "there")
+            .replace("WHEN", "odometry >= 1 m")
+            .replace("WORD", "detector == past"),
+            states=BOTH_CLAMPED,
+        )
+
+    @staticmethod
+    def met(driver: Driver, width_m: float, rolled_m: float, every_s: float = 0.1):
+        state, at = driver.state, driver.robot.odometry
+        distance = state.sensing.distance._replace(
+            every_s=every_s, width_m=width_m, rolled_m=rolled_m
+        )
+        numbers = list(state.sensing.numbers)
+        numbers[at] = 1.4
+        sensing = state.sensing._replace(distance=distance, numbers=tuple(numbers))
+        mission = state.mission._replace(claim=Counted(0.4, 0.01, 1.0))
+        return met_unknown(moment(driver), state._replace(sensing=sensing, mission=mission))
+
+    @pytest.mark.parametrize(
+        ("driven_m", "limit_m"), [(4.0, 1.0), (0.4, 0.1), (0.04, 0.02), (0.0, 0.02)]
+    )
+    def test_the_bound_may_be_a_quarter_of_the_way_and_20_mm_in_any_case(
+        self, driver, driven_m, limit_m
+    ):
+        width_m = 0.01 + limit_m - BASE_M
+
+        assert self.met(driver, width_m - 1e-6, 1.0 + driven_m) is None
+        assert self.met(driver, width_m + 1e-6, 1.0 + driven_m) is not None
+
+    def test_where_no_distance_is_judged_none_is_too_wide(self, driver):
+        assert self.met(driver, 9.0, 1.0, every_s=0.0) is None
+        assert self.met(driver, 9.0, 1.0, every_s=1.0) is not None
+
+    @pytest.mark.parametrize("odometry", [0, 1])
+    def test_an_odometry_of_any_place_counts(self, driver, odometry):
+        now = moment(driver, replace(driver.robot, odometry=odometry))
+        names = driver.robot.vocabulary.numbers
+        numbers = [0.0] * len(names)
+        numbers[odometry] = 0.7
+        state = driver.state._replace(sensing=driver.state.sensing._replace(numbers=tuple(numbers)))
+
+        assert counted(now, state).odometry_m == 0.7
+        trigger = TriggerSpec(
+            "done", "", 0, "", SimpleNamespace(names=frozenset({names[odometry]}))
+        )
+        assert claim_of(now, state, trigger) == Counted()
+
+    def test_without_odometry_nothing_is_counted(self, driver):
+        now = moment(driver, replace(driver.robot, odometry=-1))
+
+        assert counted(now, driver.state).odometry_m == 0.0

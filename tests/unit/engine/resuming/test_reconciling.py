@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import nan
+from math import isnan, nan
 
 import pytest
 from cut_off import GRIPPING, CutOff, verdict_of
@@ -15,8 +15,10 @@ from driving import (
     command,
 )
 
+from pirate_sm.engine.resuming.adopting import adoptable
 from pirate_sm.engine.resuming.hypotheses import hypotheses
-from pirate_sm.engine.resuming.reconciling import reconcile
+from pirate_sm.engine.resuming.reconciling import changed, reconcile, turning
+from pirate_sm.engine.robot.confirmation_spec import StandingSpec
 from pirate_sm.engine.robot.robot_state import DECLARED, DENIED, states_of
 from pirate_sm.model.events import FaultReport
 
@@ -76,6 +78,110 @@ def test_belief_in_a_clamp_takes_more_than_one_frame(clamped, frames, word):
 
     assert verdict_of(found, "front").word == word
     assert verdict_of(found, "rear").word == CONFIRMED
+
+
+def turns(cut: CutOff, count: int, at_last: dict[str, float]) -> None:
+    """The boards report this often, each tenth of a second; the last frames show something else."""
+    for turn in range(count):
+        if turn == count - 1:
+            cut.driver.signals |= at_last
+        cut.frames += [(10.0 + turn / 10, cut.driver.frame(board)) for board in cut.robot.boards]
+
+
+@pytest.mark.parametrize(
+    "shown", [{"bend_torque_1": 0.0, "bend_torque_2": 0.0}, {"acc_z": 0.0}], ids=["slack", "fallen"]
+)
+def test_what_one_frame_shows_contradicts_nothing(clamped, shown):
+    turns(clamped, 20, shown)
+
+    found = reconcile(clamped.robot, clamped.program, clamped.last, clamped.frames, 11.9, 0.0)
+
+    assert verdict_of(found, "front").word != CONTRADICTED
+    assert not any("robot.fallen" in each for each in found.refusals)
+    assert found.chosen is not None
+
+
+def test_boards_that_have_fallen_silent_before_the_end_of_a_look_show_nothing(clamped):
+    turns(clamped, 20, {})
+
+    found = reconcile(clamped.robot, clamped.program, clamped.last, clamped.frames, 20.0, 0.0)
+
+    for about in ("front", "rear", "FrontWheelsState"):
+        assert verdict_of(found, about).word == UNKNOWN
+    assert len(found.refusals) == len(clamped.robot.boards)
+    assert all(isnan(found.numbers[wheel.angle]) for wheel in clamped.robot.wheels)
+
+
+def test_a_board_is_silent_once_its_signals_are_old(clamped):
+    clamped.frames = [(10.0, clamped.driver.frame(board)) for board in clamped.robot.boards]
+    stale_s = clamped.robot.link.stale_after_s
+
+    def silent(now_s: float) -> bool:
+        found = reconcile(clamped.robot, clamped.program, clamped.last, clamped.frames, now_s, 0.0)
+        return any("does not report" in each for each in found.refusals)
+
+    assert not silent(10.0 + 0.9 * stale_s)
+    assert silent(10.0 + stale_s)
+
+
+def test_joints_of_a_robot_that_was_driven_may_have_moved(drive):
+    driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
+    command(driver, "DriveForward")
+    driver.accept()
+    driver.run(4.0, theta_1=3.0, theta_2=-3.0)
+    last = driver.state
+    driver.state = last._replace(robot=last.robot._replace(motion=None))
+
+    assert any("gamma_2" in each for each in CutOff(driver).look(gamma_2=1.2).refusals)
+    assert not any(
+        "gamma_2" in each for each in CutOff(driver, driven_s=0.4).look(gamma_2=1.2).refusals
+    )
+
+
+def test_other_places_than_the_recorded_one_may_be_looked_at(clamped):
+    declared = clamped.recorded.body.configuration
+    where = adoptable(clamped.robot, declared)
+    turns(clamped, 20, {})
+
+    found = reconcile(
+        clamped.robot, clamped.program, clamped.last, clamped.frames, 11.9, 0.0, found=where
+    )
+
+    assert [each.hypothesis.name for each in found.tables] == ["adopted"] * len(where)
+
+
+def test_a_wheel_turns_from_the_limit_on(clamped):
+    speed = clamped.robot.wheels[0].speed
+    limits = {
+        spec.below
+        for states in clamped.robot.sight.states
+        for spec in states.values()
+        if isinstance(spec, StandingSpec) and speed in spec.speeds
+    }
+    numbers = [0.0] * len(clamped.robot.vocabulary.numbers)
+
+    def turns_at(speed_rad_s: float) -> bool:
+        numbers[speed] = speed_rad_s
+        return turning(clamped.robot, tuple(numbers))
+
+    (limit,) = limits
+    assert turns_at(limit)
+    assert turns_at(-limit)
+    assert not turns_at(0.99 * limit)
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_a_robot_that_lies_exactly_as_before_has_not_turned(clamped, sign):
+    """Rounding makes the cosine of no angle larger than 1 for these."""
+    numbers = list(clamped.last.sensing.numbers)
+    before, after = list(numbers), list(numbers)
+    for board in clamped.robot.boards.values():
+        for source in (each for vector in board.vectors for each in vector.sources):
+            before[source], after[source] = 0.1, sign * 0.1
+
+    found = tuple(changed(clamped.robot, tuple(before), frozenset(), tuple(after)))
+
+    assert bool(found) == (sign < 0)
 
 
 def test_belief_in_an_earlier_look_ends_where_a_later_one_shows_something_else(clamped):
@@ -172,6 +278,7 @@ def test_what_the_recording_contradicts_itself_is_left_to_a_command(drive):
 
     front = verdict_of(found, "front")
     assert (front.word, front.why) == (UNKNOWN, "it is contradicted in the recording already")
+    assert clamps_of(found)[0].command == DENIED
     assert found.chosen is not None
     assert verdict_of(found, "LightingState").why == (
         "nothing measures it; the first accepted array that holds it confirms it"

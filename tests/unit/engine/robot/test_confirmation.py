@@ -8,7 +8,19 @@ from dataclasses import replace
 import pytest
 from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, PIRATE, REAR_CLAMPED, Driver, command
 
+from pirate_sm.engine.robot import confirmation
+from pirate_sm.engine.robot.confirmation import Before, Look, LookResult, Watched
 from pirate_sm.engine.robot.confirmation_spec import Sight
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import (
+    DECLARED,
+    DENIED,
+    LAPSED,
+    STOPPED,
+    Mark,
+    RobotState,
+    at_rest_in,
+)
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -428,3 +440,164 @@ def test_a_robot_of_another_make_is_looked_at_too(drive):
     driver.run(3.2)
 
     assert "the nose part is declared to hold (Grip BothHeld)" in driver.ended.message
+
+
+class TestExactly:
+    """What is compared, and what an echo confirms, without an engine around it."""
+
+    @pytest.fixture
+    def robot(self, drive) -> RobotSpec:
+        return drive(IDLE, states=BOTH_CLAMPED).robot
+
+    @staticmethod
+    def body_in(robot: RobotSpec, states: dict[str, str], *marks: Mark) -> RobotState:
+        found = next(
+            at
+            for at, names in enumerate(robot.table.configurations)
+            if states.items() <= dict(zip(robot.regions, names, strict=True)).items()
+        )
+        return at_rest_in(robot, found)._replace(marks=frozenset(marks))
+
+    def region(self, robot: RobotSpec, name: str, command: int = DECLARED) -> Mark:
+        return Mark("region", robot.regions.index(name), command)
+
+    def test_a_declared_robot_is_not_driven_whatever_is_declared(self, robot):
+        driving = self.body_in(robot, DRIVING_FORWARD)
+        assert any(driving.values[slot] for slot in robot.safe_zero)
+
+        body = confirmation.declared_in(robot, driving.configuration)
+
+        wheels = set(robot.safe_zero)
+        assert body.values == tuple(
+            0.0 if slot in wheels else value for slot, value in enumerate(driving.values)
+        )
+        assert body.marks == {
+            *(Mark("part", part, DECLARED) for part in (0, 1)),
+            *(self.region(robot, name) for name in robot.regions),
+            *(self.region(robot, f"{end}WheelsState", STOPPED) for end in ("Front", "Rear")),
+        }
+
+    def test_only_declared_states_that_sensors_can_show_are_compared(self, robot):
+        light = self.region(robot, "LightingState")
+        front = self.region(robot, "FrontWheelsState")
+        others = [front._replace(command=each) for each in (STOPPED, DENIED, LAPSED, 3)]
+        body = self.body_in(robot, BOTH_CLAMPED, front, light, *others)
+
+        look = confirmation.begin(robot, body, 10.0)
+
+        assert [each.mark for each in look.marks] == [front]
+        assert look.until_s == 10.0 + robot.sight.within_s
+        assert look.setpoints == at_rest_in(robot, body.configuration).values
+        assert look.before is None
+
+    def test_what_no_sensor_can_show_is_compared_only_after_an_interruption(self, robot, drive):
+        body = self.body_in(robot, BOTH_CLAMPED, self.region(robot, "LightingState"))
+        before = Before(drive(IDLE).state.sensing, body, 2.0, resumes=False)
+
+        assert confirmation.begin(robot, body, 10.0) is None
+        look = confirmation.begin(robot, body, 10.0, before)
+        assert (look.marks, look.before) == ((), before)
+
+    def test_a_part_whose_sensors_were_not_known_is_looked_at_without_an_end(self, robot):
+        front, rear = Mark("part", 0, LAPSED), Mark("part", 1, LAPSED)
+        declared = Mark("part", 1, DECLARED)
+        body = self.body_in(robot, BOTH_CLAMPED, front, declared)
+
+        first = confirmation.seen_again(robot, None, body)
+        assert first.until_s == math.inf
+        assert first.marks == (Watched(front),)
+        seen = first._replace(marks=(Watched(front, agrees_s=9.0),))
+        later = confirmation.seen_again(robot, seen, body._replace(marks=frozenset({front, rear})))
+        assert later.marks == (Watched(front, agrees_s=9.0), Watched(rear))
+        nothing = body._replace(marks=frozenset({declared}))
+        assert confirmation.seen_again(robot, first, nothing) is None
+
+    def test_an_echo_confirms_only_what_is_declared_and_has_no_other_sensor(self, robot):
+        light, front = self.region(robot, "LightingState"), self.region(robot, "FrontWheelsState")
+        body = self.body_in(robot, BOTH_CLAMPED, light, front)
+
+        assert confirmation.awaiting(robot, body) == {light}
+        assert confirmation.accepted(robot, body).marks == {front}
+        toggling = body._replace(marks=frozenset({light._replace(command=3)}))
+        assert confirmation.awaiting(robot, toggling) == frozenset()
+        assert confirmation.accepted(robot, toggling) is toggling
+
+    @pytest.mark.parametrize(("how", "confirmed"), [("set", False), ("keep", True)])
+    def test_an_array_that_sets_it_otherwise_confirms_nothing(self, robot, how, confirmed):
+        light = self.region(robot, "LightingState")
+        body = self.body_in(robot, BOTH_CLAMPED | {"LightingState": "On"}, light)
+        assert confirmation.accepted(robot, body).marks == frozenset()
+        actuation = list(robot.actuation)
+        *others, last = body.stages(robot, light.which, "On")
+        changed = tuple(write._replace(how=how, value=write.value + 1.0) for write in last)
+        actuation[light.which] = dict(actuation[light.which]) | {"On": (*others, changed)}
+        robot = replace(robot, actuation=tuple(actuation))
+
+        assert (not confirmation.accepted(robot, body).marks) == confirmed
+
+    def test_only_parts_that_are_declared_are_left_open(self, robot):
+        marks = (
+            Mark("part", 0, DENIED),
+            Mark("part", 1, DECLARED),
+            self.region(robot, "BendingState"),
+        )
+        body = self.body_in(robot, BOTH_CLAMPED, *marks)
+
+        assert confirmation.parts_left_open(robot, body) == ("rear",)
+
+
+class TestLookingAtAStrangeRobot:
+    """A robot whose clamps are seen to hold, but that seems to be another one."""
+
+    FOR_S = 0.5
+
+    @pytest.fixture
+    def holding(self, drive) -> Driver:
+        driver = declared(drive, **held())
+        driver.run(0.2)
+        assert driver.state.look is not None
+        return driver
+
+    def look(self, driver: Driver, before: Look, now: float, *strange: str, marks=None):
+        body = driver.state.robot
+        body = body if marks is None else body._replace(marks=frozenset(marks))
+        numbers = driver.state.sensing.numbers
+        return confirmation.look(driver.robot, before, body, numbers, None, now, strange)
+
+    def begun(self, driver: Driver) -> Look:
+        return confirmation.begin(driver.robot, driver.state.robot, 10.0)
+
+    def test_nothing_is_confirmed_until_it_is_known_again_or_known_to_be_another(self, holding):
+        assert max(each.for_s for each in holding.robot.sight.parts) == self.FOR_S
+        first = self.look(holding, self.begun(holding), 10.0, "moved")
+        assert (first.confirmed, first.contradictions) == (frozenset(), ())
+        assert first.look.strange_s == 10.0
+        later = self.look(holding, first.look, 10.4, "moved")
+        assert later.confirmed == frozenset()
+
+        another = self.look(holding, later.look, 10.5, "moved")
+        assert (another.look, another.confirmed) == (None, frozenset())
+        assert another.contradictions == ("moved",)
+        known = self.look(holding, later.look, 10.5)
+        assert known.look is not None
+        assert math.isnan(known.look.strange_s)
+
+    def test_without_strangeness_clamps_are_confirmed_once_they_were_seen_long_enough(
+        self, holding
+    ):
+        first = self.look(holding, self.begun(holding), 10.0)
+        assert not {mark for mark in first.confirmed if mark.kind == "part"}
+
+        later = self.look(holding, first.look, 10.5)
+        assert {mark.which for mark in later.confirmed if mark.kind == "part"} == {0, 1}
+
+    def test_a_robot_of_which_all_is_confirmed_is_looked_at_while_it_is_strange(self, holding):
+        empty = self.begun(holding)._replace(marks=())
+
+        assert self.look(holding, empty, 10.0, "moved").look is not None
+        assert self.look(holding, empty, 10.0).look is None
+
+    def test_what_a_command_has_confirmed_meanwhile_is_decided(self, holding):
+        result = self.look(holding, self.begun(holding), 10.0, marks=())
+
+        assert result == LookResult(None, frozenset())

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from types import SimpleNamespace
 
 import pytest
 from driving import (
@@ -18,8 +19,14 @@ from driving import (
 )
 
 from pirate_sm.engine.mission.program import HandlerSpec
+from pirate_sm.engine.safety import faults
+from pirate_sm.engine.safety.faults import FoundFault
+from pirate_sm.engine.sensing.distance import unheard
+from pirate_sm.engine.sensing.report_loss import silent_limit_s
+from pirate_sm.engine.state import OUTSIDE, FaultState
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
+from pirate_sm.model.fault_codes import BuiltInFault
 
 ROLLING = {f"theta_{n}": 3.0 if n % 2 else -3.0 for n in range(1, 7)}
 STUCK = ev.FaultReport("robot.stuck", "it does not move")
@@ -674,3 +681,185 @@ def test_what_lasts_is_told_again_only_if_it_was_not_seen_for_a_while(drive):
     silent(22)
     driver.run(80.0, **ROLLING)
     assert driver.faults.count(hot) == 2
+
+
+class TestLooking:
+    """What one frame, or a silence, shows, without an engine around it."""
+
+    @pytest.fixture
+    def driver(self, drive):
+        driver = drive(IDLE, states=BOTH_CLAMPED)
+        driver.run(1.0)
+        return driver
+
+    @staticmethod
+    def words(driver) -> tuple[str | None, ...]:
+        return (*driver.states.values(), *(None for _ in OUTSIDE))
+
+    def seen(self, driver, known: FaultState, now: float, doubted: bool = False, **signals: float):
+        """Look at the board of wheel 1, whose signals show this."""
+        names = driver.robot.vocabulary.numbers
+        board = next(
+            each
+            for each in driver.robot.boards.values()
+            if names.index("theta_1") in each.number_set
+        )
+        numbers = list(driver.state.sensing.numbers)
+        for name, value in signals.items():
+            numbers[names.index(name)] = value
+        sensing = driver.state.sensing._replace(numbers=tuple(numbers))
+        if doubted:
+            records = list(sensing.records)
+            of_it = frozenset(names.index(name) for name in signals)
+            records[board.position] = records[board.position]._replace(doubted=of_it)
+            sensing = sensing._replace(records=tuple(records))
+        found = faults.look(driver.robot, known, board, sensing, self.words(driver), now)
+        return (*found, board)
+
+    def test_a_channel_that_loses_its_value_again_is_reported_again(self, driver):
+        known = faults.no_faults(driver.robot)
+        told = []
+        for turn, theta in enumerate((0.0, math.nan, math.nan, 0.0, math.nan)):
+            known, found, _ = self.seen(driver, known, float(turn), theta_1=theta)
+            told.append([each.message for each in found])
+
+        assert told == [[], ["theta_1 has no value"], [], [], ["theta_1 has no value"]]
+
+    def test_a_value_that_is_doubted_is_not_missing(self, driver):
+        known = faults.no_faults(driver.robot)
+
+        assert self.seen(driver, known, 1.0, theta_1=math.nan)[1]
+        assert self.seen(driver, known, 1.0, doubted=True, theta_1=math.nan)[1] == ()
+
+    def test_a_board_that_reports_is_silent_no_more(self, driver):
+        known = faults.no_faults(driver.robot)
+        *_, board = self.seen(driver, known, 1.0)
+        silent = known._replace(silent=frozenset({board.position, 99}))
+
+        assert self.seen(driver, silent, 1.0)[:2] == (known._replace(silent=frozenset({99})), ())
+        assert self.seen(driver, known, 1.0)[0] is known
+        blind, _, _ = self.seen(driver, silent, 1.0, theta_1=math.nan)
+        assert blind.silent == {99}
+
+    def test_where_no_board_reports_that_is_said_once(self, driver):
+        sensing, known = driver.state.sensing, faults.no_faults(driver.robot)
+        now = max(sensing.heard_s) + driver.robot.link.silent_after_s
+
+        known, found = faults.listen(driver.robot, known, sensing, now)
+        assert [each.code for each in found] == ["link.silent"]
+        assert faults.listen(driver.robot, known, sensing, now + 1.0) == (known, ())
+
+    @staticmethod
+    def ruled(driver, *answers: bool | None):
+        """The robot with rules whose conditions are true, false or unknown, and its words."""
+        words, numbers = TestLooking.words(driver), driver.state.sensing.numbers
+
+        def rule(answer: bool | None) -> SimpleNamespace:
+            def evaluate(*given: object) -> bool | None:
+                assert given == (numbers, words)
+                return answer
+
+            return SimpleNamespace(when=SimpleNamespace(evaluate=evaluate))
+
+        return replace(driver.robot, faults=tuple(map(rule, answers))), words
+
+    def test_a_rule_that_holds_keeps_its_time_and_one_that_nobody_sees_begins_again(self, driver):
+        robot, words = self.ruled(driver, True, None, False, True)
+        known = FaultState((3.0, 3.0, 3.0, math.nan), frozenset({0, 1, 2}))
+
+        after = faults.unsettle(robot, known, driver.state.sensing, words)
+
+        assert after.since[0] == 3.0
+        assert all(map(math.isnan, after.since[1:]))
+        assert after.raised == {0}
+
+    def test_a_rule_is_over_when_its_condition_is_not_seen_any_more(self, driver):
+        robot, words = self.ruled(driver, False, None)
+        board = replace(next(iter(robot.boards.values())), faults=(0, 1))
+        known = FaultState((3.0, 3.0), frozenset({0, 1}))
+
+        after, found = faults.look(robot, known, board, driver.state.sensing, words, 9.0)
+
+        assert found == ()
+        assert all(map(math.isnan, after.since))
+        assert after.raised == frozenset()
+
+    def listened(self, driver, known: FaultState, now: float, heard_s: float, others_s: float):
+        """Listen at this time: board 0 was heard last at one time and the others at another."""
+        robot = replace(driver.robot, link=replace(driver.robot.link, silent_after_s=1.0))
+        times = [others_s] * len(driver.state.sensing.heard_s)
+        times[0] = heard_s
+        sensing = driver.state.sensing._replace(heard_s=tuple(times), loss=0.0)
+        return faults.listen(robot, known, sensing, now)
+
+    @pytest.mark.parametrize(("now", "silent"), [(11.0, True), (10.99, False)])
+    def test_the_link_is_silent_once_no_board_has_reported_for_its_time(self, driver, now, silent):
+        known = faults.no_faults(driver.robot)
+
+        after, found = self.listened(driver, known, now, 10.0, 10.0)
+
+        assert [each.code for each in found] == ["link.silent"] * silent
+        assert bool(after.silent) == silent
+
+    @pytest.mark.parametrize(("now", "silent"), [(10.4, True), (10.5, False), (10.9, False)])
+    def test_a_single_board_is_judged_only_while_others_report(self, driver, now, silent):
+        known = faults.no_faults(driver.robot)
+
+        after, found = self.listened(driver, known, now, 5.0, 10.0)
+
+        board = next(each for each in driver.robot.boards.values() if each.position == 0)
+        assert [each.of for each in found] == [(board.name,)] * silent
+        assert all(each.message.startswith(f"board {board.id} (") for each in found)
+        assert after.silent == ({0} if silent else set())
+        if silent:
+            assert self.listened(driver, after, now, 5.0, 10.0) == (after, ())
+
+    def test_a_single_board_is_silent_from_its_limit_on(self, driver):
+        known = faults.no_faults(driver.robot)
+        limit_s = silent_limit_s(replace(driver.robot.link, silent_after_s=1.0), 0.0)
+        heard_s = 10.0 - limit_s
+
+        assert self.listened(driver, known, 10.0, heard_s, 10.0)[1]
+        assert self.listened(driver, known, 10.0, heard_s + 0.01, 10.0)[1] == ()
+
+    def test_a_report_may_say_what_it_is_a_fault_of(self, driver):
+        report = ev.FaultReport("something.else", "said", of=("wheel_3",))
+
+        assert FoundFault.reported(driver.robot, report).of == ("wheel_3",)
+
+    @pytest.mark.parametrize("odometry", [0, 1])
+    def test_a_new_connection_keeps_the_odometry_and_nothing_else(self, driver, odometry):
+        robot = replace(driver.robot, odometry=odometry)
+        sensing = driver.state.sensing
+        numbers = list(sensing.numbers)
+        numbers[odometry] = 0.7
+        distance = sensing.distance._replace(running=True)
+        sensing = sensing._replace(numbers=tuple(numbers), connection=4, distance=distance)
+
+        after = faults.begin_anew(robot, sensing, 20.0, 2.0)
+
+        assert after.numbers[odometry] == 0.7
+        assert all(math.isnan(value) for at, value in enumerate(after.numbers) if at != odometry)
+        assert after.connection == 5
+        assert set(after.heard_s) == {20.0}
+        assert after.checked_s == 20.0
+        assert after.distance == unheard(robot, sensing, 20.0, 2.0)
+
+    def test_a_robot_without_odometry_keeps_nothing(self, driver):
+        robot = replace(driver.robot, odometry=-1)
+
+        after = faults.begin_anew(robot, driver.state.sensing, 20.0, 2.0)
+
+        assert all(map(math.isnan, after.numbers))
+
+    def test_a_report_that_no_rule_of_the_robot_knows_can_be_caught(self, driver):
+        report = ev.FaultReport("something.else", "said")
+
+        assert FoundFault.reported(driver.robot, report) == FoundFault(
+            "something.else", "said", True
+        )
+
+    def test_a_built_in_fault_has_its_code_its_message_and_its_owner(self):
+        found = FoundFault.built_in(BuiltInFault.SENSOR_SILENT, "it is silent", "wheel_3")
+
+        assert found == FoundFault("sensor.silent", "it is silent", True, frozenset(), ("wheel_3",))
