@@ -5,7 +5,7 @@ The thesis's robot could not distinguish "done" from "sent" (section 7-3-1).
 
 from __future__ import annotations
 
-from typing import Annotated, Literal, TypeAlias
+from typing import Annotated, Literal, Self, TypeAlias
 
 from pydantic import Field, model_validator
 
@@ -13,32 +13,43 @@ from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.quantities import Angle, AngularSpeed, AnyQuantity, Duration, Ratio, Torque
 
 
-class Load(Frozen):
-    """The torque that joints bear which press on something.
+class Weak(Frozen):
+    """A smaller torque that counts as well once joints have stood still for ``settled``.
 
-    Motors differ from what is known of them, so a smaller torque counts as well once the joints
-    have stood still for ``settled``: a motor that is driven for so long has wound its spring, and
-    bears what it can.
+    Motors differ from what is known of them: a motor that is driven for so long has wound its
+    spring, and bears what it can.
 
     Attributes:
-        share: Smallest torque of each joint, as a share of what its motor bears at its duty cycle.
-        torque: The same as a torque, for a robot whose stall torque is not known.
         at_least: Smallest torque that counts after ``settled``. A part must bear what holds the
             robot in the mission's pipe in any case.
         settled: How long joints must stand still that bear less than their share.
     """
 
-    share: Annotated[Ratio, Field(gt=0, lt=1)] | None = None
-    torque: Annotated[Torque, Field(gt=0)] | None = None
     at_least: Annotated[Torque, Field(gt=0)] | None = None
     settled: Annotated[Duration, Field(gt=0)] | None = None
 
     @model_validator(mode="after")
-    def _is_known(self) -> Load:
-        if (self.share is None) == (self.torque is None):
-            raise ValueError("give either `share` or `torque`")
+    def _is_whole(self) -> Self:
         if (self.at_least is None) != (self.settled is None):
             raise ValueError("`at_least` and `settled` need each other")
+        return self
+
+
+class Load(Weak):
+    """The torque that joints bear which press on something.
+
+    Attributes:
+        share: Smallest torque of each joint, as a share of what its motor bears at its duty cycle.
+        torque: The same as a torque, for a robot whose stall torque is not known.
+    """
+
+    share: Annotated[Ratio, Field(gt=0, lt=1)] | None = None
+    torque: Annotated[Torque, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _is_known(self) -> Self:
+        if (self.share is None) == (self.torque is None):
+            raise ValueError("give either `share` or `torque`")
         return self
 
 
@@ -70,7 +81,7 @@ class Stalled(Load):
     for_s: Annotated[Duration, Field(alias="for", ge=0)]
 
 
-class Reached(Frozen):
+class Reached(Weak):
     """Done when each joint with a target angle is within its threshold.
 
     With ``or_still``, a joint that the wall has stopped counts as well: it is pushed and stands
@@ -82,8 +93,6 @@ class Reached(Frozen):
         kind: What shows that a command is done.
         or_still: The speed below which a pushed joint counts as stopped by the wall.
         loaded: Share of its stall torque that such a joint bears at least.
-        at_least: Smallest torque that counts after ``settled``.
-        settled: How long joints must stand still that bear less than their share.
         moved: How far one of the joints must have turned before the wall can have stopped them.
         for_s: How long all of it must hold.
     """
@@ -91,28 +100,28 @@ class Reached(Frozen):
     kind: Literal["reached"]
     or_still: Annotated[AngularSpeed, Field(gt=0)] | None = None
     loaded: Annotated[Ratio, Field(gt=0, le=1)] = 0.7
-    at_least: Annotated[Torque, Field(gt=0)] | None = None
-    settled: Annotated[Duration, Field(gt=0)] | None = None
     moved: Annotated[Angle, Field(ge=0)] = 0.0
     for_s: Annotated[Duration, Field(alias="for", ge=0)] = 0.0
 
-    @model_validator(mode="after")
-    def _is_eased(self) -> Reached:
-        if (self.at_least is None) != (self.settled is None):
-            raise ValueError("`at_least` and `settled` need each other")
-        return self
-
 
 class Turning(Frozen):
-    """Done when one of the driven wheels turns the way it is driven, faster than ``above``.
+    """Done when one of the driven wheels turns the way it is driven, fast enough.
 
     Attributes:
         kind: What shows that a command is done.
-        above: The angular speed.
+        share: The angular speed, as a share of what the slowest motor of a wheel does without load.
+        above: The same as a speed, for a robot whose motors are not known.
     """
 
     kind: Literal["turning"]
-    above: Annotated[AngularSpeed, Field(gt=0)]
+    share: Annotated[Ratio, Field(gt=0, lt=1)] | None = None
+    above: Annotated[AngularSpeed, Field(gt=0)] | None = None
+
+    @model_validator(mode="after")
+    def _is_known(self) -> Self:
+        if (self.share is None) == (self.above is None):
+            raise ValueError("give either `share` or `above`")
+        return self
 
 
 class Stopped(Frozen):

@@ -11,7 +11,7 @@ from typing import Annotated, Literal, TypeAlias
 from pydantic import Field
 
 from pirate_sm.model.base import Frozen, Name
-from pirate_sm.model.criteria import Load
+from pirate_sm.model.criteria import Load, Stopped, Turning
 from pirate_sm.model.quantities import Angle, AngularSpeed, Duration, Length, Ratio, Torque
 
 PositiveDuration = Annotated[Duration, Field(gt=0)]
@@ -61,35 +61,27 @@ class Angles(Frozen):
     for_s: Annotated[PositiveDuration, Field(alias="for")]
 
 
-class StandingWheels(Frozen):
+class StandingWheels(Stopped):
     """Confirmed while the region's reporting wheels, at least one, stand still.
 
     Contradicted while one of them turns.
 
     Attributes:
-        kind: How the state shows itself.
-        below: The speed below which a wheel stands still.
         for_s: How long it must last.
     """
 
-    kind: Literal["stopped"]
-    below: Annotated[AngularSpeed, Field(gt=0)]
     for_s: Annotated[PositiveDuration, Field(alias="for")]
 
 
-class TurningWheels(Frozen):
+class TurningWheels(Turning):
     """Never confirmed; contradicted while a wheel turns against its setpoint.
 
     Wheels that stand still or turn as commanded count as driven only after a command.
 
     Attributes:
-        kind: How the state shows itself.
-        above: The speed above which a wheel turns.
         for_s: How long it must last.
     """
 
-    kind: Literal["turning"]
-    above: Annotated[AngularSpeed, Field(gt=0)]
     for_s: Annotated[PositiveDuration, Field(alias="for")]
 
 

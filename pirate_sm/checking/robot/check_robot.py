@@ -15,6 +15,7 @@ from pirate_sm.checking.robot.command_targets import command_targets
 from pirate_sm.checking.robot.fault_conditions import fault_conditions
 from pirate_sm.checking.robot.profile_numbers import (
     end_stops,
+    hidden_motors,
     hidden_words,
     link_times,
     never_done,
@@ -73,6 +74,7 @@ RULES = (
     link_times,
     position_loops,
     end_stops,
+    hidden_motors,
     hidden_words,
     wheel_directions,
     mirrored_slots,

@@ -20,6 +20,7 @@ from pirate_sm.engine.robot.criteria import (
 )
 from pirate_sm.loading.problems import Path
 from pirate_sm.model.actuation import Target
+from pirate_sm.model.criteria import Load, Turning
 
 
 def never_done(view: RobotView) -> Iterator[Finding]:
@@ -28,11 +29,12 @@ def never_done(view: RobotView) -> Iterator[Finding]:
         spec = view.loaded.normal.commands[number]
         at: Path = ("commands", name, "done")
         borne = "at_least" if isinstance(spec.done, StalledSpec) and spec.done.settled else "torque"
+        fast = "share" if getattr(view.profile.commands[name].done, "share", None) else "above"
         for key, why in (
             ("for", _too_long(spec.done, spec.timeout_s)),
             ("kind", _unheard(view, spec.done)),
             (borne, too_strong(view.in_force, spec.done, view.led(number))),
-            ("above", too_slow(view.in_force, spec.done, view.led(number))),
+            (fast, too_slow(view.in_force, spec.done, view.led(number))),
         ):
             if why:
                 message = f"{name} can never be done: {why}"
@@ -86,6 +88,27 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
     if not missing or (not every and len(missing) < len(needed)):
         return ""
     return f"no fitted board measures {missing[0]}"
+
+
+def hidden_motors(view: RobotView) -> Iterator[Finding]:
+    """Yield torques and speeds in place of shares of what motors do whose numbers are known."""
+    commands, seen = view.profile.commands, view.profile.seen
+    states = ((r, name, how) for r, given in seen.states.items() for name, how in given.items())
+    found: list[tuple[Path, object]] = [
+        *((("commands", name, "done"), each.done) for name, each in commands.items()),
+        *((("seen", "parts", name), how) for name, how in seen.parts.items()),
+        *((("seen", "states", region, name), how) for region, name, how in states),
+    ]
+    motors = [(slot, view.profile.motors[slot.motor]) for slot in view.profile.slots]
+    known = {
+        "torque": all(motor.stall_torque for slot, motor in motors if slot.joint),
+        "above": all(motor.no_load_speed for slot, motor in motors if slot.wheel),
+    }
+    for path, how in found:
+        key = "torque" if isinstance(how, Load) else "above"
+        if isinstance(how, Load | Turning) and getattr(how, key) is not None and known[key]:
+            message = f"a motor of this robot may differ: say it as a `share`, not by `{key}`"
+            yield view.at((*path, key), "robot.hidden_motor", message)
 
 
 def nominal_times(view: RobotView) -> Iterator[Finding]:

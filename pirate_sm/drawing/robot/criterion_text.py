@@ -25,9 +25,9 @@ def done_when(profile: Profile, criterion: kinds.Criterion) -> str:
         case kinds.Reached():
             return f"every joint has come to its angle{_or_stopped(criterion)}"
         case kinds.Turning():
-            return (
-                f"a driven wheel turns the way it is driven, faster than {criterion.above:g} rad/s"
-            )
+            fast = f"{(criterion.share or 0.0) * 100:g} % of its motor's speed without load"
+            fast = fast if criterion.above is None else f"{criterion.above:g} rad/s"
+            return f"a driven wheel turns the way it is driven, faster than {fast}"
         case kinds.Stopped():
             return (
                 f"no wheel that can be heard turns faster than {criterion.below:g} rad/s"

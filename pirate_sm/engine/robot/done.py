@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from math import copysign, isnan
+from collections.abc import Iterator
+from math import copysign, inf, isnan
+from typing import NamedTuple
 
 from pirate_sm.engine.control.loops import Loops
 from pirate_sm.engine.control.position_loop import PositionLoop
@@ -22,40 +24,80 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 Numbers = tuple[float, ...]
 
 
+class Limit(NamedTuple):
+    """A limit of the signal with this number index; fields as in :class:`Unmet`."""
+
+    signal: int
+    least: float
+    most: float
+    magnitude: bool = False
+
+
 def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops) -> bool:
     """Whether the criterion is true of this moment; unknown signals never make it true.
 
     A joint under a torque loop bears the torque of its loop instead of the criterion's.
     """
+    return next(unmet_limits(criterion, numbers, setpoints, loops), None) is None
+
+
+def unmet_limits(  # noqa: C901 - one case for each criterion
+    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops
+) -> Iterator[Limit]:
+    """Yield the limits because of which :func:`pirate_sm.engine.robot.done.holds` is false."""
     match criterion:
         case AcceptedSpec():
-            return True
+            return
         case StalledSpec():
-            return all(abs(numbers[rate]) < criterion.still for rate in criterion.rates) and all(
-                bears(load.torque, load.needed_nm(setpoints), numbers, loops)
-                for load in criterion.loads
-            )
+            for rate in criterion.rates:
+                if not abs(numbers[rate]) < criterion.still:
+                    yield Limit(rate, -criterion.still, criterion.still)
+            for load in criterion.loads:
+                needed_nm = load.needed_nm(setpoints)
+                if not bears(load.torque, needed_nm, numbers, loops):
+                    yield _least(load.torque, needed_nm, loops)
         case ReachedSpec():
-            return all(
-                loop.arrived(numbers) or pushed_to_rest(criterion, loop, numbers, setpoints)
-                for loop in loops
-                if isinstance(loop, PositionLoop)
-            )
+            for loop in loops:
+                if isinstance(loop, PositionLoop) and not (
+                    loop.arrived(numbers) or pushed_to_rest(criterion, loop, numbers, setpoints)
+                ):
+                    yield near(loop.angle, loop.target_rad, loop.spec.threshold_rad)
         case TurningSpec():
-            return any(
-                setpoints[slot] != 0
-                and numbers[speed] * copysign(1.0, setpoints[slot]) > criterion.above
-                for slot, speed in criterion.wheels
-            )
+            driven = [(slot, speed) for slot, speed in criterion.wheels if setpoints[slot] != 0]
+            ways = [(speed, copysign(1.0, setpoints[slot])) for slot, speed in driven]
+            if not any(numbers[speed] * way > criterion.above for speed, way in ways):
+                for speed, way in ways or [(speed, 1.0) for _, speed in criterion.wheels]:
+                    limits = (criterion.above, inf) if way > 0 else (-inf, -criterion.above)
+                    yield Limit(speed, *limits)
         case StoppedSpec():
-            return all(still(speeds, numbers, criterion.below) for speeds in criterion.parts)
+            for speeds in criterion.parts:
+                if still(speeds, numbers, criterion.below):
+                    continue
+                unheard = all(isnan(numbers[speed]) for speed in speeds)
+                for speed in speeds:
+                    if unheard or abs(numbers[speed]) >= criterion.below:
+                        yield Limit(speed, -criterion.below, criterion.below)
         case AlignedSpec():
-            return all(
-                abs(setpoints[slot] - numbers[angle]) <= criterion.within
-                for slot, angle in criterion.slots
-            )
+            for slot, angle in criterion.slots:
+                if not abs(setpoints[slot] - numbers[angle]) <= criterion.within:
+                    yield near(angle, setpoints[slot], criterion.within)
         case BelowSpec():
-            return all(abs(numbers[signal]) < criterion.limit for signal in criterion.signals)
+            for signal in criterion.signals:
+                if not abs(numbers[signal]) < criterion.limit:
+                    yield Limit(signal, -criterion.limit, criterion.limit)
+
+
+def _least(torque: int, least_nm: float, loops: Loops) -> Limit:
+    """Return the torque that a joint should bear: that of its torque loop, else at least this."""
+    loop = torque_loop(torque, loops)
+    if loop is None:
+        return Limit(torque, least_nm, inf, magnitude=True)
+    return near(torque, loop.target_nm, loop.spec.within_nm)
+
+
+def near(signal: int, target: float, within: float) -> Limit:
+    """Return the limit that a signal is within a distance of its target."""
+    return Limit(signal, target - within, target + within)
 
 
 def pushed_to_rest(

@@ -2,30 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from math import copysign, inf, isfinite, isnan, nan
-from typing import NamedTuple
+from collections.abc import Mapping
+from math import isfinite, isnan, nan
 
 from pirate_sm.engine.control.loops import Loops, signal_of
 from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot.criteria import (
-    AcceptedSpec,
-    AlignedSpec,
-    BelowSpec,
-    CriterionSpec,
-    ReachedSpec,
-    StalledSpec,
-    StoppedSpec,
-    TurningSpec,
-)
 from pirate_sm.engine.robot.done import (
-    bears,
+    Limit,
     must_hold_s,
+    near,
     not_done,
-    pushed_to_rest,
-    still,
-    torque_loop,
+    unmet_limits,
 )
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
@@ -44,15 +32,6 @@ from pirate_sm.model.unmet_words import advice, unmet_words
 from pirate_sm.units import unit_of
 
 
-class Limit(NamedTuple):
-    """A limit of the signal with this number index; fields as in :class:`Unmet`."""
-
-    signal: int
-    least: float
-    most: float
-    magnitude: bool = False
-
-
 def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tuple[Unmet, ...]:
     """Return what the command under way waits for and the sensors do not show.
 
@@ -62,7 +41,7 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
     if motion is None or isnan(motion.accepted_s) or moment.nominal:
         return ()
     limits = [
-        _near(loop.angle, loop.target_rad, _within_rad(robot, motion, loop))
+        near(loop.angle, loop.target_rad, _within_rad(robot, motion, loop))
         for loop in seekers_away(robot, state, motion, sensing.numbers)
     ]
     for done, _ in reversed(criteria_of(robot, motion)):  # the one that asks for least
@@ -73,60 +52,6 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
         unmet_of(robot, motion.origin, each, sensing, moment.now_s)
         for each in dict.fromkeys(limits)
     )
-
-
-def unmet_limits(  # noqa: C901 - one case for each criterion
-    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops
-) -> Iterator[Limit]:
-    """Yield the limits because of which :func:`pirate_sm.engine.robot.done.holds` is false."""
-    match criterion:
-        case AcceptedSpec():
-            return
-        case StalledSpec():
-            for rate in criterion.rates:
-                if not abs(numbers[rate]) < criterion.still:
-                    yield Limit(rate, -criterion.still, criterion.still)
-            for load in criterion.loads:
-                needed_nm = load.needed_nm(setpoints)
-                if not bears(load.torque, needed_nm, numbers, loops):
-                    yield _torque(load.torque, needed_nm, loops)
-        case ReachedSpec():
-            for loop in loops:
-                if isinstance(loop, PositionLoop) and not (
-                    loop.arrived(numbers) or pushed_to_rest(criterion, loop, numbers, setpoints)
-                ):
-                    yield _near(loop.angle, loop.target_rad, loop.spec.threshold_rad)
-        case TurningSpec():
-            driven = [(slot, speed) for slot, speed in criterion.wheels if setpoints[slot] != 0]
-            ways = [(speed, copysign(1.0, setpoints[slot])) for slot, speed in driven]
-            if not any(numbers[speed] * way > criterion.above for speed, way in ways):
-                for speed, way in ways:
-                    limits = (criterion.above, inf) if way > 0 else (-inf, -criterion.above)
-                    yield Limit(speed, *limits)
-        case StoppedSpec():
-            for speeds in criterion.parts:
-                if still(speeds, numbers, criterion.below):
-                    continue
-                unheard = all(isnan(numbers[speed]) for speed in speeds)
-                for speed in speeds:
-                    if unheard or abs(numbers[speed]) >= criterion.below:
-                        yield Limit(speed, -criterion.below, criterion.below)
-        case AlignedSpec():
-            for slot, angle in criterion.slots:
-                if not abs(setpoints[slot] - numbers[angle]) <= criterion.within:
-                    yield _near(angle, setpoints[slot], criterion.within)
-        case BelowSpec():
-            for signal in criterion.signals:
-                if not abs(numbers[signal]) < criterion.limit:
-                    yield Limit(signal, -criterion.limit, criterion.limit)
-
-
-def _torque(torque: int, least_nm: float, loops: Loops) -> Limit:
-    """Return the torque that a joint should bear: that of its torque loop, else at least this."""
-    loop = torque_loop(torque, loops)
-    if loop is None:
-        return Limit(torque, least_nm, inf, magnitude=True)
-    return _near(torque, loop.target_nm, loop.spec.within_nm)
 
 
 def seekers_away(
@@ -191,10 +116,6 @@ def why_held(robot: RobotSpec, held: Loops) -> str:
     """Return the reason of a failure: joints that were pushed and have not moved."""
     names = ", ".join(robot.vocabulary.numbers[signal_of(loop)] for loop in held)
     return f"not moved, though pushed: {names}; a motor is too weak, or something holds it"
-
-
-def _near(signal: int, target: float, within: float) -> Limit:
-    return Limit(signal, target - within, target + within)
 
 
 def unmet_of(

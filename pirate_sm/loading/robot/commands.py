@@ -27,7 +27,7 @@ from pirate_sm.model import criteria
 from pirate_sm.model import profile as model
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.spelling import one_of
-from pirate_sm.units import ANGLE, CURRENT, TORQUE, Quantity, describe
+from pirate_sm.units import ANGLE, ANGULAR_SPEED, CURRENT, SPEED, TORQUE, Quantity, describe
 
 
 def resolve_parts(
@@ -159,7 +159,8 @@ def constants_of(profile: model.Profile) -> dict[str, Quantity]:
     """Return the numbers of the robot that conditions may use, by name.
 
     ``$JOINT_stop`` is a joint's end stop; ``$JOINT_stall`` and ``$JOINT_stall_current`` what its
-    motor bears and draws at full duty when it stands, likewise of a wheel.
+    motor bears and draws at full duty when it stands, likewise of a wheel. ``$WHEEL_no_load`` and
+    ``$WHEEL_no_load_rim`` are the speeds of its motor and its rim at full duty without load.
     """
     found = {f"{joint.name}_stop": Quantity(joint.end_stop, ANGLE) for joint in profile.body.joints}
     for slot in profile.slots:
@@ -170,6 +171,10 @@ def constants_of(profile: model.Profile) -> dict[str, Quantity]:
             found[f"{driven}_stall"] = Quantity(motor.stall_torque, TORQUE)
         if motor.stall_current is not None:
             found[f"{driven}_stall_current"] = Quantity(motor.stall_current, CURRENT)
+        if slot.wheel is not None and motor.no_load_speed is not None:
+            rim_m_s = motor.no_load_speed * profile.body.wheel_radius
+            found[f"{driven}_no_load"] = Quantity(motor.no_load_speed, ANGULAR_SPEED)
+            found[f"{driven}_no_load_rim"] = Quantity(rim_m_s, SPEED)
     return found
 
 
@@ -253,7 +258,8 @@ def resolve_criterion(  # noqa: C901 - one case per kind
             eased = spec._replace(loaded=0.0, for_s=done.settled, least_nm=done.at_least)
             return spec._replace(settled=eased)
         case criteria.Turning():
-            return TurningSpec(tuple((w.slot, w.speed) for w in wheels), done.above)
+            above = turning_rad_s(done, signals, path)
+            return TurningSpec(tuple((w.slot, w.speed) for w in wheels), above)
         case criteria.Stopped():
             return StoppedSpec(_speeds_of_parts(signals), done.below, done.for_s)
         case criteria.Aligned():
@@ -277,6 +283,18 @@ def resolve_criterion(  # noqa: C901 - one case per kind
                     )
                     break  # the other signals have the same limit
             return BelowSpec(numbers, done.limit.value, done.for_s)
+
+
+def turning_rad_s(done: criteria.Turning, signals: Signals, path: Path) -> float:
+    """Return the speed above which a wheel turns; report motors without one."""
+    if done.share is None:
+        return done.above or 0.0
+    profile = signals.profile
+    motors = [profile.motors[slot.motor] for slot in profile.slots if slot.wheel is not None]
+    if any(motor.no_load_speed is None for motor in motors):
+        message = "a `share` needs the `no_load_speed` of the motors of all wheels"
+        signals.problems.add("robot.criterion", (*path, "share"), message)
+    return done.share * min((motor.no_load_speed or inf for motor in motors), default=inf)
 
 
 def resolve_load(

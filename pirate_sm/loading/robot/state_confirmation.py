@@ -20,7 +20,7 @@ from pirate_sm.engine.robot.confirmation_spec import (
 )
 from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.loading.problems import Path, Problems
-from pirate_sm.loading.robot.commands import resolve_load
+from pirate_sm.loading.robot.commands import resolve_load, turning_rad_s
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import seen as model
 
@@ -167,7 +167,7 @@ class _States:
         self._slots = slots
         self._actuation = actuation
         self._speeds = {wheel.slot: wheel.speed for wheel in signals.wheels}
-        self._problems = signals.problems
+        self._problems, self._signals = signals.problems, signals
 
     def state(self, how: model.SeenState, name: str, path: Path) -> SeenSpec | None:
         """Return the criterion of the state; None if no sensor can show it."""
@@ -188,7 +188,7 @@ class _States:
             case model.TurningWheels():
                 driven = tuple((speed, way) for speed, way in self._wheels(name) if way)
                 self._need(driven, path, f"{name} drives no wheel")
-                return DrivenSpec(driven, how.above, how.for_s)
+                return DrivenSpec(driven, turning_rad_s(how, self._signals, path), how.for_s)
             case model.Accepted():
                 return AcceptedSpec()
             case model.Implied():

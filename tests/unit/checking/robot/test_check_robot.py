@@ -76,12 +76,12 @@ FAULTS = {
         (HOLD_NOSE, HOLD_NOSE.replace("50 mNm", "450 mNm")), "robot.never_done", "450 mNm",
     ),
     "more speed than the motor gives": (
-        ("GoAhead: {asks_for: Crawl == Ahead, done: {kind: turning, above: 0.5 rad/s}",
-         "GoAhead: {asks_for: Crawl == Ahead, done: {kind: turning, above: 4.5 rad/s}"),
-        "robot.never_done", "4.5 rad/s",
+        ("GoAhead: {asks_for: Crawl == Ahead, done: {kind: turning, share: 10 %}",
+         "GoAhead: {asks_for: Crawl == Ahead, done: {kind: turning, share: 90 %}"),
+        "robot.never_done", "90 %",
     ),
     "no wheel to turn": (
-        (HOLD_NOSE, "{kind: turning, above: 1 rad/s}"), "robot.never_done", "1 rad/s",
+        (HOLD_NOSE, "{kind: turning, share: 20 %}"), "robot.never_done", "20 %",
     ),
     "longer on paper than it may take": (
         ("timeout: 2 s, nominal: 0.4 s", "timeout: 2 s, nominal: 3 s"), "robot.nominal", "3 s",

@@ -9,6 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.gliding.criterion_trees import criterion_tree
 from pirate_sm.engine.robot.command_spec import PositionSpec
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
@@ -21,7 +22,7 @@ from pirate_sm.engine.robot.criteria import (
     TurningSpec,
 )
 from pirate_sm.engine.robot.done import holds
-from pirate_sm.engine.robot.unmet_conditions import unmet_limits
+from pirate_sm.expressions import BooleanType, Expression
 from pirate_sm.model.events import Abort
 
 LOOP = PositionLoop(0, 0, 1, 2, PositionSpec(1.0, 0.5, 0.1, 1.0, 2.0), 1.0)
@@ -43,10 +44,15 @@ setpoints = st.tuples(*[st.sampled_from([-1.0, 0.5, 1.0])] * 2)
 
 @pytest.mark.parametrize("criterion", CRITERIA, ids=lambda each: type(each).__name__)
 @given(numbers=numbers, setpoints=setpoints)
-def test_a_criterion_holds_where_no_limit_is_unmet(criterion, numbers, setpoints):
-    unmet = [*unmet_limits(criterion, numbers, setpoints, (LOOP,))]
+def test_a_criterion_holds_where_its_condition_in_chunks_is_true(criterion, numbers, setpoints):
+    condition = Expression("", BooleanType(), criterion_tree(criterion, setpoints, (LOOP,)))
 
-    assert holds(criterion, numbers, setpoints, (LOOP,)) == (not unmet)
+    expected = condition.evaluate(numbers, ()) is True
+    assert holds(criterion, numbers, setpoints, (LOOP,)) == expected
+
+
+def test_wheels_that_others_push_are_not_driven():
+    assert not holds(TurningSpec(((0, 1), (1, 2)), 0.5), (nan, 3.0, 3.0), (0.0, 0.0), ())
 
 
 def clamping(drive, mission=IDLE):
