@@ -42,8 +42,9 @@ class Report:
 
     @property
     def allowed(self) -> tuple[Finding, ...]:
-        """Return the allowed findings."""
-        return tuple(each for each in self.findings if each.allowed)
+        """Return the allowed findings in the checked files, not in those that these use."""
+        names = {file.name for file in self.files}
+        return tuple(each for each in self.findings if each.allowed and each.place.file in names)
 
     def fails(self, at: Severity) -> bool:
         """Return whether there is a finding of this severity or worse."""

@@ -6,7 +6,8 @@ from math import inf
 
 from pirate_sm.engine.mission.program import TriggerSpec, Wait
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot.unmet_conditions import Limit, unmet_of
+from pirate_sm.engine.robot.done import Limit
+from pirate_sm.engine.robot.unmet_conditions import unmet_of
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.unmet_words import shown_words
 

@@ -166,6 +166,17 @@ def test_a_finding_is_allowed_in_its_file() -> None:
     assert (len(report.open), len(report.allowed)) == (0, 1)
 
 
+def test_what_a_called_mission_allows_is_not_told_of_the_caller(tmp_path: Path) -> None:
+    file = tmp_path / "caller.yaml"
+    file.write_text(
+        "format: 1\nmission: caller\nrobot: pirate_ii\npipe: mitre_90\nstart: a\n"
+        "phases: {a: {do: [{call: mitre_bend}], go: e}}\nends: {e: {succeed: Round it}}\n"
+    )
+    report = check_paths([str(file)], Wishes())
+    assert any(each.allowed for each in report.findings)
+    assert not report.allowed
+
+
 def test_an_allowance_in_a_file_that_cannot_be_used_is_seen() -> None:
     write("m.yaml", MISSION + "more: 1  # pirate: allow unknown-key: because\n")
 
