@@ -98,12 +98,13 @@ def _motion(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> 
 def _least(watch: WatchSpec, before: float, wound: float, numbers: Numbers) -> float:
     """Return the smallest motion of a joint's motor that explains its value after another one.
 
-    A joint faster than its motor is a spring's, which loses torque. Only the motor can have wound
-    it up that fast.
+    A joint faster than its motor is a spring's: one that loses torque, or that others turn against
+    the torque that it bears already, which may exceed what its motor can wind.
     """
     step, turned = _motion(watch, before, wound, numbers)
-    unwound = abs(torque(watch, numbers)) <= max(abs(wound), watch.winds)
-    return min(step, turned) if unwound else step
+    now = torque(watch, numbers)
+    explained = abs(now) <= max(abs(wound), watch.winds) or now * wound > 0
+    return min(step, turned) if explained else step
 
 
 def _goes_on(watch: WatchSpec, channel: SensorMemory, step: float) -> bool:

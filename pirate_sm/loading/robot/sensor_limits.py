@@ -87,8 +87,7 @@ def _angle(
     if torque >= 0 and motor.stiffness is not None and motor.no_load_speed is not None:
         # What others push shows as torque, so that the motor's own speed is the limit.
         watch = watch._replace(torque=torque, stiffness=motor.stiffness, rate=motor.no_load_speed)
-        # A spring that is softer than it is taken to be seems to bear more.
-        winds = inf if motor.stall_torque is None else motor.stall_torque * (1 + own.spring)
+        winds = inf if motor.stall_torque is None else motor.stall_torque
         watch = watch._replace(spring=own.spring, winds=winds)
     load = _of_motor("current", board.channels, slot, numbers)
     loop, full = motor.position_loop, motor.stall_current

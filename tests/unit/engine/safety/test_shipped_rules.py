@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from driving import PIRATE
+from driving import IDLE, PIRATE
 
 BODY = """\
 starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
@@ -45,3 +45,26 @@ def test_a_robot_that_drives_forward_is_stuck_where_all_its_rear_stands(
     driver.run(5.0, **rates)
 
     assert [code for code, _ in driver.faults].count("robot.stuck") == stuck
+
+
+@pytest.mark.parametrize(
+    ("bending", "lasting_s", "fallen"),
+    [
+        ("DoubleClamped", 0.3, False),
+        ("DoubleClamped", 0.5, True),
+        ("FrontClampedRearBending", 0.7, False),
+        ("FrontClampedRearBending", 1.1, True),
+    ],
+)
+def test_a_robot_that_weighs_less_for_long_slides_and_one_whose_part_bends_jerks(
+    drive, bending: str, lasting_s: float, fallen: bool
+) -> None:
+    rear = "Fixed" if bending == "DoubleClamped" else "Free"
+    states = {"BendingState": bending, "FrontWheelsState": "Fixed", "RearWheelsState": rear}
+    driver = drive(IDLE, PIRATE, states=states)
+    driver.run(0.5)
+
+    driver.signals["acc_z"] = 8.0
+    driver.run(0.5 + lasting_s + 0.05)
+
+    assert ("robot.fallen" in dict(driver.faults)) == fallen

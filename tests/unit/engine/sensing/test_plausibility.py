@@ -249,6 +249,27 @@ def test_belief_in_a_joint_that_snaps_needs_no_spring_as_stiff_as_assumed(
     assert (shown[-1] == 85.0) == believed
 
 
+@pytest.mark.parametrize(
+    ("wound", "now", "believed"),
+    [
+        (-40.0, -82.5, True),  # as where a robot pushes against a block: others wind it on
+        (0.0, -42.5, True),  # the motor can have wound it
+        (0.0, -62.5, False),  # but not so far
+        (40.0, -62.5, False),  # and others turn no joint through both ends of its spring at once
+    ],
+)
+def test_belief_in_a_spring_that_bears_more_than_its_motor_winds_needs_others_that_wind_it_on(
+    wound: float, now: float, believed: bool
+) -> None:
+    joint, other = SPRUNG.sensors
+    watched = WatchedSpec((joint._replace(winds=50.0), other))
+    angle = (wound - now) / joint.stiffness  # the motor stands still
+
+    shown, _ = sprung([(0.0, wound)] * 3 + [(angle, now)], watched)
+
+    assert (shown[-1] == angle) == believed
+
+
 def test_time_makes_no_angle_possible_at_which_a_joint_seems_to_stay() -> None:
     """In one period its motor turns by 30 deg at most, in the three that are held back by 50."""
     shown, codes = sprung([(0, 0)] * 3 + [(40, 0)] * 4)
@@ -642,11 +663,9 @@ def test_the_torque_of_a_good_bend_is_within_its_range() -> None:
 
 def test_a_joint_with_a_spring_whose_torque_is_measured_is_no_faster_than_its_motor() -> None:
     limits = watch("gamma_1")
-    profile = load_robot(PIRATE).profile
-    motor, softer = profile.motors["bend"], 1 + profile.plausibility.spring
-    assert motor.stall_torque is not None
+    motor = load_robot(PIRATE).profile.motors["bend"]
 
-    assert (limits.rate, limits.winds) == (motor.no_load_speed, motor.stall_torque * softer)
+    assert (limits.rate, limits.winds) == (motor.no_load_speed, motor.stall_torque)
     assert watch("theta_1").rate > limits.rate
 
 
