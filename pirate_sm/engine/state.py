@@ -81,7 +81,7 @@ class MissionState(NamedTuple):
         tries: How often its command has been repeated.
         armed_s: Mission time at which it began.
         since: Per trigger the mission time at which its condition became true, NaN while it is not.
-            For a command or a requirement: since when it waits for sight of a clamp.
+            For a command or a requirement: when it began to wait for sight of a clamp.
         origin: Signals from which the last wait counts that uses their changes; empty before it.
         counts_from: The distance when the origin was taken.
         claim: From where the distance counts by which the mission has come here; None without one.

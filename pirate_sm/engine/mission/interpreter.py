@@ -6,6 +6,7 @@ from typing import assert_never
 
 from pirate_sm.engine.control.stages import unsettled
 from pirate_sm.engine.deadlines import has_come
+from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.claims import met_unknown
 from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end, end_by_fault
@@ -145,13 +146,12 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
 
 
 def _awaiting_sight(moment: Moment, state: EngineState) -> EngineState | None:
-    """Return the state in which a step waits for sensors to show a clamp; None once it is late."""
+    """Return the state in which a step waits for sensors to show a clamp; None if it has waited."""
     mission = state.mission
-    clock = mission.clock(moment.now_s)
-    since = mission.since or (clock,)
-    if has_come(clock, since[0] + moment.robot.sight.within_s):
+    if mission.since:
         return None
-    return state if mission.since else state._replace(mission=mission._replace(since=since))
+    mission = mission._replace(since=(mission.clock(moment.now_s),))
+    return pausing.until_seen(moment, state._replace(mission=mission))
 
 
 def _awaited(moment: Moment, state: EngineState, it: Do, name: str) -> EngineState:

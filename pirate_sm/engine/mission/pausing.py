@@ -31,8 +31,7 @@ def wanted(state: EngineState) -> EngineState:
 def until_seen(moment: Moment, state: EngineState) -> EngineState:
     """Request a pause that ends once sensors show again that a part holds.
 
-    It is requested while wheels are driven. If the operator has paused the mission and drives by
-    hand, the wheels are stopped.
+    If the operator has paused the mission and drives by hand, the wheels are stopped.
     """
     mission = state.mission
     if mission.paused and mission.sight_until_s == inf:
@@ -47,18 +46,24 @@ def until_seen(moment: Moment, state: EngineState) -> EngineState:
 
 
 def await_sight(moment: Moment, state: EngineState) -> EngineState:
-    """Resume a mission that waits for sight of a clamp, or end it if that takes too long."""
+    """Resume a mission that waits for sight of a clamp, or end it if that takes too long.
+
+    A step that has waited in vain begins with its wheels stopped, and is refused.
+    """
     mission, body = state.mission, state.robot
     if not mission.paused or body.awaited is not None:
         return state
     if why_not_on(state):  # the operator has given a command meanwhile
         return state._replace(mission=mission._replace(sight_until_s=inf))
-    missing = _missing(moment, state)
-    if not missing:
-        return resume(moment, state, one_step=mission.one_step)
-    if has_come(moment.now_s, mission.sight_until_s):
+    missing, late = _missing(moment, state), has_come(moment.now_s, mission.sight_until_s)
+    steps = bool(mission.since) and not mission.begun
+    if late and missing:
         return end_by_fault(moment, state, rules.CODE, missing)
-    return state
+    if late and steps:
+        state = state._replace(mission=forget(mission, body))
+    elif missing or (steps and confirmation.as_last_seen(body) != body):
+        return state
+    return resume(moment, state, one_step=mission.one_step)
 
 
 def begin_if_wanted(moment: Moment, state: EngineState) -> EngineState:

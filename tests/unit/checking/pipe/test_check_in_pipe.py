@@ -304,7 +304,7 @@ def test_each_leg_has_its_own_slope(
 
 
 def test_a_weak_motor_is_told_with_the_robots_own_friction(tmp_path: Path) -> None:
-    changed(PIRATE, tmp_path, "profile.yaml", ("stall_torque: 1.01 Nm", "stall_torque: 0.21 Nm"))
+    changed(PIRATE, tmp_path, "profile.yaml", ("stall_torque: 1.01 Nm", "stall_torque: 0.15 Nm"))
     profile = tmp_path / PIRATE.name / "profile.yaml"
     text = profile.read_text(encoding="utf-8")
     usual, others = text.index("controls:\n"), text.index("# --- Postures that")

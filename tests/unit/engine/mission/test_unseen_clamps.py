@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
+from pathlib import Path
 
 import pytest
 from driving import BOTH_CLAMPED, REAR_CLAMPED, Driver, command
 
+from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
 TURN = 2 * math.asin((0.113 - 0.048) / 0.09)
@@ -30,6 +32,11 @@ phases:
 ends: {e: {succeed: ok}, f: {fail: "{cause}"}}
 """
 CALLS = LETS_GO.replace("RelaxFront", "call: {file}")
+DRIVES_ON = (
+    DRIVES.replace("after: 5 s, go: e", "operator: x, go: b")
+    .replace("  rescue", "  b: {do: [{call: {file}}], go: e, on_failure: f}\n  rescue")
+    .replace("ends: {", "ends: {f: {fail: '{cause}'}, ")
+)
 NEEDS_BOTH = """
 starts_in: {BendingState: DoubleClamped}
 start: a
@@ -194,12 +201,16 @@ def test_a_command_that_a_seen_clamp_would_not_allow_either_is_refused_at_once(d
     assert driver.statuses == [("BendInto", "refused")]
 
 
-@pytest.mark.parametrize(("silent", "outcome"), [(0, "succeeded"), (26, "failed")])
-def test_a_mission_that_requires_a_clamp_waits_for_it_too(drive, tmp_path, silent, outcome):
-    file = tmp_path / "called.yaml"
+def called(folder: Path) -> str:
+    file = folder / "called.yaml"
     head = "format: 1\nmission: called\nrobot: pirate_ii\n"
     file.write_text(head + NEEDS_BOTH, encoding="utf-8")
-    driver = holding(drive, CALLS.replace("{file}", file.name), BOTH_CLAMPED)
+    return file.name
+
+
+@pytest.mark.parametrize(("silent", "outcome"), [(0, "succeeded"), (26, "failed")])
+def test_a_mission_that_requires_a_clamp_waits_for_it_too(drive, tmp_path, silent, outcome):
+    driver = holding(drive, CALLS.replace("{file}", called(tmp_path)), BOTH_CLAMPED)
     reporting(driver, 1.0)
     reporting(driver, 2.1, silent=26)
 
@@ -208,3 +219,25 @@ def test_a_mission_that_requires_a_clamp_waits_for_it_too(drive, tmp_path, silen
     reporting(driver, 6.0, silent)
 
     assert driver.ended.outcome == outcome
+
+
+@pytest.mark.parametrize("silent", [0, 26])
+def test_the_wheels_stop_while_a_step_waits_and_drive_on_only_if_it_is_seen(
+    drive, tmp_path, silent
+):
+    both = {"bend_1": -0.7, "bend_2": 0.7} | HELD
+    body = DRIVES_ON.replace("{file}", called(tmp_path))
+    driver = holding(drive, body, BOTH_CLAMPED)
+    reporting(driver, 1.0)
+    reporting(driver, 2.1, silent=26)
+    assert driver.nonzero.keys() > both.keys(), "the front holds too"
+
+    driver.give(ev.Answer("x"))
+    reporting(driver, 2.5, silent=26)
+    assert driver.nonzero == pytest.approx(both)
+    effects = len(driver.effects)
+    reporting(driver, 8.0, silent)
+
+    arrays = [each for each in driver.effects[effects:] if isinstance(each, fx.Setpoints)]
+    driven = any(each.values[slot] for each in arrays for slot in driver.robot.safe_zero)
+    assert driven == (silent == 0)
