@@ -21,7 +21,6 @@ class Tracker:
         self._seen: deque[tuple[float, tuple[float, ...]]] = deque()
         self._driven = False
         self._changed_s = -inf
-        self._now_s = -inf
 
     def see(
         self,
@@ -76,7 +75,7 @@ class Tracker:
         seen = self._of(wheel)
         slope = self._slope(seen) if self._driven else 0.0
         place_m = _median([place + slope * (latest_s - at) for at, place in seen])
-        if not self._driven or latest_s == self._now_s:
+        if not self._driven:
             return place_m
         return place_m + self._speed() * (self._now_s - latest_s)
 

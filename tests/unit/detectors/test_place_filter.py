@@ -122,3 +122,35 @@ def test_two_positions_of_one_moment_show_no_speed() -> None:
         tracker.see(at_s, (place_m,), driven=True)
 
     assert tracker.speed() == pytest.approx(0.1)
+
+
+def test_nothing_is_driven_before_anything_was_seen() -> None:
+    assert not Tracker().driven
+    assert isnan(Tracker().place(0))
+
+
+def test_a_robot_that_is_not_driven_stays_where_it_was_seen() -> None:
+    tracker = Tracker()
+    for turn in range(3):
+        tracker.see(turn / 10, [turn / 100], driven=False)
+    tracker.see(0.5, None, driven=False)
+
+    assert tracker.place(0) == 0.01
+
+
+def test_a_wheel_that_was_seen_once_says_nothing_about_the_speed() -> None:
+    tracker = Tracker()
+    for turn in range(5):
+        tracker.see(turn / 10, [turn / 10, nan if turn < 4 else 3.0], driven=True)
+
+    assert tracker.speed() == pytest.approx(1.0)
+    assert tracker.place(1) == 3.0
+
+
+def test_two_places_at_one_time_have_no_speed() -> None:
+    tracker = Tracker()
+    tracker.see(0.0, [0.0], driven=True)
+    tracker.see(0.0, [2.0], driven=True)
+
+    assert tracker.place(0) == 1.0
+    assert tracker.speed() == 0.0
