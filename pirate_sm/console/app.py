@@ -36,7 +36,7 @@ from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, is_whole, p
 from pirate_sm.control_panel.panel_reader import PanelReader
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import Stop
-from pirate_sm.showing import panels
+from pirate_sm.showing import alarms, panels
 from pirate_sm.showing.body_panel import travelled
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import FLAG, MUTED, Part, line
@@ -98,6 +98,7 @@ class Console(PanelActions, App[None]):
         Binding("pageup", "look_back(1)", "Earlier lines", show=False),
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
+        Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
         Binding("ctrl+t", "other_theme", "Next theme", show=False),
         *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
     ]
@@ -116,6 +117,7 @@ class Console(PanelActions, App[None]):
         wear(self, theme)
         self.session = session
         self.panel = panel
+        self.seen: set[int] = set()
         self.ask_check = ask_check
         self._frames_per_s = frames_per_s
         self.failure: Exception | None = None
@@ -214,9 +216,8 @@ class Console(PanelActions, App[None]):
     def show_words(self, snapshot: Snapshot) -> None:
         """Show everything but the picture."""
         self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
-        alarm = panels.alarm(snapshot, self.seen)
-        self._show_bar("alarm", [alarm] if alarm is not None else [])
-        self.on_base(Lines, "alarm").set_class(panels.shows_success(snapshot, self.seen), "good")
+        self._show_bar("alarm", alarms.bar(snapshot, self.seen, self.size.width))
+        self.on_base(Lines, "alarm").set_class(alarms.shows_success(snapshot, self.seen), "good")
         series = hand_back_plan.bar(self.session.giver.series)
         self._show_bar("question", series or panels.question(snapshot, self.size.width))
         self.on_base(Lines, "pages").show([_tabs(self._page)])
@@ -238,7 +239,7 @@ class Console(PanelActions, App[None]):
         commands, controls = [], []
         for name, row in self._rows.items():
             reason = availability.command_reason(snapshot, name)
-            row.show(name, reason, under_way=name == doing)
+            row.show(name, reason, under_way=name == doing and snapshot.live)
             if name != doing:
                 commands.append(Request(row.key, reason))
         for control in availability.controls(snapshot, self.entries(snapshot)):

@@ -22,6 +22,7 @@ OVER = "the run is over"
 OPENING = "the backend is being opened"
 NO_MISSION = "no mission is chosen: press m"
 LOOKING = "being looked at"
+UNHEARD = "no word from the robot"
 
 _PLACE = re.compile(r"\((?P<file>[^()]+):(?P<line>\d+):\d+\)")
 
@@ -86,7 +87,7 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
     if snapshot.state is None:
         return OPENING
     index = snapshot.scene.robot.table.command_index[command]
-    return why_not_command(snapshot.scene.robot, snapshot.state, index)
+    return _unheard(snapshot) or why_not_command(snapshot.scene.robot, snapshot.state, index)
 
 
 def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str:
@@ -94,7 +95,7 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
     state = snapshot.state
     if snapshot.over or state is None:
         return OVER if snapshot.over else OPENING
-    obstacle = why_not_to(snapshot.scene.loaded.program, state, phase)
+    obstacle = _unheard(snapshot) or why_not_to(snapshot.scene.loaded.program, state, phase)
     if obstacle:
         return obstacle
     return LOOKING if entries is None else entries.get(phase, LOOKING)
@@ -135,7 +136,7 @@ def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]
             _why_not_pause(state),
             _why_not_step(snapshot, state, entries),
             _why_not_skip(snapshot, state),
-            "" if state.mission.paused else "pause the mission first",
+            "pause the mission first" if not state.mission.paused else _unheard(snapshot),
             "it has not begun" if untouched(snapshot) else "",
         )
     labels = (start, "Pause", "Next step", "Skip the wait", "Hand back at …", "Abort")
@@ -150,9 +151,16 @@ def _general(snapshot: Snapshot) -> str:
     return "" if snapshot.scene.mission else NO_MISSION
 
 
+def _unheard(snapshot: Snapshot) -> str:
+    """Return that nothing is heard: what is asked for would be done when the robot comes back."""
+    return UNHEARD if snapshot.unheard_s else ""
+
+
 def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
     if not state.mission.paused:
         return "it is running"
+    if reason := _unheard(snapshot):
+        return reason
     if untouched(snapshot):
         program = snapshot.scene.loaded.program
         return phase_reason(snapshot, program.phase_of[program.start], entries)

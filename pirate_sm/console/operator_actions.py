@@ -11,6 +11,7 @@ from textual.app import SystemCommand
 from textual.worker import Worker, WorkerState
 
 from pirate_sm.console import availability
+from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.hand_back_actions import HandBackActions
 from pirate_sm.console.mission_actions import MissionActions
 from pirate_sm.console.terminal_driver import STOP_KEY
@@ -20,16 +21,11 @@ from pirate_sm.runtime.stop_requests import BY_SIGNAL
 from pirate_sm.showing.panels import choices
 
 
-class OperatorActions(HandBackActions, MissionActions):
-    """The acting half of the console; every refusal is shown with the engine's reason.
-
-    Attributes:
-        seen: Number of the last alarm that the operator has seen.
-    """
+class OperatorActions(HandBackActions, MissionActions, AlarmActions):
+    """The acting half of the console; every refusal is shown with the engine's reason."""
 
     letters: dict[str, str]
 
-    seen = 0
     _wants_to_go = False
 
     # --- the stop -----------------------------------------------------------------------------
@@ -149,16 +145,12 @@ class OperatorActions(HandBackActions, MissionActions):
     # --- which mission ------------------------------------------------------------------------
 
     def action_seen(self) -> None:
-        """End a series of commands; else clear the banner of an ended mission, then an alarm."""
+        """End a series of commands; else acknowledge the alarms that the bar shows."""
         series = self.session.giver.series
         if series is not None and series.active:
             self.session.giver.stop()
             return
-        story = self.session.latest.story
-        if story.banner is not None and story.banner.number > self.seen:
-            self.seen = story.banner.number
-        elif story.alarm is not None:
-            self.seen = max(self.seen, story.alarm.number)
+        self.acknowledge()
 
     def palette(self) -> Iterable[SystemCommand]:
         """Yield all commands, with the reason for those that are not available."""
@@ -171,6 +163,7 @@ class OperatorActions(HandBackActions, MissionActions):
         for control in availability.controls(snapshot, self.entries(snapshot)):
             go = partial(self.action_control, control.name)
             yield SystemCommand(control.label, control.reason or "Mission", go)
+        yield SystemCommand("Alarms", "Every alarm in full", self.action_alarms)
         yield SystemCommand("Missions", "Choose a mission", self.action_missions)
         for word in snapshot.scene.robot.detector_words:
             yield SystemCommand(f"Detector: {word}", "Say it", partial(self.action_word, word))

@@ -21,7 +21,7 @@ from pirate_sm.console.themes import next_theme, no_colour, wear
 from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, StopRequests
-from pirate_sm.showing import panels
+from pirate_sm.showing import alarms, panels
 from pirate_sm.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
 
 _W = TypeVar("_W", bound=Widget)
@@ -133,9 +133,12 @@ class RecordingViewer(App[None]):
         self._base(Picture, "picture").show(snapshot)
         header = panels.header(snapshot, self.size.width, flag=_RECORDING)
         self._base(Lines, "header").show([header])
-        alarm, bar = panels.alarm(snapshot, 0, ""), self._base(Lines, "alarm")
-        bar.set_class(alarm is not None, "on").set_class(panels.shows_success(snapshot, 0), "good")
-        bar.show([alarm] if alarm is not None else [])
+        lines, bar = (
+            alarms.bar(snapshot, (), self.size.width, keys=False),
+            self._base(Lines, "alarm"),
+        )
+        bar.set_class(bool(lines), "on").set_class(alarms.shows_success(snapshot, ()), "good")
+        bar.show(lines)
         now = self._base(Lines, "now")
         now.show(panels.now(snapshot, now.content_size.width))
         show_robot(self, snapshot)

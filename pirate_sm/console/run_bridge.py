@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Sequence
+from dataclasses import replace
 from math import inf, isnan
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Answer, Event
+from pirate_sm.runtime.clock import Clock
 from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.showing.effect_lines import Line
@@ -20,6 +22,9 @@ from pirate_sm.wiring import Prepared
 QUIET = frozenset({"another mission was chosen", "the console was left"})
 """Ends that the operator has requested by other means than a stop; they need no banner."""
 
+HELD_S = 1.0
+"""After this long without a new snapshot the newest one is not taken for the present any more."""
+
 LOOK_EVERY_S = 0.02
 """The longest delay of an operator's event to the engine."""
 
@@ -28,13 +33,13 @@ class RunBridge:
     """An observer, watcher and companion of the runs of one session, one after the other.
 
     Attributes:
-        latest: The newest snapshot; replaced, never changed.
         asked: Number of the operator's events in the present run.
     """
 
     listening = False
 
-    def __init__(self, scene: Scene, prepared: Prepared) -> None:
+    def __init__(self, scene: Scene, prepared: Prepared, clock: Clock) -> None:
+        self._clock = clock
         self._scene = scene
         self._prepared = prepared
         self._memory = Memory(scene.robot, nominal=scene.engine.nominal, quiet=QUIET)
@@ -45,9 +50,18 @@ class RunBridge:
         self._over = False
         self._before_m = 0.0
         self.asked = 0
-        self.latest = self._snapshot(0.0)
+        self._newest = self._snapshot(0.0)
+        self._made_s = clock.now()
 
     # --- from the console's thread ------------------------------------------------------------
+
+    @property
+    def latest(self) -> Snapshot:
+        """The newest snapshot; it says how old it is if the run does not make newer ones."""
+        newest, held_s = self._newest, self._clock.now() - self._made_s
+        if newest.over or newest.state is None or held_s < HELD_S:
+            return newest
+        return replace(newest, held_s=held_s)
 
     def queue(self, event: Event) -> None:
         """Queue an event for the engine at the next turn of the loop."""
@@ -69,7 +83,7 @@ class RunBridge:
     def end(self, now_s: float) -> None:
         """Note that the last run is over."""
         self._over = True
-        self.latest = self._snapshot(now_s)
+        self._renew(now_s)
 
     @property
     def due_s(self) -> float:
@@ -83,7 +97,7 @@ class RunBridge:
         """Make a new snapshot; return a log line for each answer of the operator."""
         self._due_s = now_s + LOOK_EVERY_S
         self._trends.look(self._scene, state, now_s)
-        self.latest = self._snapshot(now_s)
+        self._renew(now_s)
         return [
             Answered("info", f"answered '{event.choice}' (operator)")
             for event in tuple(self._waiting)
@@ -104,7 +118,10 @@ class RunBridge:
 
     def pulse(self, now_s: float) -> None:
         """Make a new snapshot, also while mission time stands still."""
-        self.latest = self._snapshot(now_s)
+        self._renew(now_s)
+
+    def _renew(self, now_s: float) -> None:
+        self._newest, self._made_s = self._snapshot(now_s), self._clock.now()
 
     def _snapshot(self, now_s: float) -> Snapshot:
         state = self._run.state if self._run is not None else None

@@ -14,7 +14,7 @@ from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
-from pirate_sm.runtime.clock import Clock
+from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, Result
@@ -75,7 +75,7 @@ class OperatorSession:
         self._next = then
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
-        self._bridge = RunBridge(scene_of(prepared), prepared)
+        self._bridge = RunBridge(scene_of(prepared), prepared, clock or WallClock())
 
     @property
     def latest(self) -> Snapshot:

@@ -9,7 +9,7 @@ from rich.text import Text
 
 from pirate_sm.showing.robot_anatomy import MotorReadings, ShownReading
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.text_styles import ACCENT, BAD, GOOD, MUTED, WARN, Part, line
+from pirate_sm.showing.text_styles import ACCENT, BAD, GOOD, MUTED, STALE, WARN, Part, ago, line
 
 _BARS = " ▁▂▃▄▅▆▇█"
 _NEAR, _HIGH = 0.8, 0.95
@@ -54,8 +54,16 @@ def briefly(snapshot: Snapshot, width: int) -> list[Text]:
     joints = []
     for motor in (*snapshot.scene.anatomy.joints, *snapshot.scene.anatomy.rolls):
         value = snapshot.signals.get(motor.value, nan)
-        joints.append((motor.name, "–" if isnan(value) else _WRITE["angle"](value)))
+        written = "–" if isnan(value) else _WRITE["angle"](value)
+        joints.append((motor.name, _with_age(snapshot, motor.value, written)))
     return _in_cells([*joints, *_readings(snapshot)], width)
+
+
+def _with_age(snapshot: Snapshot, signal: str, written: str) -> str:
+    """Return a value, marked and with its age where it is not that of the present moment."""
+    if snapshot.is_fresh(signal):
+        return written
+    return f"{STALE}{written} {ago(snapshot.age_s(signal))}"
 
 
 def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> Text:
@@ -64,6 +72,9 @@ def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> T
     written = "–"
     if not isnan(value):
         written = f"{degrees(value):z.1f}°" if unit else f"{value:z.2f} rad/s"
+    if not snapshot.is_fresh(motor.value):
+        since = f"no report for {ago(snapshot.age_s(motor.value))}"
+        return line((f"{motor.name[:8]:<8}{STALE + written:>11} {STALE * 11}  {since}", MUTED))
     parts: list[Part] = [(f"{motor.name[:8]:<8}", MUTED), f"{written:>11} "]
     parts += _centred(value, motor.limit, marked=bool(unit))
     if width >= _WITH_TORQUE:
@@ -125,15 +136,15 @@ def _heat(snapshot: Snapshot, motor: MotorReadings) -> list[Part]:
 def _trend(snapshot: Snapshot, motor: MotorReadings, room: int) -> str:
     """Return the last values, each as high as its share of the stall current, or of the largest."""
     values = [abs(each) for each in (snapshot.trends or {}).get(motor.current or motor.value, ())]
-    return sparkline(values[-room:], motor.stall_a or max(values, default=0.0))
+    known = [each for each in values if not isnan(each)]
+    return sparkline(values[-room:], motor.stall_a or max(known, default=0.0))
 
 
 def sparkline(values: Sequence[float], full: float) -> str:
-    """Return one character for each value."""
+    """Return one character for each value, a gap for NaN."""
     top = len(_BARS) - 1
-    if not full:
-        return _BARS[1] * len(values)
-    return "".join(_BARS[max(1, min(top, round(each / full * top)))] for each in values)
+    shares = [each / full if full else 0.0 * each for each in values]
+    return "".join(_BARS[0 if isnan(it) else max(1, min(top, round(it * top)))] for it in shares)
 
 
 def travelled(snapshot: Snapshot) -> list[Text]:
@@ -142,7 +153,9 @@ def travelled(snapshot: Snapshot) -> list[Text]:
     parts: list[Part] = []
     for each in readings:
         if each.kind in ("distance", "speed"):
-            parts += [(f"{each.label} ", MUTED), f"{_written(snapshot, each)}  "]
+            written = _written(snapshot, each)
+            style = MUTED if written.startswith(STALE) else ""
+            parts += [(f"{each.label} ", MUTED), (f"{written}  ", style)]
     return [line(*parts)] if parts else []
 
 
@@ -151,7 +164,10 @@ def _written(snapshot: Snapshot, reading: ShownReading) -> str:
     value = snapshot.signals.get(reading.signal, nan)
     written = "–" if isnan(value) else _WRITE[reading.kind](value)
     before_m = snapshot.before_m if reading.kind == "distance" else 0.0
-    return f"{before_m:z.2f}+{written}" if round(before_m, 2) else written
+    if round(before_m, 2):
+        sign = "" if written.startswith("-") else "+"
+        written = f"{before_m:z.2f}{sign}{written}"
+    return _with_age(snapshot, reading.signal, written)
 
 
 def _readings(snapshot: Snapshot) -> list[tuple[str, str]]:
@@ -163,7 +179,8 @@ def _in_cells(cells: Sequence[tuple[str, str]], width: int) -> list[Text]:
     """Return the cells, as many side by side as there is room for."""
     lines = [line()]
     for label, written in cells:
-        cell = line((f"{label} ", MUTED), written.ljust(_VALUE))
+        style = MUTED if written.startswith(STALE) else ""
+        cell = line((f"{label} ", MUTED), (written.ljust(_VALUE), style))
         if len(lines[-1]) + len(cell) > width + 1 and lines[-1]:
             lines.append(line())
         lines[-1].append_text(cell).append(" ")

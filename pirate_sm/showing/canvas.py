@@ -11,17 +11,25 @@ from rich.text import Text
 
 ACROSS, DOWN = 2, 4
 _BLANK = 0x2800
+_DASH = 6
+"""Dots from one dash to the next."""
+
 _BITS = ((0x01, 0x08), (0x02, 0x10), (0x04, 0x20), (0x40, 0x80))
 
 
 class Canvas:
-    """Dots on a grid of characters; a character has the style of what was drawn into it last."""
+    """Dots on a grid of characters; a character has the style of what was drawn into it last.
+
+    Attributes:
+        dashed: Whether lines and rings have gaps.
+    """
 
     def __init__(self, columns: int, rows: int) -> None:
         self.width, self.height = columns * ACROSS, rows * DOWN
         self._bits = [[0] * columns for _ in range(rows)]
         self._styles = [[""] * columns for _ in range(rows)]
         self._letters: dict[tuple[int, int], str] = {}
+        self.dashed = False
 
     def dot(self, x: float, y: float, style: str) -> None:
         """Draw a dot, unless it lies outside; y counts downwards."""
@@ -39,6 +47,8 @@ class Canvas:
         x0, y0, x1, y1 = clipped
         steps = max(1, round(max(abs(x1 - x0), abs(y1 - y0))))
         for step in range(steps + 1):
+            if self.dashed and step % _DASH >= _DASH / 2:
+                continue
             share = step / steps
             self.dot(x0 + (x1 - x0) * share, y0 + (y1 - y0) * share, style)
 
@@ -63,6 +73,8 @@ class Canvas:
         """Draw a ring."""
         count = max(8, round(4 * pi * radius))
         for step in range(count):
+            if self.dashed and step % _DASH >= _DASH / 2:
+                continue
             angle = 2 * pi * step / count
             self.dot(x + radius * cos(angle), y + radius * sin(angle), style)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import takewhile
-from math import ceil, degrees, isinf
+from math import ceil, degrees, isfinite, isinf
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.engine.robot.command_spec import SlotSpec
@@ -156,11 +156,36 @@ def summary(
 UNCONFIRMED = "the robot has not confirmed that it stopped"
 
 
-def away(link: LinkHealth, *, stopping: bool = False) -> str:
-    """Return what is wrong with the link, and whether a stop waits for it; empty: nothing."""
-    if stopping and link.trouble:
-        return f"stopping waits for the link, given up in {link.patience_s:.0f} s: {link.trouble}"
-    return f"link: {link.trouble}, for {link.silent_s:.1f} s" if link.trouble else ""
+def away(link: LinkHealth, *, stopping: bool = False, moving: bool = False) -> str:
+    """Return since when nothing is known of the robot, and what it may be doing; empty: nothing.
+
+    Args:
+        link: The state of the link.
+        stopping: Whether a stop waits for it.
+        moving: Whether a command was under way.
+    """
+    if not link.trouble:
+        return ""
+    waits = ""
+    if stopping:
+        waits = f"; a stop waits for it, given up in {link.patience_s:.0f} s"
+    said = f"no word for {link.silent_s:.1f} s{waits}; {_may_move(link, moving=moving)}"
+    return f"{said} ({link.trouble})"
+
+
+def _may_move(link: LinkHealth, *, moving: bool) -> str:
+    """Return what may move while nothing is heard, and what the operator can do about it."""
+    if link.stopped and not moving:
+        return "its wheels stood when it was last heard"
+    what = "a joint" if link.stopped else "wheels"
+    if link.silent_s >= link.switch_stops_s:
+        has = f"its dead man's switch has stopped the {'joints' if link.stopped else what}"
+        return f"{has}, unless its controller hangs: then cut power"
+    turning = "moving" if link.stopped else "turning"
+    if isfinite(link.switch_stops_s):
+        left_s = link.switch_stops_s - link.silent_s
+        return f"{what} may be {turning}, for {left_s:.1f} s until its dead man's switch stops it"
+    return f"{what} may be {turning}: cut power"
 
 
 def shortened(names: Sequence[str]) -> list[str]:

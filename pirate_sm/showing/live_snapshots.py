@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from math import inf, isnan
+from math import inf
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.showing.robot_anatomy import anatomy_of
@@ -19,7 +19,7 @@ class Trends:
     """The last values of the signals that a robot's anatomy follows.
 
     Attributes:
-        latest: They, oldest first; replaced, never changed.
+        latest: They, oldest first, NaN where unknown; replaced, never changed.
     """
 
     def __init__(self) -> None:
@@ -33,7 +33,7 @@ class Trends:
         self._due_s = now_s + TREND_EVERY_S
         signals = scene.engine.signals(state)
         self.latest = {
-            name: (*self.latest.get(name, ()), 0.0 if isnan(value) else value)[-TREND_LENGTH:]
+            name: (*self.latest.get(name, ()), value)[-TREND_LENGTH:]
             for name in scene.anatomy.followed
             if (value := signals.get(name)) is not None
         }

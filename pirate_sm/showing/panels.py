@@ -7,11 +7,11 @@ from math import isnan
 from rich.text import Text
 
 from pirate_sm.engine.mission.program import Question, Wait
-from pirate_sm.engine.robot.robot_state import state_change
+from pirate_sm.engine.robot.robot_state import STOPPED, state_change
 from pirate_sm.model.effects import Ended
-from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.simulation import SIMULATORS
-from pirate_sm.showing.effect_lines import UNCONFIRMED, away, shortened
+from pirate_sm.showing.alarms import outcome_word
+from pirate_sm.showing.effect_lines import shortened
 from pirate_sm.showing.pose import SIDES, pose_of
 from pirate_sm.showing.progress_lines import idle, moving, waiting
 from pirate_sm.showing.run_history import NumberedLine
@@ -22,9 +22,11 @@ from pirate_sm.showing.text_styles import (
     FLAG,
     GOOD,
     MUTED,
+    STALE,
     STRONG,
     WARN,
     Part,
+    ago,
     fitted,
     in_columns,
     line,
@@ -50,15 +52,24 @@ Flag = tuple[str, str]
 def ended_flag(ended: Ended) -> Flag:
     """Return how a run has ended."""
     style = OUTCOME.get(ended.outcome, BAD)
-    return f"■ {_outcome(ended.outcome)}", f"{FLAG}.{style}"
-
-
-def _outcome(outcome: str) -> str:
-    return "STOPPED" if outcome == "interrupted" else outcome.upper()
+    return f"■ {outcome_word(ended.outcome)}", f"{FLAG}.{style}"
 
 
 def mode(snapshot: Snapshot) -> Flag:
-    """Return who has the robot, in a word with a sign, and its style."""
+    """Return who has the robot, in a word with a sign, and its style.
+
+    The sign is a question mark while nothing is heard from the robot. Once a run has been stopped
+    this says so, until something is set in motion again.
+    """
+    word, style = _mode(snapshot)
+    if snapshot.unheard_s:
+        return f"? {word.partition(' ')[2]}", f"{FLAG}.{BAD}"
+    if snapshot.story.stopped and word[0] in "‖◆":
+        return f"■ STOPPED, {word.partition(' ')[2]}", f"{FLAG}.{WARN}"
+    return word, style
+
+
+def _mode(snapshot: Snapshot) -> Flag:
     state, ended = snapshot.state, snapshot.story.ended
     if snapshot.over:
         return ended_flag(ended) if ended is not None else ("■ OVER", f"{FLAG}.{BAD}")
@@ -95,66 +106,8 @@ def header(
     return fitted(left, max(width - len(right), 0)).append(right)
 
 
-def alarm(snapshot: Snapshot, seen: int, hint: str = "   (Esc: seen)") -> Text | None:
-    """Return how the last mission ended, else the newest thing that is wrong.
-
-    How it ended stays until the operator has seen it; what is wrong also goes when the engine
-    knows that it is over. None: there is nothing.
-
-    Args:
-        snapshot: The moment.
-        seen: Number of the last line that the operator has seen.
-        hint: How it is taken down.
-    """
-    banner, told = snapshot.story.banner, snapshot.story.alarm
-    if (found := trouble(snapshot)) is not None:
-        return found
-    if banner is not None and banner.number > seen:
-        outcome, _, why = banner.line.text.partition(": ")
-        return line(f" ■ {banner.now_s:.1f} s  {_outcome(outcome)}: {why}{hint} ")
-    if told is None or told.number <= seen or _is_past(snapshot, told):
-        return None
-    topic, text = told.line
-    return line(f" ⚠ {told.now_s:.1f} s  {topic}: {text}{hint} ")
-
-
-def trouble(snapshot: Snapshot) -> Text | None:
-    """Return what is wrong with the link now, and whether a stop waits for it; None: nothing."""
-    link, state = snapshot.link, snapshot.state
-    if link is None or state is None:
-        return None
-    stopping = state.mission.ending is not None or state.mission.ended
-    said = away(link, stopping=stopping)
-    if not said and snapshot.over and not link.stopped:
-        said = UNCONFIRMED
-    return line(f" ⚠ {said} ") if said else None
-
-
-def _is_past(snapshot: Snapshot, told: NumberedLine) -> bool:
-    """Whether a fault was reported that the signals show no more."""
-    state, robot = snapshot.state, snapshot.scene.robot
-    if told.line.topic != "fault" or state is None:
-        return False
-    code, faults = told.line.text.partition(": ")[0], state.faults
-    if code in _UNHEARD:
-        return not (faults.silent or faults.blind)
-    rules = [index for index, rule in enumerate(robot.faults) if rule.code == code]
-    return bool(rules) and not faults.raised.intersection(rules)
-
-
-_UNHEARD = {BuiltInFault.SENSOR_SILENT.code, BuiltInFault.LINK_SILENT.code}
-
-
-def shows_success(snapshot: Snapshot, seen: int) -> bool:
-    """Return whether the bar says that a mission has succeeded."""
-    banner, link = snapshot.story.banner, snapshot.link
-    if banner is None or banner.number <= seen or (link is not None and link.trouble):
-        return False
-    return banner.line.text.startswith("succeeded")
-
-
 def states(snapshot: Snapshot, width: int) -> list[Text]:
-    """Return the state of each region (an open mark: not confirmed), contacts and words.
+    """Return the state of each region with its sign and age, contacts and words.
 
     Also the control in force, unless it is the usual one.
     """
@@ -164,19 +117,36 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
     change = state_change(robot, state.robot)
     labels = shortened(robot.regions)
     wide = max(map(len, labels))
+    columns = 1 if width < _TWO_COLUMNS else 2
     cells = []
     for region, label, name in zip(robot.regions, labels, change.states, strict=True):
-        open_ = region in change.unconfirmed
-        mark, style = ("○", WARN) if open_ else ("●", GOOD)
-        cells.append(
-            line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (name, style if open_ else ""))
-        )
+        mark, style, said = _state(snapshot, region, name)
+        of = style if style != GOOD else ""
+        cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (said, of))
+        if mark == "■" and len(cell) > width // columns:
+            cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (f"{name}; sent: 0", of))
+        age = f" {ago(snapshot.age_s(region))} "
+        if len(cell) + len(age) <= width // columns:
+            cell = fitted(cell, width // columns - len(age)).append(age, MUTED)
+        cells.append(cell)
     control = robot.controls[state.robot.control].name
     if control:
         cells.append(line(("◆ ", ACCENT), (f"{'Control':<{wide}} ", MUTED), (control, ACCENT)))
-    if width < _TWO_COLUMNS:
-        return [*cells, _contacts(snapshot), _words(snapshot)]
-    return in_columns([*cells, _words(snapshot), _contacts(snapshot)], width, 2)
+    if columns == 1:
+        return [*cells, _contacts(snapshot), *_words(snapshot, width)]
+    return in_columns([*cells, *_words(snapshot, width // 2), _contacts(snapshot)], width, 2)
+
+
+def _state(snapshot: Snapshot, region: str, name: str) -> tuple[str, str, str]:
+    """Return the sign of a region's state, its style, and what is said of it."""
+    robot, state = snapshot.scene.robot, snapshot.state
+    assert state is not None
+    marks = {robot.regions[each.which]: each for each in state.robot.marks if each.kind == "region"}
+    if not snapshot.is_shown(region):
+        return "?", MUTED, f"{STALE}{name}"
+    if region in marks and marks[region].command == STOPPED:
+        return "■", WARN, f"commanded: {name}; sent: 0"
+    return ("○", WARN, name) if region in marks else ("●", GOOD, name)
 
 
 def _contacts(snapshot: Snapshot) -> Text:
@@ -184,24 +154,30 @@ def _contacts(snapshot: Snapshot) -> Text:
     pose = pose_of(snapshot)
     parts: list[Part] = [("  at wall ", MUTED)]
     for number, side in enumerate(pose.touching, 1):
-        at = SIDES[side] if side >= 0 else "–"
+        at = SIDES[side] if side >= 0 else "–" if pose.live else "?"
         parts.append((f"{number}{at} ", "" if side >= 0 else MUTED))
     if pose.origin and any(side >= 0 for side in pose.touching):
         parts.append(("by command", MUTED))
     return line(*parts)
 
 
-def _words(snapshot: Snapshot) -> Text:
-    """Return what is said from outside, as far as it is known."""
+def _words(snapshot: Snapshot, width: int) -> list[Text]:
+    """Return what is said from outside or of the surroundings, as far as it is known."""
     state, robot = snapshot.state, snapshot.scene.robot
     assert state is not None
     count = len(robot.regions)
-    parts: list[Part] = ["  "]
-    for name, word in zip(robot.vocabulary.words[count:], state.words[count:], strict=True):
-        if word is None and name == "joint":  # mostly unknown, and there is little room
-            continue
-        parts += [(f"{name} ", MUTED), (f"{word or '–'}   ", STRONG if word else MUTED)]
-    return line(*parts)
+    found = dict(zip(robot.vocabulary.words[count:], state.words[count:], strict=True))
+    if found.get("joint") is None:  # mostly unknown, and there is little room
+        found.pop("joint", None)
+    style = STRONG if snapshot.live else MUTED
+    lines = [line(" ")]
+    for name, word in found.items():
+        said = "–" if not word else word if snapshot.live else f"{STALE}{word}"
+        cell = line((f" {name} ", MUTED), (f"{said}  ", style if word else MUTED))
+        if len(lines[-1]) + len(cell) > width + 2:
+            lines.append(line(" "))
+        lines[-1].append_text(cell)
+    return lines
 
 
 def now(snapshot: Snapshot, width: int) -> list[Text]:
@@ -213,6 +189,8 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
     if snapshot.over and ended is not None:
         return [line((ended.message, OUTCOME.get(ended.outcome, BAD)))]
     lines = moving(snapshot, width)
+    if snapshot.unheard_s:
+        lines.append(line(("? ", BAD), "no word: mission time stands still"))
     if state.mission.paused and snapshot.scene.mission:
         lines.append(line(("‖ ", WARN), "paused: drive by hand, or go on"))
     return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
@@ -225,8 +203,11 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
     program, state, story = snapshot.scene.loaded.program, snapshot.state, snapshot.story
     if not snapshot.scene.mission:
         return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
-    names = program.phases
     current = program.phase_of[state.mission.pc] if state is not None else ""
+    begun = state is not None and (state.mission.begun or state.mission.pc != program.start)
+    names = program.phases
+    if len(names) > rows:  # those of missions that are called are left out, but for the present one
+        names = tuple(each for each in names if current.startswith(each[: each.rfind("/") + 1]))
     at = names.index(current) if current in names else 0
     first = max(0, min(at - rows // 2, len(names) - rows))
     lines = []
@@ -237,13 +218,13 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
             spent_s += snapshot.now_s - story.phase.since_s
         time = f"{spent_s:7.1f} s" if spent_s else ""
         mark, style = "·", MUTED
-        if name == current and story.ended is None:
-            mark, style = "▶", STRONG
+        if name == current and story.ended is None and begun:
+            mark, style = "▶" if snapshot.live else "?", STRONG
         elif current.startswith(f"{name}/") and story.ended is None:
             mark, style = "▷", ""
         elif name in story.spent_s:
             mark, style = "✓", GOOD
-        if mark == "▶" and state is not None:
+        if mark in "▶?" and state is not None:
             own += program.round_note(state.mission.pc)
         room = max(width - len(time) - 3, 4)
         lines.append(fitted(line((f"{mark} {own}", style)), room + 2).append(f" {time}", style))

@@ -2,7 +2,7 @@
 
 Walls are lines, their contact with a wheel is a thick piece; a wheel that touches is a full disc
 with its number, one that does not is a ring; a part that is held is drawn full, one that is not as
-an outline; a light is a fan of rays.
+an outline; a light is a fan of rays. A robot that is not heard is dashed, as it was last heard.
 """
 
 from __future__ import annotations
@@ -59,7 +59,8 @@ def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
         drawing = _Drawing(canvas, pose, snapshot.scene.anatomy)
         drawing.walls()
         drawing.joints()
-        drawing.lights(_lit(snapshot))
+        canvas.dashed = not pose.live
+        drawing.lights(_lit(snapshot) if pose.live else set())
         drawing.body()
         drawing.wheels()
         drawing.notes(pose.origin or pose.place)
@@ -158,12 +159,13 @@ class _Drawing:
             nx, ny = -(y1 - y0) / length, (x1 - x0) / length
             half = self._thick_m * self._scale * 0.8
             offsets = [-half, half] if half >= 1.0 else [0.0]
-            if held:
+            full = held and self._pose.live
+            if full:
                 count = max(1, round(2 * half))
                 offsets = [-half + 2 * half * n / count for n in range(count + 1)]
             for off in offsets:
                 ends = (x0 + nx * off, y0 + ny * off, x1 + nx * off, y1 + ny * off)
-                self._canvas.line(*ends, HELD if held else BODY)
+                self._canvas.line(*ends, HELD if full else BODY)
 
     def wheels(self) -> None:
         """Draw the wheels with their numbers, and where they touch."""
@@ -175,10 +177,11 @@ class _Drawing:
                 self._canvas.disc(x, y, radius, WHEEL)
             else:
                 self._canvas.erase(x, y, radius)
-                self._canvas.circle(x, y, radius, FREE)
+                self._canvas.circle(x, y, radius, FREE if self._pose.live else BODY)
             self._touch(number)
             if radius >= 3:
-                self._canvas.write(x, y, str(number + 1), WHEEL if touches else FREE)
+                style = WHEEL if touches else FREE if self._pose.live else BODY
+                self._canvas.write(x, y, str(number + 1), style)
 
     def _touch(self, number: int) -> None:
         point = contact(self._pose, number)
@@ -210,7 +213,9 @@ class _Drawing:
         """Draw a bar that gives the scale, and write where the picture comes from."""
         canvas, length = self._canvas, round(_BAR_M * self._scale / ACROSS)
         bar = "├" + "─" * max(length - 2, 0) + "┤"
-        canvas.write(0, canvas.height - DOWN, f"{bar} {_BAR_M * 1000:.0f} mm", NOTE)
+        scale = f"{bar} {_BAR_M * 1000:.0f} mm"
+        canvas.write(0, canvas.height - DOWN, scale, NOTE)
         if origin:
             place = canvas.width - ACROSS * len(origin)
-            canvas.write(place, canvas.height - DOWN, origin, NOTE)
+            beside = place > ACROSS * (len(scale) + 1)
+            canvas.write(place, canvas.height - (1 if beside else 2) * DOWN, origin, NOTE)

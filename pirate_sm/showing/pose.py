@@ -12,6 +12,7 @@ from pirate_sm.geometry.plane import nearest_on
 from pirate_sm.geometry.space import Place
 from pirate_sm.model.true_position import Truth
 from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.text_styles import ago
 from pirate_sm.showing.unrolled import Dial, JointMark, unroll
 
 SIDES = "AB~"
@@ -34,6 +35,7 @@ class RobotPose(NamedTuple):
         joints: The joints of an unrolled route.
         dials: Where side A of each part points, in a round pipe.
         place: In words where on its route the first wheel is; empty unless that is unrolled.
+        live: Whether this is the present moment, not what was last heard of the robot.
     """
 
     wheels: tuple[Place, ...]
@@ -44,10 +46,20 @@ class RobotPose(NamedTuple):
     joints: tuple[JointMark, ...] = ()
     dials: tuple[Dial, ...] = ()
     place: str = ""
+    live: bool = True
 
 
 def pose_of(snapshot: Snapshot) -> RobotPose:
-    """Return the robot as it is to be drawn."""
+    """Return the robot as it is to be drawn; if it is not heard, without what it touches."""
+    pose = _last_pose(snapshot)
+    if snapshot.live:
+        return pose
+    age = f" {ago(snapshot.unheard_s)} ago" if snapshot.unheard_s else ""
+    nothing = (-1,) * len(pose.touching)
+    return pose._replace(touching=nothing, origin=f"as last heard{age}", live=False)
+
+
+def _last_pose(snapshot: Snapshot) -> RobotPose:
     truth, (links, by_part) = snapshot.truth, _held(snapshot)
     # A place in the plane of the drawing says nothing where the pipe does not lie in it.
     if truth is None or not (truth.walls or truth.z_m or snapshot.scene.route is None):

@@ -8,7 +8,7 @@ from rich.text import Text
 
 from pirate_sm.engine.mission.program import SwitchControl, Wait
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.text_styles import ACCENT, GOOD, MUTED, WARN, line
+from pirate_sm.showing.text_styles import ACCENT, BAD, GOOD, MUTED, WARN, line
 
 
 def moving(snapshot: Snapshot, width: int) -> list[Text]:
@@ -18,6 +18,8 @@ def moving(snapshot: Snapshot, width: int) -> list[Text]:
     if state is None or motion is None:
         return []
     name = snapshot.scene.robot.commands[motion.command].name
+    if not snapshot.live:
+        return [line(("? ", BAD), f"{name}: whether it goes on is not known")]
     if isnan(motion.accepted_s):
         return [line(("▶ ", GOOD), f"{name}: sent, not yet accepted")]
     spent_s = state.mission.motion_clock(snapshot.engine_s) - motion.accepted_s
@@ -50,7 +52,7 @@ def idle(snapshot: Snapshot) -> str:
     if state is None or not any(state.robot.values[wheel.slot] for wheel in robot.wheels):
         return "nothing is under way"
     way = {1: "driving forward", -1: "driving backward"}.get(robot.travel(state.robot.values))
-    return way or "wheels are driven"
+    return f"{'' if snapshot.live else 'last asked for: '}{way or 'wheels are driven'}"
 
 
 def bar(spent_s: float, limit_s: float, width: int) -> Text:

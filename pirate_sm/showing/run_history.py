@@ -13,10 +13,11 @@ from pirate_sm.model import effects as fx
 from pirate_sm.showing.effect_lines import Line, Teller
 
 _KEPT = 300
-_ALARMING = {"fault", "warning", "error"}
 
 ENDED = "ended"
 """Topic of the line that says how a mission ended."""
+
+_ALARMING = {"fault", "warning", "error", ENDED}
 
 
 class Visit(NamedTuple):
@@ -43,10 +44,11 @@ class Story(NamedTuple):
     question: fx.Ask | None
     setpoints: tuple[float, ...]
     recent: tuple[NumberedLine, ...]
-    alarm: NumberedLine | None
     ended: fx.Ended | None
     banner: NumberedLine | None = None
     passed: frozenset[str] = frozenset()
+    alarms: tuple[NumberedLine, ...] = ()
+    stopped: bool = False
 
 
 class Memory:
@@ -60,10 +62,11 @@ class Memory:
         setpoints: The newest array.
         changed: Slots that the newest array changed.
         recent: The last lines.
-        alarm: The last of them that tells of something wrong.
         banner: The last of them that says how a mission ended.
         ended: How it ended.
         passed: Places of the waits that one of their triggers has ended, not their time limit.
+        alarms: The last lines that tell of something wrong or how a mission ended, oldest first.
+        stopped: Whether a run was stopped, and no command has been accepted since.
     """
 
     def __init__(
@@ -86,28 +89,33 @@ class Memory:
         self.setpoints: tuple[float, ...] = (0.0,) * len(robot.slots)
         self.changed: frozenset[int] = frozenset()
         self.recent: deque[NumberedLine] = deque(maxlen=_KEPT)
-        self.alarm: NumberedLine | None = None
         self.banner: NumberedLine | None = None
         self.question: fx.Ask | None = None
         self.ended: fx.Ended | None = None
         self.passed: frozenset[str] = frozenset()
+        self.alarms: tuple[NumberedLine, ...] = ()
+        self.stopped = False
         self._told = 0
 
     def begin(self, robot: RobotSpec) -> None:
-        """Begin another mission; the lines so far stay, and how the last one ended."""
+        """Begin another mission; the lines and alarms so far stay, and how the last one ended."""
         fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
-        fresh.recent, fresh._told, fresh.banner = self.recent, self._told, self.banner
+        for name in ("recent", "_told", "banner", "alarms", "stopped"):
+            setattr(fresh, name, getattr(self, name))
         self.__dict__.update(fresh.__dict__)
 
     def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
         """Take in the effects."""
         for effect in effects:
             self._note(effect, now_s)
+            if isinstance(effect, fx.CommandStatus) and effect.status in ("sent", "accepted"):
+                self.stopped = False
             for line in self._teller.lines(effect):
                 self.tell(line, now_s)
             if isinstance(effect, fx.Ended):
                 quiet = effect.outcome == "interrupted" and effect.message in self._quiet
                 topic = "console" if quiet else ENDED
+                self.stopped = not quiet and effect.outcome != "succeeded"
                 self.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
 
     def tell(self, line: Line, now_s: float) -> None:
@@ -116,8 +124,8 @@ class Memory:
         told = NumberedLine(self._told, now_s, line)
         self.recent.append(told)
         if line.topic in _ALARMING:
-            self.alarm = told
-        elif line.topic == ENDED:
+            self.alarms = (*self.alarms, told)[-_KEPT:]
+        if line.topic == ENDED:
             self.banner = told
 
     def story(self) -> Story:

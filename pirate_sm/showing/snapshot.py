@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
-from math import nan
+from math import inf, isfinite, isnan, nan
 from typing import TYPE_CHECKING
 
 from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.evidence import Evidence
+from pirate_sm.engine.evidence import NOTHING, Evidence
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.route import Route
@@ -70,6 +70,7 @@ class Snapshot:
         trends: The last values of the signals that the anatomy follows, oldest first.
         over: Whether nothing can happen any more.
         before_m: What the odometer had counted in the runs before this one.
+        held_s: How long the run has made no newer snapshot, beyond what is usual; else 0.
         ahead_s: How much more than ``now_s`` the clock showed that the engine was given.
     """
 
@@ -84,11 +85,59 @@ class Snapshot:
     over: bool = False
     before_m: float = 0.0
     ahead_s: float = 0.0
+    held_s: float = 0.0
 
     @property
     def engine_s(self) -> float:
         """Return the time that those in the engine's state are compared with."""
         return self.now_s + self.ahead_s
+
+    @property
+    def unheard_s(self) -> float:
+        """Return how long nothing has come from the robot; 0 while reports come."""
+        silent_s = self.link.silent_s if self.link is not None and self.link.trouble else 0.0
+        return silent_s + self.held_s
+
+    @property
+    def live(self) -> bool:
+        """Return whether the robot reports; a simulator always does."""
+        return not self.unheard_s and not (self.over and self.link is not None)
+
+    @cached_property
+    def _reported_s(self) -> Mapping[str, float]:
+        """Return when the board of each signal last reported; others need every wheel's board."""
+        if self.state is None or self.scene.engine.nominal:
+            return {}
+        robot, heard_s = self.scene.robot, self.state.sensing.heard_s
+        names, boards = robot.vocabulary.numbers, robot.boards.values()
+        wheels_s = min((heard_s[at] for at in robot.wheel_boards), default=inf)
+        found = {name: wheels_s for name in names if name not in robot.outside}
+        return found | {names[at]: heard_s[it.position] for it in boards for at in it.numbers}
+
+    def age_s(self, name: str) -> float:
+        """Return how long ago a state, clamp or signal was shown, s; NaN if it never was.
+
+        During a silence mission time stands still: what was shown is as much older as nothing has
+        been heard, counted from the last report.
+        """
+        shown_s = self._reported_s.get(name, nan)
+        if isnan(shown_s):
+            shown_s = self.evidence.get(name, NOTHING).at_s
+        now_s = self.engine_s
+        if self.unheard_s and self.state is not None:
+            now_s = min(now_s, max(self.state.sensing.heard_s, default=now_s))
+        return max(now_s - shown_s, 0.0) + self.unheard_s if isfinite(shown_s) else nan
+
+    def is_fresh(self, signal: str) -> bool:
+        """Return whether a signal is that of the present moment."""
+        age_s = self.age_s(signal)
+        return self.live and not age_s > self.scene.robot.link.stale_after_s
+
+    def is_shown(self, region: str) -> bool:
+        """Return whether a state has been shown since the controller was last connected to."""
+        found = self.evidence.get(region)
+        same = found is None or self.state is None or found.connection == self.state.connection
+        return self.live and same
 
     @cached_property
     def signals(self) -> Mapping[str, float]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from math import isnan
 
 from rich.text import Text
 
@@ -34,6 +35,19 @@ def line(*parts: Part) -> Text:
         visible(each) if isinstance(each, str) else (visible(each[0]), each[1]) for each in parts
     )
     return Text.assemble(*shown, no_wrap=True, end="")
+
+
+STALE = "┄"
+"""Before a value that was once so and that nothing shows to be so now."""
+
+
+def ago(age_s: float) -> str:
+    """Return an age in few characters, in its largest unit; empty for NaN."""
+    if isnan(age_s):
+        return ""
+    units = ((86400, "d"), (3600, "h"), (60, "m"), (1, "s"))
+    size, unit = next((each for each in units if age_s >= each[0]), units[-1])
+    return f"{int(age_s / size)}{unit}"
 
 
 def fitted(text: Text, width: int) -> Text:

@@ -15,7 +15,7 @@ import pytest
 
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.model.events import OperatorCommand
-from pirate_sm.showing import panels
+from pirate_sm.showing import alarms, panels
 from pirate_sm.wiring import Order
 
 from .driving import by_hand
@@ -88,6 +88,9 @@ def test_a_silence_is_told_within_a_second_and_the_stop_works_when_it_is_over(
         link = session.latest.link
         assert link is not None
         assert link.silent_s < 1.0
-        assert "nothing comes from the robot" in str(panels.alarm(session.latest, 10**9))
+        said = " ".join(str(each) for each in alarms.bar(session.latest, (), 200))
+        assert "no word for" in said
+        assert "nothing comes from the robot" in said
+        assert str(panels.header(session.latest, 80)).startswith(" ? ")
         session.stop()
         until(lambda: stopped(session), 10.0)

@@ -19,6 +19,7 @@ from pirate_sm.console.key_bindings import (
 )
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.showing import panels
+from pirate_sm.showing.alarms import shows_success
 from pirate_sm.wiring import Order
 
 from .driving import ROOT, by_hand, confirming, operator, played, with_mission
@@ -80,7 +81,8 @@ def test_a_banner_says_that_the_robot_was_stopped_until_it_has_been_seen() -> No
             assert "STOPPED" in text_of(me)
             await me.press("escape")
             await me.look()
-            assert "STOPPED" not in text_of(me)
+            assert "STOPPED: stopped by the operator" not in text_of(me)
+            assert "■ STOPPED, PAUSED" in text_of(me)  # until something is asked for
 
     played(story)
 
@@ -93,7 +95,7 @@ def test_a_banner_says_how_a_mission_ended() -> None:
             me.until(lambda: me.latest.story.banner is not None)
             await me.look()
             assert "SUCCEEDED" in text_of(me)
-            assert panels.shows_success(me.latest, 0)
+            assert shows_success(me.latest, ())
 
     played(story)
 

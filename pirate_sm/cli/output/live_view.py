@@ -16,8 +16,8 @@ from pirate_sm.cli.output.event_lines import how_it_runs
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.detectors.operator_keys import WordKeys
 from pirate_sm.model.effects import Effect
+from pirate_sm.showing import alarms, panels, picture
 from pirate_sm.showing import body_panel as body
-from pirate_sm.showing import panels, picture
 from pirate_sm.showing import text_styles as styled
 from pirate_sm.showing.effect_lines import setpoint, summary
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
@@ -151,9 +151,8 @@ class View:
 
     def _bars(self, snapshot: Snapshot, width: int) -> list[Text]:
         """Return lines about problems of the link and about the keys."""
-        trouble, bars = panels.trouble(snapshot), []
-        if trouble is not None:
-            bars.append(line((fitted(trouble, width).plain, f"{FLAG}.{BAD}")))
+        trouble = alarms.trouble(snapshot, width)
+        bars = [line((fitted(each, width).plain, f"{FLAG}.{BAD}")) for each in trouble]
         if self._word_keys and not snapshot.over:
             bars.append(line((self._word_keys.offered, WARN)))
         return bars + (panels.question(snapshot, width) if self._operator else [])

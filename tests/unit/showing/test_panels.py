@@ -1,15 +1,13 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from math import nan
 from pathlib import Path
 
 import pytest
 
-from pirate_sm.backends.serial.health import LinkHealth
 from pirate_sm.console.availability import controls
 from pirate_sm.model.effects import Ended, Fault
-from pirate_sm.showing import panels
+from pirate_sm.showing import alarms, panels
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
 from pirate_sm.showing.progress_lines import waiting
 from pirate_sm.showing.run_history import Memory
@@ -25,9 +23,9 @@ def snapshot() -> Snapshot:
     return beginning(PATROL)
 
 
-def beginning(mission: str) -> Snapshot:
+def beginning(mission: str, backend: str = "trace") -> Snapshot:
     """The moment when a mission begins."""
-    prepared = prepare(Order(mission, backend="trace"))
+    prepared = prepare(Order(mission, backend=backend))
     scene = scene_of(prepared)
     state, effects = prepared.engine.start(0.0, prepared.backend.open())
     memory = Memory(scene.robot)
@@ -41,38 +39,6 @@ def after(snapshot: Snapshot, *effects: Fault | Ended) -> Snapshot:
     return replace(snapshot, story=memory.story())
 
 
-def away(snapshot: Snapshot) -> Snapshot:
-    link = LinkHealth(9, 0, 3, 0, 0, nan, 2.5, "nothing comes from the robot", 7.6)
-    return replace(snapshot, link=link)
-
-
-def test_a_warning_goes_when_its_cause_has_gone(snapshot: Snapshot) -> None:
-    code = snapshot.scene.robot.faults[0].code
-    told = after(snapshot, Fault(code, "it is so", "continue"))
-    assert told.state is not None
-    faults = told.state.faults._replace(raised=frozenset({0}))
-    raised = replace(told, state=told.state._replace(faults=faults))
-
-    assert f"{code}: it is so" in str(panels.alarm(raised, 0))
-    assert panels.alarm(told, 0) is None
-
-
-def test_a_warning_whose_cause_nobody_follows_stays_until_it_is_seen(snapshot: Snapshot) -> None:
-    told = after(snapshot, Fault("firmware.reset", "the controller was reset", "continue"))
-
-    assert "firmware.reset" in str(panels.alarm(told, 0))
-    assert panels.alarm(told, 10**9) is None
-
-
-def test_a_silent_board_is_a_cause_that_may_go(snapshot: Snapshot) -> None:
-    told = after(snapshot, Fault("sensor.silent", "the board says nothing", "continue"))
-    assert told.state is not None
-    faults = told.state.faults._replace(silent=frozenset({0}))
-
-    assert panels.alarm(replace(told, state=told.state._replace(faults=faults)), 0) is not None
-    assert panels.alarm(told, 0) is None
-
-
 @pytest.mark.parametrize(
     ("outcome", "word"),
     [("succeeded", "SUCCEEDED"), ("failed", "FAILED"), ("interrupted", "STOPPED")],
@@ -83,19 +49,7 @@ def test_the_first_word_of_a_run_that_is_over_is_how_it_ended(
     over = replace(after(snapshot, Ended(outcome, "so it was")), over=True)
 
     assert panels.header(over, 80).plain.startswith(f" ■ {word} ")
-    assert f"{word}: so it was" in str(panels.alarm(over, 0))
-
-
-def test_a_stop_says_for_how_long_it_waits_for_a_link_that_is_away(snapshot: Snapshot) -> None:
-    running = away(snapshot)
-    assert running.state is not None
-    mission = running.state.mission._replace(ending=Ended("interrupted", "Ctrl-C"))
-    stopping = replace(running, state=running.state._replace(mission=mission))
-
-    assert str(panels.trouble(running)).strip() == (
-        "⚠ link: nothing comes from the robot, for 2.5 s"
-    )
-    assert "stopping waits for the link, given up in 8 s" in str(panels.trouble(stopping))
+    assert f"{word}: so it was" in str(alarms.bar(over, (), 80)[0])
 
 
 @pytest.mark.parametrize("width", [20, 40, 80, 200])

@@ -32,6 +32,9 @@ _INTRODUCTION_S = 0.06
 
 _EXPIRE_EVERY_S = 0.05
 
+_WRITTEN_WITHIN_S = 0.1
+"""An array is in force this long after it was written, at most."""
+
 _SILENT_SHARE = 0.4
 """Share of the time after which one board is silent; the link's silence is noticed first."""
 
@@ -52,6 +55,7 @@ class Exchange:
         heard: Boards that have reported since the beginning.
         outage: The silence during which the mission is held; None while the link works.
         brief: Whether the last silence was too short to be an outage.
+        given_up: Whether the last outage was given up, and nothing has come since.
         aside: Whether arrays wait until the engine has answered to an outage.
         newer: Whether an array has been submitted since the last outage began.
         refused: Why a topic cannot be used, one sentence each.
@@ -84,7 +88,7 @@ class Exchange:
         self._unreadable = 0
         self._flowing = False
         self._watching = False
-        self._given_up = False
+        self.given_up = False
         self.outage: Outage | None = None
         self.aside = False
         self.brief = False
@@ -288,7 +292,7 @@ class Exchange:
         if outage is not None:
             if outage.back:
                 outage.relapse()
-        elif self._watching and not self._given_up:
+        elif self._watching and not self.given_up:
             heard_s = self.conversation.heard_s
             # Had this program stood still, no more mission time must pass than otherwise.
             since_s = min(now, heard_s + self._silent_s)
@@ -302,7 +306,7 @@ class Exchange:
         if self.conversation.asking:
             return
         if outage is None:
-            self._given_up = False
+            self.given_up = False
         elif not outage.back:
             outage.return_(now, self.heard, bool(self.safe_frame()))
             self.brief = self._recovery.is_brief(outage, self.conversation.silence_s)
@@ -310,6 +314,15 @@ class Exchange:
                 self.outage = None
                 most_s = self._recovery.brief_s - self._silent_s
                 self._left_out_s += max(0.0, now - outage.since_s - most_s)
+
+    @property
+    def switch_stops_s(self) -> float:
+        """How long after the last word the firmware's switch has stopped the robot; or infinite.
+
+        Arrays are repeated until the silence is noticed, and nothing is written afterwards.
+        """
+        stop_after_s = self._plan.serial.stop_after or inf
+        return self._silent_s + stop_after_s + _WRITTEN_WITHIN_S
 
     @property
     def gives_up_s(self) -> float:
@@ -323,7 +336,7 @@ class Exchange:
         if fault is None:
             return
         recovered = outage.back and not outage.dumb
-        self.outage, self._given_up, self.aside = None, not recovered, recovered
+        self.outage, self.given_up, self.aside = None, not recovered, recovered
         self._events += [fault, *outage.frames.values()]
 
     def _setpoints(self, now: float) -> bytes:
@@ -390,5 +403,5 @@ class Exchange:
     def _refuse(self, refused: TopicRefused) -> None:
         self.refused.append(refused.reason)
         if self.heard:
-            self.outage, self._given_up = None, True
+            self.outage, self.given_up = None, True
             self._events.append(BuiltInFault.LINK_MISMATCH.report(refused.reason))

@@ -1,0 +1,193 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from math import inf, nan
+
+import pytest
+
+from pirate_sm.backends.serial.health import LinkHealth
+from pirate_sm.model.effects import CommandStatus, Ended, Fault, Log
+from pirate_sm.showing import alarms, panels
+from pirate_sm.showing.run_history import Memory
+from pirate_sm.showing.snapshot import Snapshot
+
+from .test_panels import PATROL, after, beginning
+
+FAULT = Fault("firmware.reset", "the controller was reset", "continue")
+EVERY = range(1000)
+
+
+@pytest.fixture(scope="module")
+def snapshot() -> Snapshot:
+    return beginning(PATROL)
+
+
+def link(silent_s: float = 2.5, stops_s: float = inf, *, stopped: bool = False) -> LinkHealth:
+    nothing = "nothing comes from the robot"
+    return LinkHealth(9, 0, 3, 0, 0, nan, silent_s, nothing, 7.6, stopped, switch_stops_s=stops_s)
+
+
+def said(snapshot: Snapshot, seen: object = ()) -> list[str]:
+    return [each.plain for each in alarms.bar(snapshot, seen, 200, keys=False)]  # type: ignore[arg-type]
+
+
+def story(snapshot: Snapshot, *told: tuple[float, Fault | Ended | Log]) -> Snapshot:
+    memory = Memory(snapshot.scene.robot)
+    for now_s, effect in told:
+        memory.see([effect], now_s)
+    return replace(snapshot, story=memory.story())
+
+
+# --- how long an alarm is shown -------------------------------------------------------------------
+
+
+def test_a_warning_goes_when_its_cause_has_gone(snapshot: Snapshot) -> None:
+    code = snapshot.scene.robot.faults[0].code
+    told = after(snapshot, Fault(code, "it is so", "continue"))
+    assert told.state is not None
+    faults = told.state.faults._replace(raised=frozenset({0}))
+    raised = replace(told, state=told.state._replace(faults=faults))
+
+    assert f"{code}: it is so" in said(raised)[0]
+    assert said(told) == []
+
+
+def test_a_warning_whose_cause_nobody_follows_stays_until_it_is_acknowledged(
+    snapshot: Snapshot,
+) -> None:
+    told = after(snapshot, FAULT)
+
+    assert "firmware.reset" in said(told)[0]
+    assert said(told, EVERY) == []
+
+
+def test_a_silent_board_is_a_cause_that_may_go(snapshot: Snapshot) -> None:
+    told = after(snapshot, Fault("sensor.silent", "the board says nothing", "continue"))
+    assert told.state is not None
+    faults = told.state.faults._replace(silent=frozenset({0}))
+
+    assert said(replace(told, state=told.state._replace(faults=faults)))
+    assert said(told) == []
+
+
+# --- which alarm is shown -------------------------------------------------------------------------
+
+
+def test_an_old_end_does_not_hide_a_new_fault(snapshot: Snapshot) -> None:
+    told = story(snapshot, (1.0, Ended("interrupted", "stopped by the operator")), (2.0, FAULT))
+
+    (line,) = said(told)
+    assert line.startswith(" ⚠ 2.0 s  fault: firmware.reset")
+    assert "!: 1 more" in str(alarms.bar(told, (), 200)[0])
+
+
+def test_a_cascade_keeps_its_first_cause_and_says_how_it_ended(snapshot: Snapshot) -> None:
+    told = story(
+        snapshot,
+        (1.0, Log("warning", "old news")),
+        (30.0, FAULT),
+        (30.4, Log("warning", "a consequence")),
+        (31.0, Ended("failed", "the command failed")),
+    )
+
+    assert [each[:40].strip() for each in said(told)] == [
+        "⚠ 30.0 s  fault: firmware.reset: the co",
+        "■ 31.0 s  FAILED: the command failed",
+    ]
+    assert [each.first for each in alarms.alarms(told, ())] == [True, True, False, False]
+
+
+def test_an_end_that_says_its_cause_is_enough(snapshot: Snapshot) -> None:
+    ended = Ended("fault", "firmware.reset: the controller was reset")
+    (line,) = said(story(snapshot, (1.0, FAULT), (1.5, ended)))
+
+    assert "FAULT: firmware.reset: the controller was reset" in line
+
+
+def test_what_is_acknowledged_makes_room_for_the_next_one_and_stays_in_the_list(
+    snapshot: Snapshot,
+) -> None:
+    told = story(snapshot, (1.0, FAULT), (1.5, Log("warning", "a consequence")))
+    shown = {each.told.number for each in alarms.pending(told, ())}
+
+    assert "a consequence" in said(told, shown)[0]
+    assert [each.seen for each in alarms.alarms(told, shown)] == [True, False]
+
+
+def test_a_line_that_is_cut_says_where_all_of_it_is(snapshot: Snapshot) -> None:
+    told = story(snapshot, (1.0, Log("warning", "very long " * 20)))
+    (line,) = alarms.bar(told, (), 80)
+
+    assert len(line) == 80
+    assert "…" in line.plain
+    assert "!: all" in line.plain
+    assert alarms.alarms(told, ())[0].text == "warning: " + "very long " * 20
+
+
+# --- what the robot may be doing while nothing is heard -------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("health", "words"),
+    [
+        (link(), "no word for 2.5 s; wheels may be turning: cut power"),
+        (
+            link(stops_s=4.0),
+            "wheels may be turning, for 1.5 s until its dead man's switch stops it",
+        ),
+        (link(stops_s=1.0), "its dead man's switch has stopped the wheels, unless its controller"),
+        (link(stopped=True), "a joint may be moving: cut power"),  # a command is under way
+    ],
+)
+def test_a_silence_says_what_the_robot_may_be_doing(
+    snapshot: Snapshot, health: LinkHealth, words: str
+) -> None:
+    text = " ".join(each.strip() for each in said(replace(snapshot, link=health)))
+
+    assert words in text
+    assert "nothing comes from the robot" in text
+
+
+def test_a_silence_in_which_nothing_was_asked_for_is_no_danger(snapshot: Snapshot) -> None:
+    assert snapshot.state is not None
+    resting = snapshot.state._replace(robot=snapshot.state.robot._replace(motion=None))
+    silent = replace(snapshot, state=resting, link=link(stopped=True))
+
+    assert "no word for 2.5 s; its wheels stood when it was last heard" in said(silent)[0]
+
+
+def test_a_stop_says_for_how_long_it_waits_for_a_link_that_is_away(snapshot: Snapshot) -> None:
+    running = replace(snapshot, link=link())
+    assert running.state is not None
+    mission = running.state.mission._replace(ending=Ended("interrupted", "Ctrl-C"))
+    stopping = replace(running, state=running.state._replace(mission=mission))
+
+    assert "a stop waits for it" not in said(running)[0]
+    assert "a stop waits for it, given up in 8 s" in said(stopping)[0]
+
+
+def test_a_run_that_does_not_answer_is_no_present_moment(snapshot: Snapshot) -> None:
+    held = replace(snapshot, held_s=2.0)
+
+    assert said(held) == [
+        " ⚠ this program has not looked at the robot for 2.0 s; wheels may be turning: cut power "
+    ]
+    assert panels.header(held, 80).plain.startswith(" ? ")
+
+
+# --- once a stop was applied ----------------------------------------------------------------------
+
+
+def test_the_header_says_that_a_stop_was_applied_until_a_command_is_sent(
+    snapshot: Snapshot,
+) -> None:
+    assert snapshot.state is not None
+    paused = snapshot.state.mission._replace(paused_s=0.0)
+    memory = Memory(snapshot.scene.robot)
+    memory.see([Ended("interrupted", "stopped by the operator")], 1.0)
+    memory.begin(snapshot.scene.robot)
+    stood = replace(snapshot, state=snapshot.state._replace(mission=paused), story=memory.story())
+    memory.see([CommandStatus("Any", "sent")], 2.0)
+
+    assert panels.header(stood, 80).plain.startswith(" ■ STOPPED, PAUSED ")
+    assert panels.header(replace(stood, story=memory.story()), 80).plain.startswith(" ‖ PAUSED ")
