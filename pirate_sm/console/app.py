@@ -32,7 +32,16 @@ from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.themes import next_theme, no_colour, wear
-from pirate_sm.console.widgets import EventLog, Lines, Picture, Row, is_whole, panel, show_robot
+from pirate_sm.console.widgets import (
+    EventLog,
+    Lines,
+    Picture,
+    Row,
+    is_whole,
+    panel,
+    show_robot,
+    turned,
+)
 from pirate_sm.control_panel.panel_reader import PanelReader
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import Stop
@@ -59,7 +68,7 @@ _SHORT |= {"go": "Start", "hand_back": "Hand"}
 
 _SHOWN = frozenset(
     ["header", "alarm", "pages", "picture", "commands", "controls", "now", "why", "link"]
-).union(["states", "phases", "body", "log", "question"])
+).union(["states", "phases", "body", "motors", "log", "question"])
 """Names of the widgets that show a snapshot."""
 
 CRASHED = Stop("a fault in the console", 4)
@@ -93,8 +102,8 @@ class Console(PanelActions, App[None]):
         Binding(both_cases(LEAVE), "leave", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "leave", "Quit", show=False),
         Binding("ctrl+c", "leave", "Quit", show=False, priority=True),
-        Binding("tab", "page(1)", "HelpDialog", show=False, priority=True),
-        Binding("shift+tab", "page(-1)", "HelpDialog back", show=False, priority=True),
+        Binding("tab", "page(1)", "Page", show=False, priority=True),
+        Binding("shift+tab", "page(-1)", "Page before", show=False, priority=True),
         Binding("pageup", "look_back(1)", "Earlier lines", show=False),
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
@@ -157,7 +166,8 @@ class Console(PanelActions, App[None]):
                         yield panel("states", "States")
                         yield panel("phases", "Phases")
                 yield panel("body")
-        log = EventLog(id="log", title="Log")
+        yield panel("motors")
+        log = EventLog(id="log", title="Log (Tab: motors)")
         log.add_class("panel")
         yield log
         yield Lines(id="question")
@@ -242,7 +252,7 @@ class Console(PanelActions, App[None]):
             row.show(name, reason, under_way=name == doing and snapshot.live)
             if name != doing:
                 commands.append(Request(row.key, reason))
-        for control in availability.controls(snapshot, self.entries(snapshot)):
+        for control in availability.controls(snapshot, self.starts(snapshot)):
             self._controls[control.name].show(control.label, control.reason)
             controls.append(Request(control.key, control.reason))
         asked = {"commands": commands, "mission control": controls}
@@ -270,7 +280,8 @@ class Console(PanelActions, App[None]):
         if len(self.screen_stack) > 1:
             (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
             return
-        self._page = (self._page + by) % len(PAGES)
+        paged = self.screen_stack[0].has_class("-paged")
+        self._page = turned(self._page, by, PAGES, paged=paged)
         self._lay_out(*self.size)
 
     def action_look_back(self, pages: int) -> None:
@@ -305,7 +316,10 @@ class Console(PanelActions, App[None]):
         self._close_messages_no_wait()
 
 
-PAGES = (("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log"))
+PAGES = (
+    *(("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log")),
+    ("motors", "Motors"),
+)
 _PANELS = {"commands": "#commands", "mission control": "#controls"}
 
 

@@ -92,6 +92,12 @@ class HandBackActions(ConfirmedActions):
         situation = availability.situation_of(snapshot)
         return self._entries if situation is not None and situation == self._situation else None
 
+    def starts(self, snapshot: Snapshot) -> availability.Entries | None:
+        """Return why the mission cannot start at each phase; with ``--no-check`` it can."""
+        if self.session.prepared.order.check:
+            return self.entries(snapshot)
+        return dict.fromkeys(snapshot.scene.loaded.program.phases, "")
+
     def keep_up(self, snapshot: Snapshot) -> None:
         """Check a new situation in the background, and refresh the list of phases."""
         situation = availability.situation_of(snapshot)

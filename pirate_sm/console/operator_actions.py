@@ -99,7 +99,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         snapshot = self.session.latest
         control = next(
             each
-            for each in availability.controls(snapshot, self.entries(snapshot))
+            for each in availability.controls(snapshot, self.starts(snapshot))
             if each.name == name
         )
         if name == "go" and control.reason == availability.LOOKING:
@@ -160,7 +160,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         for name in snapshot.scene.loaded.loaded_robot.profile.commands:
             reason = availability.command_reason(snapshot, name)
             yield SystemCommand(name, reason or "Command", partial(ask, name))
-        for control in availability.controls(snapshot, self.entries(snapshot)):
+        for control in availability.controls(snapshot, self.starts(snapshot)):
             go = partial(self.action_control, control.name)
             yield SystemCommand(control.label, control.reason or "Mission", go)
         yield SystemCommand("Alarms", "Every alarm in full", self.action_alarms)

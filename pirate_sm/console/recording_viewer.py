@@ -18,7 +18,7 @@ from pirate_sm.console.help_page import recording_lines
 from pirate_sm.console.key_bindings import LEAVE, both_cases
 from pirate_sm.console.recorded_snapshots import RecordedSnapshots
 from pirate_sm.console.themes import next_theme, no_colour, wear
-from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot
+from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot, turned
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, StopRequests
 from pirate_sm.showing import alarms, panels
@@ -30,11 +30,11 @@ FRAMES_PER_S = 20
 
 _WIDE, _HIGH = 120, 36
 _RECORDING = "● RECORDING", f"{FLAG}.{ACCENT}"
-_PAGES = ("drive", "body", "log")
+_PAGES = ("drive", "body", "log", "motors")
 """Pages of a small terminal, as the stylesheet names them."""
 
 _SHOWN = frozenset(
-    ["header", "alarm", "now", "states", "phases", "picture", "body", "log", "slider"]
+    ["header", "alarm", "now", "states", "phases", "picture", "body", "motors", "log", "slider"]
 )
 """Names of the widgets that show a snapshot."""
 
@@ -67,7 +67,7 @@ class RecordingViewer(App[None]):
         Binding("end", "to(1)", "End", show=False),
         Binding(both_cases("p"), "phase(-1)", "Phase before", key_display="p"),
         Binding(both_cases("n"), "phase(1)", "Next phase", key_display="n"),
-        Binding("tab", "page", "HelpDialog", show=False, priority=True),
+        Binding("tab", "page", "Page", show=False, priority=True),
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding(both_cases(LEAVE), "quit", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "quit", "Quit", show=False),
@@ -105,7 +105,8 @@ class RecordingViewer(App[None]):
                 with Horizontal(id="top"):
                     yield Picture(id="picture")
                 yield panel("body")
-        log = EventLog(id="log", title="Log")
+        yield panel("motors")
+        log = EventLog(id="log", title="Log (Tab: motors)")
         log.add_class("panel")
         yield log
         yield Lines(id="slider")
@@ -176,7 +177,8 @@ class RecordingViewer(App[None]):
         return self.screen_stack[0].query_one(f"#{name}", kind)
 
     def _turn(self, by: int) -> None:
-        self._page = (self._page + by) % len(_PAGES)
+        paged = self.screen_stack[0].has_class("-paged")
+        self._page = turned(self._page, by, _PAGES, paged=paged) if by else self._page
         for number, name in enumerate(_PAGES):
             self.screen_stack[0].set_class(number == self._page, f"-{name}")
 

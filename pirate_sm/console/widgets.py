@@ -17,7 +17,7 @@ from textual.widgets import Static
 
 from pirate_sm.console.reason_lines import sign_of
 from pirate_sm.console.themed_lines import themed
-from pirate_sm.showing import body_panel, panels, picture
+from pirate_sm.showing import body_panel, motor_page, panels, picture
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import ACCENT, FLAG, GOOD, MUTED, STRONG, line
 from pirate_sm.visible import visible
@@ -154,11 +154,11 @@ class EventLog(Lines):
     def show_snapshot(self, snapshot: Snapshot) -> None:
         """Show as many lines as there is room for."""
         rows, recent = self.content_size.height, snapshot.story.recent
-        self._back = min(self._back, max(len(recent) - rows, 0))
+        self._back = min(self._back, max(len(recent) - 1, 0))
         end = len(recent) - self._back
         behind = f", {self._back} lines back (PgDn)" if self._back else ""
         self.border_title = self._title + behind
-        self.show([panels.told_line(each) for each in recent[max(end - rows, 0) : end]])
+        self.show(panels.log(recent[:end], self.content_size.width, rows))
 
 
 def panel(name: str, title: str = "") -> Lines:
@@ -178,6 +178,13 @@ def is_whole(app: App[None], names: Set[str]) -> bool:
     return names <= {each.id for each in app.screen_stack[0].walk_children()}
 
 
+def turned(page: int, by: int, names: Sequence[object], *, paged: bool) -> int:
+    """Return the next page; where everything else is visible at once that is the last or first."""
+    if paged:
+        return (page + by) % len(names)
+    return 0 if page == len(names) - 1 else len(names) - 1
+
+
 def show_robot(app: App[None], snapshot: Snapshot) -> None:
     """Show the snapshot in the panels of the robot and its mission, as far as there is room."""
     base = app.screen_stack[0]
@@ -189,6 +196,10 @@ def show_robot(app: App[None], snapshot: Snapshot) -> None:
     if body.size:
         body.border_title = body_panel.heading(body.content_size.width)
         body.show(body_panel.body(snapshot, body.content_size.width))
+    motors = base.query_one("#motors", Lines)
+    if motors.size:
+        motors.border_title = motor_page.heading(motors.content_size.width)
+        motors.show(motor_page.motors(snapshot, *motors.content_size))
     if phases.size:
         width, rows = phases.content_size
         phases.border_title = snapshot.scene.mission or "Phases"

@@ -15,8 +15,13 @@ TREND_EVERY_S = 0.5
 TREND_LENGTH = 120
 
 
+def sent_name(slot: int) -> str:
+    """Return under what name the setpoints of a slot are; no signal has such a name."""
+    return f"setpoint {slot}"
+
+
 class Trends:
-    """The last values of the signals that a robot's anatomy follows.
+    """The last values of the signals that a robot's anatomy follows, and of its motors' setpoints.
 
     Attributes:
         latest: They, oldest first, NaN where unknown; replaced, never changed.
@@ -31,10 +36,11 @@ class Trends:
         if now_s < self._due_s:
             return
         self._due_s = now_s + TREND_EVERY_S
-        signals = scene.engine.signals(state)
+        signals = dict(scene.engine.signals(state))
+        signals |= {sent_name(slot): sent for slot, sent in enumerate(state.robot.latest)}
         self.latest = {
             name: (*self.latest.get(name, ()), value)[-TREND_LENGTH:]
-            for name in scene.anatomy.followed
+            for name in (*scene.anatomy.followed, *map(sent_name, scene.anatomy.slots))
             if (value := signals.get(name)) is not None
         }
 

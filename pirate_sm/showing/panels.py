@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from math import isnan
+from textwrap import wrap
 
 from rich.text import Text
 
 from pirate_sm.engine.mission.program import Question, Wait
 from pirate_sm.engine.robot.robot_state import STOPPED, state_change
+from pirate_sm.engine.sensing.environment import JOINT
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.showing.alarms import outcome_word
@@ -44,6 +47,9 @@ OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
 """Styles of how a run has ended; any other end is bad."""
 
 _TWO_COLUMNS = 70
+
+_LOG_TEXT = 19
+"""Where the text of a line of the log begins."""
 
 Flag = tuple[str, str]
 """A word with a sign, and its style."""
@@ -167,8 +173,9 @@ def _words(snapshot: Snapshot, width: int) -> list[Text]:
     assert state is not None
     count = len(robot.regions)
     found = dict(zip(robot.vocabulary.words[count:], state.words[count:], strict=True))
-    if found.get("joint") is None:  # mostly unknown, and there is little room
-        found.pop("joint", None)
+    kind = found.pop("joint", None)  # mostly unknown, and there is little room
+    if kind is not None:
+        found["segment" if found.get("segment") == JOINT else "joint"] = kind
     style = STRONG if snapshot.live else MUTED
     lines = [line(" ")]
     for name, word in found.items():
@@ -182,12 +189,13 @@ def _words(snapshot: Snapshot, width: int) -> list[Text]:
 
 def now(snapshot: Snapshot, width: int) -> list[Text]:
     """Return what is under way or waited for, and how long still."""
-    state = snapshot.state
+    state, ended = snapshot.state, snapshot.story.ended
+    if snapshot.over:
+        said = ended.message if ended is not None else "the run is over"
+        style = OUTCOME.get(ended.outcome, BAD) if ended is not None else MUTED
+        return [line((each, style)) for each in wrap(said, max(width, 8))]
     if state is None:
         return [line(("the backend is being opened …", MUTED))]
-    ended = snapshot.story.ended
-    if snapshot.over and ended is not None:
-        return [line((ended.message, OUTCOME.get(ended.outcome, BAD)))]
     lines = moving(snapshot, width)
     if snapshot.unheard_s:
         lines.append(line(("? ", BAD), "no word: mission time stands still"))
@@ -218,9 +226,10 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
             spent_s += snapshot.now_s - story.phase.since_s
         time = f"{spent_s:7.1f} s" if spent_s else ""
         mark, style = "·", MUTED
-        if name == current and story.ended is None and begun:
+        present = begun and story.ended is None
+        if name == current and present:
             mark, style = "▶" if snapshot.live else "?", STRONG
-        elif current.startswith(f"{name}/") and story.ended is None:
+        elif current.startswith(f"{name}/") and present:
             mark, style = "▷", ""
         elif name in story.spent_s:
             mark, style = "✓", GOOD
@@ -286,3 +295,16 @@ def told_line(told: NumberedLine) -> Text:
     topic, text = told.line
     style = TOPICS.get(topic, "")
     return line((f"{told.now_s:8.2f} ", MUTED), (f"{topic:<9} {text}", style))
+
+
+def log(told: Sequence[NumberedLine], width: int, rows: int) -> list[Text]:
+    """Return the last lines of the log in so many rows, each in full."""
+    shown: list[Text] = []
+    for each in reversed(told):
+        if len(shown) >= rows:
+            break
+        first, *more = wrap(each.line.text, max(width - _LOG_TEXT, 8)) or [""]
+        lines = [told_line(each._replace(line=each.line._replace(text=first)))]
+        style = TOPICS.get(each.line.topic, "")
+        shown = [*lines, *(line((" " * _LOG_TEXT + it, style)) for it in more), *shown]
+    return shown[-rows:] if rows else []

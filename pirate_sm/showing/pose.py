@@ -18,6 +18,8 @@ from pirate_sm.showing.unrolled import Dial, JointMark, unroll
 SIDES = "AB~"
 """The walls; the last one is beside the plane in which the part of a wheel lies."""
 
+_STRAIGHT = "drawn straight: no sensor speaks"
+
 _BESIDE_M = 0.004
 """A wheel farther from both walls, in its part's plane, touches the pipe beside that plane."""
 
@@ -55,8 +57,8 @@ def pose_of(snapshot: Snapshot) -> RobotPose:
     if snapshot.live:
         return pose
     age = f" {ago(snapshot.unheard_s)} ago" if snapshot.unheard_s else ""
-    nothing = (-1,) * len(pose.touching)
-    return pose._replace(touching=nothing, origin=f"as last heard{age}", live=False)
+    origin = pose.origin if pose.origin == _STRAIGHT else f"as last heard{age}"
+    return pose._replace(touching=(-1,) * len(pose.touching), origin=origin, live=False)
 
 
 def _last_pose(snapshot: Snapshot) -> RobotPose:
@@ -64,7 +66,7 @@ def _last_pose(snapshot: Snapshot) -> RobotPose:
     # A place in the plane of the drawing says nothing where the pipe does not lie in it.
     if truth is None or not (truth.walls or truth.z_m or snapshot.scene.route is None):
         wheels, seen = _chain(snapshot)
-        origin = "drawn from joint angles" if seen else "drawn straight: no sensor speaks"
+        origin = "drawn from joint angles" if seen else _STRAIGHT
         return RobotPose(wheels, (), by_part, links, origin)
     unrolled = unroll(snapshot.scene, truth)
     if unrolled is not None:

@@ -19,7 +19,7 @@ def moving(snapshot: Snapshot, width: int) -> list[Text]:
         return []
     name = snapshot.scene.robot.commands[motion.command].name
     if not snapshot.live:
-        return [line(("? ", BAD), f"{name}: whether it goes on is not known")]
+        return [line(("? ", BAD), f"{name}: not known if it is done")]
     if isnan(motion.accepted_s):
         return [line(("▶ ", GOOD), f"{name}: sent, not yet accepted")]
     spent_s = state.mission.motion_clock(snapshot.engine_s) - motion.accepted_s

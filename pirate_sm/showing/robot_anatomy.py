@@ -71,7 +71,14 @@ class Anatomy:
     @property
     def followed(self) -> tuple[str, ...]:
         """Return the signals whose trend is shown."""
-        return tuple(motor.current or motor.value for motor in self.motors)
+        return tuple(
+            {each for motor in self.motors for each in (motor.current, motor.value) if each}
+        )
+
+    @property
+    def slots(self) -> tuple[int, ...]:
+        """Return the slots of the motors."""
+        return tuple(motor.slot for motor in self.motors if motor.slot >= 0)
 
 
 def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:

@@ -102,7 +102,7 @@ def test_a_banner_says_how_a_mission_ended() -> None:
 
 def test_a_start_that_the_check_still_looks_at_is_remembered() -> None:
     async def story() -> None:
-        async with operator(with_mission("enter_2d")) as me:
+        async with operator(with_mission("enter_2d", check=True)) as me:
             me.wait(1.0)
             await me.look()
             me.app._entries = None  # as long as the check has not looked

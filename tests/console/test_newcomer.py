@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 from textual.widgets import OptionList
@@ -10,12 +11,14 @@ from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
 from pirate_sm.showing import panels
 
-from .driving import operator, played, with_mission
+from .driving import by_hand, operator, played, with_mission
 
 
 def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> None:
     async def story() -> None:
-        async with operator() as me:
+        prepared = by_hand()  # nothing to check yet; missions are
+        prepared = replace(prepared, order=replace(prepared.order, check=True))
+        async with operator(prepared) as me:
             assert me.latest.scene.mission == ""
 
             # The mission is chosen from the list; it begins paused, the robot is still theirs.

@@ -8,9 +8,10 @@ import pytest
 from pirate_sm.console.availability import controls
 from pirate_sm.model.effects import Ended, Fault
 from pirate_sm.showing import alarms, panels
+from pirate_sm.showing.effect_lines import Line
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
 from pirate_sm.showing.progress_lines import waiting
-from pirate_sm.showing.run_history import Memory
+from pirate_sm.showing.run_history import Memory, NumberedLine
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order, prepare
 
@@ -96,3 +97,45 @@ def test_the_control_in_force_stands_beside_the_states(tmp_path: Path, width: in
     assert "◆ Control" in switched
     assert "exp_3a" in switched
     assert "Control" not in as_ever
+
+
+def test_a_mission_that_has_not_begun_is_in_no_phase(snapshot: Snapshot) -> None:
+    assert snapshot.state is not None
+    program = snapshot.scene.loaded.program
+    waiting_ = snapshot.state.mission._replace(pc=program.start, begun=False, paused_s=0.0)
+    before = replace(snapshot, state=snapshot.state._replace(mission=waiting_))
+
+    assert {each.plain[0] for each in panels.phases(snapshot, 40, 9)} >= {"▶"}
+    assert not {each.plain[0] for each in panels.phases(before, 40, 9)} & {"▶", "▷"}
+
+
+def test_phases_of_missions_that_are_called_are_left_out_where_there_is_little_room() -> None:
+    bend = beginning("mitre_bend")
+    names = bend.scene.loaded.program.phases
+    called = [each.rpartition("/")[2] for each in names if "/" in each]
+    few, many = (
+        "\n".join(each.plain for each in panels.phases(bend, 40, rows))
+        for rows in (len(names) - 1, len(names))
+    )
+
+    assert called
+    assert all(each not in few for each in called)
+    assert all(each in many for each in called)
+
+
+def test_a_line_of_the_log_is_shown_in_full() -> None:
+    told = NumberedLine(1, 2.0, Line("warning", "every word of it " * 12))
+    shown = panels.log([told], 60, 9)
+
+    assert len(shown) > 1
+    assert all(len(each) <= 60 for each in shown)
+    assert " ".join(" ".join(each.plain for each in shown).split()) == (
+        "2.00 warning " + ("every word of it " * 12).strip()
+    )
+
+
+def test_a_run_that_is_over_before_it_began_is_not_being_opened(snapshot: Snapshot) -> None:
+    over = replace(after(snapshot, Ended("fault", "link.lost: no port")), state=None, over=True)
+
+    assert [each.plain for each in panels.now(over, 60)] == ["link.lost: no port"]
+    assert "being opened" in panels.now(replace(over, over=False), 60)[0].plain

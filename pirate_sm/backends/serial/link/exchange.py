@@ -31,9 +31,7 @@ _INTRODUCTION_S = 0.06
 """A device that introduces its topics, some 270 bytes at 57,600 baud, reads nothing meanwhile."""
 
 _EXPIRE_EVERY_S = 0.05
-
-_WRITTEN_WITHIN_S = 0.1
-"""An array is in force this long after it was written, at most."""
+_WRITTEN_WITHIN_S = 0.1  # an array is in force so long after it was written, at most
 
 _SILENT_SHARE = 0.4
 """Share of the time after which one board is silent; the link's silence is noticed first."""
@@ -56,6 +54,8 @@ class Exchange:
         outage: The silence during which the mission is held; None while the link works.
         brief: Whether the last silence was too short to be an outage.
         given_up: Whether the last outage was given up, and nothing has come since.
+        switch_stops_s: The length of a silence after which the firmware's switch has stopped the
+            robot; arrays are repeated until the silence is noticed. Infinite without a switch.
         aside: Whether arrays wait until the engine has answered to an outage.
         newer: Whether an array has been submitted since the last outage began.
         refused: Why a topic cannot be used, one sentence each.
@@ -78,6 +78,8 @@ class Exchange:
         )
         self.link.hold = self._safe.kept
         self._silent_s = min(SILENT_AFTER_S, _SILENT_SHARE * plan.silent_after_s)
+        stop_after_s = plan.serial.stop_after or inf
+        self.switch_stops_s = self._silent_s + stop_after_s + _WRITTEN_WITHIN_S
         self.stopped = StopConfirmation(plan.safe_zero)
         self._measurements = Measurements(plan.channels)
         advice = sensors_off(plan.serial.advice.no_sensors)
@@ -314,15 +316,6 @@ class Exchange:
                 self.outage = None
                 most_s = self._recovery.brief_s - self._silent_s
                 self._left_out_s += max(0.0, now - outage.since_s - most_s)
-
-    @property
-    def switch_stops_s(self) -> float:
-        """How long after the last word the firmware's switch has stopped the robot; or infinite.
-
-        Arrays are repeated until the silence is noticed, and nothing is written afterwards.
-        """
-        stop_after_s = self._plan.serial.stop_after or inf
-        return self._silent_s + stop_after_s + _WRITTEN_WITHIN_S
 
     @property
     def gives_up_s(self) -> float:
