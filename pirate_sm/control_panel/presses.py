@@ -7,14 +7,7 @@ from math import inf
 from typing import NamedTuple, assert_never
 
 from pirate_sm.control_panel.control_changes import ControlChange
-from pirate_sm.model.panel import (
-    AnswerButton,
-    Button,
-    CommandButton,
-    Panel,
-    RunButton,
-    WordButton,
-)
+from pirate_sm.model import panel as kinds
 
 PRESSED = 64
 """Values from here on are a pressed button (MIDI 1.0: a switch is on from 64)."""
@@ -23,16 +16,16 @@ TWICE_WITHIN_S = 3.0
 """How long a first press waits for the second one."""
 
 
-def action_text(button: Button) -> str:
+def action_text(button: kinds.Button) -> str:
     """Return what a button does, for people."""
     match button:
-        case RunButton(do=action):
+        case kinds.RunButton(do=action):
             return action
-        case CommandButton(command=command):
+        case kinds.CommandButton(command=command):
             return command
-        case WordButton(word=word):
+        case kinds.WordButton(word=word):
             return f"the word {word}"
-        case AnswerButton(answer=number):
+        case kinds.AnswerButton(answer=number):
             return f"answer {number}"
         case _:
             assert_never(button)
@@ -48,7 +41,7 @@ class Press(NamedTuple):
     """
 
     name: str
-    button: Button
+    button: kinds.Button
     asks: bool = False
 
 
@@ -68,7 +61,7 @@ class Presses:
         panel: The panel.
     """
 
-    def __init__(self, panel: Panel) -> None:
+    def __init__(self, panel: kinds.Panel) -> None:
         self._channel = panel.channel
         self._name_of = {number: name for name, number in panel.controls.items()}
         self._buttons = {tuple(name.split("+")): (name, b) for name, b in panel.buttons.items()}
@@ -115,11 +108,13 @@ class Presses:
         done = [name for name, due in self._held.items() if due.at_s <= now_s]
         return [self._counted(self._held.pop(name).press, now_s) for name in done]
 
-    def _meant(self, name: str) -> tuple[str, Button] | None:
+    def _meant(self, name: str) -> tuple[str, kinds.Button] | None:
         """Return the action of a button that goes down now, by the others that are down."""
         leading = tuple(each for each in self._down if each in self._leading)
         alone = self._buttons.get((name,))
-        stops = alone is not None and isinstance(alone[1], RunButton) and alone[1].do == "stop"
+        stops = (
+            alone is not None and isinstance(alone[1], kinds.RunButton) and alone[1].do == "stop"
+        )
         return alone if stops else self._buttons.get((*leading, name))
 
     def _counted(self, press: Press, now_s: float) -> Press:

@@ -7,26 +7,17 @@ from dataclasses import asdict, dataclass, field
 from math import isfinite
 from typing import Any, Literal, NamedTuple
 
+from pirate_sm import units
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
-from pirate_sm.units import (
-    ACCELERATION,
-    ANGLE,
-    CURRENT,
-    DIMENSIONLESS,
-    TORQUE,
-    UNITS,
-    Dimension,
-    format_quantity,
-)
 
 Level = Literal["no-go", "suspicious", "note"]
 
-_SHOWN_IN: Mapping[Dimension, tuple[str, int]] = {
-    ANGLE: ("deg", 1),
-    CURRENT: ("mA", 0),
-    TORQUE: ("mNm", 0),
+_SHOWN_IN: Mapping[units.Dimension, tuple[str, int]] = {
+    units.ANGLE: ("deg", 1),
+    units.CURRENT: ("mA", 0),
+    units.TORQUE: ("mNm", 0),
 }
 """The unit that people read a quantity in, and with how many decimals."""
 
@@ -218,14 +209,14 @@ class Facts:
         return plain
 
 
-def shown(value: float, dimension: Dimension) -> str:
+def shown(value: float, dimension: units.Dimension) -> str:
     """Return the value with its unit as people read it."""
     if dimension in _SHOWN_IN:
         unit, decimals = _SHOWN_IN[dimension]
-        return f"{value / UNITS[unit].value:z.{decimals}f} {unit}"
-    if dimension in (ACCELERATION, DIMENSIONLESS):
-        return format_quantity(round(value, 2) + 0.0, dimension)
-    return format_quantity(float(f"{value:.3g}"), dimension)
+        return f"{value / units.UNITS[unit].value:z.{decimals}f} {unit}"
+    if dimension in (units.ACCELERATION, units.DIMENSIONLESS):
+        return units.format_quantity(round(value, 2) + 0.0, dimension)
+    return units.format_quantity(float(f"{value:.3g}"), dimension)
 
 
 def _plain(value: Any) -> Any:

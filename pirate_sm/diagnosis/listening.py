@@ -20,21 +20,14 @@ from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
+from pirate_sm.rosserial import topics
 from pirate_sm.rosserial.frames import Decoder, encode
 from pirate_sm.rosserial.message_types import Malformed
-from pirate_sm.rosserial.topics import (
-    PUBLISHER,
-    REQUEST_TOPICS,
-    SUBSCRIBER,
-    TIME,
-    Direction,
-    TopicInfo,
-)
 
 
 def topic_facts(
     wanted: Sequence[Wanted],
-    offered: Mapping[tuple[Direction, str], TopicInfo],
+    offered: Mapping[tuple[topics.Direction, str], topics.TopicInfo],
     counts: Mapping[int, int],
     elapsed_s: float,
 ) -> tuple[TopicFact, ...]:
@@ -60,7 +53,7 @@ def topic_facts(
 
 
 def _offered(
-    info: TopicInfo, our_type: str, our_md5: str, counts: Mapping[int, int], elapsed_s: float
+    info: topics.TopicInfo, our_type: str, our_md5: str, counts: Mapping[int, int], elapsed_s: float
 ) -> TopicFact:
     rate = counts.get(info.number, 0) / elapsed_s
     its = info.name, info.direction, info.number, info.type
@@ -211,7 +204,7 @@ class Listening:
     def _ask(self, now: float) -> None:
         """Ask for the topics again, to measure the time to the answer."""
         self._asked_s = now
-        self.port.write(encode(REQUEST_TOPICS))
+        self.port.write(encode(topics.REQUEST_TOPICS))
 
     def _hear(self, data: bytes, now: float) -> None:
         if not self._connected:
@@ -219,7 +212,7 @@ class Listening:
         self._bytes += len(data)
         for topic, payload in self._decoder.feed(data):
             self._counts[topic] += 1
-            if topic in {PUBLISHER, SUBSCRIBER, TIME} and self._asked_s < inf:
+            if topic in {topics.PUBLISHER, topics.SUBSCRIBER, topics.TIME} and self._asked_s < inf:
                 self._asked_ms.append((now - self._asked_s) * 1e3)
                 self._asked_s = inf
             self._meet(topic, payload)
@@ -272,7 +265,7 @@ class Listening:
             damaged=counts.damaged,
             repeats=counts.repeats,
             resets=self._resets,
-            time_requests=max(0, self._counts[TIME] - len(self._asked_ms)),
+            time_requests=max(0, self._counts[topics.TIME] - len(self._asked_ms)),
             asked_ms=tuple(self._asked_ms),
             echoed_ms=tuple(each * 1e3 for each in self.exchange.link.quality.round_trips),
             stood_still_s=self._late_s,

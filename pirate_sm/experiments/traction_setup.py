@@ -7,25 +7,12 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from pirate_sm.experiments.experiment_setup import ExperimentSetup
+from pirate_sm.model import quantities as si
 from pirate_sm.model.base import Frozen, Name
-from pirate_sm.model.quantities import (
-    Angle,
-    AngularSpeed,
-    Damping,
-    Duration,
-    Flag,
-    Inertia,
-    Length,
-    Number,
-    Speed,
-    SpringRate,
-    Torque,
-    VelocityGain,
-)
 from pirate_sm.model.simulation import Friction
 
-Moment = Annotated[Duration, Field(ge=0)]
-PositiveNumber = Annotated[Number, Field(gt=0)]
+Moment = Annotated[si.Duration, Field(ge=0)]
+PositiveNumber = Annotated[si.Number, Field(gt=0)]
 
 
 class Bristle(Frozen):
@@ -36,8 +23,8 @@ class Bristle(Frozen):
         damping: Along the pipe.
     """
 
-    stiffness: Annotated[SpringRate, Field(gt=0)]
-    damping: Annotated[Damping, Field(gt=0)]
+    stiffness: Annotated[si.SpringRate, Field(gt=0)]
+    damping: Annotated[si.Damping, Field(gt=0)]
 
 
 class ReducedPhysics(Frozen):
@@ -54,14 +41,14 @@ class ReducedPhysics(Frozen):
         tick: Of the controller; a whole number of steps.
     """
 
-    diameter: Annotated[Length, Field(gt=0)]
+    diameter: Annotated[si.Length, Field(gt=0)]
     friction: dict[Name, Friction]
-    threshold: Annotated[Speed, Field(gt=0)]
-    rotor: Annotated[Inertia, Field(ge=0)]
-    disk: Annotated[Inertia, Field(gt=0)]
+    threshold: Annotated[si.Speed, Field(gt=0)]
+    rotor: Annotated[si.Inertia, Field(ge=0)]
+    disk: Annotated[si.Inertia, Field(gt=0)]
     bristle: Bristle
-    step: Annotated[Duration, Field(gt=0)]
-    tick: Annotated[Duration, Field(gt=0)]
+    step: Annotated[si.Duration, Field(gt=0)]
+    tick: Annotated[si.Duration, Field(gt=0)]
 
 
 class Control(Frozen):
@@ -76,9 +63,9 @@ class Control(Frozen):
         share: The torque of eq. 3-24 as printed, or twice it, which the outer wheels need.
     """
 
-    gain: Annotated[VelocityGain, Field(gt=0)]
-    speed: Annotated[Speed, Field(gt=0)]
-    fixed: Annotated[Torque, Field(gt=0)]
+    gain: Annotated[si.VelocityGain, Field(gt=0)]
+    speed: Annotated[si.Speed, Field(gt=0)]
+    fixed: Annotated[si.Torque, Field(gt=0)]
     friction: dict[Name, PositiveNumber]
     safety: PositiveNumber
     share: Literal["as_printed", "corrected"] = "as_printed"
@@ -109,7 +96,7 @@ class Turn(Frozen):
 
     begin: Annotated[Moment, Field(alias="from")]
     to: Moment
-    tilt: Angle
+    tilt: si.Angle
 
 
 class Timeline(Frozen):
@@ -129,7 +116,7 @@ class Timeline(Frozen):
     drives: tuple[Drive, ...]
     turn: Turn
     grip: Moment
-    end: Annotated[Duration, Field(gt=0)]
+    end: Annotated[si.Duration, Field(gt=0)]
 
 
 class NoiseLevel(Frozen):
@@ -140,8 +127,8 @@ class NoiseLevel(Frozen):
         tilt: Of the measured tilt.
     """
 
-    speed: Annotated[AngularSpeed, Field(ge=0)] = 0.0
-    tilt: Annotated[Angle, Field(ge=0)] = 0.0
+    speed: Annotated[si.AngularSpeed, Field(ge=0)] = 0.0
+    tilt: Annotated[si.Angle, Field(ge=0)] = 0.0
 
 
 class Variant(Frozen):
@@ -153,8 +140,8 @@ class Variant(Frozen):
         about: One line for people.
     """
 
-    compensated: Flag
-    gripped: Flag
+    compensated: si.Flag
+    gripped: si.Flag
     about: str
 
 

@@ -11,14 +11,8 @@ import pytest
 from pirate_sm.companion import Companion, Counting, Onlooker, entered
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model import events as ev
 from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import (
-    DetectorWord,
-    EnvironmentReport,
-    Event,
-    FaultReport,
-    OutsideNumber,
-)
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, Prepared, prepare
@@ -43,7 +37,7 @@ class Subject:
     words: bool = True
 
 
-_MAY_BE_SAID = (DetectorWord, EnvironmentReport, OutsideNumber, FaultReport)
+_MAY_BE_SAID = (ev.DetectorWord, ev.EnvironmentReport, ev.OutsideNumber, ev.FaultReport)
 
 
 @dataclass
@@ -52,7 +46,7 @@ class _Heard:
 
     inner: Companion
     words: Sequence[str]
-    said: list[Event] = field(default_factory=list)
+    said: list[ev.Event] = field(default_factory=list)
 
     @property
     def due_s(self) -> float:
@@ -68,12 +62,12 @@ class _Heard:
     def look(self, state: Any, now_s: float) -> Sequence[Any]:
         return self.inner.look(state, now_s) if isinstance(self.inner, Onlooker) else ()
 
-    def speak(self, now_s: float) -> Sequence[Event]:
+    def speak(self, now_s: float) -> Sequence[ev.Event]:
         said = self.inner.speak(now_s)
         assert self.inner.due_s > now_s, "speak() must move due_s on, or time stands still"
         for event in said:
             assert isinstance(event, _MAY_BE_SAID)
-            if isinstance(event, DetectorWord):
+            if isinstance(event, ev.DetectorWord):
                 assert event.word in self.words, "the robot's profile has no such word"
                 assert event.valid_for_s > 0.0
         self.said += said
@@ -142,7 +136,7 @@ def made(subject: Subject) -> tuple[Prepared, Detecting]:
     return ready, subject.make(asked)
 
 
-def heard(subject: Subject, ready: Prepared, found: Detecting) -> list[Event]:
+def heard(subject: Subject, ready: Prepared, found: Detecting) -> list[ev.Event]:
     """Return the events of the detector in the run."""
     words = subject.mission.robot.detector_words
     watched = [_Heard(companion, words) for companion in found.companions]

@@ -8,14 +8,8 @@ from pathlib import Path
 
 from pirate_sm.detectors.vision_detector import SightingSource
 from pirate_sm.errors import UsageError
+from pirate_sm.model import camera_source as kinds
 from pirate_sm.model.camera import Camera
-from pirate_sm.model.camera_source import (
-    DeviceSource,
-    FileSource,
-    ImagesSource,
-    SyntheticSource,
-    UrlSource,
-)
 from pirate_sm.vision.captures import open_capture
 from pirate_sm.vision.live_sightings import LiveSightings
 from pirate_sm.vision.paced_sightings import RecordedSightings, SyntheticSightings
@@ -44,13 +38,13 @@ def open_sightings(
     """
     source, eye = camera.source, eye_of(camera)
     match source:
-        case DeviceSource() | UrlSource():
+        case kinds.DeviceSource() | kinds.UrlSource():
             opened = partial(open_capture, source, folder)
             return LiveSightings(source, eye, camera.latency_s, opened)
-        case FileSource() | ImagesSource():
+        case kinds.FileSource() | kinds.ImagesSource():
             capture = open_capture(source, folder)
             return RecordedSightings(source, eye, camera.latency_s, capture)
-        case SyntheticSource():
+        case kinds.SyntheticSource():
             if scene is None:
                 raise UsageError(
                     f"the camera '{camera.camera}' is synthetic: it sees a simulated robot only"

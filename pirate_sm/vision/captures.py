@@ -7,15 +7,7 @@ from pathlib import Path
 from typing import Any, Protocol
 
 from pirate_sm.errors import UsageError
-from pirate_sm.model.camera_source import (
-    CameraSource,
-    DeviceSource,
-    FileSource,
-    FrameSize,
-    ImagesSource,
-    SyntheticSource,
-    UrlSource,
-)
+from pirate_sm.model import camera_source as kinds
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Frame
 
@@ -45,15 +37,17 @@ class VideoCapture:
         UsageError: It cannot be opened.
     """
 
-    def __init__(self, source: DeviceSource | FileSource | UrlSource, folder: Path) -> None:
+    def __init__(
+        self, source: kinds.DeviceSource | kinds.FileSource | kinds.UrlSource, folder: Path
+    ) -> None:
         match source:
-            case DeviceSource():
+            case kinds.DeviceSource():
                 what = f"the camera /dev/video{source.device}"
                 self._video = _device(source)
-            case FileSource():
+            case kinds.FileSource():
                 what = f"the video '{source.file}'"
                 self._video = cv2.VideoCapture(str(folder / source.file))
-            case UrlSource():
+            case kinds.UrlSource():
                 what = f"the camera at {source.url}"
                 limits = [cv2.CAP_PROP_OPEN_TIMEOUT_MSEC, _OPEN_MS]
                 limits += [cv2.CAP_PROP_READ_TIMEOUT_MSEC, _READ_MS]
@@ -78,7 +72,7 @@ class ImageCapture:
         UsageError: There are none.
     """
 
-    def __init__(self, source: ImagesSource, folder: Path) -> None:
+    def __init__(self, source: kinds.ImagesSource, folder: Path) -> None:
         # Path.glob takes no absolute pattern.
         self.names = sorted(glob(source.images, root_dir=folder))  # noqa: PTH207
         if not self.names:
@@ -107,7 +101,7 @@ class ImageCapture:
         """Do nothing: each file is closed at once."""
 
 
-def open_capture(source: CameraSource, folder: Path) -> Capture:
+def open_capture(source: kinds.CameraSource, folder: Path) -> Capture:
     """Return the opened source of a camera's file.
 
     Args:
@@ -118,15 +112,15 @@ def open_capture(source: CameraSource, folder: Path) -> Capture:
         UsageError: It cannot be opened, or it is drawn by the simulator.
     """
     match source:
-        case DeviceSource() | FileSource() | UrlSource():
+        case kinds.DeviceSource() | kinds.FileSource() | kinds.UrlSource():
             return VideoCapture(source, folder)
-        case ImagesSource():
+        case kinds.ImagesSource():
             return ImageCapture(source, folder)
-        case SyntheticSource():
+        case kinds.SyntheticSource():
             raise UsageError("a synthetic camera has pictures of a simulated robot only")
 
 
-def first_frame(capture: Capture, source: CameraSource) -> Frame:
+def first_frame(capture: Capture, source: kinds.CameraSource) -> Frame:
     """Return the first picture of a source, which must have the size in the camera's file.
 
     Raises:
@@ -139,7 +133,7 @@ def first_frame(capture: Capture, source: CameraSource) -> Frame:
     return frame
 
 
-def _check_size(frame: Frame, size: FrameSize, what: str) -> None:
+def _check_size(frame: Frame, size: kinds.FrameSize, what: str) -> None:
     """Raise UsageError for a picture of another size, for which the lens is not valid."""
     height, width = frame.shape[:2]
     if (width, height) != size:
@@ -147,7 +141,7 @@ def _check_size(frame: Frame, size: FrameSize, what: str) -> None:
         raise UsageError(f"{what} {width} × {height} pixels, the camera's file {wanted}")
 
 
-def _device(source: DeviceSource) -> Any:
+def _device(source: kinds.DeviceSource) -> Any:
     width, height = source.size
     settings = [
         (cv2.CAP_PROP_FOURCC, cv2.VideoWriter_fourcc(*source.codec)),
