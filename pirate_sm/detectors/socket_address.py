@@ -80,7 +80,7 @@ def open_socket(address: Address) -> tuple[socket.socket, Address]:
 def _reason(address: Address, error: OSError) -> str:
     """Return why an address cannot be used."""
     if error.errno != errno.EADDRINUSE:
-        return error.strerror or str(error)
+        return os.strerror(error.errno) if error.errno else str(error)
     if address.path and not Path(address.path).is_socket():
         return "this is not a socket, so it is left alone; name a file that does not exist"
     return "a run or another program listens here already; end it, or name another address"
@@ -88,15 +88,8 @@ def _reason(address: Address, error: OSError) -> str:
 
 def _tcp_socket(address: Address) -> socket.socket:
     family = socket.AF_INET6 if ":" in address.host else socket.AF_INET
-    listening = socket.socket(family, socket.SOCK_STREAM)
-    try:
-        listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-        listening.bind((address.host, address.port))
-        listening.listen()
-        listening.setblocking(False)
-    except OSError:
-        listening.close()
-        raise
+    listening = socket.create_server((address.host, address.port), family=family)
+    listening.setblocking(False)
     return listening
 
 
