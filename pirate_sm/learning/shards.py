@@ -53,6 +53,15 @@ class Share:
         self._environments = [InPipe(**options) for _ in range(count)]
         self._over = [False] * count
         self._next: list[Row | None] = [None] * count
+        self._asked: Callable[[], object] = lambda: None
+
+    def send(self, method: str, *arguments: object) -> None:
+        """Ask for a method; it is done when it is received."""
+        self._asked = lambda: getattr(self, method)(*arguments)
+
+    def receive(self) -> Any:
+        """Do what was asked for."""
+        return self._asked()
 
     def reset(self, seeds: Sequence[int | None], mask: Sequence[bool]) -> list[Row | None]:
         """Begin episodes in the environments that the mask names; None for the others."""
@@ -93,26 +102,6 @@ class Share:
 def _begin(environment: InPipe, seed: int | None) -> Row:
     observation, info = environment.reset(seed=seed)
     return Row(observation, 0.0, False, False, info)
-
-
-class LocalShard:
-    """A share of the environments in this process."""
-
-    def __init__(self, count: int, options: dict[str, Any]) -> None:
-        self._share = Share(count, options)
-        self._asked: Callable[[], object] = lambda: None
-
-    def send(self, method: str, *arguments: object) -> None:
-        """Ask for a method; it is done when it is received."""
-        self._asked = lambda: getattr(self._share, method)(*arguments)
-
-    def receive(self) -> Any:
-        """Do what was asked for."""
-        return self._asked()
-
-    def close(self) -> None:
-        """End all episodes."""
-        self._share.close()
 
 
 class RemoteShard:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pirate_sm.api.arguments import whole
 from pirate_sm.errors import UsageError
 from pirate_sm.learning.environment import InPipe
-from pirate_sm.learning.shards import LocalShard, RemoteShard, Row, Shard
+from pirate_sm.learning.shards import RemoteShard, Row, Shard, Share
 from pirate_sm.learning.spaces import Mask, Observation
 
 Flags = NDArray[np.bool_]
@@ -57,7 +57,7 @@ class InPipes(gymnasium.vector.VectorEnv[Observation, NDArray[np.int64], NDArray
         count = min(count, self.num_envs)
         bounds = [self.num_envs * i // count for i in range(count + 1)]
         self._parts = [slice(*ends) for ends in pairwise(bounds)]
-        make = LocalShard if count == 1 else RemoteShard
+        make = Share if count == 1 else RemoteShard
         self._shards = [make(part.stop - part.start, options) for part in self._parts]
         self._masks: Mask = np.zeros((self.num_envs, len(self.spaces.actions)), dtype=np.int8)
         self._observations: Observation = cast(
