@@ -11,16 +11,7 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.digitizing import digitize
 from pirate_sm.simulation.gliding import columns as col
-from pirate_sm.simulation.gliding.groups import (
-    Electronics,
-    Looker,
-    Place,
-    Posture,
-    RobotRows,
-    Scratch,
-    Taken,
-    Task,
-)
+from pirate_sm.simulation.gliding import groups
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.looking import look, may_repeat, repeat, repeats
 from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
@@ -30,12 +21,12 @@ from pirate_sm.simulation.machine_code import compiled
 @compiled
 def _listens(
     now_s: float,
-    rows: RobotRows,
-    task: Task,
+    rows: groups.RobotRows,
+    task: groups.Task,
     clock: Floats,
     signals: Floats,
-    posture: Posture,
-    taken: Taken,
+    posture: groups.Posture,
+    taken: groups.Taken,
 ) -> bool:
     """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
     boards, _, _, _, _, _, robot = rows
@@ -54,12 +45,12 @@ def _listens(
 @compiled
 def _repeats(
     arcs: Floats,
-    task: Task,
+    task: groups.Task,
     clock: Floats,
     signals: Floats,
-    posture: Posture,
-    sees: Looker,
-    taken: Taken,
+    posture: groups.Posture,
+    sees: groups.Looker,
+    taken: groups.Taken,
 ) -> bool:
     """Let the detector repeat its word; return whether that prolongs the word and no more."""
     _, _, _, origin, _, watch = task
@@ -79,13 +70,13 @@ def _repeats(
 def may_begin(
     arcs: Floats,
     around: Floats,
-    rows: RobotRows,
-    task: Task,
+    rows: groups.RobotRows,
+    task: groups.Task,
     clock: Floats,
     signals: Floats,
-    posture: Posture,
-    sees: Looker,
-    taken: Taken,
+    posture: groups.Posture,
+    sees: groups.Looker,
+    taken: groups.Taken,
 ) -> bool:
     """Return whether another cycle may pass; if so, the clock stands at its end.
 
@@ -130,7 +121,7 @@ def _touches(presses: Floats) -> bool:
 
 
 @compiled
-def _stays(place: Place) -> bool:
+def _stays(place: groups.Place) -> bool:
     """Return whether the robot is in the pipe, with its parts in the plane of the bends."""
     quantities, rolls, arcs, around = place
     for part in range(1, rolls.shape[0]):
@@ -148,7 +139,7 @@ def _stays(place: Place) -> bool:
 
 @compiled
 def _measure(
-    place: Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
+    place: groups.Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
 ) -> bool:
     """Read the channels whose turn it is after a cycle; return whether the robot stays."""
     quantities, _, _, _ = place
@@ -169,7 +160,7 @@ def may_pass(span: Floats, around: Floats) -> bool:
 
 @compiled
 def passes_on(
-    place: Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
+    place: groups.Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
 ) -> bool:
     """Read the boards after a cycle; return whether the surroundings do nothing to the robot.
 
@@ -188,16 +179,16 @@ def passes_on(
 
 @compiled
 def goes_on(
-    place: Place,
+    place: groups.Place,
     turns: Ints,
-    electronics: Electronics,
-    rows: RobotRows,
-    task: Task,
+    electronics: groups.Electronics,
+    rows: groups.RobotRows,
+    task: groups.Task,
     clock: Floats,
     signals: Floats,
-    scratch: Scratch,
-    posture: Posture,
-    taken: Taken,
+    scratch: groups.Scratch,
+    posture: groups.Posture,
+    taken: groups.Taken,
 ) -> bool:
     """Read the boards after a cycle; return whether its frame, if any, was quiet.
 

@@ -3,18 +3,9 @@
 from __future__ import annotations
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
+from pirate_sm.simulation.gliding import groups
 from pirate_sm.simulation.gliding.columns import T_CYCLES
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, passes_on
-from pirate_sm.simulation.gliding.groups import (
-    Electronics,
-    Looker,
-    Place,
-    Posture,
-    RobotRows,
-    Scratch,
-    Taken,
-    Task,
-)
 from pirate_sm.simulation.gliding.standing import stand
 from pirate_sm.simulation.machine_code import compiled
 from pirate_sm.simulation.xpbd.kernel import Bars, advance
@@ -24,17 +15,17 @@ from pirate_sm.simulation.xpbd.kernel import Bars, advance
 def glide(
     chain: Bars,
     centres: Floats,
-    place: Place,
+    place: groups.Place,
     turns: Ints,
-    electronics: Electronics,
-    rows: RobotRows,
-    task: Task,
+    electronics: groups.Electronics,
+    rows: groups.RobotRows,
+    task: groups.Task,
     clock: Floats,
     signals: Floats,
-    scratch: Scratch,
-    posture: Posture,
-    sees: Looker,
-    taken: Taken,
+    scratch: groups.Scratch,
+    posture: groups.Posture,
+    sees: groups.Looker,
+    taken: groups.Taken,
     trail: Floats,
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
@@ -69,7 +60,7 @@ def glide(
 @compiled
 def pass_cycles(
     chain: Bars,
-    place: Place,
+    place: groups.Place,
     turns: Ints,
     sources: Floats,
     counts: Floats,
