@@ -71,13 +71,12 @@ _SCRIPTS = ("base.js", "scene.js", "timeline.js", "plots.js", "player.js")
 
 def html(report: Report) -> str:
     """Return the page as HTML."""
-    folder = files("pirate_sm.report") / "page"
     sign, outcome = SIGNS[report.outcome]
     in_space = report.scene is not None and report.scene.space is not None
     names = (*_SCRIPTS, "space.js") if in_space else _SCRIPTS
-    script = "\n".join((folder / name).read_text("utf-8") for name in names)
+    script = "\n".join((PAGE / name).read_text("utf-8") for name in names)
     libraries = [plot_script(), *([three_script()] if in_space else [])]
-    return Template((folder / "page.html").read_text("utf-8")).substitute(
+    return Template((PAGE / "page.html").read_text("utf-8")).substitute(
         generator=f"pirate-sm {escape(__version__)}",
         recording=escape(report.recording),
         title=escape(report.title),
@@ -98,7 +97,7 @@ def html(report: Report) -> str:
         step=f"{_step(report.duration_s):g}",
         speeds="".join(_speed(each) for each in _SPEEDS),
         data=_inside_script(report_json(report)),
-        space=(folder / "space.html").read_text("utf-8") if in_space else "",
+        space=(PAGE / "space.html").read_text("utf-8") if in_space else "",
         library="\n".join(libraries),
         script=f"(() => {{\n'use strict';\n{script}\n}})();",
     )

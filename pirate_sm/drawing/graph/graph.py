@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import StrEnum
 
+from pirate_sm.drawing.text_wrapping import wrapped
 from pirate_sm.errors import PirateError
 
 
@@ -18,6 +19,9 @@ class NodeKind(StrEnum):
     STATE = "state"
     SUCCEED = "succeed"
     FAIL = "fail"
+
+
+_SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
 
 
 class EdgeKind(StrEnum):
@@ -53,6 +57,12 @@ class Node:
     cluster: str = ""
     visits: tuple[int, ...] = ()
     current: bool = False
+
+    @property
+    def heading(self) -> str:
+        """Its title, after the numbers of its visits and the sign of an end."""
+        visits = f"({', '.join(map(str, self.visits))}) " if self.visits else ""
+        return f"{visits}{_SIGNS.get(self.kind, '')}{self.title}"
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,6 +114,11 @@ class Graph:
     edges: tuple[Edge, ...]
     description: str = ""
     notes: tuple[Note, ...] = ()
+
+    def note_lines(self, columns: int) -> tuple[str, ...]:
+        """Return the notes, each after its mark, in lines of so many columns."""
+        texts = [f"{note.mark}: {note.text}" for note in self.notes]
+        return tuple(line for text in texts for line in wrapped(text, columns))
 
     def __post_init__(self) -> None:
         home = {node.id: node.cluster for node in self.nodes}

@@ -36,7 +36,9 @@ def mission_graph(mission: model.Mission, called: Sequence[Called] = ()) -> Grap
     Ids are the engine's names of phases; the id of an end has the same prefix.
     """
     parts = (Called("", mission), *called)
-    clusters = tuple(Cluster(_cluster(part), _title(part), _about(part.mission)) for part in parts)
+    clusters = tuple(
+        Cluster(_cluster(part), _title(part), part.mission.description) for part in parts
+    )
     nodes = tuple(node for part in parts for node in _nodes(part))
     edges = tuple(edge for part in parts for edge in _edges(part))
     return Graph(mission.mission, clusters, nodes, edges, mission.description)
@@ -74,10 +76,6 @@ def _cluster(part: Called) -> str:
 
 def _title(part: Called) -> str:
     return _cluster(part).replace("/", " / ")
-
-
-def _about(mission: model.Mission) -> str:
-    return mission.description
 
 
 def _nodes(part: Called) -> Iterator[Node]:

@@ -104,7 +104,7 @@ def arranged(graph: Graph) -> Arrangement:
     shifted = [
         _moved(part, MARGIN + x, top + y) for part, (x, y) in zip(parts, places, strict=True)
     ]
-    notes = [line for note in graph.notes for line in wrapped(f"{note.mark}: {note.text}", columns)]
+    notes = graph.note_lines(columns)
     notes_at = top + inside.height + (MARGIN if notes else 0.0)
     texts = max(cells(line) for line in (*heading, *notes)) * TITLE_FONT * ADVANCE
     width = max(inside.width, texts) + 2 * MARGIN
@@ -114,7 +114,7 @@ def arranged(graph: Graph) -> Arrangement:
         tuple(frame for part in shifted for frame in part.frames),
         tuple(box for part in shifted for box in part.boxes),
         tuple(arrow for part in shifted for arrow in part.arrows),
-        tuple(notes),
+        notes,
         notes_at,
     )
 

@@ -24,7 +24,6 @@ _SHAPES = {
     NodeKind.SUCCEED: _filled("good"),
     NodeKind.FAIL: _filled("bad"),
 }
-_SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
 _STYLES = {
     EdgeKind.WITHIN: ("dashed", EITHER["late"]),
     EdgeKind.FAILURE: ("dotted", EITHER["bad"]),
@@ -37,9 +36,7 @@ LEFT = r"\l"
 def dot(graph: Graph) -> str:
     """Return the graph as a ``digraph``; visited nodes have their numbers in parentheses."""
     title = _left([graph.title, *wrapped(graph.description, NOTE_COLUMNS)])
-    notes = [
-        line for note in graph.notes for line in wrapped(f"{note.mark}: {note.text}", NOTE_COLUMNS)
-    ]
+    notes = graph.note_lines(NOTE_COLUMNS)
     lines = [
         f"digraph {_quoted(graph.title)} {{",
         f"    graph [label={title}, labelloc=t, labeljust=l, fontname=monospace]",
@@ -64,8 +61,7 @@ def dot(graph: Graph) -> str:
 def _node(node: Node) -> str:
     attributes = [_SHAPES[node.kind]]
     if node.kind is not NodeKind.INITIAL:
-        visits = f"({', '.join(map(str, node.visits))}) " if node.visits else ""
-        title = f"{visits}{_SIGNS.get(node.kind, '')}{node.title}"
+        title = node.heading
         lines = [line for each in node.lines for line in wrapped(each, NODE_COLUMNS, INDENT)]
         attributes.append(f"label={_left([title, *lines]) if lines else _quoted(title)}")
     if node.visits:
@@ -78,12 +74,8 @@ def _node(node: Node) -> str:
 
 
 def _edge(edge: Edge) -> str:
-    return f"{_quoted(edge.source)} -> {_quoted(edge.target)}{_attributes(edge)}"
-
-
-def _attributes(edge: Edge) -> str:
-    found = list(_edge_attributes(edge))
-    return f" [{', '.join(found)}]" if found else ""
+    found = ", ".join(_edge_attributes(edge))
+    return f"{_quoted(edge.source)} -> {_quoted(edge.target)}{f' [{found}]' if found else ''}"
 
 
 def _edge_attributes(edge: Edge) -> Iterator[str]:

@@ -9,7 +9,7 @@ import re
 from collections.abc import Iterable, Iterator, Mapping
 
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
-from pirate_sm.drawing.text_wrapping import balanced, printable, wrapped
+from pirate_sm.drawing.text_wrapping import balanced, printable
 from pirate_sm.palette import EITHER
 
 
@@ -41,7 +41,6 @@ _SHAPES = {
     NodeKind.SUCCEED: ("([", "])"),
     NodeKind.FAIL: ("([", "])"),
 }
-_SIGNS = {NodeKind.SUCCEED: "✓ ", NodeKind.FAIL: "✗ "}
 _DASHES = {EdgeKind.WITHIN: "7 4", EdgeKind.FAILURE: "1 4", EdgeKind.FAULT: "9 4 1 4"}
 _CLASSES = (
     "classDef anywhere stroke-dasharray:4 3",
@@ -68,11 +67,7 @@ def mermaid(graph: Graph) -> str:
         f"    class {names[node.id]} {name}" for node in graph.nodes for name in _class_names(node)
     )
     if graph.notes:
-        text = "<br/>".join(
-            _escaped(line)
-            for note in graph.notes
-            for line in wrapped(f"{note.mark}: {note.text}", NOTE_COLUMNS)
-        )
+        text = "<br/>".join(map(_escaped, graph.note_lines(NOTE_COLUMNS)))
         lines.append(f'    notes["{text}"]')
         lines.append("    class notes anywhere")
     return "\n".join([*lines, ""])
@@ -92,10 +87,8 @@ def _node(node: Node, name: str) -> str:
     opening, closing = _SHAPES[node.kind]
     if node.kind is NodeKind.INITIAL:
         return f'{name}{opening}" "{closing}'
-    visits = f"({', '.join(map(str, node.visits))}) " if node.visits else ""
-    title = f"{visits}{_SIGNS.get(node.kind, '')}{node.title}"
     text = "<br/>".join(
-        [f"<b>{_escaped(title)}</b>", *(_escaped(line, indent=True) for line in node.lines)]
+        [f"<b>{_escaped(node.heading)}</b>", *(_escaped(line, indent=True) for line in node.lines)]
     )
     return f'{name}{opening}"{text}"{closing}'
 
