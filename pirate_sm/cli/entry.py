@@ -9,16 +9,17 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from dataclasses import fields
 from importlib import import_module
 from inspect import Parameter, signature
-from typing import Any
+from typing import Annotated, Any
 
 import typer
 from typer.core import TyperCommand, TyperGroup
 
 from pirate_sm.cli import ctrl_c
 from pirate_sm.cli.completion import ASKING
-from pirate_sm.cli.options.common import Version
+from pirate_sm.cli.options.common import VERSION
 from pirate_sm.cli.output.encoding import degrade
 
 COMMANDS = {
@@ -150,9 +151,14 @@ def _single(name: str) -> typer.Typer:
 
         raise typer.Exit(guarded(work, given["debug"]))
 
+    declared = {each.name: each.metadata["parameter"] for each in fields(options)}
     taken = signature(options, eval_str=True)
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
-    vars(command)["__signature__"] = taken.replace(parameters=[context, *taken.parameters.values()])
+    parameters = [
+        each.replace(annotation=Annotated[each.annotation, declared[each.name]])
+        for each in taken.parameters.values()
+    ]
+    vars(command)["__signature__"] = taken.replace(parameters=[context, *parameters])
     app = _app()
     app.command(name.rsplit(maxsplit=1)[-1], cls=_Command, help=options.__doc__)(command)
     return app
@@ -187,7 +193,7 @@ only_run = _single("run")
 
 
 @commands.callback()
-def _everything(version: Version = False) -> None:
+def _everything(version: Annotated[bool, VERSION] = False) -> None:
     """Missions in YAML for in-pipe inspection robots."""
 
 

@@ -3,23 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
+from typing import Literal
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, flag, option
+from pirate_sm.cli.options.declaring import argument, flag, option, typed
 
-Camera = Annotated[str, argument("CAMERA", named_files.cameras, "Name or path of a camera's file.")]
-Inside = Annotated[str, option("NxM", None, "Corners inside of the chessboard.", "--board")]
-Square = Annotated[str, option("LENGTH", None, "Sides of its squares.")]
-Pictures = Annotated[
-    str | None,
-    option("FILES", named_files.files, "Pictures in place of the camera, such as 'seen/*.png'."),
-]
-Write = Annotated[bool, flag("Whether it is put into the camera's file.", "--write/--no-write")]
+camera_file = partial(argument, "CAMERA", named_files.cameras, "Name or path of a camera's file.")
+inside = partial(option, "NxM", None, "Corners inside of the chessboard.", "--board", default="9x6")
+square_sides = partial(option, "LENGTH", None, "Sides of its squares.", default="25 mm")
+pictures = partial(
+    option, "FILES", named_files.files, "Pictures in place of the camera, such as 'seen/*.png'."
+)
+writes = partial(
+    flag, "Whether it is put into the camera's file.", "--write/--no-write", default=True
+)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -29,14 +29,14 @@ class PrintOptions:
     Exit codes: 0 written, 2 invalid files or arguments.
     """
 
-    camera: Camera
-    output: Annotated[
-        Path, option("FOLDER", named_files.files, "Where they are written.", "--output", "-o")
-    ] = Path()
-    board: Inside = "9x6"
-    square: Square = "25 mm"
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    camera: str = camera_file()
+    output: Path = option(
+        "FOLDER", named_files.files, "Where they are written.", "--output", "-o", default=Path()
+    )
+    board: str = inside()
+    square: str = square_sides()
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -48,18 +48,17 @@ class CalibrateCameraOptions:
     Exit codes: 0 measured, 1 these boards are not enough, 2 invalid files or arguments.
     """
 
-    camera: Camera
-    images: Pictures = None
-    board: Inside = "9x6"
-    square: Square = "25 mm"
-    model: Annotated[
-        Literal["fisheye", "brown"] | None,
-        typer.Option(help="Of the lens; otherwise that in the file, else fisheye."),
-    ] = None
-    boards: Annotated[int, typer.Option(min=15, help="How many to collect.")] = 25
-    seconds: Annotated[float, typer.Option(min=1.0, help="How long to look for them.")] = 180.0
-    write: Write = True
-    debug: common.Debug = False
+    camera: str = camera_file()
+    images: str | None = pictures()
+    board: str = inside()
+    square: str = square_sides()
+    model: Literal["fisheye", "brown"] | None = typed(
+        "Of the lens; otherwise that in the file, else fisheye."
+    )
+    boards: int = typed("How many to collect.", min=15, default=25)
+    seconds: float = typed("How long to look for them.", min=1.0, default=180.0)
+    write: bool = writes()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -69,10 +68,10 @@ class SurveyOptions:
     Exit codes: 0 found, 1 what is seen fits no place of it, 2 invalid files or arguments.
     """
 
-    camera: Camera
-    images: Pictures = None
-    write: Write = True
-    debug: common.Debug = False
+    camera: str = camera_file()
+    images: str | None = pictures()
+    write: bool = writes()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -82,15 +81,12 @@ class LookOptions:
     Exit codes: 0 the robot is seen, 1 it is not, 2 invalid files or arguments.
     """
 
-    camera: Camera
-    images: Pictures = None
-    robot: common.OneRobot = None
-    pipe: Annotated[
-        str, option("NAME", named_files.pipes, "In which a synthetic camera sees the robot.")
-    ] = "mitre_90"
-    output: Annotated[
-        Path | None,
-        option("OUT", named_files.files, "Write the picture: .png or .jpg.", "--output", "-o"),
-    ] = None
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    camera: str = camera_file()
+    images: str | None = pictures()
+    robot: str | None = common.one_robot()
+    pipe: str = common.a_pipe("In which a synthetic camera sees the robot.", default="mitre_90")
+    output: Path | None = option(
+        "OUT", named_files.files, "Write the picture: .png or .jpg.", "--output", "-o"
+    )
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()

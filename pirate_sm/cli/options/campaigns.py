@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
+from typing import Literal
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, flag, option
+from pirate_sm.cli.options.declaring import argument, flag, option, typed
 
 _MOST_SEEDS = 10**9
 """As in a campaign file, whose model a help text does not import."""
@@ -29,45 +27,30 @@ class CampaignOptions:
     files or arguments, or results cannot be kept, 3 the workers are lost, 130 interrupted.
     """
 
-    campaign: Annotated[
-        str,
-        argument(
-            "FILE|MISSION", named_files.campaigns, "A campaign file, or a mission: name or file."
-        ),
-    ]
-    seeds: Annotated[
-        int | None,
-        typer.Option(
-            min=1, max=_MOST_SEEDS, metavar="N", help="Seeds 0 to N-1, in place of the file's."
-        ),
-    ] = None
-    cells: Annotated[
-        list[str] | None,
-        option("NAME", candidates.cells, "Only the cells of this name. Repeatable.", "--cell"),
-    ] = None
-    workers: Annotated[
-        int | None,
-        typer.Option(min=1, metavar="N", help="Processes that are started; one each processor."),
-    ] = None
-    scheduler: Annotated[
-        str | None, option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
-    ] = None
-    resume: Annotated[bool, flag("Go on with the results that are there.", "--resume")] = False
-    output: Annotated[
-        Path | None,
-        option(
-            "FOLDER", named_files.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
-        ),
-    ] = None
-    record: Annotated[
-        Literal["first", "all", "none"],
-        typer.Option(
-            "--record", help="Which failed runs are repeated with a recording: first of each cause."
-        ),
-    ] = "first"
-    format: Annotated[
-        Literal["text", "json", "junit"],
-        typer.Option("--format", help="What is written to standard output."),
-    ] = "text"
-    check: common.Check = True
-    debug: common.Debug = False
+    campaign: str = argument(
+        "FILE|MISSION", named_files.campaigns, "A campaign file, or a mission: name or file."
+    )
+    seeds: int | None = typed(
+        "Seeds 0 to N-1, in place of the file's.", min=1, max=_MOST_SEEDS, metavar="N"
+    )
+    cells: list[str] | None = option(
+        "NAME", candidates.cells, "Only the cells of this name. Repeatable.", "--cell"
+    )
+    workers: int | None = typed(
+        "Processes that are started; one each processor.", min=1, metavar="N"
+    )
+    scheduler: str | None = option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
+    resume: bool = flag("Go on with the results that are there.", "--resume")
+    output: Path | None = option(
+        "FOLDER", named_files.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
+    )
+    record: Literal["first", "all", "none"] = typed(
+        "Which failed runs are repeated with a recording: first of each cause.",
+        "--record",
+        default="first",
+    )
+    format: Literal["text", "json", "junit"] = typed(
+        "What is written to standard output.", "--format", default="text"
+    )
+    check: bool = common.check()
+    debug: bool = common.debug()

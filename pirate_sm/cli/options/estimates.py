@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, flag, option
+from pirate_sm.cli.options.declaring import argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -24,53 +21,42 @@ class FitOptions:
     Exit codes: 0 something could be estimated, 1 nothing could, 2 a file cannot be used.
     """
 
-    runs: Annotated[
-        list[str],
-        argument(
-            "RUN...",
-            named_files.recordings_or_tables,
-            "Recordings (.mcap) or tables of signals (.csv).",
-        ),
-    ]
-    robot: Annotated[bool, flag("Estimate the robot's motors and friction instead.", "--robot")] = (
-        False
+    runs: list[str] = argument(
+        "RUN...",
+        named_files.recordings_or_tables,
+        "Recordings (.mcap) or tables of signals (.csv).",
     )
-    slip: Annotated[str, option("SIGNAL", candidates.signals, "Slip speeds of the wheels.")] = (
-        "slip_speed_{}"
+    robot: bool = flag("Estimate the robot's motors and friction instead.", "--robot")
+    slip: str = option(
+        "SIGNAL", candidates.signals, "Slip speeds of the wheels.", default="slip_speed_{}"
     )
-    friction: Annotated[
-        str,
-        option("SIGNAL", candidates.signals, "Friction in use; otherwise |torque| / (r normal)."),
-    ] = ""
-    torque: Annotated[str, option("SIGNAL", candidates.signals, "Torques of the wheels.")] = (
-        "wheel_torque_{}"
+    friction: str = option(
+        "SIGNAL",
+        candidates.signals,
+        "Friction in use; otherwise |torque| / (r normal).",
+        default="",
     )
-    normal: Annotated[str, option("SIGNAL", candidates.signals, "Normal forces of the wheels.")] = (
-        "normal_force_{}"
+    torque: str = option(
+        "SIGNAL", candidates.signals, "Torques of the wheels.", default="wheel_torque_{}"
     )
-    radius: Annotated[
-        str | None, option("LENGTH", None, "Of the wheels; for a recording, its robot's.")
-    ] = None
-    threshold: Annotated[
-        str | None,
-        option("SPEED", None, "Slip speed of static friction; otherwise where it is highest."),
-    ] = None
-    write: Annotated[
-        Path | None,
-        option(
-            "FILE",
-            named_files.files,
-            "Write friction into this pipe file; with --robot: numbers for --twin.",
-        ),
-    ] = None
-    output: Annotated[
-        Path | None, option("OUT.html", named_files.files, "A page with plots.", "--output", "-o")
-    ] = None
-    csv: Annotated[
-        Path | None, option("OUT.csv", named_files.files, "A table of what was found.")
-    ] = None
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    normal: str = option(
+        "SIGNAL", candidates.signals, "Normal forces of the wheels.", default="normal_force_{}"
+    )
+    radius: str | None = option("LENGTH", None, "Of the wheels; for a recording, its robot's.")
+    threshold: str | None = option(
+        "SPEED", None, "Slip speed of static friction; otherwise where it is highest."
+    )
+    write: Path | None = option(
+        "FILE",
+        named_files.files,
+        "Write friction into this pipe file; with --robot: numbers for --twin.",
+    )
+    output: Path | None = option(
+        "OUT.html", named_files.files, "A page with plots.", "--output", "-o"
+    )
+    csv: Path | None = option("OUT.csv", named_files.files, "A table of what was found.")
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -83,24 +69,15 @@ class ExperimentOptions:
     Exit codes: 0 every value that can be reproduced is, 1 one is not, 2 a file cannot be used.
     """
 
-    which: Annotated[
-        list[str],
-        argument(
-            "WHICH...", candidates.experiments, "1, 2, 3, one part of them such as 3c, or all."
-        ),
-    ]
-    robot: common.OneRobot = None
-    noise: Annotated[
-        str | None, option("LEVEL", None, "Only this level of noise, such as clean.")
-    ] = None
-    seeds: Annotated[
-        int, typer.Option(min=1, help="Runs of everything random; medians are shown.")
-    ] = 3
-    output: Annotated[
-        Path | None, option("OUT.html", named_files.files, "A page with figures.", "--output", "-o")
-    ] = None
-    csv: Annotated[Path | None, option("OUT.csv", named_files.files, "A table of every row.")] = (
-        None
+    which: list[str] = argument(
+        "WHICH...", candidates.experiments, "1, 2, 3, one part of them such as 3c, or all."
     )
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    robot: str | None = common.one_robot()
+    noise: str | None = option("LEVEL", None, "Only this level of noise, such as clean.")
+    seeds: int = typed("Runs of everything random; medians are shown.", min=1, default=3)
+    output: Path | None = option(
+        "OUT.html", named_files.files, "A page with figures.", "--output", "-o"
+    )
+    csv: Path | None = option("OUT.csv", named_files.files, "A table of every row.")
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()

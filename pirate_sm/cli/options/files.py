@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
-
-import typer
+from typing import Literal
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, flag, option
+from pirate_sm.cli.options.declaring import argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,7 +18,7 @@ class ListOptions:
     The rest are the commands, signals and defects of a robot, detectors and control panels.
     """
 
-    what: Annotated[
+    what: (
         Literal[
             "robots",
             "commands",
@@ -33,39 +31,30 @@ class ListOptions:
             "detectors",
             "panels",
         ]
-        | None,
-        typer.Argument(help="All of them when nothing is named."),
-    ] = None
-    robot: Annotated[
-        str | None, option("NAME", named_files.robots, "Whose commands, signals and defects.")
-    ] = None
-    debug: common.Debug = False
+        | None
+    ) = argument(None, None, "All of them when nothing is named.", default=None)
+    robot: str | None = common.a_robot("Whose commands, signals and defects.")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
 class SchemaOptions:
     """Print the JSON Schema by which an editor completes files."""
 
-    files: Annotated[
-        Literal[
-            "mission",
-            "pipe",
-            "profile",
-            "chart",
-            "profile_extension",
-            "chart_extension",
-            "camera",
-            "panel",
-            "campaign",
-            "scene",
-        ],
-        typer.Argument(help="Of which files."),
-    ]
-    robot: Annotated[
-        str | None,
-        option("NAME", named_files.robots, "Missions for this robot: its commands, its states."),
-    ] = None
-    debug: common.Debug = False
+    files: Literal[
+        "mission",
+        "pipe",
+        "profile",
+        "chart",
+        "profile_extension",
+        "chart_extension",
+        "camera",
+        "panel",
+        "campaign",
+        "scene",
+    ] = argument(None, None, "Of which files.")
+    robot: str | None = common.a_robot("Missions for this robot: its commands, its states.")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -77,34 +66,23 @@ class GraphOptions:
     Exit codes: 0 drawn, 2 invalid files or arguments.
     """
 
-    file: Annotated[
-        str,
-        argument(
-            "FILE", named_files.drawable, "A mission, a robot, a chart or a pipe: name or path."
-        ),
-    ]
-    format: Annotated[
-        Literal["mermaid", "dot", "svg", "scxml"] | None,
-        typer.Option("--format", help="As the name of the output ends, else mermaid."),
-    ] = None
-    output: common.Output = None
-    overwrite: common.Overwrite = False
-    path: Annotated[
-        str | None,
-        option(
-            "A,B,C",
-            candidates.phases_in_order,
-            "Phases or states to mark, in order.",
-            "--highlight",
-        ),
-    ] = None
-    counterexample: Annotated[
-        Path | None,
-        option("SCRIPT", named_files.scripts, "Mark the way that this course of events takes."),
-    ] = None
-    calls: Annotated[bool, flag("Draw the missions that it calls, too.", "--calls")] = False
-    settings: common.Settings = None
-    debug: common.Debug = False
+    file: str = argument(
+        "FILE", named_files.drawable, "A mission, a robot, a chart or a pipe: name or path."
+    )
+    format: Literal["mermaid", "dot", "svg", "scxml"] | None = typed(
+        "As the name of the output ends, else mermaid.", "--format"
+    )
+    output: Path | None = common.output()
+    overwrite: bool = common.overwrite()
+    path: str | None = option(
+        "A,B,C", candidates.phases_in_order, "Phases or states to mark, in order.", "--highlight"
+    )
+    counterexample: Path | None = option(
+        "SCRIPT", named_files.scripts, "Mark the way that this course of events takes."
+    )
+    calls: bool = flag("Draw the missions that it calls, too.", "--calls")
+    settings: list[str] | None = common.settings()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -117,12 +95,10 @@ class ImportOptions:
     Exit codes: 0 written, 2 invalid files or arguments.
     """
 
-    file: Annotated[
-        Path, argument("FILE.scxml", named_files.charts_in_scxml, "A statechart in SCXML 1.0.")
-    ]
-    output: common.Output = None
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    file: Path = argument("FILE.scxml", named_files.charts_in_scxml, "A statechart in SCXML 1.0.")
+    output: Path | None = common.output()
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -135,35 +111,24 @@ class PlanOptions:
     arguments.
     """
 
-    robot: Annotated[str, argument("ROBOT", named_files.robots, "A shipped robot, or its folder.")]
-    to: Annotated[
-        list[str] | None,
-        option(
-            "REGION=STATE,…",
-            candidates.states_of_several,
-            "Where to; regions not named do not matter.",
-            "--to",
-        ),
-    ] = None
-    to_phase: Annotated[
-        str | None,
-        option(
-            "MISSION:PHASE",
-            candidates.phases_of_missions,
-            "To where a mission can begin this phase.",
-        ),
-    ] = None
-    begin: Annotated[
-        list[str] | None,
-        option(
-            "REGION=STATE,…",
-            candidates.states_of_several,
-            "From where, in place of its initial states.",
-            "--from",
-        ),
-    ] = None
-    json: Annotated[bool, flag("One JSON object, for programs.", "--json")] = False
-    debug: common.Debug = False
+    robot: str = argument("ROBOT", named_files.robots, "A shipped robot, or its folder.")
+    to: list[str] | None = option(
+        "REGION=STATE,…",
+        candidates.states_of_several,
+        "Where to; regions not named do not matter.",
+        "--to",
+    )
+    to_phase: str | None = option(
+        "MISSION:PHASE", candidates.phases_of_missions, "To where a mission can begin this phase."
+    )
+    begin: list[str] | None = option(
+        "REGION=STATE,…",
+        candidates.states_of_several,
+        "From where, in place of its initial states.",
+        "--from",
+    )
+    json: bool = flag("One JSON object, for programs.", "--json")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -173,14 +138,16 @@ class RobotOptions:
     Exit codes: 0 written, 2 invalid files or arguments.
     """
 
-    name: Annotated[
-        str | None,
-        argument("ROBOT", named_files.robots, "A shipped robot, or its folder; the first shipped."),
-    ] = None
-    html: Annotated[bool, flag("One HTML file in place of Markdown.", "--html")] = False
-    output: common.Output = None
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    name: str | None = argument(
+        "ROBOT",
+        named_files.robots,
+        "A shipped robot, or its folder; the first shipped.",
+        default=None,
+    )
+    html: bool = flag("One HTML file in place of Markdown.", "--html")
+    output: Path | None = common.output()
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -191,29 +158,23 @@ class NewMissionOptions:
     joints on the way; the robot's profile says which (`travel`).
     """
 
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    robot: Annotated[
-        str | None, option("NAME", named_files.robots, "For which robot; the first one shipped.")
-    ] = None
-    pipe: Annotated[
-        str | None, option("NAME", named_files.pipes, "Along a route of this pipe: name or file.")
-    ] = None
-    route: Annotated[
-        str | None, option("NAME", candidates.routes, "Along this route, in place of the first.")
-    ] = None
-    debug: common.Debug = False
+    name: str = argument(None, None, "Its name; the file is NAME.yaml.")
+    robot: str | None = common.a_robot("For which robot; the first one shipped.")
+    pipe: str | None = common.a_pipe("Along a route of this pipe: name or file.")
+    route: str | None = option(
+        "NAME", candidates.routes, "Along this route, in place of the first."
+    )
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewPipeOptions:
     """Write a pipe with one bend, or a network of round pipes."""
 
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    robot: Annotated[
-        str | None, option("NAME", named_files.robots, "For which robot; the first one shipped.")
-    ] = None
-    round: Annotated[bool, flag("Round pipes, with a tee and a branch.", "--round")] = False
-    debug: common.Debug = False
+    name: str = argument(None, None, "Its name; the file is NAME.yaml.")
+    robot: str | None = common.a_robot("For which robot; the first one shipped.")
+    round: bool = flag("Round pipes, with a tee and a branch.", "--round")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -223,41 +184,42 @@ class NewCampaignOptions:
     A mission runs many times, with a defect and without.
     """
 
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    mission: Annotated[
-        str, option("MISSION", named_files.missions, "Which mission it runs: name or file.")
-    ] = "mitre_bend"
-    debug: common.Debug = False
+    name: str = argument(None, None, "Its name; the file is NAME.yaml.")
+    mission: str = option(
+        "MISSION",
+        named_files.missions,
+        "Which mission it runs: name or file.",
+        default="mitre_bend",
+    )
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewRobotOptions:
     """Write a small robot that runs, or a copy of another one."""
 
-    name: Annotated[str, typer.Argument(help="Its name; the folder is NAME.")]
-    like: Annotated[
-        str | None, option("ROBOT", named_files.robots, "A copy of this robot, to be changed.")
-    ] = None
-    debug: common.Debug = False
+    name: str = argument(None, None, "Its name; the folder is NAME.")
+    like: str | None = option("ROBOT", named_files.robots, "A copy of this robot, to be changed.")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewCameraOptions:
     """Write a copy of a camera's file, to be changed."""
 
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    like: Annotated[
-        str, option("CAMERA", named_files.cameras, "Of which camera: name or file.")
-    ] = "setup_3"
-    debug: common.Debug = False
+    name: str = argument(None, None, "Its name; the file is NAME.yaml.")
+    like: str = option(
+        "CAMERA", named_files.cameras, "Of which camera: name or file.", default="setup_3"
+    )
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
 class NewPanelOptions:
     """Write a copy of a control panel's file, to be changed."""
 
-    name: Annotated[str, typer.Argument(help="Its name; the file is NAME.yaml.")]
-    like: Annotated[str, option("PANEL", named_files.panels, "Of which panel: name or file.")] = (
-        "nanokontrol2"
+    name: str = argument(None, None, "Its name; the file is NAME.yaml.")
+    like: str = option(
+        "PANEL", named_files.panels, "Of which panel: name or file.", default="nanokontrol2"
     )
-    debug: common.Debug = False
+    debug: bool = common.debug()

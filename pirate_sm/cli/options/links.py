@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
-
-import typer
 
 from pirate_sm.cli.completion import candidates
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import flag, option
+from pirate_sm.cli.options.declaring import flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -21,19 +18,17 @@ class DoctorOptions:
     Exit codes: 0 go, 1 no-go, 2 invalid files or arguments, 3 it cannot be connected to.
     """
 
-    port: common.Port = None
-    robot: common.OneRobot = None
-    baud: common.Baud = None
-    seconds: Annotated[float, typer.Option(min=1.0, help="How long to listen.")] = 5.0
-    move: Annotated[bool, flag("Send setpoints too: each wheel turns for a moment.", "--move")] = (
-        False
-    )
-    yes: Annotated[bool, flag("With --move: the wheels are free to turn.", "--yes", "-y")] = False
-    guard_for: common.GuardFor = None
-    calibration: common.Calibration = True
-    plain: Annotated[bool, flag("Lines instead of live tables.", "--plain")] = False
-    json: Annotated[bool, flag("One JSON object.", "--json")] = False
-    debug: common.Debug = False
+    port: str | None = common.port()
+    robot: str | None = common.one_robot()
+    baud: int | None = common.baud()
+    seconds: float = typed("How long to listen.", min=1.0, default=5.0)
+    move: bool = flag("Send setpoints too: each wheel turns for a moment.", "--move")
+    yes: bool = flag("With --move: the wheels are free to turn.", "--yes", "-y")
+    guard_for: str | None = common.guard_for()
+    calibration: bool = common.calibration()
+    plain: bool = flag("Lines instead of live tables.", "--plain")
+    json: bool = flag("One JSON object.", "--json")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -44,17 +39,11 @@ class CalibrateOptions:
     connected to.
     """
 
-    port: common.Port = None
-    robot: common.OneRobot = None
-    baud: common.Baud = None
-    seconds: Annotated[float, typer.Option(min=1.0, help="How long to measure.")] = 3.0
-    limit: Annotated[
-        str | None, option("ANGLE", None, "Refuse a zero beyond this, such as '10 deg'.")
-    ] = None
-    skip: Annotated[
-        list[str] | None, option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")
-    ] = None
-    yes: Annotated[bool, flag("The robot lies straight already; ask nothing.", "--yes", "-y")] = (
-        False
-    )
-    debug: common.Debug = False
+    port: str | None = common.port()
+    robot: str | None = common.one_robot()
+    baud: int | None = common.baud()
+    seconds: float = typed("How long to measure.", min=1.0, default=3.0)
+    limit: str | None = option("ANGLE", None, "Refuse a zero beyond this, such as '10 deg'.")
+    skip: list[str] | None = option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")
+    yes: bool = flag("The robot lies straight already; ask nothing.", "--yes", "-y")
+    debug: bool = common.debug()

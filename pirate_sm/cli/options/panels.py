@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
@@ -19,12 +18,10 @@ class PanelOptions:
     Exit codes: 0 shown, 2 invalid files or arguments, 3 the panel was lost.
     """
 
-    name: Annotated[
-        str | None,
-        argument(
-            "[NAME[:DEVICE]|DEVICE]",
-            named_files.panels,
-            "A panel's name, or a file; a MIDI device alone shows bare numbers.",
-        ),
-    ] = None
-    debug: common.Debug = False
+    name: str | None = argument(
+        "[NAME[:DEVICE]|DEVICE]",
+        named_files.panels,
+        "A panel's name, or a file; a MIDI device alone shows bare numbers.",
+        default=None,
+    )
+    debug: bool = common.debug()

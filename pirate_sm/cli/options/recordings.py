@@ -4,13 +4,10 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated
-
-import typer
 
 from pirate_sm.cli.completion import named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, option
+from pirate_sm.cli.options.declaring import argument, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,25 +17,16 @@ class ReplayOptions:
     Exit codes: 0 the same, 1 different, 2 it cannot be read or contains nothing to replay.
     """
 
-    recording: common.Recording
-    mission: Annotated[
-        str | None, option("MISSION", named_files.missions, "In place of the one in the recording.")
-    ] = None
-    robot: Annotated[
-        str | None, option("NAME", named_files.robots, "With --mission: the robot.")
-    ] = None
-    pipe: Annotated[str | None, option("NAME", named_files.pipes, "With --mission: the pipe.")] = (
-        None
+    recording: str = common.recording()
+    mission: str | None = option(
+        "MISSION", named_files.missions, "In place of the one in the recording."
     )
-    begin: Annotated[
-        str | None, option("TIME", None, "Begin at the checkpoint before this time.", "--from")
-    ] = None
-    until: Annotated[str | None, option("TIME", None, "End at this time.")] = None
-    jobs: Annotated[
-        int | None,
-        typer.Option("--jobs", "-j", min=1, help="Processes; all processors where it is long."),
-    ] = None
-    debug: common.Debug = False
+    robot: str | None = common.a_robot("With --mission: the robot.")
+    pipe: str | None = common.a_pipe("With --mission: the pipe.")
+    begin: str | None = option("TIME", None, "Begin at the checkpoint before this time.", "--from")
+    until: str | None = option("TIME", None, "End at this time.")
+    jobs: int | None = typed("Processes; all processors where it is long.", "--jobs", "-j", min=1)
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -52,46 +40,35 @@ class CompareOptions:
     read, or results of a campaign are damaged.
     """
 
-    first: Annotated[
-        str,
-        argument(
-            "A", named_files.recordings, "A recording, or the folder of a campaign's results."
-        ),
-    ]
-    second: Annotated[str, argument("B", named_files.recordings, "Another one.")]
-    debug: common.Debug = False
+    first: str = argument(
+        "A", named_files.recordings, "A recording, or the folder of a campaign's results."
+    )
+    second: str = argument("B", named_files.recordings, "Another one.")
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
 class ExportOptions:
     """Write a recording for other programs."""
 
-    recording: common.Recording
-    csv: Annotated[
-        str | None, option("DIR", named_files.folders, "One table for each topic, SI units.")
-    ] = None
-    parquet: Annotated[
-        str | None, option("DIR", named_files.folders, "The same tables as Parquet files.")
-    ] = None
-    viewers: Annotated[
-        str | None,
-        option("OUT.mcap", named_files.files, "The recording with all that viewers can show."),
-    ] = None
-    ros2: Annotated[
-        str | None, option("DIR", named_files.folders, "A bag of ROS 2: joints, frames, log, URDF.")
-    ] = None
-    urdf: Annotated[
-        str | None, option("FILE", named_files.files, "The robot, from its profile.")
-    ] = None
-    lichtblick: Annotated[
-        str | None,
-        option("FILE", named_files.files, "A layout for Lichtblick and Foxglove, for this robot."),
-    ] = None
-    plotjuggler: Annotated[
-        str | None, option("FILE", named_files.files, "A layout for PlotJuggler, for this robot.")
-    ] = None
-    overwrite: common.Overwrite = False
-    debug: common.Debug = False
+    recording: str = common.recording()
+    csv: str | None = option("DIR", named_files.folders, "One table for each topic, SI units.")
+    parquet: str | None = option("DIR", named_files.folders, "The same tables as Parquet files.")
+    viewers: str | None = option(
+        "OUT.mcap", named_files.files, "The recording with all that viewers can show."
+    )
+    ros2: str | None = option(
+        "DIR", named_files.folders, "A bag of ROS 2: joints, frames, log, URDF."
+    )
+    urdf: str | None = option("FILE", named_files.files, "The robot, from its profile.")
+    lichtblick: str | None = option(
+        "FILE", named_files.files, "A layout for Lichtblick and Foxglove, for this robot."
+    )
+    plotjuggler: str | None = option(
+        "FILE", named_files.files, "A layout for PlotJuggler, for this robot."
+    )
+    overwrite: bool = common.overwrite()
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -106,14 +83,13 @@ class MapOptions:
     cannot be read.
     """
 
-    recording: common.Recording
-    output: common.Output = None
-    overwrite: common.Overwrite = False
-    start_at: Annotated[
-        str | None,
-        option("LENGTH", None, "Where the first wheel began; else the pipe begins at the last."),
-    ] = None
-    debug: common.Debug = False
+    recording: str = common.recording()
+    output: Path | None = common.output()
+    overwrite: bool = common.overwrite()
+    start_at: str | None = option(
+        "LENGTH", None, "Where the first wheel began; else the pipe begins at the last."
+    )
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -129,19 +105,15 @@ class ReportOptions:
     no recording can be read or a page not be written.
     """
 
-    recordings: Annotated[
-        list[str],
-        argument(
-            "RUN.mcap|FOLDER",
-            named_files.recordings,
-            "A recording, several, a folder of them, or the folder of a campaign's results.",
-        ),
-    ]
-    output: Annotated[
-        Path | None,
-        option("OUT.html", named_files.files, "RUN.html; of many, index.html.", "--output", "-o"),
-    ] = None
-    debug: common.Debug = False
+    recordings: list[str] = argument(
+        "RUN.mcap|FOLDER",
+        named_files.recordings,
+        "A recording, several, a folder of them, or the folder of a campaign's results.",
+    )
+    output: Path | None = option(
+        "OUT.html", named_files.files, "RUN.html; of many, index.html.", "--output", "-o"
+    )
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -151,9 +123,8 @@ class RepairOptions:
     Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
     """
 
-    recording: common.Recording
-    output: Annotated[
-        Path | None,
-        option("OUT.mcap", named_files.files, "RUN.repaired.mcap otherwise.", "--output", "-o"),
-    ] = None
-    debug: common.Debug = False
+    recording: str = common.recording()
+    output: Path | None = option(
+        "OUT.mcap", named_files.files, "RUN.repaired.mcap otherwise.", "--output", "-o"
+    )
+    debug: bool = common.debug()

@@ -3,20 +3,82 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated
-
-import typer
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import argument, flag, option
-from pirate_sm.model.fidelity import USUAL
+from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.palette import USUAL as USUAL_THEME
 from pirate_sm.palette import Theme
 
 
 @dataclass(frozen=True, kw_only=True)
-class RunOptions:
+class _RobotRunOptions:
+    """Options of the commands that run a robot: which one, where, and what watches it."""
+
+    backend: str = option(
+        "NAME",
+        candidates.backends,
+        "sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
+        "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
+        default="sim",
+    )
+    robot: str | None = common.a_robot("In place of the mission's own.", "--robot")
+    pipe: str | None = common.a_pipe("In place of the mission's own.", "--pipe")
+    settings: list[str] | None = common.settings()
+    states: list[str] | None = option(
+        "REGION=STATE",
+        candidates.states,
+        "The robot is in this state, in place of starts_in.",
+        "--state",
+    )
+    seed: int = common.seed()
+    defects: list[str] | None = common.defects()
+    fidelity: Fidelity = typed(
+        "Of sim; fast computes half the iterations and is coarser.", "--fidelity", default=USUAL
+    )
+    view: bool = flag("Show the backend physics in MuJoCo's own viewer.", "--view")
+    port: str | None = common.a_port(
+        "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "--port"
+    )
+    baud: int | None = common.baud()
+    guard_for: str | None = common.guard_for()
+    detector: str | None = option(
+        "sim|odometry|vision:CAMERA|NAME",
+        candidates.detectors,
+        "What reports where the robot is. For sim: sim, for serial: odometry.",
+    )
+    also: str | None = option(
+        "DETECTOR",
+        candidates.detectors,
+        "A second detector, to compare: its words are logged and do nothing.",
+    )
+    panel: str | None = option(
+        "NAME[:DEVICE]",
+        named_files.panels,
+        "A MIDI control panel, with its stop; others: pirate panel.",
+        "--panel",
+    )
+    adopt: bool = flag("Take a robot that is clamped already as its sensors show it.", "--adopt")
+    ruler: bool = flag("In sim: a ruler outside measures the robot's speed, for slip.", "--ruler")
+    start_at: str | None = option("LENGTH", None, "Where the first wheel begins, for odometry.")
+    calibration: bool = common.calibration()
+    check: bool = common.check()
+    twin: str | None = option(
+        "FILE",
+        named_files.twins,
+        "Numbers of the simulated robot, from pirate fit --robot.",
+        "--twin",
+    )
+    fitted: str | None = option(
+        "FILE", named_files.twins, "Numbers of its motors to judge it by, from pirate fit."
+    )
+    no_record: bool = flag("Record nothing.", "--no-record")
+    live: bool = flag("Let Foxglove or Lichtblick look on, on this machine.", "--live")
+
+
+@dataclass(frozen=True, kw_only=True)
+class RunOptions(_RobotRunOptions):
     """Run a mission.
 
     Exit codes: 0 succeeded, 1 mission failed, 2 invalid files or arguments (nothing moved),
@@ -25,140 +87,78 @@ class RunOptions:
     on every way out.
     """
 
-    mission: Annotated[
-        str | None,
-        argument("[MISSION]", named_files.missions, "A shipped mission's name, or a file."),
-    ] = None
-    resume: Annotated[
-        str | None, option("RUN.mcap", named_files.recordings, "Go on with a run that was cut off.")
-    ] = None
-    look: Annotated[bool, flag("With --resume: only see whether it can go on.", "--look")] = False
-    at: Annotated[
-        str | None,
-        option("PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"),
-    ] = None
-    accept: Annotated[
-        bool, flag("With --resume: go on without asking, if all is seen.", "--accept")
-    ] = False
-    adopt: common.Adopt = False
-    backend: common.Backend = "sim"
-    robot: common.RobotOfMission = None
-    pipe: common.PipeOfMission = None
-    settings: common.Settings = None
-    start_phase: Annotated[
-        str | None, option("PHASE", candidates.phases, "Begin with this phase.", "--from")
-    ] = None
-    states: common.States = None
-    seed: common.Seed = 0
-    speed: Annotated[
-        str | None,
-        option(
-            "max|realtime|FACTOR",
-            candidates.words("max", "realtime"),
-            "Mission time over wall time. On a terminal 4, else max.",
+    mission: str | None = argument(
+        "[MISSION]", named_files.missions, "A shipped mission's name, or a file.", default=None
+    )
+    resume: str | None = option(
+        "RUN.mcap", named_files.recordings, "Go on with a run that was cut off."
+    )
+    at: str | None = option(
+        "PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"
+    )
+    look: bool = flag("With --resume: only see whether it can go on.", "--look")
+    accept: bool = flag("With --resume: go on without asking, if all is seen.", "--accept")
+    start_phase: str | None = option("PHASE", candidates.phases, "Begin with this phase.", "--from")
+    speed: str | None = common.a_speed("Mission time over wall time. On a terminal 4, else max.")
+    jitter: list[str] | None = option(
+        "NAME=VALUE",
+        candidates.words("start=", "friction=", "diameter="),
+        "How far a simulated run may differ: start=20mm, friction=20%, diameter=2mm.",
+        "--jitter",
+    )
+    line: list[str] | None = option(
+        "NAME=VALUE",
+        candidates.words(
+            "loss_in=",
+            "loss_out=",
+            "corruption=",
+            "delay=",
+            "jitter=",
+            "reset_every=",
+            "cut_after=",
         ),
-    ] = None
-    defects: common.Defects = None
-    jitter: common.Jitter = None
-    line: common.LineFault = None
-    fidelity: common.FidelityOfSim = USUAL
-    view: common.View = False
-    fire: Annotated[
-        list[str] | None,
-        option(
-            "TRIGGER[=SECONDS]",
-            candidates.triggers,
-            "In a trace: the trigger that a wait takes. Repeatable, in order.",
-        ),
-    ] = None
-    script: Annotated[
-        str | None,
-        option("FILE", named_files.scripts, "In a trace: a YAML list of {phase, trigger, after}."),
-    ] = None
-    port: common.PortOfRobot = None
-    baud: common.Baud = None
-    guard_for: common.GuardFor = None
-    detector: common.Detector = None
-    also: common.Also = None
-    panel: common.Panel = None
-    ruler: common.Ruler = False
-    start_at: common.StartAt = None
-    calibration: common.Calibration = True
-    check: common.Check = True
-    twin: common.Twin = None
-    fitted: common.Fitted = None
-    record: Annotated[
-        str | None,
-        option("FILE.mcap", named_files.files, "Where the run is kept, in place of runs/."),
-    ] = None
-    no_record: common.NoRecord = False
-    live: Annotated[
-        bool, flag("Let Foxglove or Lichtblick look on, on this machine.", "--live")
-    ] = False
-    yes: Annotated[bool, flag("Take the first answer to every question.", "--yes", "-y")] = False
-    plain: Annotated[bool, flag("Lines instead of the live view.", "--plain")] = False
-    json: Annotated[bool, flag("JSON Lines on standard output.", "--json")] = False
-    quiet: Annotated[bool, flag("Only how it ended.", "--quiet", "-q")] = False
-    debug: common.Debug = False
-    version: common.Version = False
+        "Of bay: loss_in, loss_out, corruption, delay, jitter, reset_every, cut_after.",
+        "--line",
+    )
+    fire: list[str] | None = option(
+        "TRIGGER[=SECONDS]",
+        candidates.triggers,
+        "In a trace: the trigger that a wait takes. Repeatable, in order.",
+    )
+    script: str | None = option(
+        "FILE", named_files.scripts, "In a trace: a YAML list of {phase, trigger, after}."
+    )
+    record: str | None = option(
+        "FILE.mcap", named_files.files, "Where the run is kept, in place of runs/."
+    )
+    yes: bool = flag("Take the first answer to every question.", "--yes", "-y")
+    plain: bool = flag("Lines instead of the live view.", "--plain")
+    json: bool = flag("JSON Lines on standard output.", "--json")
+    quiet: bool = flag("Only how it ended.", "--quiet", "-q")
+    debug: bool = common.debug()
+    version: bool = common.version()
 
 
 @dataclass(frozen=True, kw_only=True)
-class ConsoleOptions:
+class ConsoleOptions(_RobotRunOptions):
     """See the robot and steer it by hand, or take over a mission.
 
     A mission begins paused. Space brings the robot to its safe state at any time, and so does
     every way out of the console.
     """
 
-    mission: Annotated[
-        str | None,
-        argument(
-            "[MISSION|RUN.mcap]",
-            named_files.missions_or_recordings,
-            "A shipped mission's name, or a file; a recording to look through.",
-        ),
-    ] = None
-    resume: Annotated[
-        str | None, option("RUN.mcap", named_files.recordings, "Take over a run that was cut off.")
-    ] = None
-    at: Annotated[
-        str | None,
-        option("PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"),
-    ] = None
-    adopt: common.Adopt = False
-    backend: common.Backend = "sim"
-    robot: common.RobotOfMission = None
-    pipe: common.PipeOfMission = None
-    settings: common.Settings = None
-    states: common.States = None
-    seed: common.Seed = 0
-    speed: Annotated[
-        str,
-        option(
-            "max|realtime|FACTOR",
-            candidates.words("max", "realtime"),
-            "Mission time over wall time.",
-        ),
-    ] = "realtime"
-    theme: Annotated[
-        Theme, typer.Option(help="Its colours. NO_COLOR in the environment: none.")
-    ] = USUAL_THEME
-    defects: common.Defects = None
-    fidelity: common.FidelityOfSim = USUAL
-    view: common.View = False
-    port: common.PortOfRobot = None
-    baud: common.Baud = None
-    guard_for: common.GuardFor = None
-    detector: common.Detector = None
-    also: common.Also = None
-    panel: common.Panel = None
-    ruler: common.Ruler = False
-    start_at: common.StartAt = None
-    calibration: common.Calibration = True
-    check: common.Check = True
-    twin: common.Twin = None
-    fitted: common.Fitted = None
-    no_record: common.NoRecord = False
-    live: Annotated[bool, flag("Serve Foxglove and Lichtblick on this machine.", "--live")] = False
-    debug: common.Debug = False
+    mission: str | None = argument(
+        "[MISSION|RUN.mcap]",
+        named_files.missions_or_recordings,
+        "A shipped mission's name, or a file; a recording to look through.",
+        default=None,
+    )
+    resume: str | None = option(
+        "RUN.mcap", named_files.recordings, "Take over a run that was cut off."
+    )
+    at: str | None = option(
+        "PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"
+    )
+    speed: str = common.a_speed("Mission time over wall time.", default="realtime")
+    theme: Theme = typed("Its colours. NO_COLOR in the environment: none.", default=USUAL_THEME)
+    debug: bool = common.debug()

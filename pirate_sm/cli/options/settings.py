@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Annotated, Literal
-
-import typer
+from typing import Literal
 
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.declaring import argument, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,13 +19,13 @@ class ConfigOptions:
     Exit codes: 0 shown, 2 a file has faults.
     """
 
-    what: Annotated[
-        Literal["show", "path"], typer.Argument(help="The settings, or where their files are.")
-    ] = "show"
-    format: Annotated[
-        Literal["text", "json"], typer.Option("--format", help="For people, or for programs.")
-    ] = "text"
-    debug: common.Debug = False
+    what: Literal["show", "path"] = argument(
+        None, None, "The settings, or where their files are.", default="show"
+    )
+    format: Literal["text", "json"] = typed(
+        "For people, or for programs.", "--format", default="text"
+    )
+    debug: bool = common.debug()
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -40,5 +39,5 @@ class CompletionOptions:
     fish: write it to ~/.config/fish/conf.d/pirate_sm.fish.
     """
 
-    shell: Annotated[Literal["bash", "zsh", "fish"], typer.Argument(help="For which shell.")]
-    debug: common.Debug = False
+    shell: Literal["bash", "zsh", "fish"] = argument(None, None, "For which shell.")
+    debug: bool = common.debug()
