@@ -14,8 +14,7 @@ from typing import Generic, TypeVar
 from pirate_sm.api.arguments import path_of
 from pirate_sm.api.result import Run
 from pirate_sm.engine.gliding.glided import Glide
-from pirate_sm.engine.resuming.resumption import Resumption
-from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.resuming.resumption import AS_DECLARED, Beginning
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
@@ -72,20 +71,16 @@ class Notes:
         seen: Sequence[Event],
         now_s: float,
         effects: Sequence[Effect],
-        *,
-        body: RobotState | None = None,
-        paused: bool = False,
-        resumed: Resumption | None = None,
+        begins: Beginning = AS_DECLARED,
     ) -> None:
         """Note how the engine started."""
         if self._recorder is not None:
-            self._recorder.start(seen, now_s, effects, body=body, paused=paused, resumed=resumed)
+            self._recorder.start(seen, now_s, effects, begins)
         number = len(self._steps)
         self._steps += [Step(number + n, now_s, event, (), "seen") for n, event in enumerate(seen)]
         number = len(self._steps)
-        self._steps.append(
-            Step(number, now_s, None, tuple(effects), "start", body, paused, resumed=resumed)
-        )
+        start = Step(number, now_s, None, tuple(effects), "start", **begins._asdict())
+        self._steps.append(start)
         self._pose(now_s)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:

@@ -10,9 +10,8 @@ from math import inf, isinf
 
 from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.resuming.resumption import Resumption
+from pirate_sm.engine.resuming.resumption import AS_DECLARED, Beginning
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
@@ -60,10 +59,7 @@ class NearMisses:
         seen: Sequence[Event],
         now_s: float,
         effects: Sequence[Effect],
-        *,
-        body: RobotState | None = None,
-        paused: bool = False,
-        resumed: Resumption | None = None,
+        begins: Beginning = AS_DECLARED,
     ) -> None:
         """Look at the start of the run."""
         self._look(None, now_s, effects)

@@ -5,13 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Protocol, runtime_checkable
 
+from pirate_sm.engine.resuming.resumption import AS_DECLARED, Beginning
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 
 if TYPE_CHECKING:
     from pirate_sm.engine.gliding.glided import Glide
-    from pirate_sm.engine.resuming.resumption import Resumption
-    from pirate_sm.engine.robot.robot_state import RobotState
 
 PULSE_S = 0.05
 
@@ -49,10 +48,7 @@ class Tap(Protocol):
         seen: Sequence[Event],
         now_s: float,
         effects: Sequence[Effect],
-        *,
-        body: RobotState | None = None,
-        paused: bool = False,
-        resumed: Resumption | None = None,
+        begins: Beginning = AS_DECLARED,
     ) -> None:
         """Receive the start of the engine, with the events known then."""
 

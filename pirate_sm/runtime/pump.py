@@ -11,12 +11,13 @@ from math import inf
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.companion import Companion, Counting, Following, Onlooker
+from pirate_sm.engine.resuming.resumption import Beginning
 from pirate_sm.errors import BackendError
 from pirate_sm.model.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.model.events import Abort, Event, SensorFrame, SignalReport, Tick
 from pirate_sm.runtime.last_frames import LastFrames
 from pirate_sm.runtime.observers import Tap
-from pirate_sm.runtime.quiet_time import QuietTime, block_tap
+from pirate_sm.runtime.quiet_time import QuietTime
 
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
@@ -115,8 +116,6 @@ class Pump:
         self._heard: LastFrames = after._heard if after else LastFrames()
         self._last_id: int = after._last_id if after else 0
         self._quiet = QuietTime(engine, backend, companions)
-        self._blocks = block_tap(tap)
-        self._stepwise = tap is not None and self._blocks is None
         self._wake_s = self._until_s = inf
         self._kept_s = -inf
         self._idle_turns = 0
@@ -135,19 +134,16 @@ class Pump:
         """
         before = self._after.state if self._after else None
         events = self._first_events()
-        resumed = self._resuming.resumption if self._resuming is not None else None
-        body = before and before.robot.at_rest()
+        begins = Beginning(before and before.robot.at_rest(), paused)
         if self._resuming is not None:
-            body = self._resuming.body
+            begins = Beginning(self._resuming.body, paused, self._resuming.resumption)
         seen = [event for event in events if isinstance(event, SensorFrame | SignalReport)]
         for each in seen:
             if isinstance(each, SensorFrame):
                 self._heard.hear(each)
-        self.state, effects = self._engine.start(
-            self.now_s, seen, body=body, paused=paused, resumed=resumed
-        )
+        self.state, effects = self._engine.start(self.now_s, seen, **begins._asdict())
         if self._tap is not None:
-            self._tap.start(seen, self.now_s, effects, body=body, paused=paused, resumed=resumed)
+            self._tap.start(seen, self.now_s, effects, begins)
         self._perform(effects)
         for event in events:
             if not isinstance(event, SensorFrame | SignalReport):
@@ -183,10 +179,12 @@ class Pump:
         Raises:
             BackendRaisedError: The backend has raised.
         """
-        if self.state is None or self.ended is not None or self._stepwise:
+        if self.state is None or self.ended is not None:
+            return
+        if self._tap is not None and self._tap.stepwise:
             return
         try:
-            looked_s = inf if self._blocks is None else self._blocks.due_s
+            looked_s = inf if self._tap is None else self._tap.due_s
             passed = self._quiet.run(self.state, min(until_s, looked_s))
         except Exception as error:
             raise BackendRaisedError from error
@@ -201,8 +199,8 @@ class Pump:
 
     def _tell_glide(self, passed: Glide) -> None:
         """Report the steps to the tap, and their effects to everybody else."""
-        if self._blocks is not None:
-            self._blocks.take_glide(passed)
+        if self._tap is not None:
+            self._tap.take_glide(passed)
         for at_s, _, effects in passed.steps:
             self.now_s = at_s
             if effects:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol, runtime_checkable
+from typing import TYPE_CHECKING
 
 from pirate_sm.backends.protocol import Gliding
 from pirate_sm.companion import Companion, Relieved
@@ -14,31 +14,6 @@ if TYPE_CHECKING:
     from pirate_sm.engine.gliding.glided import Glide
     from pirate_sm.engine.state import EngineState
     from pirate_sm.model.word_watch import WordWatch
-
-
-@runtime_checkable
-class BlockTap(Protocol):
-    """A tap that can receive many steps of the engine at once.
-
-    Attributes:
-        stepwise: Whether it looks at the run after each step, so that it cannot use blocks.
-        due_s: When it looks at the engine next; the step that reaches this time is given to it
-            alone.
-    """
-
-    stepwise: bool
-
-    @property
-    def due_s(self) -> float:
-        """Return when it looks at the engine next."""
-
-    def take_glide(self, glide: Glide) -> None:
-        """Receive the steps that were taken at once, and where the robot was at each."""
-
-
-def block_tap(tap: object) -> BlockTap | None:
-    """Return the tap if it can use blocks."""
-    return tap if isinstance(tap, BlockTap) and not tap.stepwise else None
 
 
 class QuietTime:

@@ -61,7 +61,7 @@ class Kept:
         self.steps: list[str] = []
         self.blocks = 0
 
-    def start(self, seen: object, now_s: float, effects: object, **_: object) -> None:
+    def start(self, seen: object, now_s: float, effects: object, _: object = None) -> None:
         self.steps.append(f"{now_s!r} {seen!r} {effects!r}")
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:

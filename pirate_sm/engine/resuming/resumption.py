@@ -52,6 +52,17 @@ class Resumption(NamedTuple):
         return resumed_program(before, self.entry)
 
 
+class Beginning(NamedTuple):
+    """How a mission begins where that is not as it is declared; see ``Engine.start``."""
+
+    body: RobotState | None = None
+    paused: bool = False
+    resumed: Resumption | None = None
+
+
+AS_DECLARED = Beginning()
+
+
 def resumption(
     robot: RobotSpec,
     program: Program,

@@ -13,8 +13,7 @@ from math import inf
 from time import perf_counter
 
 from pirate_sm.engine.gliding.glided import Glide
-from pirate_sm.engine.resuming.resumption import Resumption
-from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.engine.resuming.resumption import AS_DECLARED, Beginning
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
@@ -125,16 +124,14 @@ class Recorder:
         seen: Sequence[Event],
         now_s: float,
         effects: Sequence[Effect],
-        *,
-        body: RobotState | None = None,
-        paused: bool = False,
-        resumed: Resumption | None = None,
+        begins: Beginning = AS_DECLARED,
     ) -> None:
         """Note the start of the engine, with its inputs."""
         self.begun = True
         for event in seen:
             self._note(event, now_s, ())
-        self._note(Started(paused, body_to_text(body), resumption_to_text(resumed)), now_s, effects)
+        body, resumed = body_to_text(begins.body), resumption_to_text(begins.resumed)
+        self._note(Started(begins.paused, body, resumed), now_s, effects)
 
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         """Note one step of the engine."""

@@ -42,7 +42,7 @@ class Tap:
         self._course = course
 
     def start(
-        self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect], **_: Any
+        self, seen: Sequence[Event], now_s: float, effects: Sequence[Effect], _: Any = None
     ) -> None:
         self._note(effects)
 

@@ -30,8 +30,8 @@ class Witness:
         self._file = os.open(path, os.O_WRONLY | os.O_CREAT)
         self._steps = 0
 
-    def start(self, seen: Any, *arguments: Any, **options: Any) -> None:
-        self._tap.start(seen, *arguments, **options)
+    def start(self, seen: Any, *arguments: Any) -> None:
+        self._tap.start(seen, *arguments)
         for _ in range(len(seen) + 1):
             self._remember()
 

@@ -9,6 +9,7 @@ import pytest
 from keeping import Memory, Told, course, header, mission, recorder, tell
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.resuming.resumption import Beginning
 from pirate_sm.engine.robot.robot_state import Mark, RobotState, at_rest_in
 from pirate_sm.model.effects import Ended, Setpoints, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, SignalReport, Tick
@@ -74,7 +75,7 @@ def test_a_start_where_another_mission_ended_is_kept_whole(tmp_path: Path) -> No
         seeking=frozenset({4, 2}), sent=True,
     )  # fmt: skip
     one = recorder(memory)
-    one.start((), 12.5, (), body=body, paused=True)
+    one.start((), 12.5, (), Beginning(body, paused=True))
     one.close()
 
     (step,) = read(memory, tmp_path).steps()
