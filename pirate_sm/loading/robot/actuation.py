@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from math import degrees
-from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import SlotSpec, StageSpec, Write
@@ -13,17 +12,11 @@ from pirate_sm.loading.robot.levels import levels
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Duty, HeldTorque, Level, Setpoint, Share, Speed, Target
-from pirate_sm.model.profile import Profile
 from pirate_sm.units import ANGLE
 
 
 def resolve_actuation(
-    profile: Profile,
-    table: ChartTable,
-    signals: Signals,
-    slots: Slots,
-    polarity: Literal["normal", "mirrored"],
-    problems: Problems,
+    table: ChartTable, signals: Signals, slots: Slots
 ) -> tuple[Mapping[str, tuple[StageSpec, ...]], ...]:
     """Per region and state its stages; each state of a region writes the same slots.
 
@@ -35,32 +28,18 @@ def resolve_actuation(
         resolved: dict[str, tuple[StageSpec, ...]] = {}
         for state in states:
             at: Path = ("actuation", region, state)
-            stages = profile.actuation[region][state]
+            stages = signals.profile.actuation[region][state]
             resolved[state] = tuple(
-                resolve_stage(
-                    stage,
-                    profile,
-                    signals,
-                    slots,
-                    polarity,
-                    (*at, number) if len(stages) > 1 else at,
-                    problems,
-                )
+                resolve_stage(stage, signals, slots, (*at, number) if len(stages) > 1 else at)
                 for number, stage in enumerate(stages)
             )
-        _check_slots(region, resolved, slots, owners, problems)
+        _check_slots(region, resolved, slots, owners, signals.problems)
         result.append(resolved)
     return tuple(result)
 
 
 def resolve_stage(
-    stage: Mapping[str, Setpoint],
-    profile: Profile,
-    signals: Signals,
-    slots: Slots,
-    polarity: Literal["normal", "mirrored"],
-    at: Path,
-    problems: Problems,
+    stage: Mapping[str, Setpoint], signals: Signals, slots: Slots, at: Path
 ) -> StageSpec:
     """Return what the stage writes to the wire, or the problems say why it cannot be.
 
@@ -69,29 +48,26 @@ def resolve_stage(
     writes = []
     for name, setpoint in stage.items():
         index = slots.index(name, (*at, name))
-        sign = -1.0 if polarity == "mirrored" and slots.mirrors[index] else 1.0
+        sign = -1.0 if signals.polarity == "mirrored" and slots.mirrors[index] else 1.0
         path: Path = (*at, name)
-        write = _write(index, slots.specs[index], setpoint, sign, path, problems)
+        write = _write(index, slots.specs[index], setpoint, sign, path, signals.problems)
         if isinstance(setpoint, Share):
-            source = _source(profile, setpoint, signals, at, path, problems)
-            write = write._replace(share_of=source)
+            write = write._replace(share_of=_source(setpoint, signals, at, path))
         elif isinstance(setpoint, Level) and not levels(slots.specs[index], signals, path):
             write = Write(index, "keep", 0.0)
         writes.append(write)
     return tuple(writes)
 
 
-def _source(
-    profile: Profile, share: Share, signals: Signals, at: Path, path: Path, problems: Problems
-) -> int:
+def _source(share: Share, signals: Signals, at: Path, path: Path) -> int:
     """Number index of the joint's angle that a setpoint is a share of; -1 and a problem if none."""
     if at[0] != "postures":
         message = "a share of a joint's angle is for postures: in a state it could be unknown"
-        problems.add("robot.setpoint", path, message)
+        signals.problems.add("robot.setpoint", path, message)
         return -1
-    joints = [joint.name for joint in profile.body.joints]
+    joints = [joint.name for joint in signals.profile.body.joints]
     if share.joint not in joints:
-        problems.add_unknown("robot.joint", path, "joint", share.joint, joints)
+        signals.problems.add_unknown("robot.joint", path, "joint", share.joint, joints)
         return -1
     return signals.number(share.joint, path, ANGLE)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Literal
-
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.robot_spec import USUAL, Actuation, ControlSpec
@@ -14,23 +12,17 @@ from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.loading.robot.slots import Slots
 from pirate_sm.model.actuation import Level, Share, Target
 from pirate_sm.model.control import Control
-from pirate_sm.model.profile import Profile
 
 
 def resolve_controls(
-    profile: Profile,
-    table: ChartTable,
-    signals: Signals,
-    slots: Slots,
-    usual: Actuation,
-    polarity: Literal["normal", "mirrored"],
-    problems: Problems,
+    table: ChartTable, signals: Signals, slots: Slots, usual: Actuation
 ) -> tuple[ControlSpec, ...]:
     """Return the robot's controls in the order of the profile, or report what is wrong.
 
     A control says how a state actuates its motors, not what the state is: each overlaid state keeps
     its slots, its number of stages and the wheels that it drives, and waits for no angle.
     """
+    profile, problems = signals.profile, signals.problems
     joints = {part.apex for part in profile.body.parts.values()}
     apexes = frozenset(i for i, slot in enumerate(profile.slots) if slot.joint in joints)
     found: dict[str, Actuation] = {}
@@ -61,9 +53,7 @@ def resolve_controls(
                         if isinstance(setpoint, Target | Share | Level):
                             message = "a control takes duty cycles, speeds and torques, no angles"
                             problems.add("robot.control", (*here, slot), message)
-                    resolved.append(
-                        resolve_stage(stage, profile, signals, slots, polarity, here, problems)
-                    )
+                    resolved.append(resolve_stage(stage, signals, slots, here))
                 _check(usual[place][state], tuple(resolved), slots, apexes, path, problems)
                 overlaid[place][state] = tuple(resolved)
         found[name] = tuple(overlaid)

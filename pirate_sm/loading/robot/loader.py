@@ -232,9 +232,9 @@ def _resolve(
     profile: Profile, table: ChartTable, polarity: Polarity, problems: Problems
 ) -> RobotSpec:
     signals = resolve_signals(profile, table, polarity, problems)
-    slots = resolve_slots(profile, signals, problems)
+    slots = resolve_slots(signals)
     parts, held, part_regions = resolve_parts(table, signals)
-    actuation = resolve_actuation(profile, table, signals, slots, polarity, problems)
+    actuation = resolve_actuation(table, signals, slots)
     postures = resolve_postures(table, signals, slots, held, actuation)
     commands, unneeded = resolve_commands(table, held, signals, postures)
     check_levelled(table, actuation, commands, problems)
@@ -279,6 +279,6 @@ def _resolve(
         words_joint={
             name: word.joint for name, word in profile.detector.words.items() if word.joint
         },
-        overlays=resolve_controls(profile, table, signals, slots, actuation, polarity, problems),
+        overlays=resolve_controls(table, signals, slots, actuation),
         owners=owners,
     )

@@ -86,11 +86,7 @@ def _case(robot: _Robot, name: str, case: PostureCase, at: Path) -> PostureSpec:
         if each is not None and each.joint is None:
             message = f"'{slot}' drives no bend joint, and a posture moves only those"
             robot.signals.problems.add("robot.posture", (*at, "set", slot), message, key=True)
-    signals = robot.signals
-    profile, polarity, at_set = signals.profile, signals.polarity, (*at, "set")
-    writes = resolve_stage(
-        written, profile, signals, robot.slots, polarity, at_set, signals.problems
-    )
+    writes = resolve_stage(written, robot.signals, robot.slots, (*at, "set"))
     within_rad = nan if case.within is None else case.within
     done: CriterionSpec = AcceptedSpec()
     if case.done is not None:

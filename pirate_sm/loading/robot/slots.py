@@ -36,19 +36,19 @@ class Slots:
         return 0
 
 
-def resolve_slots(profile: model.Profile, signals: Signals, problems: Problems) -> Slots:
+def resolve_slots(signals: Signals) -> Slots:
     """Return the slots with their limits, signals and loops; report their faults."""
+    profile = signals.profile
     specs = [
-        _slot(profile, signals, slot, ("boards", number, "slots", place), problems)
+        _slot(signals, slot, ("boards", number, "slots", place))
         for number, board in enumerate(profile.boards)
         for place, slot in enumerate(board.slots)
     ]
-    return Slots(tuple(specs), tuple(slot.mirrors for slot in profile.slots), problems)
+    return Slots(tuple(specs), tuple(slot.mirrors for slot in profile.slots), signals.problems)
 
 
-def _slot(
-    profile: model.Profile, signals: Signals, slot: model.Slot, path: Path, problems: Problems
-) -> SlotSpec:
+def _slot(signals: Signals, slot: model.Slot, path: Path) -> SlotSpec:
+    profile, problems = signals.profile, signals.problems
     motor = profile.motors.get(slot.motor)
     if motor is None:
         problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
@@ -62,20 +62,15 @@ def _slot(
             slot.name, "angle", -limit, limit, link.angle_resolution, angle, drives=slot.drives
         )
     locks = motor.kind == "sprung_worm"
+    resolution = link.duty_resolution
     duty = SlotSpec(
-        slot.name,
-        "duty",
-        -1.0,
-        1.0,
-        link.duty_resolution,
-        self_locking=locks,
-        drives=slot.drives,
+        slot.name, "duty", -1.0, 1.0, resolution, self_locking=locks, drives=slot.drives
     )
     if slot.joint is None:
         return replace(
             duty,
-            velocity=_velocity(profile, signals, slot, motor, path),
-            wheel_torque=_wheel_torque(profile, signals, slot, motor, path),
+            velocity=_velocity(signals, slot, motor, path),
+            wheel_torque=_wheel_torque(signals, slot, motor, path),
         )
     joints = profile.body.joints
     place = next((n for n, joint in enumerate(joints) if joint.name == slot.joint), -1)
@@ -102,26 +97,25 @@ def _slot(
     )
 
 
-def _velocity(
-    profile: model.Profile, signals: Signals, slot: model.Slot, motor: Motor, path: Path
-) -> VelocitySpec | None:
+def _velocity(signals: Signals, slot: model.Slot, motor: Motor, path: Path) -> VelocitySpec | None:
     """Return the velocity loop of the slot's wheel; None without one."""
-    settings = motor.velocity_loop
-    wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
+    settings, body = motor.velocity_loop, signals.profile.body
+    wheel = next((each for each in body.wheels if each.name == slot.wheel), None)
     if settings is None or wheel is None:
         return None
     speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
     no_load_rad_s = motor.no_load_speed or inf
-    radius_m = profile.body.wheel_radius
+    radius_m = body.wheel_radius
     stall_nm = motor.stall_torque or 0.0
     return VelocitySpec(settings.gain, settings.limit, no_load_rad_s, speed, radius_m, stall_nm)
 
 
 def _wheel_torque(
-    profile: model.Profile, signals: Signals, slot: model.Slot, motor: Motor, path: Path
+    signals: Signals, slot: model.Slot, motor: Motor, path: Path
 ) -> WheelTorqueSpec | None:
     """Return how the slot's wheel is kept at a torque; None where it cannot be."""
-    wheel = next((each for each in profile.body.wheels if each.name == slot.wheel), None)
+    wheels = signals.profile.body.wheels
+    wheel = next((each for each in wheels if each.name == slot.wheel), None)
     if wheel is None or not motor.stall_torque or not motor.no_load_speed:
         return None
     speed = signals.number(wheel.speed, (*path, "wheel"), ANGULAR_SPEED)
