@@ -59,7 +59,7 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
         CheckError: A mission is refused.
         UsageError: A mission is given without seeds.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     if is_campaign(document):
         return _Reading(document, path.parent, seeds).plan(check=check)
     kind = kind_of_text(document.text)
@@ -79,7 +79,7 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
     Raises:
         LoadError: The campaign file itself cannot be read.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     reading = _Reading(document, path.parent, None)
     findings: list[Finding] = []
     try:

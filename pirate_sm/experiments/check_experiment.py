@@ -11,7 +11,7 @@ from pirate_sm.experiments.experiment_files import Setup, parts_of, read_setup
 from pirate_sm.experiments.mission_setups import BendSetup
 from pirate_sm.experiments.traction_setup import TractionSetup
 from pirate_sm.loading import library
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.robot import LoadedRobot, load_robot
@@ -29,7 +29,7 @@ def check_experiment(path: Path) -> tuple[Document, Problems]:
     Raises:
         LoadError: It cannot be read, or does not have the keys and units of an experiment.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     setup, problems = read_setup(document), Problems(document)
     parts = parts_of(setup)
     _known(problems, "part of the experiment", _parts(setup), parts)

@@ -8,7 +8,6 @@ from typing import TypeAlias
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.mission_setups import BendSetup, StraightPipeSetup
 from pirate_sm.experiments.traction_setup import TractionSetup
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.spelling import nearest, one_of
@@ -28,7 +27,7 @@ def load_experiments(robot: Path) -> tuple[Setup, ...]:
     files = sorted((robot / _FOLDER).glob("*.yaml"))
     if not files:
         raise UsageError(f"the robot has no experiments: there is no file in {robot / _FOLDER}")
-    setups = [read_setup(read_document(file, shown(file))) for file in files]
+    setups = [read_setup(read_document(file)) for file in files]
     return tuple(sorted(setups, key=lambda each: each.experiment))
 
 

@@ -7,7 +7,6 @@ import shlex
 from collections.abc import Mapping
 from pathlib import Path
 
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
@@ -40,7 +39,7 @@ def check_scene(path: Path) -> tuple[Document, Problems]:
 
 
 def _read(path: Path) -> tuple[Scene, Document, Problems]:
-    document = read_document(path, shown(path))
+    document = read_document(path)
     scene = validate(document, Scene)
     problems = Problems(document)
     if scene.scene != path.stem:

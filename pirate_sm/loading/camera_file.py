@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
@@ -19,7 +18,7 @@ def load_camera(path: Path) -> tuple[Camera, Document]:
     Raises:
         LoadError: The file has faults; holds all of them.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     camera = validate(document, Camera)
     problems = Problems(document)
     _check_numbers(camera, problems)

@@ -6,7 +6,6 @@ from pathlib import Path
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import references
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 
@@ -27,14 +26,14 @@ def read_extended(path: Path) -> Document:
 
 def extended_folders(path: Path) -> tuple[Path, ...]:
     """Return the folders of a sound file and of all files that it extends, itself first."""
-    data = read_document(path, shown(path)).data
+    data = read_document(path).data
     given = data.get(KEY) if isinstance(data, dict) else None
     below = extended_folders(path.parent / str(given)) if given else ()
     return path.parent.resolve(), *below
 
 
 def _read(path: Path, above: tuple[Path, ...]) -> Document:
-    document = read_document(path, shown(path))
+    document = read_document(path)
     given = document.data.get(KEY) if isinstance(document.data, dict) else None
     if given is None:
         return document

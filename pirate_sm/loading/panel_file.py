@@ -6,7 +6,6 @@ from pathlib import Path
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -32,7 +31,7 @@ def read_panel(path: Path) -> tuple[Panel, Document, Problems]:
     Raises:
         LoadError: The file does not have the form of a panel; holds all faults.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     panel = validate(document, Panel)
     problems = Problems(document)
     _check_controls(panel, problems)

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from pirate_sm.geometry.clamping import height_m
 from pirate_sm.loading.file_kinds import Kind, refuse_other
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.pipe_shape import check_pipe, mm, part_of
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
@@ -33,7 +32,7 @@ def load_pipe(path: Path) -> tuple[Pipe, Document]:
     Raises:
         LoadError: The file has faults; holds all of them.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     problems = Problems(document)
     pipe = try_validate(document, PipeFile, problems)
     if pipe is None:

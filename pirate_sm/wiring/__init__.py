@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from pathlib import Path
 from typing import get_args
 
 from pirate_sm.backends import known
@@ -20,7 +19,6 @@ from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.mission.holding import holding_in
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -74,7 +72,7 @@ def fit_of(order: Order) -> Document | None:
     Raises:
         LoadError: It cannot be read.
     """
-    return None if order.fitted is None else read_document(order.fitted, shown(Path(order.fitted)))
+    return None if order.fitted is None else read_document(order.fitted)
 
 
 def prepare(

@@ -303,14 +303,14 @@ class _Check:
         wanted = self._wishes.settings
         if not wanted:
             return {}
-        data = read_document(target.path, shown(target.path)).data
+        data = read_document(target.path).data
         own = data.get("parameters") if isinstance(data, dict) else None
         taken = {n: v for n, v in wanted.items() if isinstance(own, dict) and n in own}
         self._set |= taken.keys()
         return taken
 
     def _document(self, target: CheckTarget) -> Document:
-        document = read_document(target.path, shown(target.path))
+        document = read_document(target.path)
         self._keep([document])
         return document
 

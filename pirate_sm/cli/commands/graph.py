@@ -23,7 +23,7 @@ from pirate_sm.interchange.scxml_writer import chart_scxml, mission_scxml
 from pirate_sm.loading import library
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
@@ -147,7 +147,7 @@ def _content(path: Path, options: GraphOptions) -> _Chart | Pipe | LoadedMission
     if path.name == PROFILE_FILE or is_folder(path):
         robot = load_robot(library.find_robot(str(path), Path.cwd()))
         return _chart(robot.documents[1], robot.profile.robot)
-    document = read_document(path, shown(path))
+    document = read_document(path)
     if isinstance(document.data, dict) and "states" in document.data:
         return _chart(document, str(document.data.get("name") or path.stem))
     if isinstance(document.data, dict) and not document.data.keys().isdisjoint(_PIPES_HAVE):
@@ -166,7 +166,7 @@ def _pipe(path: Path) -> Pipe:
 def _is_mission(path: Path) -> bool:
     if path.name == PROFILE_FILE or is_folder(path):
         return False
-    data = read_document(path, shown(path)).data
+    data = read_document(path).data
     return isinstance(data, dict) and "phases" in data
 
 

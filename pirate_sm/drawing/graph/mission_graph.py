@@ -9,7 +9,6 @@ from pathlib import Path
 from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.drawing.graph.step_text import amount, short, step_lines, trigger_text
 from pirate_sm.loading import library
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model import mission as model
@@ -62,7 +61,7 @@ def called_missions(mission: model.Mission, file: Path, prefix: str = "") -> tup
             if not isinstance(step, model.CallStep):
                 continue
             path = library.find_mission(step.call, file.resolve().parent)
-            callee = validate(read_document(path, shown(path)), model.Mission)
+            callee = validate(read_document(path), model.Mission)
             inside = f"{prefix}{name}/{callee.mission}."
             if inside not in found:  # a repeated call is drawn once
                 found[inside] = Called(inside, callee)

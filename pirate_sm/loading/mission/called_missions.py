@@ -8,7 +8,7 @@ from pathlib import Path as FilePath
 from pirate_sm.errors import PirateError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.extended_file import extended_folders
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.mission.scope import Scope, Source
 from pirate_sm.loading.problems import LoadError, Path
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -76,7 +76,7 @@ class Calls:
     def _read(self, name: str, folder: FilePath) -> Source:
         file = references.followed(library.find_mission(name, folder), folder).resolve()
         if file not in self._known:
-            document = read_document(file, shown(file))
+            document = read_document(file)
             self.files[file] = document
             self._known[file] = Source(validate(document, model.Mission), document, file)
         return self._known[file]

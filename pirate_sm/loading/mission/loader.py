@@ -12,7 +12,6 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library, pickling, references
 from pirate_sm.loading.file_kinds import Kind, refuse_other
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import parameter_values as parameters
 from pirate_sm.loading.mission.holding import holding_in
 from pirate_sm.loading.mission.partial_mission import without_faulty_phases
@@ -128,7 +127,7 @@ def read_mission(
         LoadError: There are faults of other codes; holds all faults.
         UsageError: An argument is invalid.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     problems = Problems(document)
     mission = _shape(document, problems, spare=bool(tolerated))
     folder = path.resolve().parent

@@ -49,7 +49,7 @@ def load_calibration(path: Path, robot: LoadedRobot) -> Calibration:
     Raises:
         LoadError: The file has faults; holds all of them.
     """
-    document = read_document(path, shown(path))
+    document = read_document(path)
     calibration = validate(document, Calibration)
     problems = Problems(document)
     if calibration.robot != robot.profile.robot:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from pathlib import Path
 
 from pirate_sm.loading.file_kinds import Kind, refuse_other
-from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
@@ -32,7 +31,7 @@ def load_twin(path: Path, profile: Profile) -> Twin:
     Raises:
         LoadError: Everything that is wrong with the file.
     """
-    return twin_in(read_document(path, shown(path)), profile)
+    return twin_in(read_document(path), profile)
 
 
 def twin_in(document: Document, profile: Profile) -> Twin:

@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any, Final
 
 from pirate_sm.loading import problems as found
+from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
 from pirate_sm.loading.yaml.nodes import Node
@@ -151,13 +152,13 @@ def read_document(path: Path | str, name: str | None = None) -> Document:
 
     Args:
         path: The file, at most 1 MiB of UTF-8.
-        name: What to call it in messages; its path when not given.
+        name: What to call it in messages; None: its path, see :func:`.shown`.
 
     Raises:
         LoadError: The file cannot be read or its content cannot be used.
     """
-    shown = name or str(path).replace("\0", "\\0")
-    return parse_document(_content(path, shown, "a YAML file"), shown)
+    name = name or shown(Path(path))
+    return parse_document(_content(path, name, "a YAML file"), name)
 
 
 def read_text(path: Path | str, name: str, expected: str) -> str:
@@ -174,21 +175,21 @@ def read_text(path: Path | str, name: str, expected: str) -> str:
     return _decoded(_content(path, name, expected), name, expected).removeprefix("\ufeff")
 
 
-def _content(path: Path | str, shown: str, expected: str) -> bytes:
+def _content(path: Path | str, name: str, expected: str) -> bytes:
     try:
         file = Path(path)
         mode = file.stat().st_mode
         if stat.S_ISDIR(mode):
-            raise _refusal(shown, "file", f"is a directory; {expected} is expected")
+            raise _refusal(name, "file", f"is a directory; {expected} is expected")
         if not stat.S_ISREG(mode):
-            raise _refusal(shown, "file", "is not a regular file")
+            raise _refusal(name, "file", "is not a regular file")
         with file.open("rb") as stream:
             return stream.read(LARGEST_FILE + 1)
     except FileNotFoundError:
-        raise _refusal(shown, "file", "there is no such file") from None
+        raise _refusal(name, "file", "there is no such file") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
-        raise _refusal(shown, "file", f"cannot be read: {reason}") from None
+        raise _refusal(name, "file", f"cannot be read: {reason}") from None
 
 
 def parse_document(text: str | bytes, name: str) -> Document:
