@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from pathlib import Path
 
@@ -16,7 +15,8 @@ from pirate_sm.cli import settings
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
-from pirate_sm.cli.output.terminal import is_terminal, shows_colour
+from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.output.terminal import shows_colour
 from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
@@ -36,9 +36,6 @@ _STYLES = {
     "label": ON_A_TERMINAL[MUTED],
 }
 """Looks of the roles of text on a terminal."""
-
-_USUAL_COLUMNS = 80
-_ERASE = "\r\x1b[2K"
 
 
 def run_check(options: CheckOptions) -> int:
@@ -62,12 +59,12 @@ def run_check(options: CheckOptions) -> int:
         campaign=_check_campaign,
         scene=check_scene,
     )
-    progress = _Progress() if is_terminal(sys.stderr) else None
-    try:
-        report = check_paths(options.paths or (), asked, progress)
-    finally:
-        if progress is not None:
-            progress.end()
+    with progress("checking") as watch:
+
+        def show(done: int, total: int, name: str) -> None:
+            watch(done / total, f", {visible(name)}")
+
+        report = check_paths(options.paths or (), asked, show)
     print(writable(_written(report, options.format, fail_on)))
     if report.nothing:
         return NOTHING
@@ -127,23 +124,3 @@ def _painted(role: str, text: str) -> str:
 
     style = Style.parse(_STYLES.get(role, ""))
     return style.render(visible(text), color_system=ColorSystem.STANDARD)
-
-
-class _Progress:
-    """A line on standard error with the file that is being checked."""
-
-    def __call__(self, done: int, total: int, name: str) -> None:
-        """Show the progress of the check."""
-        line = visible(f"checking {done + 1}/{total} {name}")[: _columns() - 1]
-        print(f"{_ERASE}{line}", end="", file=sys.stderr, flush=True)
-
-    def end(self) -> None:
-        """Remove the line."""
-        print(_ERASE, end="", file=sys.stderr, flush=True)
-
-
-def _columns() -> int:
-    try:
-        return os.get_terminal_size(sys.stderr.fileno()).columns or _USUAL_COLUMNS
-    except (OSError, ValueError):
-        return _USUAL_COLUMNS

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import Protocol, TextIO
+
+from pirate_sm.cli.output.terminal import is_terminal
+from pirate_sm.cli.output.wrapping import columns_of
 
 _FIRST_S = 0.5
 """Shorter tasks show nothing."""
@@ -39,7 +41,7 @@ def progress(
         clock: The wall clock, s.
     """
     out = sys.stderr if out is None else out
-    if out is None or not out.isatty() or os.environ.get("TERM") == "dumb":
+    if not is_terminal(out):
         yield lambda share, more="": None
         return
     line = _Line(what, out, clock)
@@ -70,7 +72,8 @@ class _Line:
             return
         self._due_s = now_s + _EVERY_S
         self._there = True
-        self._write(f"{_CLEARED}{self._what}: {share:.0%}{more}{self._left(share, now_s)}")
+        line = f"{self._what}: {share:.0%}{more}{self._left(share, now_s)}"
+        self._write(_CLEARED + line[: columns_of(self._out)])
 
     def clear(self) -> None:
         self._over = True

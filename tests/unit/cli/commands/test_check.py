@@ -7,6 +7,8 @@ import re
 import shutil
 import subprocess
 import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +17,7 @@ from checking.small_missions import MISSION
 
 from pirate_sm.cli.commands import check
 from pirate_sm.cli.options.checks import CheckOptions
+from pirate_sm.cli.output.progress import Show
 from pirate_sm.loading.robot import load_robot
 
 from ..conftest import ROOT
@@ -148,12 +151,23 @@ def test_a_terminal_is_coloured_and_nothing_else_is(
     check.run_check(options)
     assert "\x1b" not in "".join(capsys.readouterr())
 
-    monkeypatch.setattr(check, "is_terminal", lambda _: True)
     monkeypatch.setattr(check, "shows_colour", lambda _: True)
     check.run_check(options)
-    said = capsys.readouterr()
-    assert "\x1b[1;91merror\x1b[0m" in said.out
-    assert "checking 1/1 b.yaml" in said.err
+    assert "\x1b[1;91merror\x1b[0m" in capsys.readouterr().out
+
+
+def test_a_terminal_shows_which_file_is_being_checked(
+    broken: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    lines: list[str] = []
+
+    @contextmanager
+    def progress(what: str) -> Iterator[Show]:
+        yield lambda share, more="": lines.append(f"{what}: {share:.0%}{more}")
+
+    monkeypatch.setattr(check, "progress", progress)
+    check.run_check(CheckOptions(paths=[str(broken)]))
+    assert lines == ["checking: 0%, b.yaml"]
 
 
 def test_text_of_a_file_cannot_control_the_terminal(pirate: Any, here: Path) -> None:
