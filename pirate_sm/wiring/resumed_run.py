@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields, replace
+from dataclasses import fields, replace
 from datetime import datetime
 from math import isnan, nan
 from pathlib import Path
@@ -46,35 +46,28 @@ COMMITTED_S = 0.5
 """What may be missing at the end of a recording, s: two intervals between writings."""
 
 
-@dataclass(frozen=True)
-class Again:
-    """What may differ from the recorded run.
-
-    Attributes:
-        port: Port of the robot, in place of the recorded one; likewise the others.
-        start_at_m: Position of the first wheel along the pipe, as a person says; None: unsaid.
-    """
-
-    port: str | None = None
-    baud: int | None = None
-    guard_for_s: float | None = None
-    detector: str | None = None
-    panel: str | None = None
-    start_at_m: float | None = None
+_MAY_DIFFER = ("port", "baud", "guard_for_s", "detector", "panel")
+"""What a run that goes on may have in place of what its recording says."""
 
 
-def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> Prepared:
+def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> Prepared:
     """Return the run that goes on, ready to connect; nothing has moved.
 
     Mission, robot, pipe, parameters and joint zeros are those of the recording.
+
+    Args:
+        end: Where the recording was cut off.
+        asked: Where the first wheel is, and what may differ from the recording; the rest of it
+            does not count.
+        say: Takes messages about steps that take longer than a moment.
 
     Raises:
         RecordingError: The recording is of a backend that cannot go on, or its robot is gone.
         UsageError: An option does not fit, or the robot's calibration has changed.
     """
     header = end.recording.header
-    check_place(end.loaded, again.start_at_m)
-    order = _order(header, again)
+    check_place(end.loaded, asked.start_at_m)
+    order = _order(header, asked)
     loaded = with_folder(end.loaded, header)
     if order.backend == "serial":
         _check_calibration(loaded, header)
@@ -85,8 +78,8 @@ def prepare_again(end: EndOfRun, again: Again, say: Say = lambda text: None) -> 
             f"nothing to go on from: a robot of the backend {order.backend} is gone with its "
             "program; run the mission again"
         )
-    if (again.detector or header.detector).partition(":")[0] in COUNTING:
-        said_m = again.start_at_m
+    if (asked.detector or header.detector).partition(":")[0] in COUNTING:
+        said_m = asked.start_at_m
         order = replace(order, start_at_m=first_wheel_m(end) if said_m is None else said_m)
     prepared = prepare(order, loaded, say)
     notices = (*lost(end.recording), *edited(header), *_missing(header), *prepared.notices)
@@ -174,19 +167,18 @@ def header_again(prepared: Prepared, began: datetime, viewers: bool, speed: Any)
 # --- inside -----------------------------------------------------------------------------------
 
 
-def _order(header: RunHeader, again: Again) -> Order:
-    order = recorded_order(header)
-    changed = {
-        each.name: getattr(again, each.name)
-        for each in fields(Again)
-        if each.name != "start_at_m" and getattr(again, each.name) is not None
-    }
-    order = replace(
-        order, backend=header.backend, calibration=False, check=False, also=None, ruler=False
+def _order(header: RunHeader, asked: Order) -> Order:
+    given = {name: value for name in _MAY_DIFFER if (value := getattr(asked, name)) is not None}
+    return replace(
+        recorded_order(header),
+        **{"panel": None, **given},
+        backend=header.backend,
+        calibration=False,
+        check=False,
+        also=None,
+        ruler=False,
+        start_at_m=None,
     )
-    if not again.panel:
-        order = replace(order, panel=None)
-    return replace(replace(order, start_at_m=None), **changed)
 
 
 def recorded_order(header: RunHeader) -> Order:

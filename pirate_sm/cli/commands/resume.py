@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
+from pirate_sm.cli.order import order_of
 from pirate_sm.cli.output.resume_report import Facts, report_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.shown_run import Manner, run_prepared
@@ -26,12 +26,7 @@ from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared
 from pirate_sm.wiring.resume_offer import Offer, Said, Seen, check_said, counting_from, offer, see
-from pirate_sm.wiring.resumed_run import (
-    Again,
-    driven_s,
-    prepare_again,
-    with_resumption,
-)
+from pirate_sm.wiring.resumed_run import driven_s, prepare_again, with_resumption
 
 CAN, CANNOT, LEFT = 0, 1, 2
 
@@ -73,22 +68,14 @@ def resume_dialog(options: RunOptions | ConsoleOptions, requests: StopRequests) 
     """
     _check_options(options)
     end = end_of_run(Path(options.resume or ""))
-    again = Again(
-        options.port,
-        options.baud,
-        read_duration("--guard-for", options.guard_for),
-        options.detector,
-        options.panel,
-        read_length("--start-at", options.start_at),
-    )
-    states = read_pairs("--state", options.states or (), "REGION=STATE")
-    said = Said(options.at or HERE, states, again.start_at_m)
+    asked = order_of(options)
+    said = Said(options.at or HERE, asked.states, asked.start_at_m)
     check_said(end.loaded, said)
     if isinstance(options, RunOptions):
         wishes = _Wishes(options.look, options.accept, options.json)
     else:
         wishes = _Wishes()
-    return ResumeDialog(prepare_again(end, again, say), end, said, wishes, requests)
+    return ResumeDialog(prepare_again(end, asked, say), end, said, wishes, requests)
 
 
 def _check_options(options: RunOptions | ConsoleOptions) -> None:
