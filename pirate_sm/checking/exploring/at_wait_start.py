@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Set
+from collections.abc import Callable, Set
+from dataclasses import replace
 
 from pirate_sm.expressions import tree
 
@@ -17,24 +18,23 @@ def at_beginning(node: tree.Node, changes: Set[str]) -> tree.Node:
         changes: Names of the changes, as :func:`~pirate_sm.expressions.vocabulary.change_of` gives
             them.
     """
+    if isinstance(node, tree.Signal) and node.name in changes:
+        return tree.Number(0.0)
+    if isinstance(node, tree.Known):
+        return node
+    return _rebuilt(node, lambda each: at_beginning(each, changes))
+
+
+def _rebuilt(node: tree.Node, change: Callable[[tree.Node], tree.Node]) -> tree.Node:
+    """Return the node with a change of each node directly below it."""
     match node:
-        case tree.Signal(name) if name in changes:
-            return tree.Number(0.0)
-        case tree.Negate(operand):
-            return tree.Negate(at_beginning(operand, changes))
-        case tree.Not(operand):
-            return tree.Not(at_beginning(operand, changes))
-        case tree.Arithmetic(operator, left, right):
-            return tree.Arithmetic(
-                operator, at_beginning(left, changes), at_beginning(right, changes)
-            )
-        case tree.Compare(order, left, right):
-            return tree.Compare(order, at_beginning(left, changes), at_beginning(right, changes))
-        case tree.Call(function, parts):
-            return tree.Call(function, tuple(at_beginning(each, changes) for each in parts))
-        case tree.And(parts):
-            return tree.And(tuple(at_beginning(part, changes) for part in parts))
-        case tree.Or(parts):
-            return tree.Or(tuple(at_beginning(part, changes) for part in parts))
+        case tree.Negate(operand) | tree.Not(operand):
+            return replace(node, operand=change(operand))
+        case tree.Arithmetic(_, left, right) | tree.Compare(_, left, right):
+            return replace(node, left=change(left), right=change(right))
+        case tree.Call(_, parts):
+            return replace(node, arguments=tuple(map(change, parts)))
+        case tree.And(parts) | tree.Or(parts):
+            return replace(node, parts=tuple(map(change, parts)))
         case _:
             return node

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 from pirate_sm.checking.exploring.exploration_index import Explored, Visits
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.checking.mission.shortest_commands import way
+from pirate_sm.checking.plans.ways_to_states import way_to
 from pirate_sm.engine.mission.program import STOP, Do, Program, Require
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import CommandStatus
@@ -153,9 +153,12 @@ def _way_to(
     """Return how the required states of a call can be reached."""
     source = book.found.steps[first].source
     body = book.found.nodes[max(source, 0)].state.robot
-    commands = way(loaded.robot, body, step.states)
-    if commands is None:
+    # Unconfirmed states count as confirmed, because each command is given separately.
+    at_rest = body.at_rest()._replace(marks=frozenset())
+    plan = way_to(loaded.robot, loaded.program, at_rest, dict(step.states)).plan
+    if plan is None:
         return "no commands lead there from where the robot is: let another phase come before it"
+    commands = [loaded.robot.commands[each.command].name for each in plan.steps]
     if not commands:
         return "put a command before it that confirms these states"
     given = ", ".join(commands)
