@@ -24,7 +24,7 @@ from pirate_sm.cli.output.encoding import degrade
 
 COMMANDS = {
     "run": ("running:RunOptions", "run:run_mission"),
-    "demo": ("gallery:DemoOptions", "demo:play_demo"),
+    "demo": ("running:DemoOptions", "demo:play_demo"),
     "list": ("files:ListOptions", "list:list_things"),
     "schema": ("files:SchemaOptions", "schema:print_schema"),
     "check": ("checks:CheckOptions", "check:run_check"),
@@ -36,7 +36,7 @@ COMMANDS = {
     "robot": ("files:RobotOptions", "robot_page:write_page"),
     "campaign": ("campaigns:CampaignOptions", "campaign:run_campaign"),
     "console": ("running:ConsoleOptions", "console:open_console"),
-    "panel": ("panels:PanelOptions", "panel:show_panel"),
+    "panel": ("links:PanelOptions", "panel:show_panel"),
     "doctor": ("links:DoctorOptions", "doctor:run_doctor"),
     "calibrate": ("links:CalibrateOptions", "calibrate:run_calibrate"),
     "bay": ("emulated_bay:BayOptions", "bay:run_bay"),
@@ -52,8 +52,8 @@ COMMANDS = {
     "camera calibrate": ("cameras:CalibrateCameraOptions", "camera_calibrate:calibrate_camera"),
     "camera survey": ("cameras:SurveyOptions", "camera_survey:survey_camera"),
     "camera look": ("cameras:LookOptions", "camera_look:look"),
-    "config": ("settings:ConfigOptions", "config:show_settings"),
-    "completion": ("settings:CompletionOptions", "completion:print_script"),
+    "config": ("files:ConfigOptions", "config:show_settings"),
+    "completion": ("files:CompletionOptions", "completion:print_script"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
     "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),

@@ -12,7 +12,7 @@ from contextlib import suppress
 from threading import Thread
 from typing import Any
 
-from pirate_sm.runtime.clock import Clock, WallClock
+from pirate_sm.runtime.pacer import Clock, WallClock
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop, StopRequests
 
 LEAVE_WITHIN_S = 1.7

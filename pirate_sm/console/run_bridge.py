@@ -10,9 +10,9 @@ from math import inf, isnan
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Answer, Event
-from pirate_sm.runtime.clock import Clock
 from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.runtime.pacer import Clock
 from pirate_sm.showing.effect_lines import Line
 from pirate_sm.showing.live_snapshots import Trends, snapshot_of
 from pirate_sm.showing.run_history import Memory

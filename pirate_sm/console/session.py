@@ -14,10 +14,10 @@ from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
 from pirate_sm.model.events import Event, GoTo
-from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, Result
+from pirate_sm.runtime.pacer import Clock, WallClock
 from pirate_sm.runtime.pump import UNCONFIRMED, Resuming
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.runtime.trace_repeats import LoopWatch

@@ -15,10 +15,9 @@ from pirate_sm.companion import Companion
 from pirate_sm.errors import DetectorError
 from pirate_sm.model.effects import Effect, Ended, Fault
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.runtime.clock import Clock, WallClock
 from pirate_sm.runtime.observers import PULSE_S, Observer, Tap, Watcher
 from pirate_sm.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
-from pirate_sm.runtime.pacer import Pacer
+from pirate_sm.runtime.pacer import Clock, Pacer, WallClock
 from pirate_sm.runtime.pump import BackendRaisedError, Pump, Resuming, described
 from pirate_sm.runtime.stop_requests import OUTPUT_LOST, Stop, StopRequests
 

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from math import inf
-
-from pirate_sm.runtime.clock import Clock
+from typing import Protocol
 
 SLICE_S = 0.004
 """Longest sleep, so that a request to stop, from any thread, waits no longer than this."""
@@ -59,3 +59,21 @@ class Pacer:
     def _anchor(self, mission_s: float) -> None:
         self._wall_s = self._clock.now()
         self._mission_s = mission_s
+
+
+class Clock(Protocol):
+    """Measures seconds from an arbitrary start, and waits."""
+
+    def now(self) -> float:
+        """Return the time in s; it never goes back."""
+
+    def sleep(self, seconds: float) -> None:
+        """Wait this many seconds; a signal handler may run meanwhile."""
+
+
+class WallClock:
+    """The monotonic clock of this machine, which changes of the date do not affect."""
+
+    # Class attributes, to save a call: the loop reads the time at every frame.
+    now = staticmethod(time.perf_counter)
+    sleep = staticmethod(time.sleep)

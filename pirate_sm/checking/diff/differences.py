@@ -7,22 +7,16 @@ from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from typing import Literal, TypeAlias, TypeVar
 
-from pirate_sm.checking.diff.change_words import (
-    cause,
-    end_words,
-    handling,
-    names_of_ends,
-    outcome_words,
-    quoted,
-    trigger_words,
-    way_words,
-)
 from pirate_sm.checking.diff.mission_behaviour import (
+    IGNORED,
     STOPPED,
     Abilities,
+    Outcome,
     Success,
+    Trigger,
 )
 from pirate_sm.checking.diff.renamed_parts import in_new_names, matched_triggers, renamed
+from pirate_sm.checking.exploring.exploration import WITHIN
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -149,33 +143,34 @@ def _triggers(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, (phase, name), here, there in _one_sided(old, new, lambda each: each.triggers):
         if phase not in there.phases:
             continue
-        said = trigger_words(name, here.triggers[phase, name])
+        said = _trigger_words(name, here.triggers[phase, name])
         text = f"the wait of '{phase}' can end by {said}"
         if kind == "lost":
             text = f"the wait of '{phase}' no longer ends by {said}"
         yield BehaviourChange(kind, "trigger", text, name, phase)
     for (phase, name), was, now in _both(old.triggers, new.triggers):
-        before, after = trigger_words(name, was), trigger_words(name, now)
+        before, after = _trigger_words(name, was), _trigger_words(name, now)
         text = f"the wait of '{phase}' ends by {after}; before by {before}"
+        what = _cause(name, now)
         if was.go == now.go:
-            text = f"the wait of '{phase}' ends by {cause(name, now)}; before by {cause(name, was)}"
+            text = f"the wait of '{phase}' ends by {what}; before by {_cause(name, was)}"
         elif was.text == now.text:
-            what, leads = cause(name, now), quoted(now.go)
-            text = f"in '{phase}' {what} leads to {leads}; before to {quoted(was.go)}"
+            leads = _quoted(now.go)
+            text = f"in '{phase}' {what} leads to {leads}; before to {_quoted(was.go)}"
         yield BehaviourChange("changed", "trigger", text, name, phase, before, after)
 
 
 def _outcomes(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     for kind, name, here, _ in _one_sided(old, new, lambda each: each.outcomes):
-        said = f", which {outcome_words(here.outcomes[name])}"
+        said = f", which {_outcome_words(here.outcomes[name])}"
         if name == STOPPED:
             said = ", as nothing handles a failure or a fault"
-        text = f"it can end in {end_words(name)}{said}"
+        text = f"it can end in {_end_words(name)}{said}"
         if kind == "lost":
-            text = f"it no longer ends in {end_words(name)}{said}"
+            text = f"it no longer ends in {_end_words(name)}{said}"
         yield BehaviourChange(kind, "outcome", text, name)
     for name, was, now in _both(old.outcomes, new.outcomes):
-        before, after = outcome_words(was), outcome_words(now)
+        before, after = _outcome_words(was), _outcome_words(now)
         text = f"the end '{name}' {after}; before: {before}"
         yield BehaviourChange("changed", "outcome", text, name, "", before, after)
 
@@ -184,7 +179,7 @@ def _failures(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
     """Yield commands whose failure leads to other ends, grouped by equal changes."""
     alike: dict[tuple[str, str], dict[str, list[str]]] = defaultdict(lambda: defaultdict(list))
     for (phase, name), was, now in _both(old.failures, new.failures):
-        alike[names_of_ends(was), names_of_ends(now)][phase].append(name)
+        alike[_names_of_ends(was), _names_of_ends(now)][phase].append(name)
     for (before, after), phases in alike.items():
         for phase, names in phases.items():
             text = (
@@ -207,8 +202,8 @@ def _faults(old: Abilities, new: Abilities) -> Iterator[BehaviourChange]:
             if before != after:
                 alike[before, after].append(phase)
         for (before, after), phases in alike.items():
-            where = "" if len(phases) == len(kept) else f" in {quoted(phases)}"
-            text = f"the fault {code} {handling(after)}{where}; before: {handling(before)}"
+            where = "" if len(phases) == len(kept) else f" in {_quoted(phases)}"
+            text = f"the fault {code} {_handling(after)}{where}; before: {_handling(before)}"
             kind: Kind = "changed" if before and after else "gained" if after else "lost"
             yield BehaviourChange(
                 kind, "fault", text, code, ", ".join(phases) * bool(where), before, after
@@ -234,12 +229,12 @@ def _in_order(names: Iterable[str]) -> Mapping[str, None]:
 def _success(old: Success | None, new: Success | None) -> Iterator[BehaviourChange]:
     if old == new:
         return
+    before, after = (_way_words(each) if each else "" for each in (old, new))
     if old is None or new is None:
         kind: Kind = "lost" if new is None else "gained"
         text = "nothing leads to success any more" if new is None else "it can succeed"
     else:
-        kind, text = "changed", f"success takes at least {way_words(new)}; before {way_words(old)}"
-    before, after = (way_words(each) if each else "" for each in (old, new))
+        kind, text = "changed", f"success takes at least {after}; before {before}"
     yield BehaviourChange(kind, "success", text, "", "", before, after)
 
 
@@ -255,3 +250,50 @@ def _one_sided(
 def _both(old: Mapping[K, V], new: Mapping[K, V]) -> Iterator[tuple[K, V, V]]:
     """Yield the keys that both have with different values."""
     return ((key, old[key], new[key]) for key in new if key in old and old[key] != new[key])
+
+
+def _trigger_words(name: str, trigger: Trigger) -> str:
+    """Return what ends a wait, and its target."""
+    return f"{_cause(name, trigger)}, which leads to {_quoted(trigger.go)}"
+
+
+def _cause(name: str, trigger: Trigger) -> str:
+    """Return what ends a wait."""
+    return f"its limit of {trigger.text}" if name == WITHIN else f"'{trigger.text}'"
+
+
+def _outcome_words(outcome: Outcome) -> str:
+    """Return whether an end succeeds, with its message."""
+    said = f": {outcome.message}" if outcome.message else ""
+    return ("succeeds" if outcome.succeeds else "fails") + said
+
+
+def _end_words(name: str) -> str:
+    """Return the name of an end."""
+    return "the safe stop" if name == STOPPED else f"'{name}'"
+
+
+def _names_of_ends(names: frozenset[str]) -> str:
+    """Return the names of ends."""
+    return " or ".join(map(_end_words, sorted(names))) or "nothing: it goes round for ever"
+
+
+def _handling(go: str) -> str:
+    """Return the handling of a fault."""
+    if not go:
+        return "stops the mission"
+    return "is only told" if go == IGNORED else f"leads to '{go}'"
+
+
+def _way_words(way: Success) -> str:
+    """Return the number of commands and events on a path to success."""
+    return f"{_count(way.commands, 'command')} and {_count(way.events, 'event')}"
+
+
+def _count(number: int, thing: str) -> str:
+    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+
+
+def _quoted(names: Iterable[str]) -> str:
+    """Return names in quotes, separated by commas."""
+    return ", ".join(f"'{name}'" for name in names)

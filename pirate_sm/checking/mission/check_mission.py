@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -18,7 +19,6 @@ from pirate_sm.checking.mission.out_of_reach import out_of_reach
 from pirate_sm.checking.mission.reachability import reachability
 from pirate_sm.checking.mission.refused_steps import refused_steps
 from pirate_sm.checking.mission.time_limits import time_limits
-from pirate_sm.checking.mission.too_large import too_large
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
@@ -98,6 +98,25 @@ def _judge(view: MissionView) -> list[Finding]:
 def in_its_pipe(view: MissionView) -> Iterator[Finding]:
     """Yield findings about the mission in its pipe."""
     yield from pipe_findings(view.loaded)
+
+
+def too_large(view: MissionView) -> Iterator[Finding]:
+    """Yield a finding if the exploration is not complete."""
+    books, loaded, places = view.seen, view.loaded, view.places
+    found = next((book.found for book in books if not book.found.complete), None)
+    if found is None:
+        return
+    most = len(found.nodes)
+    message = f"more than {most} situations are possible: the others were not explored"
+    if found.program is not loaded.program and len(books) > 1:
+        message += " (after the steps that cannot run are corrected)"
+    at = Counter(found.program.phase_of[node.state.mission.pc] for node in found.nodes)
+    phase, number = at.most_common(1)[0]
+    mend = (
+        f"{number} of them are in the phase '{phase}': give it fewer conditions that depend on "
+        "each other, or split the mission and check its parts"
+    )
+    yield places.finding(places.mission(), "check.too_large", message, mend=mend)
 
 
 RULES = (

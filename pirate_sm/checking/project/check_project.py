@@ -8,13 +8,12 @@ from dataclasses import replace
 from pathlib import Path
 
 from pirate_sm.checking.allowances import settle
-from pirate_sm.checking.findings import Finding, Severity, finding_of
+from pirate_sm.checking.findings import Finding, Severity, each_once, finding_of
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
 from pirate_sm.checking.project.check_options import CheckForm, Progress, Wishes, run_options
 from pirate_sm.checking.project.find_files import CheckTarget, find_targets
-from pirate_sm.checking.project.unique_findings import each_once
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot

@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pirate_sm.cli import completion
-from pirate_sm.cli.options.settings import CompletionOptions
+from pirate_sm.cli.options.files import CompletionOptions
 
 
 def print_script(options: CompletionOptions) -> int:

@@ -13,7 +13,7 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.gallery import DemoOptions
+from pirate_sm.cli.options.running import DemoOptions
 from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import is_terminal

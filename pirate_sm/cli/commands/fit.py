@@ -6,7 +6,6 @@ from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from pirate_sm.cli.commands.fit_robot import ROBOT_HEADER, fit_robot
 from pirate_sm.cli.options.estimates import FitOptions
 from pirate_sm.cli.options.values import read_length, read_slip_speed
 from pirate_sm.cli.output.csv_table import csv_line, write_csv
@@ -20,9 +19,12 @@ if TYPE_CHECKING:
     from pirate_sm.fitting.columns import Measured
     from pirate_sm.fitting.slip_columns import SlipSignals
     from pirate_sm.fitting.slip_curve import Estimate, SlipCurve
+    from pirate_sm.model.profile import Profile
     from pirate_sm.simulation.arrays import Floats
 
 NOTHING = 1
+
+_ROBOT_HEADER = ("motor", "number", "unit", "value", "low", "high", "reason")
 
 
 def run_fit(options: FitOptions) -> int:
@@ -33,15 +35,9 @@ def run_fit(options: FitOptions) -> int:
         UsageError: A signal is missing, an option does not fit, or a file cannot be written.
     """
     _refuse_losses(options)
+    measured = _measured(options.runs)
     if options.robot:
-        return fit_robot(options)
-    from pirate_sm.fitting.columns import read_measured
-
-    with progress("reading") as watch:
-        measured = []
-        for number, run in enumerate(options.runs):
-            watch(number / len(options.runs))
-            measured.append(read_measured(Path(run)))
+        return _fit_robot(measured, options)
     curves = _curves(measured, options)
     for wheel, curve in curves.items():
         for line in _lines(wheel, curve):
@@ -58,11 +54,22 @@ def run_fit(options: FitOptions) -> int:
     )
 
 
+def _measured(runs: Sequence[str]) -> list[Measured]:
+    from pirate_sm.fitting.columns import read_measured
+
+    with progress("reading") as watch:
+        measured = []
+        for number, run in enumerate(runs):
+            watch(number / len(runs))
+            measured.append(read_measured(Path(run)))
+    return measured
+
+
 def _refuse_losses(options: FitOptions) -> None:
     """Refuse to write over other files; a pipe file is changed in place, which is meant."""
     runs = list(map(Path, options.runs))
     places = [each for each in (options.output, options.csv) if each]
-    tables = [csv_line(_HEADER), csv_line(ROBOT_HEADER)]
+    tables = [csv_line(_HEADER), csv_line(_ROBOT_HEADER)]
     if options.write is not None and options.robot:
         places.append(options.write)
     elif options.write is not None:
@@ -183,3 +190,39 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
         return
     write_file(place, pipe_with_friction(place, static, kinetic))
     print(visible(f"{place}: {friction_line(static, kinetic)}"))
+
+
+def _fit_robot(measured: Sequence[Measured], options: FitOptions) -> int:
+    """Print the robot's numbers and write them for its simulator; return the exit code.
+
+    Raises:
+        UsageError: The recordings are of several robots, or a file cannot be written.
+    """
+    from pirate_sm.fitting.robot_numbers import robot_numbers
+    from pirate_sm.fitting.twin_text import twin_text
+
+    profile = _one_robot([each.profile for each in measured])
+    numbers = robot_numbers(measured)
+    for each in numbers:
+        what = f"{each.motor} {each.key}".strip()
+        print(visible(f"{what:<26} {estimate_text(each.estimate, f' {each.unit}'.rstrip())}"))
+    if options.csv:
+        rows = [(n.motor, n.key, n.unit, n.estimate.value, n.estimate.low, n.estimate.high,
+                 n.estimate.reason) for n in numbers]  # fmt: skip
+        write_csv(options.csv, _ROBOT_HEADER, rows)
+    if options.write:
+        source = ", ".join(Path(run).name for run in options.runs)
+        write_file(options.write, twin_text(profile, numbers, source))
+        print(visible(str(options.write)))
+    return 0 if any(each.estimate.known for each in numbers) else NOTHING
+
+
+def _one_robot(profiles: list[Profile | None]) -> Profile:
+    """Return the profile of the robot that all recordings are of."""
+    known = [profile for profile in profiles if profile is not None]
+    if len(known) < len(profiles):
+        raise UsageError("a table does not say what the robot was commanded: give recordings")
+    names = {profile.robot for profile in known}
+    if len(names) > 1:
+        raise UsageError(f"the recordings are of several robots: {', '.join(sorted(names))}")
+    return known[0]

@@ -9,7 +9,7 @@ from math import inf
 from pathlib import Path
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.panels import PanelOptions
+from pirate_sm.cli.options.links import PanelOptions
 from pirate_sm.control_panel.control_changes import ControlChange, ControlChangeParser
 from pirate_sm.control_panel.midi_devices import MidiSystem, open_device, read_device
 from pirate_sm.control_panel.presses import PRESSED, Press, Presses, action_text

@@ -1,12 +1,12 @@
-"""Options of the commands that connect to a robot, `pirate doctor` and `pirate calibrate`."""
+"""Options of the commands for connected devices: `doctor`, `calibrate` and `panel`."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
-from pirate_sm.cli.options.declaring import flag, option, typed
+from pirate_sm.cli.options.declaring import argument, flag, option, typed
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -46,4 +46,22 @@ class CalibrateOptions:
     limit: str | None = option("ANGLE", None, "Refuse a zero beyond this, such as '10 deg'.")
     skip: list[str] | None = option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")
     yes: bool = flag("The robot lies straight already; ask nothing.", "--yes", "-y")
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class PanelOptions:
+    """Show what each control of a panel sends, until Ctrl-C. Nothing moves.
+
+    Without a name: which panels and which MIDI devices there are.
+
+    Exit codes: 0 shown, 2 invalid files or arguments, 3 the panel was lost.
+    """
+
+    name: str | None = argument(
+        "[NAME[:DEVICE]|DEVICE]",
+        named_files.panels,
+        "A panel's name, or a file; a MIDI device alone shows bare numbers.",
+        default=None,
+    )
     debug: bool = common.debug()

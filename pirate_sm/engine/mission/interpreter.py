@@ -11,13 +11,13 @@ from pirate_sm.engine.mission.claims import met_unknown
 from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end, end_by_fault
 from pirate_sm.engine.mission.going_on import fail, go
-from pirate_sm.engine.mission.phase_rate import MOST_TURNS, RUNAWAY, counted, too_fast
 from pirate_sm.engine.mission.program import (
     Branch,
     Do,
     Enter,
     Finish,
     Instruction,
+    Program,
     Question,
     Raise,
     Require,
@@ -32,6 +32,7 @@ from pirate_sm.engine.robot.robot_state import RobotState
 from pirate_sm.engine.safety import rules
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model.effects import CommandStatus, Log, PhaseChange
+from pirate_sm.model.fault_codes import BuiltInFault
 
 ROUND_AND_ROUND = "the phases repeat without ever waiting"
 
@@ -107,9 +108,9 @@ def _enter(moment: Moment, state: EngineState, it: Enter) -> EngineState:
     handling = mission.handling
     if handling and it.phase != handling and not it.phase.startswith(f"{handling}/"):
         mission = mission._replace(handling="")
-    mission = counted(mission.at(it.next), mission.clock(moment.now_s))
+    mission = _counted(mission.at(it.next), mission.clock(moment.now_s))
     state = state._replace(mission=mission)
-    message = too_fast(moment.program, mission)
+    message = _too_fast(moment.program, mission)
     return end_by_fault(moment, state, RUNAWAY, message) if message else state
 
 
@@ -246,3 +247,30 @@ def _finish(moment: Moment, state: EngineState, it: Finish) -> EngineState:
         if met is not None:
             return met
     return end(moment, state, it.outcome, message, it.end)
+
+
+RUNAWAY = BuiltInFault.MISSION_RUNAWAY.code
+"""The fault of a mission whose phases follow each other faster than sensors report."""
+
+MOST_TURNS = 4
+"""How often one instruction may be reached at the same time. It is reached again only after an
+answer of the operator or at the end of a fault's handling; more often means an endless loop."""
+
+
+def _counted(mission: MissionState, clock: float) -> MissionState:
+    """Return the mission with one more phase counted."""
+    if clock >= mission.second_s + 1.0:
+        return mission._replace(second_s=clock, entered=1)
+    return mission._replace(entered=mission.entered + 1)
+
+
+def _too_fast(program: Program, mission: MissionState) -> str:
+    """Return why the mission must end; empty while it may continue.
+
+    The limit grows with the length of the mission. Phases that repeat without any time passing
+    are reported separately.
+    """
+    most = max(program.most_phases, MOST_TURNS * len(program.instructions))
+    if mission.entered <= most:
+        return ""
+    return f"more than {most:g} phases have begun within a second"

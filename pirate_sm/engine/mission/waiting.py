@@ -8,11 +8,13 @@ from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.claims import claim_of, counted, met_unknown
 from pirate_sm.engine.mission.going_on import fail, go, moved
 from pirate_sm.engine.mission.program import Question, SwitchControl, TriggerSpec, Wait
-from pirate_sm.engine.mission.unmet_wait import unmet_wait
 from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.robot.done import Limit
+from pirate_sm.engine.robot.unmet_conditions import unmet_of
 from pirate_sm.engine.sensing.known_signals import with_changes
 from pirate_sm.engine.state import EngineState, MissionState, Words
 from pirate_sm.model.effects import TAKEN, Ask, TriggerFired, WaitArmed
+from pirate_sm.model.unmet_words import shown_words
 
 
 def next_deadline(moment: Moment, state: EngineState) -> float:
@@ -62,7 +64,7 @@ def wait(moment: Moment, state: EngineState, it: Wait) -> EngineState:
         return _fire(moment, state, it, fired, reason)
     if has_come(clock, mission.armed_s + it.within_s):
         cause = f"the wait of {it.phase} ({it.place}) lasted longer than {it.within_s:g} s"
-        if awaited := unmet_wait(moment, state, it):
+        if awaited := _unmet_wait(moment, state, it):
             cause = f"{cause}: it awaited {awaited}"
         moment.emit(TriggerFired(it.phase, "within", it.within_name, cause, it.place))
         if it.fails:
@@ -143,3 +145,36 @@ def question(moment: Moment, state: EngineState, it: Question) -> EngineState:
         cause = f"'{it.text}' ({it.place}) was not answered within {it.timeout_s:g} s"
         return fail(moment, state, cause, it.failed)
     return state
+
+
+def _unmet_wait(moment: Moment, state: EngineState, it: Wait) -> str:
+    """Return the conditions of a wait whose time is over, each with what its signals show.
+
+    It is empty for a wait without conditions, and in a trace, where no sensor shows anything.
+    """
+    if moment.nominal:
+        return ""
+    return " or ".join(
+        f"'{trigger.text}' ({', '.join(_shown(moment, state, it, trigger))})"
+        for trigger in it.triggers
+        if trigger.condition is not None and trigger.condition.names
+    )
+
+
+def _shown(moment: Moment, state: EngineState, it: Wait, trigger: TriggerSpec) -> list[str]:
+    """Return the signals of a condition with what they show."""
+    assert trigger.condition is not None  # the caller has looked
+    robot = moment.robot
+    vocabulary = robot.vocabulary.with_changes if it.compares else robot.vocabulary
+    found: dict[str, None] = {}
+    for name in sorted(trigger.condition.names):
+        slot = vocabulary.slot(name)
+        if slot.kind == "word":
+            found[f"{name} is {state.words[slot.index] or 'unknown'}"] = None
+            continue
+        signal = slot.index % len(robot.vocabulary.numbers)  # of a change: that which changes
+        origin, seen = state.mission.origin, state.sensing
+        shown = unmet_of(robot, origin, Limit(signal, -inf, inf), seen, moment.now_s)
+        words = shown_words(shown, with_change=it.compares)
+        found[f"{shown.signal} {words}"] = None
+    return list(found)

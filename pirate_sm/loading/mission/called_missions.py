@@ -9,6 +9,8 @@ from pirate_sm.errors import PirateError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.extended_file import extended_folders
 from pirate_sm.loading.file_names import PROFILE_FILE
+from pirate_sm.loading.mission import parameter_values as parameters
+from pirate_sm.loading.mission.parameter_values import Values
 from pirate_sm.loading.mission.scope import Scope, Source
 from pirate_sm.loading.problems import LoadError, Path
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -114,3 +116,35 @@ def _is_too_deep(found: Source, scope: Scope, path: Path) -> bool:
         scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
         return True
     return False
+
+
+def arguments_of(step: model.CallStep, source: Source, scope: Scope, path: Path) -> Values:
+    """Return the values of the parameters of a called mission."""
+    mission = source.mission
+    at = (*path, "with")
+    values = parameters.defaults(mission.parameters, scope.problems.about(source.document))
+    given = {name: scope.argument(v, (*at, name)) for name, v in step.arguments.items()}
+    values |= parameters.given(mission.parameters, given, at, scope.problems)
+    for name in mission.parameters.keys() - values.keys():
+        values[name] = parameters.stand_in(mission.parameters[name])
+        scope.problems.add(
+            "mission.parameter", path, f"'{mission.mission}' needs the parameter '{name}'"
+        )
+    return values
+
+
+def check_call(source: Source, scope: Scope, path: Path) -> bool:
+    """Return whether a called mission is for this robot, or report why it is not.
+
+    A mission for a robot that this one extends is: it has all of its states and commands.
+    """
+    mission, own = source.mission, scope.source
+    polarity = scope.robot.polarity
+    if mission.polarity not in {None, polarity}:
+        message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
+        scope.problems.add("mission.polarity", path, message)
+    if not suits(source, own):
+        message = f"'{mission.mission}' is for the robot '{mission.robot}'"
+        scope.problems.add("mission.robot", path, message)
+        return False
+    return True

@@ -6,6 +6,9 @@ from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from hashlib import sha256
 from pathlib import Path
+from typing import Any, Final
+
+from pydantic import TypeAdapter, ValidationError
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -14,7 +17,6 @@ from pirate_sm.loading import library, pickling, references
 from pirate_sm.loading.file_kinds import Kind, refuse_other
 from pirate_sm.loading.mission import parameter_values as parameters
 from pirate_sm.loading.mission.holding import holding_in
-from pirate_sm.loading.mission.partial_mission import without_faulty_phases
 from pirate_sm.loading.mission.program import build_program
 from pirate_sm.loading.mission.scope import Source
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
@@ -22,8 +24,9 @@ from pirate_sm.loading.problems import LoadError, Problems, Severity
 from pirate_sm.loading.robot import LoadedRobot, load_robot, with_fitted
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
-from pirate_sm.model.mission import Mission
+from pirate_sm.model.mission import Mission, Phase
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import unknown
 from pirate_sm.units import QuantityError
 
@@ -184,7 +187,7 @@ def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
     if mission is None:
         refuse_other(document, Kind.MISSION)
     if mission is None and spare:
-        mission = without_faulty_phases(document)
+        mission = _without_faulty_phases(document)
     if mission is None:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
@@ -275,3 +278,37 @@ def _unknown(kind: str, names: Iterable[str], known: Mapping[str, object]) -> st
 
 def _hash(document: Document) -> str:
     return sha256(document.complete_text.encode()).hexdigest()
+
+
+_PHASE: Final = TypeAdapter(Phase)
+
+
+def _without_faulty_phases(document: Document) -> Mission | None:
+    """Return the mission with its faulty phases emptied; None if there are other faults.
+
+    This allows checking the names in all other phases. An emptied phase leads to itself.
+    """
+    data = document.data
+    phases = data.get("phases") if isinstance(data, dict) else None
+    if not isinstance(phases, dict):
+        return None
+    kept = {name: body if _is_phase(body) else {"go": name} for name, body in phases.items()}
+    try:
+        return Mission.model_validate({**data, "phases": kept}, **_LIKE_A_FILE)
+    except ValidationError:
+        return None
+
+
+def _is_phase(body: Any) -> bool:
+    try:
+        _PHASE.validate_python(body, **_LIKE_A_FILE)
+    except ValidationError:
+        return False
+    return True
+
+
+_LIKE_A_FILE: Final[dict[str, Any]] = {
+    "context": dict(FROM_FILE),
+    "by_alias": True,
+    "by_name": False,
+}

@@ -8,8 +8,7 @@ from math import inf
 
 from pirate_sm.engine.mission import program as out
 from pirate_sm.loading.mission.assembler import Assembly, Handlers, Label, TooLongError
-from pirate_sm.loading.mission.call_arguments import arguments_of, check_call
-from pirate_sm.loading.mission.called_missions import Calls
+from pirate_sm.loading.mission.called_missions import Calls, arguments_of, check_call
 from pirate_sm.loading.mission.scope import Scope
 from pirate_sm.loading.mission.start_configuration import required_states
 from pirate_sm.loading.mission.wait_writer import wait_fields

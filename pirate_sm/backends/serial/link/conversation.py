@@ -8,9 +8,9 @@ from __future__ import annotations
 
 from collections import Counter, deque
 from collections.abc import Iterator, Sequence
+from math import inf, isnan, nan
 
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
-from pirate_sm.backends.serial.link.time_answers import TimeAnswers
 from pirate_sm.backends.serial.link.wanted_topics import (
     Heard,
     TopicPayload,
@@ -33,6 +33,7 @@ from pirate_sm.rosserial.topics import (
     TopicInfo,
     read_log,
     read_topic,
+    time_payload,
 )
 
 ASK_EVERY_S = 0.1
@@ -233,3 +234,51 @@ class Conversation:
             known = TopicsKnown(self._known, self._silence_s)
             self._known, self._again, self._silence_s = True, False, 0.0
             yield known
+
+
+TIME_PERIOD_S = 2.5
+"""A configured device requests the time this often, and stops after 11 s without an answer."""
+
+_TIME_COPIES = 3
+_TIME_AGAIN_S = 0.4
+
+
+class TimeAnswers:
+    """Makes the answers to requests for the time, and says when the next is due.
+
+    Each request is answered more than once, and an overdue request is answered as well, because a
+    device without answers stops publishing.
+
+    Args:
+        epoch_s: Added to the time it gives the device's time, seconds since 1970.
+
+    Attributes:
+        due_s: When the next answer is due; infinite before the first request.
+    """
+
+    def __init__(self, epoch_s: float) -> None:
+        self.due_s = inf
+        self._epoch_s = epoch_s
+        self._asked_s = nan
+        self._copies = 0
+
+    @property
+    def requested(self) -> bool:
+        """Whether the device has ever requested the time."""
+        return not isnan(self._asked_s)
+
+    def request(self, now: float) -> None:
+        """Handle the device's request for the time."""
+        self._asked_s = self.due_s = now
+        self._copies = 0
+
+    def answer(self) -> bytes:
+        """Return the frame that answers the last request; the device adds the time since then."""
+        asked_s = self._asked_s
+        self._copies += 1
+        if self._copies < _TIME_COPIES:
+            self.due_s = asked_s + self._copies * _TIME_AGAIN_S
+        else:
+            self._asked_s, self._copies = asked_s + TIME_PERIOD_S, 0
+            self.due_s = self._asked_s + _TIME_AGAIN_S  # unless it requests it before
+        return encode(TIME, time_payload(self._epoch_s + asked_s))
