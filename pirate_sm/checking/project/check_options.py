@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TypeAlias
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.rehearsal import Rehearse
-from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.yaml.document import Document
 
-CheckForm: TypeAlias = Callable[[Path], tuple[Document, Problems]]
-"""Returns a file and what is wrong with it, or raises a `LoadError`."""
-
-CheckCampaign: TypeAlias = Callable[[Path], tuple[Sequence[Document], Sequence[Finding]]]
-"""Returns the files of a campaign and what is wrong with them, or raises a `LoadError`."""
+CheckOther: TypeAlias = Callable[[Path], tuple[Sequence[Document], Iterable[Finding]]]
+"""Returns a file with those that it uses and what is wrong with them, or raises a `LoadError`."""
 
 
 @dataclass(frozen=True)
@@ -34,8 +31,8 @@ class Wishes:
         counterexamples: The folder for counterexamples; None to write none.
         rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.
-        experiment: Checks the file of an experiment; None if experiments are not checked.
-            Likewise ``campaign`` and ``scene``.
+        others: Check files of the kinds that only layers above know; a kind without a check is
+            not checked.
     """
 
     robot: str | None = None
@@ -46,9 +43,7 @@ class Wishes:
     counterexamples: Path | None = None
     rehearse: Rehearse | None = None
     outside: bool = False
-    experiment: CheckForm | None = None
-    campaign: CheckCampaign | None = None
-    scene: CheckForm | None = None
+    others: Mapping[Kind, CheckOther] = field(default_factory=dict)
 
 
 Progress = Callable[[int, int, str], None]

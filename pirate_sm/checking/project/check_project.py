@@ -12,7 +12,7 @@ from pirate_sm.checking.findings import Finding, Severity, each_once, finding_of
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
-from pirate_sm.checking.project.check_options import CheckForm, Progress, Wishes, run_options
+from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
 from pirate_sm.checking.project.find_files import CheckTarget, find_targets
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.counterexamples import Examples
@@ -90,12 +90,8 @@ class _Check:
         name = shown(target.path)
         if target.kind is Kind.CHART and name in self._texts:
             return  # checked with its robot
-        others: dict[Kind, object] = {
-            Kind.EXPERIMENT: self._wishes.experiment,
-            Kind.CAMPAIGN: self._wishes.campaign,
-            Kind.SCENE: self._wishes.scene,
-        }
-        if others.get(target.kind, True) is None and not target.named:
+        known_here = _CHECKS[target.kind] is not _Check.above
+        if not (known_here or target.named or target.kind in self._wishes.others):
             return
         if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
             self._files.append(CheckedFile(name, target.kind))
@@ -232,31 +228,14 @@ class _Check:
         """Check the form of a trace script; its names depend on its mission."""
         read_script(self._document(target))
 
-    def experiment(self, target: CheckTarget) -> None:
-        """Check an experiment: its keys and units, and what it names."""
-        self._form(self._wishes.experiment, target)
-
-    def scene(self, target: CheckTarget) -> None:
-        """Check a scene of the gallery: its keys, its name, and its command lines."""
-        self._form(self._wishes.scene, target)
-
-    def _form(self, check: CheckForm | None, target: CheckTarget) -> None:
-        """Check a file of a kind that a layer above knows."""
+    def above(self, target: CheckTarget) -> None:
+        """Check a file of a kind that only a layer above knows."""
+        check = self._wishes.others.get(target.kind)
         if check is None:
             message = f"{target.kind}s are checked by the command `pirate check`"
             self._add("check.kind", shown(target.path), message)
             return
-        document, problems = check(target.path)
-        self._keep([document])
-        self.findings += map(finding_of, problems.all)
-
-    def campaign(self, target: CheckTarget) -> None:
-        """Check a campaign: its keys, and every combination that it runs."""
-        if self._wishes.campaign is None:
-            message = "campaigns are checked by the command `pirate check`"
-            self._add("check.kind", shown(target.path), message)
-            return
-        documents, findings = self._wishes.campaign(target.path)
+        documents, findings = check(target.path)
         self._keep(documents)
         self._used |= {each.name for each in documents}
         self.findings += findings
@@ -339,10 +318,10 @@ _CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
     Kind.CAMERA: _Check.camera,
     Kind.PANEL: _Check.panel,
     Kind.SCRIPT: _Check.script,
-    Kind.EXPERIMENT: _Check.experiment,
+    Kind.EXPERIMENT: _Check.above,
     Kind.TWIN: _Check.twin,
-    Kind.CAMPAIGN: _Check.campaign,
-    Kind.SCENE: _Check.scene,
+    Kind.CAMPAIGN: _Check.above,
+    Kind.SCENE: _Check.above,
     Kind.UNREADABLE: _Check.other,
     Kind.OTHER: _Check.other,
 }

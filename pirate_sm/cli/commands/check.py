@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
+from collections.abc import Iterable
 from pathlib import Path
 
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.mission.rehearsal import Rehearse
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
@@ -21,6 +22,8 @@ from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
 from pirate_sm.gallery.scene_file import check_scene
+from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.visible import visible
@@ -55,9 +58,11 @@ def run_check(options: CheckOptions) -> int:
         counterexamples=None if options.counterexamples is None else Path(options.counterexamples),
         rehearse=_rehearse(options),
         outside=options.outside,
-        experiment=check_experiment,
-        campaign=_check_campaign,
-        scene=check_scene,
+        others={
+            Kind.EXPERIMENT: lambda path: _form(*check_experiment(path)),
+            Kind.CAMPAIGN: _check_campaign,
+            Kind.SCENE: lambda path: _form(*check_scene(path)),
+        },
     )
     with progress("checking") as watch:
 
@@ -69,6 +74,10 @@ def run_check(options: CheckOptions) -> int:
     if report.nothing:
         return NOTHING
     return FOUND if report.fails(fail_on) else CLEAN
+
+
+def _form(document: Document, problems: Problems) -> tuple[list[Document], Iterable[Finding]]:
+    return [document], map(finding_of, problems.all)
 
 
 def _check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
