@@ -126,20 +126,15 @@ def write_pipe(options: NewPipeOptions) -> int:
     _check(name)
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
     loaded = load_robot(folder)
-    schema = Path("pipe.schema.json")
     length_m = sum(link.length for link in loaded.profile.body.links)
     text = _fill(
         "round_pipe.yaml" if options.round else "pipe.yaml",
         name=name,
-        modeline=f"{MODELINE}{schema}",
+        modeline=_modeline("pipe"),
         diameter=f"{_diameter_m(loaded) * 1e3:.0f} mm",
         start=f"{(1.0 + length_m) / 2 * 1e3:.0f} mm",
     )
-    path = Path(f"{name}.yaml")
-    texts = {path: text}
-    if not is_there(schema):
-        texts[schema] = schema_text("pipe")
-    _write(texts)
+    path = _write_with_schema("pipe", name, text)
     print(f"{path} is a pipe for {loaded.profile.robot}; draw it with: pirate graph {path}")
     return 0
 
@@ -154,20 +149,15 @@ def write_campaign(options: NewCampaignOptions) -> int:
     name = options.name
     _check(name)
     loaded = load_mission(library.find_mission(options.mission))
-    schema = Path("campaign.schema.json")
     defects = ["none", *list(loaded.loaded_robot.profile.simulation.defects)[:1]]
     text = _fill(
         "campaign.yaml",
         name=name,
-        modeline=f"{MODELINE}{schema}",
+        modeline=_modeline("campaign"),
         mission=options.mission,
         defects=", ".join(defects),
     )
-    path = Path(f"{name}.yaml")
-    texts = {path: text}
-    if not is_there(schema):
-        texts[schema] = schema_text("campaign")
-    _write(texts)
+    path = _write_with_schema("campaign", name, text)
     print(f"{path} is a campaign; run it with: pirate campaign {path}")
     if missing := is_missing("campaign"):
         print(f"first: {missing}")
@@ -252,15 +242,18 @@ def write_panel(options: NewPanelOptions) -> int:
 
 def _write_like(kind: str, name: str, source: Path) -> int:
     _check(name)
-    schema = Path(f"{kind}.schema.json")
     _, _, text = source.read_text("utf-8").partition("\n")  # the first line is its schema's
-    path = Path(f"{name}.yaml")
-    texts = {path: f"{MODELINE}{schema}\n{_renamed(kind, text, name)}"}
-    if not is_there(schema):
-        texts[schema] = schema_text(kind)
-    _write(texts)
+    text = f"{_modeline(kind)}\n{_renamed(kind, text, name)}"
+    path = _write_with_schema(kind, name, text)
     print(f"{path} is a copy of {source.stem}; check it with: pirate check {path}")
     return 0
+
+
+def _write_with_schema(kind: str, name: str, text: str) -> Path:
+    """Write NAME.yaml, and its schema for editors where that is missing; return its path."""
+    path, schema = Path(f"{name}.yaml"), Path(f"{kind}.schema.json")
+    _write({path: text} if is_there(schema) else {path: text, schema: schema_text(kind)})
+    return path
 
 
 def _renamed(kind: str, text: str, name: str) -> str:
@@ -276,7 +269,7 @@ def _check(name: str) -> None:
 
 
 def _modeline(file: str) -> str:
-    """Return the first line of a file in a robot's folder that has its own schemas."""
+    """Return the first line of a file whose schema lies beside it, by the file's name or kind."""
     return f"{MODELINE}{file.partition('.')[0].removeprefix('first_')}.schema.json"
 
 
