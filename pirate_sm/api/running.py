@@ -14,6 +14,7 @@ from pirate_sm.errors import BackendError
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
+from pirate_sm.wiring.adoption import adopt_alone
 
 
 def run(
@@ -24,6 +25,7 @@ def run(
     record: str | PathLike[str] | None = None,
     check: bool = True,
     yes: bool = False,
+    adopt: bool = False,
     **options: Unpack[Options],
 ) -> Run:
     """Run a mission to its end, as fast as the backend goes; nobody is asked anything.
@@ -38,6 +40,7 @@ def run(
         record: A file for a recording, which must not exist yet.
         check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
+        adopt: Whether a robot that stands elsewhere than declared is taken as its sensors show it.
         options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:
@@ -49,11 +52,14 @@ def run(
     """
     ready = prepared(mission, backend, seed, check=check, yes=yes, **options)
     with ExitStack() as stack:
+        ready, resuming = adopt_alone(ready, stack) if adopt else (ready, None)
         notes = stack.enter_context(noted(ready, record, lambda: mission_run.state))
         stack.enter_context(entered(ready.companions))
         nobody = [] if ready.attended else [FirstChoice("nobody is asked")]
         companions = (*ready.companions, *nobody)
-        mission_run = MissionRun(ready.engine, ready.backend, companions=companions, tap=notes)
+        mission_run = MissionRun(
+            ready.engine, ready.backend, companions=companions, tap=notes, resuming=resuming
+        )
         result = mission_run.execute()
     if result.error is not None:
         if result.exit_code == BUG:

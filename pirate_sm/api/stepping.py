@@ -24,6 +24,7 @@ from pirate_sm.runtime.pump import Pump
 from pirate_sm.simulation.crew import Crew
 from pirate_sm.spelling import meant
 from pirate_sm.wiring import Prepared
+from pirate_sm.wiring.adoption import adopt_alone
 
 CLOSED = "the session was closed"
 
@@ -39,10 +40,13 @@ class Session:
         status: What became of the newest command: its name, status and reason; None before one.
     """
 
-    def __init__(self, ready: Prepared, record: str | PathLike[str] | None = None) -> None:
+    def __init__(
+        self, ready: Prepared, record: str | PathLike[str] | None = None, *, adopt: bool = False
+    ) -> None:
         self.status: CommandStatus | None = None
         self._ready = ready
         self._record = record
+        self._adopt = adopt
         self._stack = ExitStack()
         self._pump: Pump | None = None
         self._notes: Notes | None = None
@@ -67,8 +71,9 @@ class Session:
         """
         if self._pump is not None:
             raise UsageError("a session can be entered once")
-        ready = self._ready
         with self._stack as stack:
+            adopted = adopt_alone(self._ready, stack) if self._adopt else (self._ready, None)
+            self._ready, resuming = ready, _ = adopted
             self._notes = stack.enter_context(noted(ready, self._record, lambda: pump.state))
             stack.enter_context(entered(ready.companions))
             self._pump = pump = Pump(
@@ -77,6 +82,7 @@ class Session:
                 companions=ready.companions,
                 tell=self._tell,
                 tap=self._notes,
+                resuming=resuming,
             )
             stack.callback(pump.close)
             with AbandonOnError(pump, ready.backend.name):
@@ -287,6 +293,7 @@ def session(
     record: str | PathLike[str] | None = None,
     check: bool = False,
     yes: bool = False,
+    adopt: bool = False,
     **options: Unpack[Options],
 ) -> Session:
     """Return a session with the robot and the pipe of a mission, which is paused at first.
@@ -298,6 +305,7 @@ def session(
         record: A file for a recording, which must not exist yet.
         check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
+        adopt: Whether a robot that stands elsewhere than declared is taken as its sensors show it.
         options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
 
     Raises:
@@ -305,4 +313,5 @@ def session(
         CheckError: The mission is refused; ``findings`` has why, each with its place.
         UsageError: An argument does not fit, or an extra is not installed.
     """
-    return Session(prepared(mission, backend, seed, check=check, yes=yes, **options), record)
+    ready = prepared(mission, backend, seed, check=check, yes=yes, **options)
+    return Session(ready, record, adopt=adopt)

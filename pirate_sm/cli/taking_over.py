@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
@@ -11,17 +11,15 @@ from pirate_sm.cli.options.values import read_length
 from pirate_sm.cli.output.resume_report import verdict_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.stop_checks import stopper
-from pirate_sm.engine.resuming.unknowns import unknowns
 from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared, placed
-from pirate_sm.wiring.adoption import Stands, adopt, look_at
-from pirate_sm.wiring.resumed_run import COUNTING, check_place
+from pirate_sm.wiring.adoption import Stands, adopt, doubts, look_at, unplaced
+from pirate_sm.wiring.resumed_run import check_place
 
 _QUESTION = "[1] adopt it so (or another number), [l]ook again, or leave [enter]? "
 _PLACE = "wheel 1 is at which length along the pipe, such as 0.70 m [enter: unknown]? "
@@ -66,9 +64,9 @@ def _decided(
         _print(prepared, stands, getattr(options, "json", False))
         answer = _answer(prepared, stands, options.adopt, asks, check)
         if answer.isdecimal() and 0 < int(answer) <= len(stands.instead):
-            if _unplaced(prepared) and (place_m := ask_place(prepared.loaded, check)) is not None:
+            if unplaced(prepared) and (place_m := ask_place(prepared.loaded, check)) is not None:
                 prepared = placed(prepared, place_m)
-            if not _unplaced(prepared):
+            if not unplaced(prepared):
                 agreed = stands.instead[int(answer) - 1].hypothesis.body.configuration
         elif answer != "l":
             raise UsageError("left as it is: nothing has moved")
@@ -96,27 +94,13 @@ def _answer(
     Raises:
         UsageError: There is nobody to ask, and something that matters is unknown.
     """
-    doubts = tuple(_doubts(prepared, stands))
-    if adopts and not doubts:
+    found = tuple(doubts(prepared, stands))
+    if adopts and not found:
         return "1"
     if not asks:
-        raise UsageError(f"--adopt is not enough: {'; '.join(doubts)}")
+        raise UsageError(f"--adopt is not enough: {'; '.join(found)}")
     print(_QUESTION, end="", file=sys.stderr, flush=True)
     return answered_line(check).strip().lower()
-
-
-def _doubts(prepared: Prepared, stands: Stands) -> Iterator[str]:
-    first, *others = stands.instead
-    if others:
-        yield "the sensors cannot tell apart where it stands: say it with --state"
-    yield from unknowns(prepared.loaded.robot, prepared.loaded.program, first)
-    if _unplaced(prepared):
-        yield f"where the detector {prepared.detector} counts from: say it with --start-at"
-
-
-def _unplaced(prepared: Prepared) -> bool:
-    by_hand = prepared.loaded.mission.mission == BY_HAND
-    return prepared.detector in COUNTING and prepared.order.start_at_m is None and not by_hand
 
 
 def _print(prepared: Prepared, stands: Stands, json: bool) -> None:

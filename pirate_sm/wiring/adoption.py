@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from dataclasses import replace
 from typing import NamedTuple
 
@@ -11,13 +12,15 @@ from pirate_sm.detectors.registry import speaks_of_bends
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.resuming.adopting import adoptable, shown_instead
 from pirate_sm.engine.resuming.reconciling import Reconciled, VerdictTable, reconcile
+from pirate_sm.engine.resuming.unknowns import unknowns
 from pirate_sm.engine.robot.robot_state import known_values
-from pirate_sm.errors import BackendError
+from pirate_sm.errors import BackendError, UsageError
 from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.model.events import SubmitResult
 from pirate_sm.runtime.first_look import FirstLook, look
 from pirate_sm.runtime.pump import Resuming
 from pirate_sm.wiring.prepared import Prepared
+from pirate_sm.wiring.resumed_run import COUNTING
 
 _HELD_WITHIN_S = 2.0
 """Longer than an array takes on a bad line."""
@@ -97,3 +100,41 @@ def adopt(prepared: Prepared, stands: Stands, table: VerdictTable) -> tuple[Prep
     )
     body = body._replace(values=values, next_id=body.next_id + 1, sent=True)
     return adopted, Resuming(None, now_s, (*stands.look.newest, *stands.look.faults), body)
+
+
+def doubts(prepared: Prepared, stands: Stands) -> Iterator[str]:
+    """Yield what nobody may leave open who adopts the robot without being asked."""
+    first, *others = stands.instead
+    if others:
+        yield "the sensors cannot tell apart where it stands: say it with --state (states=)"
+    yield from unknowns(prepared.loaded.robot, prepared.loaded.program, first)
+    if unplaced(prepared):
+        counts = f"where the detector {prepared.detector} counts from"
+        yield f"{counts}: say it with --start-at (start_at_m=)"
+
+
+def unplaced(prepared: Prepared) -> bool:
+    """Return whether the detector counts from a place that nobody has said."""
+    by_hand = prepared.loaded.mission.mission == BY_HAND
+    return prepared.detector in COUNTING and prepared.order.start_at_m is None and not by_hand
+
+
+def adopt_alone(prepared: Prepared, stack: ExitStack) -> tuple[Prepared, Resuming]:
+    """Adopt the robot as its sensors show it, and ask nobody; as declared if that is not wrong.
+
+    Args:
+        prepared: The run.
+        stack: Closes the backend at its end.
+
+    Raises:
+        BackendError: The robot cannot be reached, or has not confirmed that it holds.
+        CheckError: The mission is refused if it begins where the robot is.
+        UsageError: What the sensors do not show must be said.
+    """
+    stack.callback(prepared.backend.close)
+    stands = look_at(prepared, lambda: None)
+    if not stands.instead:
+        return prepared, stands.as_declared
+    if found := tuple(doubts(prepared, stands)):
+        raise UsageError(f"the robot cannot be adopted: {'; '.join(found)}")
+    return adopt(prepared, stands, stands.instead[0])

@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
-from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec
@@ -137,13 +136,6 @@ def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numb
         resolution = robot.slots[loop.slot].resolution
         values[loop.slot] = quantised(loop.duty(sensing.numbers, sensing.loss), resolution)
     return tuple(values)
-
-
-def pushed_harder(loops: Loops, held: Loops) -> Loops:
-    """Return the loops, those of joints that have not moved with the limit for such joints."""
-    return tuple(
-        each.harder() if isinstance(each, PositionLoop) and each in held else each for each in loops
-    )
 
 
 def without_loops(state: RobotState) -> Numbers:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from math import acos, degrees, hypot, inf, isnan, nan
+from math import acos, degrees, hypot, inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.resuming.dark_way import DarkWay, dark_way
 from pirate_sm.engine.resuming.hypotheses import Hypothesis, hypotheses
+from pirate_sm.engine.robot.confirmation import since
 from pirate_sm.engine.robot.confirmation_spec import DrivenSpec, StandingSpec
 from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -181,11 +182,11 @@ def verdicts(
     for at_s, sensing in _course(robot, hypothesis, frames, now_s):
         for mark in marks:
             found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
-            agrees[mark] = _since(agrees[mark], found.agrees, at_s)
-            against[mark] = _since(against[mark], bool(found.against), at_s)
+            agrees[mark] = since(agrees[mark], found.agrees, at_s)
+            against[mark] = since(against[mark], bool(found.against), at_s)
         for number, rule in enumerate(fatal):
             true = rule.when.evaluate(sensing.numbers, words) is True
-            raised[number] = _since(raised[number], true, at_s)
+            raised[number] = since(raised[number], true, at_s)
     judged = []
     for mark in marks:
         found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
@@ -202,8 +203,8 @@ def verdicts(
         judged.append(StateVerdict(mark, about, state, word, why, shown))
     refusals = [
         f"{rule.code}: {rule.message}"
-        for rule, since in zip(fatal, raised, strict=True)
-        if has_come(now_s, since + rule.held_s)
+        for rule, since_s in zip(fatal, raised, strict=True)
+        if has_come(now_s, since_s + rule.held_s)
     ]
     hypothesis = hypothesis._replace(body=_redeclared(last, body, judged))
     return VerdictTable(hypothesis, tuple(judged), tuple(dict.fromkeys(refusals)))
@@ -275,12 +276,6 @@ def _redeclared(last: EngineState, body: RobotState, judged: Sequence[StateVerdi
     }
     again = {mark._replace(command=DECLARED) for mark in shown}
     return body._replace(marks=(body.marks - shown) | again)
-
-
-def _since(since_s: float, holds: bool, now_s: float) -> float:
-    if not holds:
-        return nan
-    return now_s if isnan(since_s) else since_s
 
 
 def _why_unknown(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> str:

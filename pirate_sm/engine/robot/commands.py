@@ -10,15 +10,15 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isnan, nan
 from types import MappingProxyType
-from typing import Literal
+from typing import Literal, TypeAlias
 
-from pirate_sm.engine.control.loops import Loops, ends_with_command
+from pirate_sm.engine.control.loops import Loop, Loops, ends_with_command
+from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.control.sending import overtaken_result, send, send_if_new
 from pirate_sm.engine.control.stages import (
     followed,
     is_done,
     looped_values,
-    pushed_harder,
     stage_array,
     switched_array,
     unknown_angle,
@@ -58,6 +58,7 @@ from pirate_sm.model.effects import CommandStatus, Log
 from pirate_sm.model.events import SubmitResult
 from pirate_sm.model.unmet import Unmet
 
+Held: TypeAlias = tuple[PositionLoop, ...]
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 
 
@@ -292,10 +293,11 @@ def _reach(
 
 
 def _push_harder(
-    moment: Moment, state: RobotState, motion: Motion, sensing: Sensing, held: Loops
+    moment: Moment, state: RobotState, motion: Motion, sensing: Sensing, held: Held
 ) -> tuple[RobotState, Finished | None]:
     """Push joints that have not moved with all that their loops allow, or fail."""
-    harder = state._replace(loops=pushed_harder(state.loops, held))
+    pushed: dict[Loop, Loop] = {loop: loop.harder() for loop in held}
+    harder = state._replace(loops=tuple(pushed.get(each, each) for each in state.loops))
     if harder.loops == state.loops:
         reason = why_held(moment.robot, held)
         return fail(moment, state, reason), Finished(False, reason)

@@ -207,14 +207,14 @@ def look(
     open_: list[Watched] = []
     confirmed: set[Mark] = set()
     lasting_s = max((part.for_s for part in robot.sight.parts if part is not None), default=0.0)
-    strange_s = _since(before.strange_s, bool(strange), now)
+    strange_s = since(before.strange_s, bool(strange), now)
     over = has_come(now, before.until_s) or has_come(now, strange_s + lasting_s)
     for each in before.marks:
         if each.mark not in body.marks:
             continue
         shown = verdict(robot, before.setpoints, body, each.mark, numbers, diameter_m)
-        agrees_s = _since(each.agrees_s, shown.agrees and not strange, now)
-        against_s = _since(each.against_s, bool(shown.against), now)
+        agrees_s = since(each.agrees_s, shown.agrees and not strange, now)
+        against_s = since(each.against_s, bool(shown.against), now)
         if has_come(now, agrees_s + shown.for_s):
             confirmed.add(each.mark)
         else:
@@ -240,7 +240,8 @@ def parts_left_open(robot: RobotSpec, body: RobotState) -> tuple[str, ...]:
 # --- inside ---------------------------------------------------------------------------------
 
 
-def _since(since_s: float, holds: bool, now: float) -> float:
+def since(since_s: float, holds: bool, now: float) -> float:
+    """Return since when something holds; NaN while it does not."""
     if not holds:
         return nan
     return now if isnan(since_s) else since_s

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from math import copysign, inf, isnan
 from typing import NamedTuple
 
@@ -148,45 +148,35 @@ def must_hold_s(
     return getattr(criterion, "for_s", 0.0)
 
 
+_IN_WORDS: Mapping[type[CriterionSpec], tuple[str, str]] = {
+    AcceptedSpec: ("setpoints accepted", "its setpoints are not accepted"),
+    StalledSpec: (
+        "the joints stand still under torque",
+        "the joints do not stand still under torque",
+    ),
+    ReachedSpec: (
+        "every joint has come to its angle",
+        "not every joint is at its angle or stopped by the wall",
+    ),
+    TurningSpec: ("a driven wheel turns", "no driven wheel turns"),
+    StoppedSpec: ("the wheels stand still", "the wheels are not seen to stand still"),
+    AlignedSpec: ("the angle is at its setpoint", "the angle is not at its setpoint"),
+    BelowSpec: ("near zero", "the signals are not near zero"),
+}
+"""What shows that a command is done, and what one that is not done lacks."""
+
+
 def in_words(
     robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
 ) -> str:
     """Return what shows that the command is done, with the joints that a wall has stopped."""
-    match criterion:
-        case ReachedSpec():
-            names = robot.vocabulary.numbers
-            stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
-            if stopped:
-                return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
-            return "every joint has come to its angle"
-        case AcceptedSpec():
-            return "setpoints accepted"
-        case StalledSpec():
-            return "the joints stand still under torque"
-        case TurningSpec():
-            return "a driven wheel turns"
-        case StoppedSpec():
-            return "the wheels stand still"
-        case AlignedSpec():
-            return "the angle is at its setpoint"
-        case BelowSpec():
-            return "near zero"
+    names = robot.vocabulary.numbers
+    stopped = [names[loop.angle] for loop in loops if not loop.arrived(numbers)]
+    if stopped and isinstance(criterion, ReachedSpec):
+        return f"{', '.join(stopped)} stopped by the wall, standing still under torque"
+    return _IN_WORDS[type(criterion)][0]
 
 
 def not_done(criterion: CriterionSpec) -> str:
     """Return what a command that is not done lacks, in words."""
-    match criterion:
-        case AcceptedSpec():
-            return "its setpoints are not accepted"
-        case StalledSpec():
-            return "the joints do not stand still under torque"
-        case ReachedSpec():
-            return "not every joint is at its angle or stopped by the wall"
-        case TurningSpec():
-            return "no driven wheel turns"
-        case StoppedSpec():
-            return "the wheels are not seen to stand still"
-        case AlignedSpec():
-            return "the angle is not at its setpoint"
-        case BelowSpec():
-            return "the signals are not near zero"
+    return _IN_WORDS[type(criterion)][1]

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.resume_rides import World, _Grip, prepared_on, ride_on, world
+from pirate_sm.api.stepping import Session
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.checking.gate import CheckError
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
@@ -103,6 +104,15 @@ def test_belief_a_robot_that_is_clamped_already_is_adopted_and_obeys(clamped: Wo
     assert "FrontClampedRearRelaxed" in states_of(prepared.loaded.robot, pump.state.robot)
 
 
+def test_a_session_adopts_a_robot_that_is_clamped_already(clamped: World) -> None:
+    with Session(prepared_on(clamped, clamped.port), adopt=True) as session:
+        assert session.state["BendingState"] == "DoubleClamped"
+        session.submit("RelaxRear")
+        assert session.advance()
+        assert session.state["BendingState"] == "FrontClampedRearRelaxed"
+        assert session.ended is None
+
+
 def test_an_adopted_robot_runs_its_mission_without_a_let_go_and_its_recording_replays(
     clamped: World, tmp_path: Path
 ) -> None:
@@ -183,6 +193,9 @@ def test_what_no_sensor_can_tell_apart_is_left_to_a_person(
 
     with pytest.raises(UsageError, match="--adopt is not enough: the sensors cannot tell apart"):
         take_over(prepared_on(it, it.port), ADOPT, StopRequests())
+    session = Session(prepared_on(it, it.port.next_port()), adopt=True)
+    with pytest.raises(UsageError, match="cannot be adopted: the sensors cannot tell"), session:
+        pass
     assert not sent(it)
     prepared = prepared_on(it, it.port.next_port())
     says(prepared, "1")
