@@ -218,10 +218,10 @@ class Pipe(Frozen):
         """Return the inner diameter where a simulated robot starts, m."""
         return self.route().diameter_at(self.start_of(robot_length_m))
 
-    @property
-    def bores_m(self) -> tuple[float, ...]:
-        """The inner diameters along the first route, ascending."""
-        return tuple(sorted({piece.diameter_m for piece in self.route().pieces}))
+    def bores_m(self, robot_length_m: float) -> tuple[float, ...]:
+        """Return the inner diameters along the first route, m: first where a robot starts."""
+        pieces = self.route().pieces
+        return self.diameter_at_start(robot_length_m), *(piece.diameter_m for piece in pieces)
 
     def network(self, wider_m: float = 0.0) -> space.Network:
         """Return the pipe as a network, all its diameters greater by ``wider_m``."""

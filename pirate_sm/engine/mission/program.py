@@ -238,7 +238,7 @@ class Program:
         phase_of: Per instruction the name of its phase.
         time_limit_s: Longest duration of the run; infinite without a limit.
         diameter_m: Inner diameter of the pipe where the robot starts; None where it is unknown.
-        bores_m: All inner diameters of its route, ascending; empty where they are unknown.
+        bores_m: All inner diameters of its route, that of the start first; empty where unknown.
         rules: The robot's safety rules, without those that the mission waives.
         most_phases: How many phases may begin within one second of mission time.
         turn_of: Per instruction the round of its repeat, such as ``2 of 4``, or empty.

@@ -124,7 +124,7 @@ def judge(
         pitch_rad: By how much the pipe climbs; NaN is unknown.
         now_s: When it is.
         held: The parts that are clamped.
-        bores_m: The inner diameters of the pipe, ascending; empty where they are unknown.
+        bores_m: The inner diameters of the pipe, that of the start first; empty where unknown.
     """
     memory = sensing.distance
     pitch_rad = memory.pitch_rad if isnan(pitch_rad) else pitch_rad
@@ -147,7 +147,8 @@ def judge(
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
     elif ways_m and not starts:
         slipped_m = max(ways_m) * _SOME
-    wrong = _SHARE + _LOST * sensing.loss + _tilted(robot, sensing.numbers, held, bores_m)
+    lacking, spanned = _tilted(robot, sensing, held, bores_m)
+    wrong = _SHARE + _LOST * sensing.loss + lacking
     width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m)
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (starts or grip.vague)
@@ -167,27 +168,35 @@ def judge(
         pending_m=slipped_m if pending else 0.0,
         sliding_m_s=max(0.0, sliding_m_s) if grip.slips else 0.0,
         rolled_m=memory.rolled_m + abs(by.moved_m),
+        spanned=spanned,
     )
     return _with_bound(robot, sensing, numbers, memory)
 
 
 def _tilted(
-    robot: RobotSpec, numbers: Numbers, held: Collection[int], bores_m: Sequence[float]
-) -> float:
+    robot: RobotSpec, sensing: Sensing, held: Collection[int], bores_m: Sequence[float]
+) -> tuple[float, bool]:
     """Return the share of the way that wheels lack because they run on the sides of their tyres.
 
     A part in a plane beside the axis of a round pipe spans less than its diameter. Its wheels lean
     on the wall, and roll on as much less than their radius as the part spans less. While another
     part lies along the axis, they turn faster than its wheels, which is seen without this.
+
+    Returns:
+        The share, and whether a part has spanned the pipe where the run began. Until then less is
+        no narrower pipe.
     """
-    body, lacks = robot.body, []
-    shown = [numbers[body.parts[at].diameter] for at in held if body.parts[at].diameter >= 0]
-    for diameter_m in shown:
-        able = [bore_m for bore_m in bores_m if diameter_m <= bore_m * (1 + AGREEING)]
-        if not able or diameter_m >= able[0] * (1 - AGREEING):
-            return 0.0  # it lies along the axis, or nobody knows
-        lacks.append((able[0] - diameter_m) / (able[0] - 2 * body.wheel_radius_m))
-    return fmean(lacks) if lacks else 0.0
+    body, lacks, spanned = robot.body, [], sensing.distance.spanned
+    spans = [body.parts[at].diameter for at in held]
+    shown = [sensing.numbers[span] for span in spans if span >= 0]
+    spanned = spanned or any(each >= bores_m[0] * (1 - AGREEING) for each in shown if bores_m)
+    for span_m in shown:
+        able = [bore_m for bore_m in bores_m if span_m <= bore_m * (1 + AGREEING)]
+        bore_m = min(able, default=0.0) if spanned else bores_m[0] if able else 0.0
+        if not span_m < bore_m * (1 - AGREEING):
+            return 0.0, spanned  # it lies along the axis, or nobody knows
+        lacks.append((bore_m - span_m) / (bore_m - 2 * body.wheel_radius_m))
+    return (fmean(lacks) if lacks else 0.0), spanned
 
 
 def _begun(robot: RobotSpec, sensing: Sensing, now_s: float) -> DistanceMemory:

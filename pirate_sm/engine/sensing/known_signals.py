@@ -42,6 +42,7 @@ class DistanceMemory(NamedTuple):
         rolled_m: How far it has driven, back and forth.
         sliding_m_s: How fast it may be sliding down a slope.
         pitch_rad: By how much the pipe climbs where that was known last.
+        spanned: Whether a clamped part has spanned the pipe where the run began.
         pending_m: How far it may have slipped since it starts, if what follows confirms that.
     """
 
@@ -60,6 +61,7 @@ class DistanceMemory(NamedTuple):
     sliding_m_s: float = 0.0
     pitch_rad: float = nan
     pending_m: float = 0.0
+    spanned: bool = False
 
 
 class Sensing(NamedTuple):

@@ -154,8 +154,8 @@ def read_mission(
     problems.raise_errors(tolerated)
     if chosen is not None:
         length_m = sum(link.length for link in loaded.profile.body.links)
-        diameter_m = chosen.diameter_at_start(length_m)
-        program = replace(program, diameter_m=diameter_m, bores_m=chosen.bores_m)
+        bores_m = chosen.bores_m(length_m)
+        program = replace(program, diameter_m=bores_m[0], bores_m=bores_m)
     documents = (document, *loaded.documents, *called, pipe_document)
     hashes = {each.name: _hash(each) for each in documents}
     texts = {name: value.text for name, value in values.items()}

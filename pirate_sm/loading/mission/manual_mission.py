@@ -22,6 +22,7 @@ def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -
     spec = robot.normal
     codes = [code for code, catchable in spec.fault_codes.items() if catchable]
     handlers = tuple(HandlerSpec(code, None, "") for code in codes)
+    bores_m = pipe.bores_m(sum(spec.body.lengths_m)) if pipe is not None else ()
     program = Program(
         mission=BY_HAND,
         instructions=(Enter(BY_HAND, 1), Wait(BY_HAND, (), inf, -1, "", "")),
@@ -33,8 +34,8 @@ def by_hand(robot: LoadedRobot, pipe: Pipe | None = None, pipe_name: str = "") -
         ends=(),
         time_limit_s=inf,
         rules=tuple(rule for rule in robot.rules if not rule.waived_by),
-        diameter_m=pipe.diameter_at_start(sum(spec.body.lengths_m)) if pipe is not None else None,
-        bores_m=pipe.bores_m if pipe is not None else (),
+        diameter_m=bores_m[0] if bores_m else None,
+        bores_m=bores_m,
     )
     mission = Mission(
         format=1,

@@ -246,6 +246,7 @@ def test_belief_ends_only_in_part_where_one_part_rolls_and_the_other_slips() -> 
         ([0.100, 0.100], (0, 1), (0.12,), 20 / 72),
         ([0.100, 0.108], (0, 1), (0.12,), 16 / 72),
         ([0.100, 0.100], (0, 1), (0.11, 0.12), 10 / 62),
+        ([0.110, 0.110], (0, 1), (0.12, 0.11), 10 / 72),  # it began in 120 mm, and never spanned it
         ([0.100, 0.117], (0, 1), (0.12,), 0),  # one lies along the axis
         ([0.100, 0.120], (0,), (0.12,), 20 / 72),
         ([0.110, 0.110], (0, 1), (0.11, 0.12), 0),
@@ -263,6 +264,15 @@ def test_belief_in_a_way_ends_where_parts_lie_beside_the_axis_of_the_pipe(
     world.spans_m, world.held, world.bores_m = spans_m, held, bores_m
 
     assert world.drive(10) == pytest.approx((0.006 + share) * way_m(10))
+
+
+def test_a_part_that_spanned_the_wide_pipe_is_in_the_narrow_one_when_it_spans_less() -> None:
+    world = World()
+    world.bores_m = (0.12, 0.11)
+    world.drive(3)
+    world.spans_m = [0.11, 0.11]
+
+    assert world.drive(10) == pytest.approx(0.006 * way_m(10))
 
 
 def test_a_wheel_that_is_dead_is_taken_out_with_the_way_that_it_lacks() -> None:
