@@ -18,6 +18,7 @@ from pirate_sm.engine.mission.program import (
     Wait,
 )
 from pirate_sm.engine.robot import planning
+from pirate_sm.engine.robot.done import RESTORING
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import DECLARED, STOPPED, Mark, RobotState
 from pirate_sm.engine.safety import rules
@@ -26,9 +27,6 @@ from pirate_sm.engine.state import EngineState
 
 FAILURE = "failure"
 """Go on where a failure of the present step leads."""
-
-RESTORING = "resume"
-"""The place of a command that a resumed mission gives before it goes on."""
 
 
 class Entry(NamedTuple):

@@ -273,7 +273,7 @@ def _reach(
             since_s = moment.now_s if isnan(before_s) else before_s
             held_s = must_hold_s(done, sensing.numbers, seekers)
             if free and has_come(moment.now_s, since_s + held_s):
-                if held := held_loops(done, sensing.numbers, seekers):
+                if held := held_loops(done, sensing.numbers, seekers, motion.place):
                     return _push_harder(moment, state, motion, sensing, held)
                 reason = in_words(moment.robot, done, sensing.numbers, seekers)
                 return _complete(moment, state, sensing, reason)

@@ -23,6 +23,9 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 
 Numbers = tuple[float, ...]
 
+RESTORING = "resume"
+"""The place of a command that a resumed mission gives before it goes on."""
+
 
 class Limit(NamedTuple):
     """A limit of the signal with this number index; fields as in :class:`Unmet`."""
@@ -109,10 +112,13 @@ def pushed_to_rest(
 
 
 def held_loops(
-    criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
+    criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...], place: str
 ) -> tuple[PositionLoop, ...]:
-    """Return the loops if none of their joints has moved, so that no wall can have stopped them."""
-    if not isinstance(criterion, ReachedSpec):
+    """Return the loops if none of their joints has moved, so that no wall can have stopped them.
+
+    A command that restores what a run had before it was cut off finds its joints moved already.
+    """
+    if not isinstance(criterion, ReachedSpec) or place == RESTORING:
         return ()
     return loops if all(loop.held(numbers, criterion.moved_rad) for loop in loops) else ()
 

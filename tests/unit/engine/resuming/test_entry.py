@@ -10,8 +10,9 @@ from cut_off import GRIPPING, CutOff
 from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, REAR_CLAMPED, changed_newt, command
 
 from pirate_sm.engine.mission.program import Do, Enter, Wait
-from pirate_sm.engine.resuming.entry import RESTORING, Entry, Refused, entry, resumed_program
+from pirate_sm.engine.resuming.entry import Entry, Refused, entry, resumed_program
 from pirate_sm.engine.resuming.hypotheses import hypotheses
+from pirate_sm.engine.robot.done import RESTORING
 from pirate_sm.engine.robot.robot_state import Mark
 from pirate_sm.engine.sensing.known_signals import with_changes
 from pirate_sm.model import effects as fx

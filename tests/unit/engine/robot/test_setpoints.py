@@ -15,6 +15,7 @@ from driving import (
     command,
 )
 
+from pirate_sm.engine.robot.done import RESTORING
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -319,6 +320,19 @@ def test_belief_that_a_wall_stopped_a_joint_ends_where_the_joint_has_not_moved(d
         bending(driver, held | wound)
     assert driver.last_status.status == "failed"
     assert driver.last_status.reason.startswith("not moved, though pushed: gamma_3, gamma_4;")
+
+
+def test_a_bend_that_a_resumed_run_restores_finds_its_joints_moved(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    bent = {"gamma_3": math.radians(-100), "gamma_4": math.radians(-20)}
+    driver.show(0.1, **bent, bend_torque_3=0.4, bend_torque_4=-0.4)
+    command(driver, "BendBack")
+    motion = driver.state.robot.motion._replace(place=RESTORING)
+    driver.state = driver.state._replace(robot=driver.state.robot._replace(motion=motion))
+    driver.accept()
+    for _ in range(30):
+        bending(driver, bent)
+    assert driver.last_status.status == "done"
 
 
 def test_a_joint_that_gives_way_to_a_harder_push_is_bent(drive):
