@@ -26,6 +26,7 @@ from pirate_sm.console.key_bindings import (
     arrows_for,
     both_cases,
     letters_for,
+    ways,
 )
 from pirate_sm.console.panel_actions import PanelActions
 from pirate_sm.console.reason_lines import Request, obstacles
@@ -108,6 +109,9 @@ class Console(PanelActions, App[None]):
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
         Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
+        Binding("plus", "faster(1)", "Faster", show=False),
+        Binding("minus", "faster(-1)", "Slower", show=False),
+        Binding("equals_sign", "limit", "Where a drive stops", show=False),
         Binding("ctrl+t", "other_theme", "Next theme", show=False),
         *(Binding(str(digit), f"answer({digit})", "Answer", show=False) for digit in range(1, 10)),
     ]
@@ -180,7 +184,8 @@ class Console(PanelActions, App[None]):
             action = f"command('{name}')" if known else f"word('{name}')"
             self.bind(both_cases(letter), action, show=False)
         for arrow, name in arrows_for(self.session.latest.scene.robot).items():
-            self.bind(arrow, f"command('{name}')", show=False)
+            drives = name in ways(self.session.latest.scene.robot)
+            self.bind(arrow, f"{'drive' if drives else 'command'}('{name}')", show=False)
         self.theme_changed_signal.subscribe(self, lambda theme: self._restyle())
         self.session.start()
         if self._frames_per_s:
@@ -234,7 +239,9 @@ class Console(PanelActions, App[None]):
         self._show_rows(snapshot)
         if self.is_visible("#now"):
             now = self.on_base(Lines, "now")
-            more = [] if self.is_visible("#body") else travelled(snapshot)
+            by_hand = snapshot.state is not None and snapshot.state.mission.paused
+            more = self.session.driving.lines() if by_hand else []
+            more += [] if self.is_visible("#body") else travelled(snapshot)
             now.show([*panels.now(snapshot, now.content_size.width), *more])
         show_robot(self, snapshot)
         link = self.on_base(Lines, "link")

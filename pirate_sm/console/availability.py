@@ -87,7 +87,9 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
     if snapshot.state is None:
         return OPENING
     index = snapshot.scene.robot.table.command_index[command]
-    return _unheard(snapshot) or why_not_command(snapshot.scene.robot, snapshot.state, index)
+    return _unheard(snapshot) or why_not_command(
+        snapshot.scene.robot, snapshot.state, index, at_once=True
+    )
 
 
 def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str:

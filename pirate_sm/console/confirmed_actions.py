@@ -46,10 +46,14 @@ class ConfirmedActions(_Base):
         """Give the engine an event once the operator has confirmed that the robot may move."""
         self._agree(partial(self.session.give_event, event))
 
+    def _may_move(self) -> bool:
+        """Return whether the operator need not be asked whether the robot may move."""
+        return self._agreed or not self.session.prepared.confirmation
+
     def _agree(self, move: Callable[[], None]) -> None:
         """Move the robot once the operator has confirmed that it may."""
         question = self.session.prepared.confirmation
-        if self._agreed or not question:
+        if self._may_move():
             move()
             return
 

@@ -18,7 +18,10 @@ _KEYS, _WIDE = 16, 50
 _ALWAYS = (
     ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
     ("m", "Choose a mission. It begins paused: the robot is yours first."),
-    ("↑ ↓ ← →", "Drive forward and backward; brake."),
+    ("↑ ↓", "Drive forward, backward for as long as the key is held."),
+    ("← →", "Brake."),
+    ("+ -", "Drive faster, slower by hand, from the next drive on."),
+    ("=", "Where a drive by hand stops: after a distance, before the joint."),
     ("1 … 9", "Answer what the mission asks."),
     ("Tab", "Next page, where the terminal is too small for all at once."),
     ("PgUp PgDn", "Earlier and later lines of the log."),

@@ -65,15 +65,23 @@ def both_cases(letter: str) -> str:
 def arrows_for(robot: RobotSpec) -> dict[str, str]:
     """Return the command of each arrow key: up and down drive, left and right brake."""
     found: dict[str, str] = {}
-    for index, command in enumerate(robot.commands):
+    for command in robot.commands:
         if isinstance(command.done, StoppedSpec):
             found.setdefault("left", command.name)
             found.setdefault("right", command.name)
-            continue
+    for name, way in ways(robot).items():
+        found.setdefault("up" if way > 0 else "down", name)
+    return found
+
+
+def ways(robot: RobotSpec) -> dict[str, int]:
+    """Return the commands that drive: 1 forward, -1 backward."""
+    found: dict[str, int] = {}
+    for index, command in enumerate(robot.commands):
         for here in range(len(robot.table.configurations)):
             target = robot.table.follow(here, index)
             if robot.driven[target].keys() - robot.driven[here].keys():
                 travel = robot.travel(at_rest_in(robot, target).values)
                 if travel:
-                    found.setdefault("up" if travel > 0 else "down", command.name)
+                    found.setdefault(command.name, travel)
     return found

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
+from math import inf
 from signal import SIGHUP
+from time import monotonic
 from typing import Any
 
 from textual.app import SystemCommand
@@ -13,6 +15,8 @@ from textual.worker import Worker, WorkerState
 from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.hand_back_actions import HandBackActions
+from pirate_sm.console.hand_driving import FIRST_REPEAT_S
+from pirate_sm.console.key_bindings import ways
 from pirate_sm.console.mission_actions import MissionActions
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.errors import PirateError
@@ -26,6 +30,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
 
     letters: dict[str, str]
 
+    _drove_s = -inf
     _wants_to_go = False
 
     # --- the stop -----------------------------------------------------------------------------
@@ -63,11 +68,13 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         """Give the robot a command if the engine accepts it; end a series of commands."""
         self.session.giver.stop()
         snapshot = self.session.latest
-        reason = availability.command_reason(snapshot, name)
+        driving = self.session.driving
+        reason = availability.command_reason(snapshot, name) or driving.why_not(name)
         if reason:
             self._refuse(name, reason)
             return
-        give = partial(self._move, OperatorCommand(name))
+        share = driving.speed if name in ways(snapshot.scene.robot) else 1.0
+        give = partial(self._move, OperatorCommand(name, share, at_once=True))
         robot, state = snapshot.scene.robot, snapshot.state
         lets_go = robot.commands[robot.table.command_index[name]].lets_go
         if lets_go and state is not None and robot.held[state.robot.configuration]:
@@ -75,6 +82,32 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self._ask(question, "Let go", give)
         else:
             give()
+
+    def action_drive(self, name: str) -> None:
+        """Drive for as long as the key is held; act on each repeat of it."""
+        driving, now_s = self.session.driving, monotonic()
+        again, self._drove_s = now_s < self._drove_s + FIRST_REPEAT_S, now_s
+        self.session.giver.stop()
+        if not (again or self._may_move()):
+            self._agree(lambda: None)  # no drive begins with the answer, only with a key held
+            return
+        reason = availability.command_reason(self.session.latest, name) or driving.why_not(name)
+        if reason and not again:
+            self._refuse(name, reason)
+        else:
+            driving.press(name)
+
+    def on_app_blur(self) -> None:
+        """Brake what a held key drives: its release will not be seen."""
+        self.session.driving.release()
+
+    def action_faster(self, steps: int) -> None:
+        """Choose another speed for the next drive."""
+        self.session.driving.faster(steps)
+
+    def action_limit(self) -> None:
+        """Choose where the next drive stops."""
+        self.session.driving.other_limit()
 
     def action_word(self, word: str) -> None:
         """Send one of the detector's words in place of a detector."""

@@ -8,6 +8,7 @@ from threading import Thread
 
 from pirate_sm.companion import entered
 from pirate_sm.console.command_series import RUN_OVER, Giver
+from pirate_sm.console.hand_driving import HandDriving
 from pirate_sm.console.quitting import Quitting
 from pirate_sm.console.recording_hooks import RunKeeper, unkept
 from pirate_sm.console.run_bridge import RunBridge
@@ -51,6 +52,7 @@ class OperatorSession:
     Attributes:
         quitting: Requests to end the session.
         giver: Gives a series of commands that the operator has confirmed.
+        driving: Stops what is driven by hand.
         result: How the last run ended; None before.
     """
 
@@ -76,6 +78,7 @@ class OperatorSession:
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
         self._bridge = RunBridge(scene_of(prepared), prepared, clock or WallClock())
+        self.driving = HandDriving(lambda: self._bridge.latest, factor)
 
     @property
     def latest(self) -> Snapshot:
@@ -159,12 +162,13 @@ class OperatorSession:
         attended = [FirstChoice()] if prepared.attended else []
         # An operator may act where a trace alone would repeat itself.
         companions = [each for each in prepared.companions if not isinstance(each, LoopWatch)]
+        people = self._bridge, self.driving, self.giver
         run = MissionRun(
             prepared.engine,
             prepared.backend,
             observers=[self._bridge],
             watchers=[self._bridge],
-            companions=[*companions, *kept.companions, *attended, self._bridge, self.giver],
+            companions=[*companions, *kept.companions, *attended, *people],
             tap=kept.tap,
             requests=self.quitting.begin(),
             clock=self._clock,

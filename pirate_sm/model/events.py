@@ -128,9 +128,18 @@ class FaultReport(NamedTuple):
 
 
 class OperatorCommand(NamedTuple):
-    """The operator gives a command that is not part of the mission."""
+    """The operator gives a command that is not part of the mission.
+
+    Attributes:
+        command: Its name.
+        share: By how much the duties of wheels are multiplied, so that the robot drives slower.
+        at_once: Whether a command that stops the wheels ends another one of the operator that is
+            under way while the robot drives.
+    """
 
     command: str
+    share: float = 1.0
+    at_once: bool = False
 
 
 class Answer(NamedTuple):

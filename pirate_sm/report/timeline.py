@@ -241,8 +241,8 @@ def operator_action(cause: object) -> str:
 
 def _asked(request: ev.Request) -> str:
     match request:
-        case ev.OperatorCommand(command):
-            return f"commands {command}"
+        case ev.OperatorCommand(command, share):
+            return f"commands {command}" + (f" at {share:.0%}" if share != 1.0 else "")
         case ev.Answer(choice):
             return f"answers {choice}"
         case ev.Pause():

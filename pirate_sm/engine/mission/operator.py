@@ -9,6 +9,7 @@ from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import command_outcome, commands, confirmation
+from pirate_sm.engine.robot.criteria import StoppedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import CommandStatus
@@ -25,20 +26,26 @@ from pirate_sm.model.events import (
 )
 
 
-def why_not_command(robot: RobotSpec, state: EngineState, index: int) -> str:
+def why_not_command(
+    robot: RobotSpec, state: EngineState, index: int, *, at_once: bool = False
+) -> str:
     """Return why a command of the operator would be refused now; empty if it would be accepted.
 
     Args:
         robot: The robot.
         state: The engine's state.
         index: The command, as an index into the chart's commands.
+        at_once: Whether it ends a drive that is under way, as in ``OperatorCommand``.
     """
     if state.mission.ended or state.mission.ending is not None:
         return "impossible: the mission is ending"
     if state.look is not None:
         return f"impossible: {confirmation.LOOKING}"
-    if state.robot.motion is not None and not state.mission.suspended:
-        return "impossible: another command is under way"
+    motion, stops = state.robot.motion, isinstance(robot.commands[index].done, StoppedSpec)
+    if motion is not None and not state.mission.suspended:
+        drives = bool(robot.driven[motion.target])
+        if not (at_once and stops and drives) or motion.place:
+            return "impossible: another command is under way"
     if state.robot.awaited is not None:
         return "impossible: setpoints are in flight"
     return command_outcome.refusal(robot, state.robot, index)
@@ -79,10 +86,13 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
         reason = "impossible: there is no such command"
     else:
         state = lapse_unheard(moment, state)
-        reason = why_not_command(moment.robot, state, index)
+        reason = why_not_command(moment.robot, state, index, at_once=event.at_once)
     if reason or index is None:
         moment.emit(CommandStatus(event.command, "refused", reason))
         return state
     state = pausing.take_over(moment, state)
-    robot = commands.begin(moment, state.robot, state.sensing, index, None, "")
-    return state._replace(robot=robot)
+    body = state.robot
+    if body.motion is not None:
+        body = commands.fail(moment, body, pausing.TAKEN_OVER)
+    body = commands.begin(moment, body, state.sensing, index, None, "", share=event.share)
+    return state._replace(robot=body)

@@ -69,10 +69,13 @@ def begin(
     command: int,
     timeout_s: float | None,
     place: str,
+    *,
+    share: float = 1.0,
 ) -> RobotState:
     """Send the command's first array; the chart moves when it is accepted.
 
-    Call it only while :func:`refusal` is empty and no array is awaited.
+    Call it only while :func:`refusal` is empty and no array is awaited. Wheels get this share of
+    what their states give them.
     """
     spec = moment.robot.commands[command]
     target = moment.robot.table.follow(state.configuration, command)
@@ -88,6 +91,9 @@ def begin(
         blind = motion.blind or levelling.why_not(moment.robot, state, sensing, spec.done)
         motion = motion._replace(levelling=memory, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
+    if share != 1.0:
+        wheels = moment.robot.safe_zero
+        values = tuple(v * share if slot in wheels else v for slot, v in enumerate(values))
     moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
 

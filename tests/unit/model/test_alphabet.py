@@ -63,7 +63,7 @@ def test_the_alphabet_is_what_its_version_says():
         "FaultReport": ("code", "message", "away_s", "of"),
         "GoTo": ("phase", "states", "unconfirmed"),
         "Log": ("level", "message"),
-        "OperatorCommand": ("command",),
+        "OperatorCommand": ("command", "share", "at_once"),
         "OutsideNumber": ("signal", "value", "age_s"),
         "Pause": (),
         "PhaseChange": ("phase",),

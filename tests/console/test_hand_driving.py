@@ -1,0 +1,191 @@
+"""Driving by hand: as long as a key is held, as fast and as far as chosen."""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+from types import SimpleNamespace
+
+import pytest
+from textual.events import AppBlur
+
+from pirate_sm.console.hand_driving import (
+    FIRST_REPEAT_S,
+    JOINT_CLEARANCE_M,
+    LIMITS_M,
+    NEXT_REPEAT_S,
+    HandDriving,
+    Place,
+    joint_ahead_m,
+    on_stops,
+)
+from pirate_sm.engine.state import EngineState
+from pirate_sm.wiring import Order
+
+from .driving import Operator, by_hand, confirming, operator, played
+from .test_looks import text_of
+
+
+async def clamped(me: Operator) -> None:
+    for command in ("ClampFront", "ClampRear"):
+        await me.command(command)
+
+
+def state(me: Operator) -> EngineState:
+    assert me.latest.state is not None
+    return me.latest.state
+
+
+def test_a_robot_drives_for_as_long_as_the_key_is_held() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand"))) as me:
+            await clamped(me)
+            for _ in range(20):  # repeats every 0.2 s of its time
+                await me.press("up")
+                me.wait(0.1)
+            assert not me.wheels_stand()
+            me.wait(NEXT_REPEAT_S + 0.3)
+            assert me.wheels_stand()
+            me.until(lambda: state(me).robot.motion is None)
+            assert "Fixed" in me.states
+
+    played(story)
+
+
+def test_a_key_that_is_pressed_once_drives_no_longer_than_until_its_first_repeat() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await clamped(me)
+            await me.press("down")
+            assert not me.wheels_stand()
+            me.wait(FIRST_REPEAT_S)
+            me.wait(0.2)
+            assert me.wheels_stand()
+
+    played(story)
+
+
+def test_what_drives_by_a_held_key_brakes_when_the_terminal_loses_the_focus() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await clamped(me)
+            await me.press("up")
+            assert not me.wheels_stand()
+            me.app.post_message(AppBlur())
+            await me.pilot.pause()
+            me.wait(0.2)
+            assert me.wheels_stand()
+
+    played(story)
+
+
+def test_a_drive_has_the_speed_that_is_chosen_and_shown() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand"))) as me:
+            await clamped(me)
+            await me.press("minus")
+            await me.press("minus")
+            await me.look()
+            assert "by hand 60% (+ -), no limit (=)" in text_of(me)
+            await me.press(me.app.letters["DriveForward"])
+            me.wait(0.5)
+            robot = me.latest.scene.robot
+            duties = [abs(me.values[slot]) for slot in robot.safe_zero]
+            assert duties == pytest.approx([0.6] * len(duties))
+            held = [v for slot, v in enumerate(me.values) if v and slot not in robot.safe_zero]
+            assert max(map(abs, held)) > 0.6  # clamps keep what they had
+
+    played(story)
+
+
+def test_a_drive_stops_at_its_limit_and_a_key_that_is_still_held_does_not_begin_another() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand"))) as me:
+            await clamped(me)
+            while me.session.driving.limit_m != 0.1:
+                await me.press("equals_sign")
+            began_m = me.latest.odometry_m
+            for _ in range(30):
+                await me.press("up")
+                me.wait(0.1)
+            assert me.wheels_stand()
+            assert me.latest.odometry_m - began_m == pytest.approx(0.1, abs=0.02)
+            assert any("stops: " in each for each in me.told())
+
+            me.wait(FIRST_REPEAT_S + 0.1)  # released
+            await me.press("up")
+            assert not me.wheels_stand()
+
+    played(story)
+
+
+def test_a_drive_that_is_to_stop_before_the_joint_does_not_begin_where_its_place_is_unknown() -> (
+    None
+):
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand"))) as me:
+            await clamped(me)
+            while not isnan(me.session.driving.limit_m):
+                await me.press("equals_sign")
+            for key in ("up", "down", me.app.letters["DriveForward"]):
+                me.app._drove_s = -inf
+                await me.press(key)
+                me.wait(0.2)
+                assert me.wheels_stand()
+
+    played(story)
+
+
+def test_the_answer_that_a_real_robot_may_move_begins_no_drive() -> None:
+    async def story() -> None:
+        prepared = confirming(by_hand(Order("by_hand", backend="trace")), "it may move")
+        async with operator(prepared) as me:
+            await me.press(me.app.letters["ClampFront"])
+            await me.press("y")
+            await clamped(me)
+            me.app._agreed = False
+            await me.press("up")
+            await me.press("y")
+            me.wait(1.0)
+            assert me.wheels_stand()
+
+    played(story)
+
+
+def test_limits_come_round() -> None:
+    driving = HandDriving(lambda: pytest.fail("no snapshot is needed"))
+    for _ in LIMITS_M:
+        driving.other_limit()
+    assert driving.limit_m == inf
+    driving.faster(-9)
+    assert driving.speed == 0.2
+
+
+def test_a_drive_stops_before_the_joint_of_the_pipe_which_is_a_warning_before() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand"))) as me:
+            await clamped(me)
+            driving, route = me.session.driving, me.latest.scene.route
+            assert route is not None
+            begins_m = route.joints[0].arc_m - route.joints[0].before_m
+            driving.place = Place(begins_m - 0.2, me.latest.odometry_m)
+            driving.limit_m = nan
+            assert joint_ahead_m(me.latest, driving.place) == pytest.approx(0.2)
+            await me.press(me.app.letters["DriveForward"])
+            me.until(me.wheels_stand, 10)
+
+            ahead_m = joint_ahead_m(me.latest, driving.place)
+            assert 0.03 < ahead_m <= JOINT_CLEARANCE_M
+            told = "\n".join(me.told())
+            assert told.count("a joint of the pipe is ") == 1
+            assert told.count("stops: the joint is ") == 1
+
+    played(story)
+
+
+def test_a_joint_of_the_robot_on_its_end_stop_is_found() -> None:
+    joints = [SimpleNamespace(name=name, value=name, limit=2.0) for name in ("low", "high", "dark")]
+    scene = SimpleNamespace(anatomy=SimpleNamespace(joints=joints))
+    signals = {"low": 1.9, "high": -1.97, "dark": nan}
+
+    found = list(on_stops(SimpleNamespace(scene=scene, signals=signals)))  # type: ignore[arg-type]
+    assert found == [("high", "-113°")]
