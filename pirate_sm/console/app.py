@@ -17,7 +17,8 @@ from textual.widgets import Footer
 
 from pirate_sm.console import availability, hand_back_plan
 from pirate_sm.console.check_process import Ask, ask_here
-from pirate_sm.console.dialogs import Help
+from pirate_sm.console.dialogs import Help, Say
+from pirate_sm.console.hand_driving import is_still
 from pirate_sm.console.help_page import help_lines
 from pirate_sm.console.key_bindings import (
     CONTROLS,
@@ -109,6 +110,7 @@ class Console(PanelActions, App[None]):
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
         Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
+        Binding("at", "say", "Say a place", show=False),
         Binding("plus", "faster(1)", "Faster", show=False),
         Binding("minus", "faster(-1)", "Slower", show=False),
         Binding("equals_sign", "limit", "Where a drive stops", show=False),
@@ -225,6 +227,8 @@ class Console(PanelActions, App[None]):
             self.show_words(snapshot)
         self.heed_panel()
         self.keep_up(snapshot)
+        if isinstance(self.screen, Say) and not is_still(snapshot):
+            self.screen.dismiss(None)
         if snapshot.over and self.session.quitting.stop is not None:
             self.exit()
 
@@ -281,6 +285,10 @@ class Console(PanelActions, App[None]):
         return bool(self.screen_stack[0].query_one(selector).size)
 
     # --- what does not move the robot ---------------------------------------------------------
+
+    def check_action(self, action: str, parameters: tuple[object, ...]) -> bool:
+        """Return whether an action is possible: no stop by a key that types a space."""
+        return not (action == "stop" and self.typing)
 
     def action_page(self, by: int) -> None:
         """Show another page of a small terminal."""

@@ -6,7 +6,7 @@ A key that was pressed before a dialog could be read was meant for something els
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import inf
+from math import inf, nan
 from textwrap import wrap
 from time import monotonic
 from typing import ClassVar, NamedTuple, TypeVar
@@ -16,13 +16,15 @@ from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical, VerticalScroll
 from textual.content import Content
 from textual.screen import ModalScreen
-from textual.widgets import Button, Footer, OptionList, Static
+from textual.widgets import Button, Footer, Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from pirate_sm.console.key_bindings import LEAVE, NO, YES, both_cases
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.themed_lines import line
+from pirate_sm.model.events import Observation
 from pirate_sm.showing.text_styles import MUTED
+from pirate_sm.units import LENGTH, QuantityError, read_quantity
 
 _WIDEST = 100
 """The largest width of a list, as in the stylesheet."""
@@ -98,6 +100,31 @@ class Confirm(Dialog[bool]):
     def action_answer(self, yes: bool) -> None:
         """Answer by the key."""
         self.dismiss(yes)
+
+
+class Say(Dialog[Observation | None]):
+    """Asks where the robot is and what is seen there. The space bar types a space."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel")]
+
+    def compose(self) -> ComposeResult:
+        """Lay out two lines to type in."""
+        with Vertical(classes="dialog"):
+            yield Static("Wheel 1 is at (empty: not said)", markup=False)
+            yield Input(placeholder="0.70 m")
+            yield Static("Seen there (empty: nothing)", markup=False)
+            yield Input(placeholder="crack, 3 o'clock")
+        yield last_line()
+
+    def on_input_submitted(self) -> None:
+        """Take both lines, or show why the place is none."""
+        place, seen = (each.value.strip() for each in self.query(Input))
+        try:
+            place_m = read_quantity(place, LENGTH) if place else nan
+        except QuantityError as error:
+            self.app.notify(str(error), severity="warning", markup=False)
+            return
+        self.dismiss(Observation(seen, place_m) if place or seen else None)
 
 
 class Choice(NamedTuple):

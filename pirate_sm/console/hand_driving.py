@@ -39,10 +39,10 @@ _AT_STOP = 0.98
 
 
 class Place(NamedTuple):
-    """Where somebody has said that the first wheel is, m along the route, and the odometry then."""
+    """Where somebody has said that the first wheel is, m along the route, and what it had come."""
 
     said_m: float = nan
-    odometry_m: float = nan
+    came_m: float = nan
 
 
 class HandDriving:
@@ -99,7 +99,9 @@ class HandDriving:
         far = "no limit" if self.limit_m == inf else f"{self.limit_m * 1e3:.0f} mm"
         far = "to the joint" if isnan(self.limit_m) else far
         keys = ("by hand ", MUTED), f"{self.speed:.0%}", (" (+ -), ", MUTED), far, (" (=)", MUTED)
-        return [line(*keys)]
+        here_m = place_m(self._latest(), self.place)
+        here = () if isnan(here_m) else (line(("wheel 1 at ", MUTED), f"{here_m:.2f} m"),)
+        return [line(*keys), *here]
 
     def why_not(self, command: str) -> str:
         """Return why this command cannot be given with the limit; empty if it can."""
@@ -193,7 +195,20 @@ class HandDriving:
 
 def place_m(snapshot: Snapshot, place: Place) -> float:
     """Return where the first wheel is by what somebody has said and odometry since, m; or NaN."""
-    return place.said_m + snapshot.odometry_m - place.odometry_m
+    return place.said_m + came_m(snapshot) - place.came_m
+
+
+def is_still(snapshot: Snapshot) -> bool:
+    """Return whether nothing moves, and nothing but the operator can move anything."""
+    state, robot = snapshot.state, snapshot.scene.robot
+    if state is None or not state.mission.paused or state.robot.motion or state.robot.awaited:
+        return False
+    return not any(state.robot.latest[slot] for slot in robot.safe_zero)
+
+
+def came_m(snapshot: Snapshot) -> float:
+    """Return what the odometer has counted in the whole session, m; NaN where unknown."""
+    return snapshot.before_m + snapshot.odometry_m
 
 
 def joint_ahead_m(snapshot: Snapshot, place: Place) -> float:

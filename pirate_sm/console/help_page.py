@@ -21,6 +21,7 @@ _ALWAYS = (
     ("↑ ↓", "Drive forward, backward for as long as the key is held."),
     ("← →", "Brake."),
     ("+ -", "Drive faster, slower by hand, from the next drive on."),
+    ("@", "Type where wheel 1 is and what is seen, while nothing moves."),
     ("=", "Where a drive by hand stops: after a distance, before the joint."),
     ("1 … 9", "Answer what the mission asks."),
     ("Tab", "Next page, where the terminal is too small for all at once."),

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from math import inf
+from math import inf, isnan
 from signal import SIGHUP
 from time import monotonic
 from typing import Any
@@ -14,13 +14,23 @@ from textual.worker import Worker, WorkerState
 
 from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
+from pirate_sm.console.dialogs import Say
 from pirate_sm.console.hand_back_actions import HandBackActions
-from pirate_sm.console.hand_driving import FIRST_REPEAT_S
+from pirate_sm.console.hand_driving import FIRST_REPEAT_S, Place, came_m, is_still, place_m
 from pirate_sm.console.key_bindings import ways
 from pirate_sm.console.mission_actions import MissionActions
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.errors import PirateError
-from pirate_sm.model.events import Answer, DetectorWord, Event, OperatorCommand, Pause, Skip, Step
+from pirate_sm.model.events import (
+    Answer,
+    DetectorWord,
+    Event,
+    Observation,
+    OperatorCommand,
+    Pause,
+    Skip,
+    Step,
+)
 from pirate_sm.runtime.stop_requests import BY_SIGNAL
 from pirate_sm.showing.panels import choices
 
@@ -108,6 +118,32 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     def action_limit(self) -> None:
         """Choose where the next drive stops."""
         self.session.driving.other_limit()
+
+    # --- where the robot is -------------------------------------------------------------------
+
+    @property
+    def typing(self) -> bool:
+        """Whether a text is being typed, so that the stop key is a letter; nothing moves then."""
+        return bool(self.screen_stack) and isinstance(self.screen_stack[-1], Say)
+
+    def action_say(self) -> None:
+        """Let the operator type where the robot is and what is seen."""
+        if is_still(self.session.latest):
+            self.push_screen(Say(), self._say)
+        else:
+            self._refuse("a place", "it can be typed while nothing moves and nothing runs")
+
+    def _say(self, said: Observation | None) -> None:
+        if said is None:
+            return
+        latest, driving = self.session.latest, self.session.driving
+        if isnan(said.place_m):
+            said = said._replace(place_m=place_m(latest, driving.place))
+        else:
+            driving.place = Place(said.place_m, came_m(latest))
+        self.session.give_event(said)
+        if said.text and not latest.scene.mission:
+            self._refuse("not recorded", "the robot by hand is not; choose a mission first")
 
     def action_word(self, word: str) -> None:
         """Send one of the detector's words in place of a detector."""

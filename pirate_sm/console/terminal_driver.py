@@ -31,7 +31,15 @@ class Leaving(Protocol):
 
 @runtime_checkable
 class Stoppable(Leaving, Protocol):
-    """Can be stopped from any thread."""
+    """Can be stopped from any thread.
+
+    Attributes:
+        typing: Whether the stop key is a letter of a text, because nothing moves.
+    """
+
+    @property
+    def typing(self) -> bool:
+        """Return whether a text is being typed."""
 
     def stop_now(self) -> None:
         """Send the robot to its safe state."""
@@ -51,6 +59,7 @@ class StopDriver(LinuxDriver):
             isinstance(message, Key)
             and message.key == STOP_KEY
             and isinstance(self._app, Stoppable)
+            and not self._app.typing
         ):
             self._app.stop_now()
             return

@@ -116,6 +116,7 @@ class Map:
         pitch_rad: Pitch of the leg in which it began; NaN if it was never felt.
         roll_rad: Roll of the robot's plane against the horizontal there.
         notes: What could not be mapped, in sentences.
+        seen: What a person has said of places, in the order of the run.
     """
 
     legs: list[Leg] = field(default_factory=lambda: [Leg()])
@@ -124,6 +125,7 @@ class Map:
     pitch_rad: float = nan
     roll_rad: float = nan
     notes: list[str] = field(default_factory=list)
+    seen: list[str] = field(default_factory=list)
 
     @property
     def up(self) -> Vector:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import isfinite
 
 from pirate_sm.detectors.word_timing import words_of
@@ -9,7 +10,9 @@ from pirate_sm.errors import RecordingError
 from pirate_sm.mapping.legs import Map
 from pirate_sm.mapping.looks import looks
 from pirate_sm.mapping.mapper import Mapper
+from pirate_sm.model.events import Observation
 from pirate_sm.recording.read.reader import Recording
+from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.replay.recorded_mission import recorded_robot_files, robot_as_recorded
 
 
@@ -17,7 +20,8 @@ def mapped(recording: Recording) -> Map:
     """Return the map of the pipe that a robot has driven through.
 
     Of the recording it reads the robot's files, the frames of its boards, the detector's words, its
-    states and its setpoints; neither truth, nor the pipe's file, nor reports from outside.
+    states and its setpoints, and quotes what a person has said of places; neither truth, nor the
+    pipe's file, nor reports from outside.
 
     Raises:
         RecordingError: The recording is damaged, its robot cannot be loaded any more, or no wheel
@@ -26,9 +30,19 @@ def mapped(recording: Recording) -> Map:
     loaded = recorded_robot_files(recording.header)
     robot = robot_as_recorded(loaded, recording.header)
     mapper = Mapper(robot, words_of(loaded.profile))
-    for look in looks(mapper.robot, recording.steps(), recording.origin_s):
+    seen: list[str] = []
+    for look in looks(mapper.robot, _overheard(recording, seen), recording.origin_s):
         mapper.look(look)
     found = mapper.finish()
+    found.seen = seen
     if not isfinite(found.legs[0].from_m):
         raise RecordingError("nothing to map: the recording shows no angle of any wheel")
     return found
+
+
+def _overheard(recording: Recording, seen: list[str]) -> Iterator[Step]:
+    """Yield the steps of the recording; note what a person says in them."""
+    for step in recording.steps():
+        if isinstance(step.event, Observation):
+            seen.append(step.event.words)
+        yield step

@@ -74,6 +74,7 @@ def _notes(made: Map, longer_m: float) -> Iterator[str]:
         yield "All bends lie in one plane: round or between bars, the signals do not say which."
     if isnan(made.pitch_rad):
         yield "How it lies against gravity is not known."
+    yield from (f"A person says: {each}." for each in made.seen)
     yield from (f"Incomplete: {note}." for note in made.notes)
 
 

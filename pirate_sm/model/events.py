@@ -8,7 +8,7 @@ part of an event: the engine receives it separately, in seconds since the run be
 
 from __future__ import annotations
 
-from math import inf, nan
+from math import inf, isnan, nan
 from typing import Literal, NamedTuple, TypeAlias
 
 ALPHABET_VERSION = 10
@@ -142,6 +142,24 @@ class OperatorCommand(NamedTuple):
     at_once: bool = False
 
 
+class Observation(NamedTuple):
+    """A person says where the robot is or what they see there; it changes nothing of the robot.
+
+    Attributes:
+        text: What they see, such as ``crack, 3 o'clock``; empty where they only say the place.
+        place_m: Where the first wheel is along the route; NaN is unknown.
+    """
+
+    text: str
+    place_m: float = nan
+
+    @property
+    def words(self) -> str:
+        """Return it in words."""
+        place = "an unknown place" if isnan(self.place_m) else f"{self.place_m:.2f} m"
+        return f"seen at {place}: {self.text}" if self.text else f"wheel 1 is at {place}"
+
+
 class Answer(NamedTuple):
     """The operator has chosen one of the possible answers."""
 
@@ -210,7 +228,9 @@ class Abort(NamedTuple):
     reason: str
 
 
-Request: TypeAlias = OperatorCommand | Answer | Pause | Resume | Step | GoTo | Skip | Abort
+Request: TypeAlias = (
+    OperatorCommand | Observation | Answer | Pause | Resume | Step | GoTo | Skip | Abort
+)
 """A request of the operator, or of a program in place of an operator."""
 
 Event: TypeAlias = (

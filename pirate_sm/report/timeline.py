@@ -243,6 +243,8 @@ def _asked(request: ev.Request) -> str:
     match request:
         case ev.OperatorCommand(command, share):
             return f"commands {command}" + (f" at {share:.0%}" if share != 1.0 else "")
+        case ev.Observation():
+            return f"says: {request.words}"
         case ev.Answer(choice):
             return f"answers {choice}"
         case ev.Pause():

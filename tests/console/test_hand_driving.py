@@ -15,6 +15,7 @@ from pirate_sm.console.hand_driving import (
     NEXT_REPEAT_S,
     HandDriving,
     Place,
+    came_m,
     joint_ahead_m,
     on_stops,
 )
@@ -167,7 +168,7 @@ def test_a_drive_stops_before_the_joint_of_the_pipe_which_is_a_warning_before() 
             driving, route = me.session.driving, me.latest.scene.route
             assert route is not None
             begins_m = route.joints[0].arc_m - route.joints[0].before_m
-            driving.place = Place(begins_m - 0.2, me.latest.odometry_m)
+            driving.place = Place(begins_m - 0.2, came_m(me.latest))
             driving.limit_m = nan
             assert joint_ahead_m(me.latest, driving.place) == pytest.approx(0.2)
             await me.press(me.app.letters["DriveForward"])

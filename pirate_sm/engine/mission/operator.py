@@ -12,11 +12,12 @@ from pirate_sm.engine.robot import command_outcome, commands, confirmation
 from pirate_sm.engine.robot.criteria import StoppedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import CommandStatus
+from pirate_sm.model.effects import CommandStatus, Log
 from pirate_sm.model.events import (
     Abort,
     Answer,
     GoTo,
+    Observation,
     OperatorCommand,
     Pause,
     Request,
@@ -56,6 +57,9 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
     match request:
         case OperatorCommand():
             return _command(moment, state, request)
+        case Observation():
+            moment.emit(Log("info", f"{request.words} (operator)"))
+            return state
         case Answer() | Skip() if state.mission.paused:
             answers = isinstance(request, Answer)
             what = "no answer is taken" if answers else "nothing is passed over"
@@ -67,10 +71,8 @@ def obey(moment: Moment, state: EngineState, request: Request) -> EngineState:
             return state._replace(mission=state.mission._replace(skipped=trigger))
         case Pause():
             return pausing.wanted(state)
-        case Resume():
-            return pausing.resume(moment, state, one_step=False)
-        case Step():
-            return pausing.resume(moment, state, one_step=True)
+        case Resume() | Step():
+            return pausing.resume(moment, state, one_step=isinstance(request, Step))
         case GoTo():
             return pausing.go_to(moment, state, request)
         case Abort(reason):

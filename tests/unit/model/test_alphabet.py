@@ -64,6 +64,7 @@ def test_the_alphabet_is_what_its_version_says():
         "GoTo": ("phase", "states", "unconfirmed"),
         "Log": ("level", "message"),
         "OperatorCommand": ("command", "share", "at_once"),
+        "Observation": ("text", "place_m"),
         "OutsideNumber": ("signal", "value", "age_s"),
         "Pause": (),
         "PhaseChange": ("phase",),
