@@ -81,7 +81,7 @@ class HandDriving:
         self._pressed = command
 
     def release(self) -> None:
-        """Brake if a key was held, because it can have been released unseen."""
+        """Stop if a key was held, because it can have been released unseen."""
         self._braking = self._braking or bool(self._held)
 
     def faster(self, steps: int) -> None:

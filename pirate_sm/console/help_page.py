@@ -19,7 +19,7 @@ _ALWAYS = (
     ("Space", "STOP: wheels stop, clamps hold. Works at any time, also over a dialog."),
     ("m", "Choose a mission. It begins paused: the robot is yours first."),
     ("↑ ↓", "Drive forward, backward for as long as the key is held."),
-    ("← →", "Brake."),
+    ("← →", "Stop the wheels."),
     ("+ -", "Drive faster, slower by hand, from the next drive on."),
     ("@", "Type where wheel 1 is and what is seen, while nothing moves."),
     ("=", "Where a drive by hand stops: after a distance, before the joint."),

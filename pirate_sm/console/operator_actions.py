@@ -108,7 +108,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             driving.press(name)
 
     def on_app_blur(self) -> None:
-        """Brake what a held key drives: its release will not be seen."""
+        """Stop what a held key drives: its release will not be seen."""
         self.session.driving.release()
 
     def action_faster(self, steps: int) -> None:

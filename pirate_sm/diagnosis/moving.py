@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from contextlib import suppress
-from math import isnan, nan
+from math import inf, isnan, nan
 
 from pirate_sm.backends.serial.link.wire_slots import to_counts
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -16,6 +16,9 @@ DUTY = 0.3
 TURN_FOR_S = 0.6
 TURNED_RAD = 0.1
 """A driven wheel turns much farther than this at this duty."""
+
+BEARS = 0.4
+"""A joint whose motor draws this share of its stall current holds something [assumed]."""
 
 _ANSWER_WITHIN_S = 2.0
 _LOOK_UP_S = 0.1
@@ -40,6 +43,18 @@ class Moving:
         rates = [board.expected_per_s for board in listening.facts().boards]
         # If a message holds one value, a board's turn comes late.
         self._settle_s = max([_COAST_S, *(1.5 / rate for rate in rates if rate)])
+
+    @property
+    def bearing(self) -> tuple[str, ...]:
+        """The slots of joints that hold something, of which an array of zeros would let go."""
+        profile = self._profile
+        stalls = {each.name: profile.motors[each.motor].stall_current for each in profile.slots}
+        return tuple(
+            slot.name
+            for slot in profile.slots
+            if slot.wheel is None
+            and abs(self._seen(slot.name, "current")) >= BEARS * (stalls[slot.name] or inf)
+        )
 
     def run(self) -> MoveFact:
         """Turn every wheel for a moment, stop it, and return the results.
@@ -116,11 +131,15 @@ class Moving:
 
     def _angle(self, slot: str) -> float:
         """Return the angle that the slot's own sensor shows, rad; NaN if it shows none."""
+        return self._seen(slot, "angle")
+
+    def _seen(self, slot: str, sense: str) -> float:
+        """Return what the slot's own sensor of this kind shows, in SI; NaN if it shows nothing."""
         subject = self._listening.subject
         for number, board in subject.robot.boards.items():
             channels = next(b.channels for b in self._profile.boards if b.id == number)
             for place, _, scale in board.channels:
                 channel = channels[place]
-                if (channel.senses, channel.slot) == ("angle", slot):
+                if (channel.senses, channel.slot) == (sense, slot):
                     return self._listening.records.last(number, place) * scale
         return nan

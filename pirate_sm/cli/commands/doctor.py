@@ -88,11 +88,18 @@ def _look_around(listening: Listening, subject: Subject, options: DoctorOptions)
     facts = judged(listening.facts(), subject)
     if not options.move:
         return facts
+    moving = Moving(listening, say)
     if not facts.go:
         note = DoctorFinding("note", "nothing was sent: a robot that is no-go is not moved")
         others = tuple(each for each in facts.findings if each.level != "note")
         return replace(facts, findings=(*others, note))
-    move = Moving(listening, say).run()
+    if moving.bearing:
+        text = (
+            f"nothing was sent: {', '.join(moving.bearing)} holds something, and an array of zeros "
+            "would let go of it; if nothing can fall, relax the robot or switch its power off first"
+        )
+        return replace(facts, findings=(DoctorFinding("no-go", text), *facts.findings))
+    move = moving.run()
     after = listening.facts().link
     link = replace(
         facts.link,

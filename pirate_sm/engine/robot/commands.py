@@ -74,8 +74,7 @@ def begin(
 ) -> RobotState:
     """Send the command's first array; the chart moves when it is accepted.
 
-    Call it only while :func:`refusal` is empty and no array is awaited. Wheels get this share of
-    what their states give them.
+    Call it only while :func:`refusal` is empty and no array is awaited. Wheels get this share.
     """
     spec = moment.robot.commands[command]
     target = moment.robot.table.follow(state.configuration, command)

@@ -10,6 +10,8 @@ from statistics import median
 
 import pytest
 
+from pirate_sm.cli.commands.doctor import _look_around
+from pirate_sm.cli.options.links import DoctorOptions
 from pirate_sm.diagnosis.facts import Facts, Subject
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
@@ -118,6 +120,24 @@ def test_each_wheel_that_is_asked_to_turns_and_stands_still_again(
     assert [wheel.turned for wheel in move.wheels] == [True] * 6
     assert move.accepted == move.sent
     assert not any(duties)
+
+
+def test_a_robot_that_holds_on_is_not_sent_zeros(connect: Connect, subject: Subject) -> None:
+    with connect() as listening:
+        listening.listen(2.0)
+        clamp = {"bend_1": -1.0, "bend_2": 1.0}
+        array = tuple(clamp.get(slot.name, 0.0) for slot in subject.profile.slots)
+        listening.exchange.submit(1, array, listening.port.now())
+        listening.turn(listening.port.now() + 4.0)
+        duties = tuple(bay_of(listening).duties)
+        assert any(duties)
+
+        facts = _look_around(listening, subject, DoctorOptions(move=True, json=True))
+
+        assert tuple(bay_of(listening).duties) == duties
+    assert facts.move is None
+    assert not facts.go
+    assert facts.findings[0].message.startswith("nothing was sent: bend_1, bend_2 holds something")
 
 
 @pytest.mark.parametrize("line", [{}, {"delay_s": 0.1}, {"jitter_s": 0.05}], ids=str)
