@@ -199,6 +199,8 @@ class Console(PanelActions, App[None]):
     async def on_event(self, event: Event) -> None:
         """Ignore a key that was pressed before the dialog that it would answer could be read."""
         meant_for_it = isinstance(event, Key) and event.key != STOP_KEY
+        if isinstance(event, Key):
+            self.pressed_s = event.time
         if not (meant_for_it and self.is_unread(event.time)):
             await super().on_event(event)
 

@@ -22,7 +22,7 @@ LOOK_EVERY_S = 0.02
 FIRST_REPEAT_S = 0.8
 """Keyboards repeat a key that is held for the first time after 0.25 s to 0.75 s."""
 
-NEXT_REPEAT_S = 0.25
+NEXT_REPEAT_S = 0.35
 """Keyboards repeat it every 20 ms to 100 ms from then on; the rest is for a slow connection."""
 
 SPEEDS = (0.2, 0.4, 0.6, 0.8, 1.0)

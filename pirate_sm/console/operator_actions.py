@@ -16,7 +16,14 @@ from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.dialogs import Say
 from pirate_sm.console.hand_back_actions import HandBackActions
-from pirate_sm.console.hand_driving import FIRST_REPEAT_S, Place, came_m, is_still, place_m
+from pirate_sm.console.hand_driving import (
+    FIRST_REPEAT_S,
+    NEXT_REPEAT_S,
+    Place,
+    came_m,
+    is_still,
+    place_m,
+)
 from pirate_sm.console.key_bindings import ways
 from pirate_sm.console.mission_actions import MissionActions
 from pirate_sm.console.terminal_driver import STOP_KEY
@@ -36,11 +43,17 @@ from pirate_sm.showing.panels import choices
 
 
 class OperatorActions(HandBackActions, MissionActions, AlarmActions):
-    """The acting half of the console; every refusal is shown with the engine's reason."""
+    """The acting half of the console; every refusal is shown with the engine's reason.
+
+    Attributes:
+        pressed_s: When the last key was pressed, by the monotonic clock.
+        late_after_s: From which age on a key does not drive any more.
+    """
 
     letters: dict[str, str]
 
-    _drove_s = -inf
+    pressed_s = _drove_s = -inf
+    late_after_s = NEXT_REPEAT_S
     _wants_to_go = False
 
     # --- the stop -----------------------------------------------------------------------------
@@ -96,6 +109,8 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     def action_drive(self, name: str) -> None:
         """Drive for as long as the key is held; act on each repeat of it."""
         driving, now_s = self.session.driving, monotonic()
+        if now_s > self.pressed_s + self.late_after_s:
+            return  # a slow terminal has kept the console from it; the key may be released by now
         again, self._drove_s = now_s < self._drove_s + FIRST_REPEAT_S, now_s
         self.session.giver.stop()
         if not (again or self._may_move()):

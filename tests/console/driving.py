@@ -165,6 +165,7 @@ async def operator(
     # It shows what there is when the operator looks. Frames in the time of the wall would keep
     # the process busy, and the pilot waits after every key until the process is idle.
     app = console(session, frames_per_s=0)
+    app.late_after_s = inf  # nor does a busy machine take its keys for old ones
     app.read_after_s = 0.0  # this operator reads as fast as the dialog is drawn
     # Notifications expire by the time of the wall, too: none does before the story is over.
     notify = app.notify

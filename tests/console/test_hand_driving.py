@@ -65,6 +65,18 @@ def test_a_key_that_is_pressed_once_drives_no_longer_than_until_its_first_repeat
     played(story)
 
 
+def test_a_key_that_is_heard_late_does_not_drive() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await clamped(me)
+            me.app.late_after_s = -inf  # as behind a terminal that takes no output
+            await me.press("up")
+            me.wait(0.2)
+            assert me.wheels_stand()
+
+    played(story)
+
+
 def test_what_drives_by_a_held_key_brakes_when_the_terminal_loses_the_focus() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:

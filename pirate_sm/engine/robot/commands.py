@@ -69,7 +69,6 @@ def begin(
     command: int,
     timeout_s: float | None,
     place: str,
-    *,
     share: float = 1.0,
 ) -> RobotState:
     """Send the command's first array; the chart moves when it is accepted.
@@ -90,9 +89,8 @@ def begin(
         blind = motion.blind or levelling.why_not(moment.robot, state, sensing, spec.done)
         motion = motion._replace(levelling=memory, blind=blind)
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
-    if share != 1.0:
-        wheels = moment.robot.safe_zero
-        values = tuple(v * share if slot in wheels else v for slot, v in enumerate(values))
+    slowed = moment.robot.safe_zero if share != 1.0 else ()
+    values = tuple(v * share if slot in slowed else v for slot, v in enumerate(values))
     moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
 
