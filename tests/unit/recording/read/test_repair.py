@@ -55,7 +55,7 @@ def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
         assert again.header == torn.header
         assert (done.steps, done.until_s) == (len(list(torn.steps())), torn.until_s)
         assert done.torn_bytes == torn.content.size - torn.content.whole
-        assert done.damage == ""
+        assert (done.damage, done.left_until_s) == ("", 0.0)
         assert again.content.complete
         assert again.complete == torn.complete
         assert again.notices == (() if torn.complete else torn.notices)

@@ -10,6 +10,9 @@ import pytest
 from pirate_sm.backends.serial.guardian import guarded_port
 from pirate_sm.backends.serial.guardian.guarded_port import GuardedPort
 from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.backends.serial.guardian.takeover import LeftBehind
+from pirate_sm.backends.serial.ports.protocol import PortLostError
+from pirate_sm.errors import BackendError
 
 from ..bench import WANTED
 
@@ -94,3 +97,306 @@ def test_belief_a_run_goes_before_other_programs_while_it_has_a_port_if_it_may(
 
     assert opened == (-10 if allowed else 3)
     assert nice[-1] == 3
+
+
+class ObedientGuardian:
+    """A guardian without a process, in virtual time; it does what its attributes say.
+
+    Attributes:
+        says: Its notes, one batch for each time somebody listens; None: its pipe is closed.
+        answers: Whether it acknowledges beats.
+        fails: What sending to it raises.
+        goes: Whether it ends once nobody talks to it.
+        heard, done: What it was sent, and what was done to it.
+    """
+
+    pid = 17
+
+    def __init__(self) -> None:
+        self.now = 100.0
+        self.says: list[list[Note] | None] = [[Note(Kind.OPENED)]]
+        self.answers, self.goes = True, True
+        self.fails: OSError | None = None
+        self.heard: list[Note] = []
+        self.done: list[str | tuple[str, ...]] = []
+
+    def start(self, *arguments: str) -> None:
+        self.done.append(arguments)
+
+    def hang_up(self) -> bool:
+        self.done.append("hang up")
+        return self.goes
+
+    def kill(self) -> None:
+        self.done.append("kill")
+
+    def leave(self) -> None:
+        self.done.append("leave")
+
+    def send(self, note: Note) -> None:
+        if self.fails is not None:
+            raise self.fails
+        self.heard.append(note)
+        if note.kind == Kind.BEAT and self.answers:
+            self.says.append([Note(Kind.HEARD)])
+
+    def receive(self, within_s: float) -> list[Note] | None:
+        if self.says:
+            self.now += 0.01
+            return self.says.pop(0)
+        self.now += max(within_s, 0.0)
+        return []
+
+
+LEFT = LeftBehind(7, "port", "/dev/port", "md5", b"stop it")
+GUIDE = Instructions(0.3, WANTED)
+
+
+class TestInVirtualTime:
+    @pytest.fixture
+    def guardian(self, monkeypatch: pytest.MonkeyPatch) -> ObedientGuardian:
+        guardian = ObedientGuardian()
+        monkeypatch.setattr(guarded_port, "GuardianProcess", lambda patience_s: guardian)
+        monkeypatch.setattr(guarded_port, "_hurry", lambda nice: None)
+        return guardian
+
+    @staticmethod
+    def port_of(
+        guardian: ObedientGuardian,
+        monkeypatch: pytest.MonkeyPatch,
+        left: LeftBehind | None = None,
+    ) -> GuardedPort:
+        def take_over(url: str, md5: str) -> LeftBehind | None:
+            assert (url, md5) == ("tty", GUIDE.array_md5)
+            return left
+
+        monkeypatch.setattr(guarded_port, "take_over", take_over)
+        port = GuardedPort("tty", 57600, GUIDE)
+        monkeypatch.setattr(port, "now", lambda: guardian.now)
+        return port
+
+    @pytest.fixture
+    def port(self, guardian: ObedientGuardian, monkeypatch: pytest.MonkeyPatch) -> GuardedPort:
+        port = self.port_of(guardian, monkeypatch)
+        port.open()
+        assert guardian.done == [("tty", "57600", GUIDE.to_json())]
+        guardian.done.clear()
+        return port
+
+    def test_a_robot_that_was_left_behind_is_stopped_before_the_port_counts_as_open(
+        self, guardian: ObedientGuardian, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        guardian.says.append([Note(Kind.STOPPED)])
+        port = self.port_of(guardian, monkeypatch, LEFT)
+
+        port.open()
+
+        assert guardian.heard == [Note(Kind.STOP, b"stop it"), Note(Kind.HEED)]
+        assert "it is stopped now, as it has confirmed" in port.remark()
+        assert port.remark() == ""
+
+    def test_a_robot_that_does_not_confirm_its_stop_is_left_to_its_guardian(
+        self, guardian: ObedientGuardian, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        guardian.goes = False
+        port = self.port_of(guardian, monkeypatch, LEFT)
+
+        with pytest.raises(BackendError, match="confirms none now; cut the robot's power"):
+            port.open()
+
+        assert guardian.now == pytest.approx(100.01 + GUIDE.boot_s + 6.0)
+        assert guardian.heard == [Note(Kind.STOP, b"stop it")]
+        assert guardian.done[1:] == ["hang up", "leave"]
+
+    @pytest.mark.parametrize(
+        ("says", "why", "elapsed_s"),
+        [
+            ([[Note(Kind.REFUSED, b"busy")]], "^busy$", 0.01),
+            ([], "does not answer", 15.0),
+        ],
+    )
+    def test_a_port_that_cannot_be_opened_needs_no_guardian(
+        self,
+        guardian: ObedientGuardian,
+        monkeypatch: pytest.MonkeyPatch,
+        says: list[list[Note] | None],
+        why: str,
+        elapsed_s: float,
+    ) -> None:
+        guardian.says = says
+        port = self.port_of(guardian, monkeypatch)
+
+        with pytest.raises(BackendError, match=why):
+            port.open()
+
+        assert guardian.now == pytest.approx(100.0 + elapsed_s)
+        assert guardian.heard == [Note(Kind.LEAVE)]
+        assert port.guardian_pid is None
+
+    def test_a_guardian_that_ends_at_once_is_said_not_to_have_started(
+        self, guardian: ObedientGuardian, monkeypatch: pytest.MonkeyPatch
+    ) -> None:
+        guardian.says = [None]
+
+        with pytest.raises(BackendError, match="could not be started"):
+            self.port_of(guardian, monkeypatch).open()
+
+    def test_what_was_received_before_the_port_went_is_read_first_and_never_after_it_is_back(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        guardian.says = [[Note(Kind.DATA, b"last"), Note(Kind.LOST, b"unplugged")]]
+        assert port.read(guardian.now + 1.0) == b"last"
+        with pytest.raises(PortLostError, match="unplugged"):
+            port.read(guardian.now + 1.0)
+        with pytest.raises(PortLostError, match="unplugged"):
+            port.write(b"out")
+        assert not port.reopen()
+
+        guardian.says = [[Note(Kind.DATA, b"of before"), Note(Kind.OPENED)]]
+        assert port.reopen()
+        assert port.read(guardian.now) == b""
+        guardian.heard.clear()
+        port.write(b"out")
+        assert guardian.heard == [Note(Kind.WRITE, b"out")]
+
+    def test_a_guardian_that_has_died_is_replaced_and_told_at_once_how_to_stop_the_robot(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        port.beat(b"safe")
+        guardian.says = [[Note(Kind.DATA, b"old")], None]
+        port.read(guardian.now)
+        with pytest.raises(PortLostError, match="has died"):
+            port.read(guardian.now)
+        assert guardian.done == ["hang up"]
+        with pytest.raises(PortLostError, match="has died"):
+            port.write(b"out")
+        guardian.heard.clear()
+        guardian.says = [[Note(Kind.OPENED)]]
+
+        assert port.reopen()
+
+        assert guardian.heard == [Note(Kind.BEAT, b"safe")]
+        assert guardian.done[1] == ("tty", "57600", GUIDE.to_json())
+        port.beat(b"safe")
+        assert len(guardian.heard) == 2, "it beats at once"
+
+    def test_it_beats_six_times_in_the_time_of_silence_and_at_once_for_another_array(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        for elapsed_s, frame in (
+            (0.0, b"a"),
+            (0.04, b"a"),
+            (0.02, b"a"),
+            (0.01, b"b"),
+            (0.01, b"b"),
+        ):
+            guardian.now += elapsed_s
+            port.beat(frame)
+
+        assert guardian.heard == [Note(Kind.BEAT, each) for each in (b"a", b"a", b"b")]
+
+    def test_a_guardian_that_was_overruled_is_sent_a_beat_at_once(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        port.beat(b"a")
+        guardian.says = [[Note(Kind.OVERRULED)]]
+        port.read(guardian.now)
+        assert port.overruled()
+
+        port.beat(b"a")
+
+        assert [each.kind for each in guardian.heard] == [Kind.BEAT, Kind.HEED, Kind.BEAT]
+
+    def test_a_guardian_that_acknowledges_nothing_for_a_second_is_killed(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        guardian.answers = False
+        begun_s = guardian.now
+
+        def beats() -> None:
+            for _ in range(99):
+                port.beat(b"safe")
+                guardian.now += 0.05
+
+        with pytest.raises(PortLostError, match="did not answer and was replaced"):
+            beats()
+        assert guardian.done == ["kill"]
+        assert guardian.now - begun_s == pytest.approx(1.0, abs=0.06)
+        assert port.guardian_pid is None
+
+    def test_a_guardian_that_acknowledges_lives(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        for _ in range(60):
+            port.beat(b"safe")
+            guardian.now += 0.04
+            port.read(guardian.now)
+
+        assert guardian.done == []
+
+    @pytest.mark.parametrize(
+        ("error", "why", "done"),
+        [
+            (TimeoutError(), "did not answer and was replaced", ["kill"]),
+            (BrokenPipeError(), "has died", ["hang up", "leave"]),
+        ],
+    )
+    def test_a_guardian_to_which_nothing_can_be_sent_is_lost(
+        self,
+        port: GuardedPort,
+        guardian: ObedientGuardian,
+        error: OSError,
+        why: str,
+        done: list[str],
+    ) -> None:
+        guardian.fails, guardian.goes = error, False
+
+        with pytest.raises(PortLostError, match=why):
+            port.write(b"out")
+
+        assert guardian.done == done
+
+    @pytest.mark.parametrize("safe", [b"safe", b""])
+    def test_a_robot_that_is_stopped_needs_no_guardian(
+        self, port: GuardedPort, guardian: ObedientGuardian, safe: bytes
+    ) -> None:
+        if safe:
+            port.beat(safe)
+        guardian.heard.clear()
+        guardian.goes = False
+
+        port.close(stopped=bool(safe))
+
+        assert guardian.heard == [Note(Kind.LEAVE)]
+        assert guardian.done == ["hang up", "kill"]
+        assert port.remark() == ""
+
+    def test_a_robot_that_has_not_confirmed_its_stop_keeps_its_guardian(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        port.beat(b"safe")
+        guardian.heard.clear()
+        guardian.goes = False
+        begun_s = guardian.now
+
+        port.close()
+
+        assert guardian.now < begun_s + 0.1
+        assert guardian.heard == [Note(Kind.BEAT, b"safe")]
+        assert guardian.done == ["hang up", "leave"]
+        assert "`kill 17` ends it" in port.remark()
+
+    def test_a_guardian_that_does_not_answer_at_the_end_is_replaced(
+        self, port: GuardedPort, guardian: ObedientGuardian
+    ) -> None:
+        port.beat(b"safe")  # that it was heard waits to be read, and says nothing now
+        guardian.heard.clear()
+        guardian.answers = False
+        begun_s = guardian.now
+
+        port.close()
+
+        assert guardian.now == pytest.approx(begun_s + 1.01)
+        assert guardian.heard == [Note(Kind.BEAT, b"safe")] * 2
+        assert guardian.done == ["kill", ("tty", "57600", GUIDE.to_json()), "hang up"]
+        assert port.remark() == "", "it has confirmed the stop to its successor"
