@@ -80,6 +80,10 @@ class HandDriving:
         """Drive while the key of this command is held: call it for the key and each repeat."""
         self._pressed = command
 
+    def holds(self, command: str) -> bool:
+        """Return whether the key of this command is held and drives."""
+        return self._held == command
+
     def release(self) -> None:
         """Stop if a key was held, because it can have been released unseen."""
         self._braking = self._braking or bool(self._held)

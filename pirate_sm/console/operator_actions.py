@@ -117,10 +117,10 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self._agree(lambda: None)  # no drive begins with the answer, only with a key held
             return
         reason = availability.command_reason(self.session.latest, name) or driving.why_not(name)
-        if reason and not again:
-            self._refuse(name, reason)
-        else:
+        if driving.holds(name) or not reason:
             driving.press(name)
+        elif not again:
+            self._refuse(name, reason)
 
     def on_app_blur(self) -> None:
         """Stop what a held key drives: its release will not be seen."""

@@ -8,6 +8,7 @@ from types import SimpleNamespace
 import pytest
 from textual.events import AppBlur
 
+from pirate_sm.console import availability
 from pirate_sm.console.hand_driving import (
     FIRST_REPEAT_S,
     JOINT_CLEARANCE_M,
@@ -72,6 +73,21 @@ def test_a_key_that_is_heard_late_does_not_drive() -> None:
             me.app.late_after_s = -inf  # as behind a terminal that takes no output
             await me.press("up")
             me.wait(0.2)
+            assert me.wheels_stand()
+
+    played(story)
+
+
+def test_no_repeat_of_a_key_begins_a_drive_that_the_key_itself_could_not(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await clamped(me)
+            monkeypatch.setattr(availability, "command_reason", lambda *_: "no word from the robot")
+            for _ in range(3):
+                await me.press("up")
+                me.wait(0.1)
             assert me.wheels_stand()
 
     played(story)
