@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Literal
 
-from pirate_sm.campaign.intervals import fisher_exact
+from pirate_sm.campaign.intervals import fisher_exact, mcnemar_exact
 from pirate_sm.campaign.tally import Tally
 
 LEVEL = 0.05
@@ -21,7 +22,9 @@ class Difference:
     Attributes:
         name: Of the cells.
         passed: Passed runs and runs of the first; likewise ``then`` of the second.
-        chance: How likely so large a difference is by chance, by Fisher's exact test, two-sided.
+        chance: How likely so large a difference is by chance, two-sided.
+        test: The exact test that says so: ``McNemar`` for runs in pairs of one seed, ``Fisher`` for
+            independent ones.
         significant: Whether it counts, with as many cells as were compared (Holm's correction).
         lost: Seeds that passed in the first and do not in the second; likewise ``gained``.
     """
@@ -30,6 +33,7 @@ class Difference:
     passed: tuple[int, int]
     then: tuple[int, int]
     chance: float
+    test: Literal["McNemar", "Fisher"]
     significant: bool
     lost: tuple[int, ...]
     gained: tuple[int, ...]
@@ -37,7 +41,10 @@ class Difference:
     @property
     def worse(self) -> bool:
         """Whether the second is significantly worse."""
-        return self.significant and self.then[0] * self.passed[1] < self.passed[0] * self.then[1]
+        fewer = self.then[0] * self.passed[1] < self.passed[0] * self.then[1]
+        if self.test == "McNemar":
+            fewer = len(self.lost) > len(self.gained)
+        return self.significant and fewer
 
 
 @dataclass(frozen=True)
@@ -63,19 +70,10 @@ def compare(first: Sequence[Tally], second: Sequence[Tally]) -> Compared:
     """Return how the cells of two campaigns differ, matched by their names."""
     others = {each.cell.name: each for each in second}
     pairs = [(each, others[each.cell.name]) for each in first if each.cell.name in others]
-    chances = [fisher_exact(a.passed, a.runs, b.passed, b.runs) for a, b in pairs]
-    significant = _holm(chances)
+    found = [_difference(a, b) for a, b in pairs]
+    significant = _holm([each.chance for each in found])
     differences = tuple(
-        Difference(
-            a.cell.name,
-            (a.passed, a.runs),
-            (b.passed, b.runs),
-            chance,
-            number in significant,
-            tuple(_changed(a, b)),
-            tuple(_changed(b, a)),
-        )
-        for number, ((a, b), chance) in enumerate(zip(pairs, chances, strict=True))
+        replace(each, significant=number in significant) for number, each in enumerate(found)
     )
     names, both = {each.cell.name for each in first}, {each.name for each in differences}
     return Compared(
@@ -83,6 +81,28 @@ def compare(first: Sequence[Tally], second: Sequence[Tally]) -> Compared:
         tuple(each.cell.name for each in first if each.cell.name not in both),
         tuple(name for name in others if name not in names),
     )
+
+
+def _difference(first: Tally, second: Tally) -> Difference:
+    """Return how two cells differ; whether it is significant depends on the others, too.
+
+    Runs are compared in pairs if one cell has all the seeds of the other: one of them may have been
+    stopped earlier.
+    """
+    before, after = _passes(first), _passes(second)
+    lost = tuple(seed for seed, passed in before.items() if passed and not after.get(seed, True))
+    gained = tuple(seed for seed, passed in after.items() if passed and not before.get(seed, True))
+    passed, then = (first.passed, first.runs), (second.passed, second.runs)
+    if len(before.keys() & after.keys()) == min(len(before), len(after)) > 0:
+        chance = mcnemar_exact(len(lost), len(gained))
+        return Difference(first.cell.name, passed, then, chance, "McNemar", False, lost, gained)
+    chance = fisher_exact(*passed, *then)
+    return Difference(first.cell.name, passed, then, chance, "Fisher", False, lost, gained)
+
+
+def _passes(tally: Tally) -> dict[int, int]:
+    """Return whether the runs that count have passed, by their seeds."""
+    return dict(zip(tally.cell.seeds, tally.passes, strict=False))
 
 
 def _holm(chances: Sequence[float]) -> set[int]:
@@ -99,17 +119,6 @@ def _holm(chances: Sequence[float]) -> set[int]:
     return found
 
 
-def _changed(passing: Tally, other: Tally) -> Iterator[int]:
-    """Yield the seeds that pass in one tally and not in another that has them too."""
-    failing = {
-        seed for seed, passed in zip(other.cell.seeds, other.passes, strict=False) if not passed
-    }
-    if failing:
-        for seed, passed in zip(passing.cell.seeds, passing.passes, strict=False):
-            if passed and seed in failing:
-                yield seed
-
-
 def comparison_text(compared: Compared) -> str:
     """Return the comparison as lines for people."""
     return "\n".join(_lines(compared)) + "\n"
@@ -117,12 +126,12 @@ def comparison_text(compared: Compared) -> str:
 
 def _lines(compared: Compared) -> Iterator[str]:
     width = max((len(each.name) for each in compared.differences), default=0)
-    yield f"{'':{width}}  {'A passed':>22}  {'B passed':>22}  by chance"
+    yield f"{'':{width}}  {'A passed':>22}  {'B passed':>22}  by chance  test"
     for each in compared.differences:
         word = "" if not each.significant else "  WORSE" if each.worse else "  better"
         yield (
             f"{each.name:{width}}  {_share(each.passed):>22}  {_share(each.then):>22}"
-            f"  {each.chance:9.2g}{word}"
+            f"  {each.chance:9.2g}  {each.test:7}{word}".rstrip()
         )
         for what, seeds in (("lost", each.lost), ("gained", each.gained)):
             if seeds:

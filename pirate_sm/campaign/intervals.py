@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import exp, lgamma, sqrt
+from math import exp, lgamma, log, sqrt
 from statistics import NormalDist
 from typing import NamedTuple
 
@@ -67,6 +67,22 @@ def fisher_exact(successes: int, runs: int, other_successes: int, other_runs: in
     limit = chance(successes) * _SAME
     possible = range(max(0, total - other_runs), min(runs, total) + 1)
     return min(1.0, sum(p for p in map(chance, possible) if p <= limit))
+
+
+def mcnemar_exact(lost: int, gained: int) -> float:
+    """Return how likely pairs of runs change so one-sidedly by chance: McNemar's test, two-sided.
+
+    Pairs whose runs end alike say nothing; of the others, each is as likely lost as gained. The
+    exact test adds the binomial chances, which the normal approximation misses for few pairs.
+
+    Args:
+        lost: Pairs of which the first passed and the second did not.
+        gained: Pairs of which the second passed and the first did not.
+    """
+    changed = lost + gained
+    ways = changed * log(2.0)
+    tail = sum(exp(_log_choose(changed, n) - ways) for n in range(min(lost, gained) + 1))
+    return min(1.0, 2.0 * tail)
 
 
 def _log_choose(n: int, k: int) -> float:

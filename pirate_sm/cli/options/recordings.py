@@ -34,7 +34,7 @@ class CompareOptions:
     """Compare two recorded runs, or two campaigns.
 
     Runs are aligned by the mission's progress. Campaigns, folders with their results, are compared
-    cell by cell with Fisher's exact test.
+    cell by cell: by McNemar's exact test where seeds are the same, else by Fisher's.
 
     Exit codes: 0 the same course, or B is not worse; 1 they part, or B is worse; 2 one cannot be
     read, or results of a campaign are damaged.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Container
+
 import pytest
 
 from pirate_sm.campaign.comparing import compare, comparison_text
@@ -11,11 +13,48 @@ from pirate_sm.model.campaign import StoppingRule
 from .rows import cell, row
 
 
-def tally(name: str, failing: range, runs: int = 200) -> Tally:
-    counted = Tally(cell(name, range(runs)), 0.95, StoppingRule())
-    verdicts = ("failed" if seed in failing else "passed" for seed in range(runs))
-    counted.add(row(f"key_{name}", seed, verdict) for seed, verdict in enumerate(verdicts))
+def tally(name: str, failing: Container[int], runs: int = 200, first: int = 0) -> Tally:
+    seeds = range(first, first + runs)
+    counted = Tally(cell(name, seeds), 0.95, StoppingRule())
+    counted.add(
+        row(f"key_{name}", seed, "failed" if seed in failing else "passed") for seed in seeds
+    )
     return counted
+
+
+def test_runs_with_the_same_seeds_are_compared_in_pairs() -> None:
+    compared = compare([tally("a", range(25), 50)], [tally("a", range(33), 50)])
+    (only,) = compared.differences
+
+    assert only.chance == pytest.approx(2 * 0.5**8)
+    assert (only.test, only.worse) == ("McNemar", True)
+
+
+def test_runs_with_other_seeds_are_compared_as_independent_ones() -> None:
+    compared = compare([tally("a", range(25), 50)], [tally("a", range(100, 133), 50, 100)])
+    (only,) = compared.differences
+
+    assert only.chance == pytest.approx(0.1558, abs=1e-4)
+    assert (only.test, only.worse) == ("Fisher", False)
+
+
+def test_runs_that_share_some_seeds_only_are_compared_as_independent_ones() -> None:
+    (only,) = compare([tally("a", range(5))], [tally("a", range(5), first=1)]).differences
+
+    assert only.test == "Fisher"
+
+
+def test_a_cell_that_was_stopped_earlier_is_compared_by_the_seeds_of_both() -> None:
+    (only,) = compare([tally("a", range(2), 40)], [tally("a", range(10), 400)]).differences
+
+    assert only.chance == pytest.approx(2 * 0.5**8)
+    assert only.worse, "of the shared seeds, though the share of all of them is better"
+
+
+def test_as_many_gained_as_lost_is_no_difference() -> None:
+    (only,) = compare([tally("a", range(9))], [tally("a", range(9, 18))]).differences
+
+    assert (only.chance, only.significant, only.worse) == (1.0, False, False)
 
 
 def test_a_large_difference_is_worse_and_says_which_seeds_were_lost() -> None:
@@ -53,12 +92,12 @@ def test_of_many_cells_one_may_look_worse_by_chance() -> None:
 @pytest.mark.parametrize(
     ("failing", "significant"),
     [
-        # Chances 0.011, 0.020 and 0.037: each at most 5 % shared among those that are left.
-        ((10, 9, 8), (True, True, True)),
-        # Chances 0.020, 0.037 and 0.037: the smallest is more than a third of 5 %.
-        ((9, 8, 8), (False, False, False)),
-        # Chances 0.006, 0.037 and 0.037: after the first, 0.037 is more than a half of 5 %.
-        ((11, 8, 8), (True, False, False)),
+        # Chances 0.016, 0.016 and 0.031: each at most 5 % shared among those that are left.
+        ((8, 8, 7), (True, True, True)),
+        # Chances 0.031 of all: the smallest is more than a third of 5 %.
+        ((7, 7, 7), (False, False, False)),
+        # Chances 0.016, 0.031 and 0.031: after the first, 0.031 is more than a half of 5 %.
+        ((8, 7, 7), (True, False, False)),
     ],
 )
 def test_the_smaller_chances_of_several_cells_make_way_for_the_larger_ones(
@@ -90,6 +129,7 @@ def partly(name: str, failing: range, runs: int, of: int) -> Tally:
 def test_a_cell_that_is_not_complete_is_compared_by_what_it_has() -> None:
     (only,) = compare([partly("a", range(2), 5, 20)], [partly("a", range(1, 4), 4, 9)]).differences
 
+    assert only.test == "McNemar"
     assert (only.passed, only.then) == ((3, 5), (1, 4))
     assert (only.lost, only.gained) == ((2, 3), (0,))
 
@@ -103,10 +143,10 @@ def test_what_is_written_for_people() -> None:
     ]
 
     assert comparison_text(compare(first, second)).splitlines() == [
-        "                      A passed                B passed  by chance",
-        "a            190 of 200  95.0%       199 of 200  99.5%      0.011  better",
+        "                      A passed                B passed  by chance  test",
+        "a            190 of 200  95.0%       199 of 200  99.5%     0.0039  McNemar  better",
         "    9 gained in B: seeds 1, 2, 3, 4, 5, 6, 7, 8, 9",
-        "cell_b   1,970 of 2,000  98.5%   1,940 of 2,000  97.0%     0.0018  WORSE",
+        "cell_b   1,970 of 2,000  98.5%   1,940 of 2,000  97.0%    0.00044  McNemar  WORSE",
         "    50 lost in B: seeds 30, 31, 32, 33, 34, 35, 36, 37, 38, 39, …",
         "    20 gained in B: seeds 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, …",
         "gone: only in A",
@@ -126,4 +166,5 @@ def test_without_a_cell_in_both_there_is_the_head_alone() -> None:
     text = comparison_text(compare([], []))
 
     assert (no_runs.chance, no_runs.significant) == (1.0, False)
-    assert text == f"{'':2}{'A passed':>22}  {'B passed':>22}  by chance\nno cell is in both\n"
+    head = f"{'':2}{'A passed':>22}  {'B passed':>22}  by chance  test"
+    assert text.splitlines() == [head, "no cell is in both"]

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.campaign.intervals import fisher_exact, wilson
+from pirate_sm.campaign.intervals import fisher_exact, mcnemar_exact, wilson
 
 
 @pytest.fixture(scope="module")
@@ -49,3 +49,13 @@ def test_fishers_exact_test(stats: Any, table: tuple[int, int, int, int]) -> Non
 
     assert fisher_exact(a, n, b, m) == pytest.approx(expected, rel=1e-6)
     assert fisher_exact(b, m, a, n) == pytest.approx(expected, rel=1e-6)
+
+
+@pytest.mark.parametrize(
+    ("lost", "gained"), [(0, 0), (8, 0), (0, 1), (5, 5), (30, 12), (12, 30), (51_000, 50_000)]
+)
+def test_mcnemars_exact_test(stats: Any, lost: int, gained: int) -> None:
+    changed = lost + gained
+    expected = stats.binomtest(lost, changed).pvalue if changed else 1.0
+
+    assert mcnemar_exact(lost, gained) == pytest.approx(expected, rel=1e-6)
