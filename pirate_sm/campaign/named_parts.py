@@ -14,6 +14,7 @@ from pirate_sm.detectors.registry import DETECTORS
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
+from pirate_sm.loading.camera_file import opened_by
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.loader import TOLERABLE, read_mission
 from pirate_sm.loading.mission.parameter_values import read_value
@@ -145,11 +146,14 @@ class NameReader:
         kind, _, argument = name.partition(":")
         try:
             DETECTORS.find(kind)
-            if kind != "vision" or not argument:
-                return name
-            camera = self._beside(argument)
-            library.find_camera(camera, Path.cwd())
-            return f"{kind}:{camera}"
+            seen = f"{kind}:{self._beside(argument)}" if kind == "vision" and argument else name
+            if opened := opened_by(seen, Path.cwd()):
+                raise UsageError(f"a campaign only simulates: '{name}' opens {opened}")
+            return seen
+        except LoadError as error:
+            for problem in error.problems:
+                self.problems.put(problem)
+            return None
         except UsageError as error:
             self._refer(error, "campaign.run", at)
             return None

@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS, Value, expanded
+from pirate_sm.loading.foreign import SIMULATED, is_below
 from pirate_sm.on_disk import is_there
 
 if TYPE_CHECKING:
@@ -20,9 +21,6 @@ PROJECT_FILE = "pirate.toml"
 USER_FILE = "config.toml"
 RUNS_VARIABLE = "PIRATE_SM_RUNS"
 """Names the folder for recordings, before any file; empty: no recording by default."""
-
-SIMULATED = ("bay", "physics", "sim", "trace")
-"""Backends that reach nothing outside this program. [decided]"""
 
 ROBOT_BY_OPTION = frozenset({"doctor", "calibrate", "bay", "camera calibrate", "camera survey"})
 """Commands whose option ``--robot`` says which robot it is, in place of the first one shipped."""
@@ -84,14 +82,14 @@ def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
 
     What comes with files of others must not reach a robot, nor write outside of its folder.
     """
-    folder = project.parent.resolve()
-    if any(folder.is_relative_to(Path(expanded(each)).resolve()) for each in trusted.value):
+    folder = project.parent
+    if any(is_below(folder, Path(expanded(each))) for each in trusted.value):
         return ""
     if name == "port" or (name == "backend" and value not in SIMULATED):
         return "reaches a robot"
     if name == "robot" and not _is_shipped(value):
         return "is no shipped robot, which a real one would be driven by"
-    if name == "runs" and not Path(value).resolve().is_relative_to(folder):
+    if name == "runs" and not is_below(Path(value), folder):
         return "is outside of the project"
     return ""
 

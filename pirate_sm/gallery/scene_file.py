@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from typing import TypeAlias
 
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -16,29 +17,36 @@ OUT, HERE = "out", "here"
 RECORD = "--record"
 _FOLDER = re.compile(r"\{([^{}]*)\}")
 
+Refusal: TypeAlias = Callable[[SceneStep], str]
+"""Returns why a scene may not run the command line of a step; empty if it may."""
 
-def load_scene(path: Path) -> Scene:
+
+def load_scene(path: Path, refusal: Refusal | None = None) -> Scene:
     """Return the scene in a file.
+
+    Args:
+        path: The file.
+        refusal: Judges its command lines; needed before any of them is run.
 
     Raises:
         LoadError: The file has faults; holds all of them.
     """
-    scene, _, problems = _read(path)
+    scene, _, problems = _read(path, refusal)
     problems.raise_errors()
     return scene
 
 
-def check_scene(path: Path) -> tuple[Document, Problems]:
+def check_scene(path: Path, refusal: Refusal) -> tuple[Document, Problems]:
     """Return the file of a scene, and what is wrong with it.
 
     Raises:
         LoadError: It cannot be read, or does not have the keys of a scene.
     """
-    _, document, problems = _read(path)
+    _, document, problems = _read(path, refusal)
     return document, problems
 
 
-def _read(path: Path) -> tuple[Scene, Document, Problems]:
+def _read(path: Path, refusal: Refusal | None) -> tuple[Scene, Document, Problems]:
     document = read_document(path)
     scene = validate(document, Scene)
     problems = Problems(document)
@@ -46,16 +54,18 @@ def _read(path: Path) -> tuple[Scene, Document, Problems]:
         message = f"the scene is called as its file: {path.stem}"
         problems.add("scene.name", ("scene",), message, expected=path.stem)
     for number, step in enumerate(scene.steps):
-        _check(step, problems, ("steps", number))
+        _check(step, problems, ("steps", number), refusal)
     return scene, document, problems
 
 
-def _check(step: SceneStep, problems: Problems, at: tuple[str | int, ...]) -> None:
+def _check(
+    step: SceneStep, problems: Problems, at: tuple[str | int, ...], refusal: Refusal | None
+) -> None:
     """Report what is wrong with a step's command line."""
     path = (*at, "command")
-    for name in _FOLDER.findall(step.command):
-        if name not in (OUT, HERE):
-            problems.add_unknown("scene.folder", path, "folder", name, (OUT, HERE))
+    unknown = [name for name in _FOLDER.findall(step.command) if name not in (OUT, HERE)]
+    for name in unknown:
+        problems.add_unknown("scene.folder", path, "folder", name, (OUT, HERE))
     try:
         words = shlex.split(step.command)
     except ValueError as error:
@@ -68,6 +78,9 @@ def _check(step: SceneStep, problems: Problems, at: tuple[str | int, ...]) -> No
     if recorded and not words[words.index(RECORD) + 1].startswith(f"{{{OUT}}}/"):
         message = f"a scene records into its own folder: {RECORD} {{{OUT}}}/run.mcap"
         problems.add("scene.record", path, message)
+        return
+    if not unknown and refusal is not None and (why := refusal(step)):
+        problems.add("scene.asks", path, why)
 
 
 def words_of(step: SceneStep, folders: Mapping[str, Path]) -> list[str]:

@@ -4,10 +4,13 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pirate_sm.detectors.known import BY_CAMERA
+from pirate_sm.loading import foreign, library
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.camera import FEWEST_POINTS, Camera, RobotTags, TagFamily
+from pirate_sm.model.camera_source import DeviceSource, UrlSource
 
 _NUMBERS: dict[TagFamily, int] = {"aruco_4x4_50": 50, "apriltag_36h11": 587}
 
@@ -25,6 +28,24 @@ def load_camera(path: Path) -> tuple[Camera, Document]:
     _check_points(camera, problems)
     problems.raise_errors()
     return camera, document
+
+
+def opened_by(detector: str, folder: Path) -> str:
+    """Return what a detector opens that no simulated robot needs; empty if nothing.
+
+    Args:
+        detector: Its name, with its argument.
+        folder: Where a camera's file may be.
+
+    Raises:
+        LoadError: The file of its camera has faults.
+        UsageError: There is no such camera.
+    """
+    kind, _, name = detector.partition(":")
+    if kind == BY_CAMERA and name:
+        camera, _ = load_camera(library.find_camera(name, folder))
+        return "a live camera" if isinstance(camera.source, DeviceSource | UrlSource) else ""
+    return "a socket" if kind == foreign.LISTENS else ""
 
 
 def _check_numbers(camera: Camera, problems: Problems) -> None:

@@ -17,10 +17,11 @@ from pirate_sm.engine.resuming.hypotheses import hypotheses
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.robot_state import known_values
 from pirate_sm.engine.state import EngineState
-from pirate_sm.errors import RecordingError, UsageError
+from pirate_sm.errors import Hint, RecordingError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.extended_file import read_extended
 from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.foreign import is_device
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.robot.calibration_files import newest_calibration
@@ -63,11 +64,16 @@ def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> 
 
     Raises:
         RecordingError: The recording is of a backend that cannot go on, or its robot is gone.
-        UsageError: An option does not fit, or the robot's calibration has changed.
+        UsageError: An option does not fit, the recording names an address as its port, which
+            could be anything, or the robot's calibration has changed.
     """
     header = end.recording.header
     check_place(end.loaded, asked.start_at_m)
     order = _order(header, asked)
+    if asked.port is None and not is_device(order.port or ""):
+        message = f"the port of the recording, {order.port!r}, is no device of this computer"
+        hint = Hint(": if it is the right one, give it with --port", ": give it with port='PORT'")
+        raise UsageError(message, hint=hint)
     loaded = with_folder(end.loaded, header)
     if order.backend == "serial":
         _check_calibration(loaded, header)

@@ -21,7 +21,7 @@ from pirate_sm.cli.output.terminal import shows_colour
 from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
-from pirate_sm.gallery.scene_file import check_scene
+from pirate_sm.gallery.scene_file import HERE, OUT, check_scene, words_of
 from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
@@ -61,7 +61,7 @@ def run_check(options: CheckOptions) -> int:
         others={
             Kind.EXPERIMENT: lambda path: _form(*check_experiment(path)),
             Kind.CAMPAIGN: _check_campaign,
-            Kind.SCENE: lambda path: _form(*check_scene(path)),
+            Kind.SCENE: _check_scene,
         },
     )
     with progress("checking") as watch:
@@ -78,6 +78,15 @@ def run_check(options: CheckOptions) -> int:
 
 def _form(document: Document, problems: Problems) -> tuple[list[Document], Iterable[Finding]]:
     return [document], map(finding_of, problems.all)
+
+
+def _check_scene(path: Path) -> tuple[list[Document], Iterable[Finding]]:
+    from pirate_sm.cli.scene_steps import why_refused  # needs the parsers of all commands
+
+    folders = {OUT: path.parent / OUT, HERE: path.parent}
+    return _form(
+        *check_scene(path, lambda step: why_refused(words_of(step, folders), folders[OUT]))
+    )
 
 
 def _check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:

@@ -18,6 +18,7 @@ from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.cli.output.wrapping import columns_of, wrapped
+from pirate_sm.cli.scene_steps import simulating, why_refused
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing
 from pirate_sm.gallery.scene_file import (
@@ -29,6 +30,7 @@ from pirate_sm.gallery.scene_file import (
     words_of,
 )
 from pirate_sm.loading import library
+from pirate_sm.loading.foreign import is_below
 from pirate_sm.model.effects import PhaseChange
 from pirate_sm.model.scene import Scene, SceneStep
 from pirate_sm.recording.read.reader import read_recording
@@ -104,7 +106,7 @@ def _missing(scene: Scene) -> str:
 def _play_one(path: Path, options: DemoOptions) -> int:
     from pirate_sm.gallery.gallery_page import verdict_of
 
-    scene = load_scene(path)
+    scene = _loaded(path, options.output)
     if missing := _missing(scene):
         raise UsageError(f"the scene {scene.scene} cannot be played: {missing}")
     refuse_losses([options.output / scene.scene / PAGE], overwrite=options.overwrite)
@@ -115,10 +117,24 @@ def _play_one(path: Path, options: DemoOptions) -> int:
     return NOT_SO if played.unmet else AS_EXPECTED
 
 
+def _loaded(path: Path, output: Path) -> Scene:
+    """Return a scene, none of whose steps asks for what a scene may not have.
+
+    Raises:
+        LoadError: Its file has errors.
+    """
+    folders = _folders(path, output)
+    return load_scene(path, lambda step: why_refused(words_of(step, folders), folders[OUT]))
+
+
+def _folders(path: Path, output: Path) -> dict[str, Path]:
+    return {OUT: output / path.stem, HERE: _near(path.parent)}
+
+
 def _play_all(options: DemoOptions) -> int:
     from pirate_sm.gallery.gallery_page import PlayedScene, gallery_page, verdict_of
 
-    scenes, known = [], [(path, load_scene(path)) for path in library.scenes()]
+    scenes, known = [], [(path, _loaded(path, options.output)) for path in library.scenes()]
     pages = [options.output / scene.scene / PAGE for _, scene in known]
     refuse_losses([options.output / PAGE, *pages], overwrite=options.overwrite)
     for path, scene in known:
@@ -141,6 +157,8 @@ def _play(
     from pirate_sm.gallery.gallery_page import PlayedScene, scene_page
 
     folder = output / scene.scene
+    if not is_below(folder, output):
+        raise UsageError(f"'{folder}' leads out of '{output}'; name another folder with --output")
     try:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -148,7 +166,7 @@ def _play(
         raise UsageError(f"{why}; name another folder with --output") from None
     about = visible(f"{scene.title}\n\n{scene.look_at.strip()}", lines=True)
     print("\n".join(wrapped(line, columns_of(), 0) for line in about.splitlines()), flush=True)
-    folders = {OUT: folder, HERE: _near(path.parent)}
+    folders = _folders(path, output)
     more = ["--speed", speed, *(["--quiet"] if quiet else [])]
     steps = [_play_step(step, words_of(step, folders), folder, more) for step in scene.steps]
     played = PlayedScene(scene, tuple(steps))
@@ -166,9 +184,12 @@ def _play_step(step: SceneStep, words: list[str], folder: Path, of_a_run: list[s
     from pirate_sm.gallery.gallery_page import PlayedStep
     from pirate_sm.gallery.scene_verdict import unmet
 
+    if why := why_refused(words, folder):  # an earlier step may have written what it reads
+        raise UsageError(why)
     recording = recording_of(words)
     if recording is not None:
         recording.unlink(missing_ok=True)  # of the last time that the scene was played
+    words = simulating(words)
     if words[0] == "run":
         words = [*words, *of_a_run]
     if step.power_cut_in is not None and "max" in words:
@@ -283,6 +304,8 @@ def _report(recording: Path, folder: Path) -> str:
 
     try:
         page = recording.with_suffix(".html")
+        if not is_below(page, folder):
+            raise UsageError(f"'{page}' leads out of the scene's folder, so it stays")
         write_file(page, html(report_of(read_recording(recording))))
     except (RecordingError, UsageError) as error:
         say(str(error))

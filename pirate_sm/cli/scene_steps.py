@@ -1,0 +1,98 @@
+"""Judges the command lines of scenes, which may come from anybody, by each command's parser."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from pirate_sm.cli.entry import commands
+from pirate_sm.errors import PirateError, RecordingError
+from pirate_sm.gallery.scene_file import recording_of
+from pirate_sm.loading import foreign
+from pirate_sm.loading.camera_file import opened_by
+from pirate_sm.recording.read.reader import read_recording
+
+_UNUSABLE: Any = typer.BadParameter.__base__
+"""What the parser of a command raises for anything on a command line that cannot be used."""
+
+_PRINTS = {"--help", "-h", "--version"}
+
+
+def why_refused(words: Sequence[str], own: Path) -> str:
+    """Return why a scene may not run a command line; empty if it may.
+
+    Args:
+        words: The command line after ``pirate``, with its folders filled in.
+        own: The scene's folder for output, below which alone it may write.
+    """
+    return "; ".join(_refusals(words, own))
+
+
+def _refusals(words: Sequence[str], own: Path) -> Iterator[str]:
+    name = words[0] if words else ""
+    allowed = foreign.SCENES.get(name)
+    if allowed is None:
+        yield f"a scene cannot run the command '{name}', only {', '.join(foreign.SCENES)}"
+        return
+    if _PRINTS.intersection(words):
+        yield f"a scene cannot ask for {', '.join(sorted(_PRINTS.intersection(words)))}"
+        return
+    try:
+        given = _given(name, list(words[1:]))
+    except _UNUSABLE as error:
+        yield f"this command line cannot be used: {error.format_message()}"
+        return
+    for option in sorted(given.keys() - allowed):
+        yield f"a scene cannot give '{name}' the option --{option.replace('_', '-')}"
+    for place in _texts(given, foreign.WRITES.get(name, ())):
+        if not foreign.is_below(Path(place), own):
+            yield f"a scene writes below its own folder, {{out}}, not to '{place}'"
+    if name == "run":
+        yield from _reached(given)
+        if given.get("record") != (str(recording_of(list(words)) or "") or None):
+            yield "a run has one recording, written as two words: --record {out}/run.mcap"
+
+
+def _given(name: str, words: list[str]) -> dict[str, Any]:
+    """Return the options on a command line, by the names of their fields."""
+    command: Any = typer.main.get_command(commands)
+    context = command.get_command(None, name).make_context(name, words)
+    named = {each: context.get_parameter_source(each) for each in context.params}
+    return {each: context.params[each] for each, it in named.items() if it.name == "COMMANDLINE"}
+
+
+def _texts(given: dict[str, Any], names: Iterable[str]) -> Iterator[str]:
+    for value in (given[name] for name in names if name in given):
+        yield from (value if isinstance(value, list | tuple) else [str(value)])
+
+
+def _reached(given: dict[str, Any]) -> Iterator[str]:
+    """Yield what a run would reach outside this program."""
+    backend = given.get("backend", "sim")
+    if given.get("resume"):
+        try:
+            backend = read_recording(Path(given["resume"])).header.backend
+        except RecordingError:  # an earlier step writes it; it is asked again before it is resumed
+            backend = "sim"
+    if backend not in foreign.SIMULATED:
+        yield f"a scene only simulates: the backend '{backend}' may reach a robot"
+    for detector in _texts(given, ("detector", "also")):
+        try:
+            opened = opened_by(detector, Path.cwd())
+        except PirateError:  # the run itself says what is wrong with it
+            opened = ""
+        if opened:
+            yield f"a scene only simulates: the detector '{detector}' opens {opened}"
+
+
+def simulating(words: Sequence[str]) -> list[str]:
+    """Return the command line of a step, in which no setting chooses a backend or a recording."""
+    if words[0] != "run":
+        return list(words)
+    given = _given("run", list(words[1:]))
+    backend = [] if given.keys() & {"backend", "resume"} else ["--backend", "sim"]
+    recorded = [] if given.keys() & {"record", "no_record", "look"} else ["--no-record"]
+    return [*words, *backend, *recorded]
