@@ -48,7 +48,7 @@ def obstacles(
         first, *more = shown
         lines.append(line((first[: len(head)], STRONG), (first[len(head) :], MUTED)))
         lines += [line((each, MUTED)) for each in more]
-    return lines or [line(("everything can be asked for", MUTED))]
+    return lines if found else [line(("everything can be asked for", MUTED))]
 
 
 def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:

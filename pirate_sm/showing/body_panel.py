@@ -63,7 +63,7 @@ def _with_age(snapshot: Snapshot, signal: str, written: str) -> str:
     """Return a value, marked and with its age where it is not that of the present moment."""
     if snapshot.is_fresh(signal):
         return written
-    return f"{STALE}{written} {ago(snapshot.age_s(signal))}"
+    return f"{STALE}{written} {ago(snapshot.age_s(signal))}".rstrip()
 
 
 def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> Text:
@@ -73,7 +73,8 @@ def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> T
     if not isnan(value):
         written = f"{degrees(value):z.1f}°" if unit else f"{value:z.2f} rad/s"
     if not snapshot.is_fresh(motor.value):
-        since = f"no report for {ago(snapshot.age_s(motor.value))}"
+        age = ago(snapshot.age_s(motor.value))
+        since = f"no report for {age}" if age else "as last reported"
         return line((f"{motor.name[:8]:<8}{STALE + written:>11} {STALE * 11}  {since}", MUTED))
     parts: list[Part] = [(f"{motor.name[:8]:<8}", MUTED), f"{written:>11} "]
     parts += _centred(value, motor.limit, marked=bool(unit))

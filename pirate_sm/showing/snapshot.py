@@ -117,6 +117,7 @@ class Snapshot:
     def age_s(self, name: str) -> float:
         """Return how long ago a state, clamp or signal was shown, s; NaN if it never was.
 
+        Also NaN after the end, since a snapshot does not know how long ago that was.
         During a silence mission time stands still: what was shown is as much older as nothing has
         been heard, counted from the last report.
         """
@@ -126,7 +127,9 @@ class Snapshot:
         now_s = self.engine_s
         if self.unheard_s and self.state is not None:
             now_s = min(now_s, max(self.state.sensing.heard_s, default=now_s))
-        return max(now_s - shown_s, 0.0) + self.unheard_s if isfinite(shown_s) else nan
+        if not isfinite(shown_s) or (self.over and self.link is not None):
+            return nan
+        return max(now_s - shown_s, 0.0) + self.unheard_s
 
     def is_fresh(self, signal: str) -> bool:
         """Return whether a signal is that of the present moment."""

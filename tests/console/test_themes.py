@@ -23,7 +23,8 @@ BORDERS = set("▔▁▂▃▄▅▆▇█▊▎▏▕")
 KEYS = {
     "space": "Space", "question_mark": "?", "tab": "Tab", "pageup": "PgUp", "pagedown": "PgDn",
     "escape": "Esc", "left": "←", "right": "→", "up": "↑", "down": "↓", "home": "Home",
-    "end": "End", "comma": ",", "full_stop": ".", "1": "1",
+    "end": "End", "comma": ",", "full_stop": ".", "1": "1", "exclamation_mark": "!", "at": "@",
+    "plus": "+", "minus": "-", "equals_sign": "=",
 }  # fmt: skip
 """How the help page writes keys."""
 

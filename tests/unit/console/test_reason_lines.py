@@ -53,3 +53,8 @@ def test_where_there_are_too_few_lines_the_longest_reasons_are_cut(rows: int) ->
 
 def test_where_nothing_stands_in_the_way_that_is_said() -> None:
     assert said(commands=[Request("c", "")]) == ["everything can be asked for"]
+
+
+def test_where_there_is_no_room_nothing_is_said_to_be_possible() -> None:
+    assert said(rows=0, commands=[Request("c", LONG)]) == []
+    assert said(rows=0, commands=[Request("c", "")]) == ["everything can be asked for"]

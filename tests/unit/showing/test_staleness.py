@@ -147,3 +147,12 @@ def test_a_signal_that_was_not_known_is_a_gap_in_its_trend(live: Snapshot) -> No
 
     assert not isnan(before)
     assert isnan(after)
+
+
+def test_after_the_end_nothing_is_live_and_nobody_knows_how_old_it_is(silent: Snapshot) -> None:
+    assert silent.link is not None
+    over = replace(silent, link=silent.link._replace(trouble=""), over=True)
+
+    assert panels.states(over, 44)[0].plain.startswith("? ")
+    assert "as last reported" in body_panel.body(over, 90)[0].plain
+    assert pose_of(over).origin == "as last heard"
