@@ -10,6 +10,8 @@ from __future__ import annotations
 
 import errno
 import os
+import stat
+from io import BufferedReader
 from pathlib import Path
 
 _NOTHING = {errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG}
@@ -38,6 +40,24 @@ def is_folder(path: Path | os.DirEntry[str]) -> bool:
         return path.is_dir()
     except (OSError, ValueError):
         return False
+
+
+def opened(path: Path | str) -> BufferedReader:
+    """Return a regular file, opened to be read.
+
+    Whoever reads a named pipe or a device may wait for ever, and opening a serial port resets its
+    board; so these are not opened at all.
+
+    Raises:
+        OSError: It cannot be opened, or is no regular file.
+        ValueError: No file can have this path.
+    """
+    mode = os.stat(path).st_mode  # noqa: PTH116 - a path may be a text
+    if stat.S_ISDIR(mode):
+        raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
+    if not stat.S_ISREG(mode):
+        raise OSError(errno.EINVAL, "it is not a regular file", str(path))
+    return Path(path).open("rb")
 
 
 def why_hidden(path: Path | str) -> str:

@@ -21,7 +21,7 @@ from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
 from pirate_sm.campaign.chunk import Row
 from pirate_sm.errors import UsageError
-from pirate_sm.on_disk import is_file
+from pirate_sm.on_disk import is_file, opened
 
 if TYPE_CHECKING:
     from pyarrow import Table as ArrowTable
@@ -147,7 +147,8 @@ class Store:
             DamagedMarkError: What was written is damaged.
         """
         try:
-            found = json.loads((self.folder / MARK).read_text("utf-8"))
+            with opened(self.folder / MARK) as file:
+                found = json.load(file)
         except (FileNotFoundError, NotADirectoryError):
             raise UsageError(f"there are no results of a campaign in '{self.folder}'") from None
         except OSError as error:
@@ -297,8 +298,11 @@ def _rows_in(file: Path) -> list[Row]:
     from pyarrow import parquet
 
     try:
-        with parquet.ParquetFile(file, page_checksum_verification=True) as opened:
-            table = opened.read()
+        with (
+            opened(file) as stream,
+            parquet.ParquetFile(stream, page_checksum_verification=True) as rows,
+        ):
+            table = rows.read()
         columns = [table.column(name).to_pylist() for name in Row._fields]
     except KeyError as error:
         raise _DamagedError(f"its columns are those of another version ({error})") from None

@@ -9,6 +9,7 @@ from typing import Any
 
 from pirate_sm.cli.known_settings import SETTINGS, Value, expanded
 from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.library import is_path
 from pirate_sm.loading.problems import LoadError, Place, Problem
 from pirate_sm.loading.yaml.document import read_text
@@ -49,6 +50,10 @@ def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], d
 
 def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str, Value]:
     name = shown(path)
+    if is_project and not is_below(path, path.parent):
+        message = "this link leads out of the project's folder, so nothing of its file is read"
+        problems.append(Problem("settings.outside", Place(str(path)), message))
+        return {}
     try:
         text = read_text(path, name, "a TOML file")
     except LoadError as error:

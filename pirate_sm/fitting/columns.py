@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterable, Mapping, Sequence
+from io import TextIOWrapper
 from pathlib import Path
 from typing import NamedTuple
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
+from pirate_sm.on_disk import opened
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import rerun
@@ -101,7 +103,7 @@ def _named(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> Columns:
 
 def _table(path: Path) -> Columns:
     try:
-        with path.open(encoding="utf-8", newline="") as file:
+        with TextIOWrapper(opened(path), encoding="utf-8", newline="") as file:
             header, *rows = csv.reader(file)
         values = np.array([[float(cell) if cell else np.nan for cell in row] for row in rows])
     except (OSError, UnicodeDecodeError) as error:

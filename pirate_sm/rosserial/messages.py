@@ -9,6 +9,7 @@ from typing import NamedTuple
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.serial_link import Serial, SetpointTopic, StateTopic
+from pirate_sm.on_disk import opened
 from pirate_sm.rosserial.message_types import INTEGERS, Malformed, MessageType, message_types
 from pirate_sm.rosserial.state_messages import StateCodec
 
@@ -155,7 +156,8 @@ def message_texts(folder: Path, serial: Serial) -> dict[str, str]:
     texts: dict[str, str] = {}
     for file in sorted(folder.glob("*.msg")):
         try:
-            text = file.read_text("utf-8")
+            with opened(file) as stream:
+                text = stream.read().decode("utf-8")
         except (OSError, UnicodeDecodeError) as error:
             raise UsageError(f"{file} cannot be read: {error}") from None
         texts |= {f"{package}/{file.stem}": text for package in packages}

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from pirate_sm.errors import UsageError
 from pirate_sm.model import camera_source as kinds
+from pirate_sm.on_disk import is_file
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Frame
 
@@ -46,6 +47,8 @@ class VideoCapture:
                 self._video = _device(source)
             case kinds.FileSource():
                 what = f"the video '{source.file}'"
+                if not is_file(folder / source.file):
+                    raise UsageError(f"{what} is not there, or is no regular file")
                 self._video = cv2.VideoCapture(str(folder / source.file))
             case kinds.UrlSource():
                 what = f"the camera at {source.url}"
@@ -91,7 +94,8 @@ class ImageCapture:
         name = next(self._left, None)
         if name is None:
             return None
-        frame: Frame | None = cv2.imread(str(self._folder / name))
+        path = self._folder / name
+        frame: Frame | None = cv2.imread(str(path)) if is_file(path) else None
         if frame is None:
             raise UsageError(f"'{name}' is no picture that can be read")
         _check_size(frame, self._size, f"'{name}' has")

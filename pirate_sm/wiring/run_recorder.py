@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from contextlib import suppress
 from datetime import datetime
@@ -12,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
+from pirate_sm.visible import visible
 from pirate_sm.wiring.prepared import Prepared
 from pirate_sm.wiring.run_samples import samples_for_viewers, samples_of_trails, samples_to_keep
 
@@ -157,8 +159,13 @@ def requested_recording(path: Path, header: RunHeader) -> RecordingFile:
     """Return a new recording at a path that the user gave.
 
     Raises:
-        RecordingError: The file exists already or cannot be written.
+        RecordingError: Its name is none for a recording, or the file exists already or cannot be
+            written.
     """
+    if path.suffix.lower() != ".mcap" or visible(path.name) != path.name:
+        name = re.sub(r"[^\w. +-]", "_", path.stem) + ".mcap"
+        message = f"'{visible(str(path))}' is no name for a recording, which is an MCAP file"
+        raise RecordingError(f"{message}: name it '{name}'; nothing has moved")
     try:
         return new_recording(path, header)
     except FileExistsError:

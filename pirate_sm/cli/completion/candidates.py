@@ -24,7 +24,6 @@ from pirate_sm.cli.completion.reading import (
     items,
     line,
     mapping,
-    open_file,
     read,
     read_extended,
     recorded,
@@ -33,6 +32,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.model.defect_text import KEYS, keys_of
+from pirate_sm.on_disk import opened
 
 LONGEST_LINE = 100_000
 """The most characters that are read of the first line of a table."""
@@ -163,7 +163,7 @@ def signals(context: typer.Context, typed: str) -> Iterator[Candidate]:
         names = [*(line(mapping(each).get("signal")) for each in channels)]
         names += map(str, mapping(profile.get("derived")))
     else:
-        with open_file(path) as table:
+        with opened(path) as table:
             names = table.readline(LONGEST_LINE).decode("utf-8-sig").strip().split(",")
     for name in dict.fromkeys(_NUMBER.sub("_{}", name) for name in names if name):
         yield name, ""

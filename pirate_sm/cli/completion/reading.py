@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from pathlib import Path
-from typing import Any, BinaryIO, TypeAlias
+from typing import Any, TypeAlias
 
 from pirate_sm.errors import PirateError
 from pirate_sm.loading import library
-from pirate_sm.on_disk import is_file
+from pirate_sm.on_disk import opened
 
 Candidate: TypeAlias = tuple[str, str]
 """A value, and a line about it."""
@@ -46,24 +46,13 @@ def recorded(path: Path, role: str) -> Mapping[Any, Any]:
 
     from pirate_sm.loading.yaml.document import parse_document
 
-    with open_file(path) as file:
+    with opened(path) as file:
         for record in StreamReader(file, emit_chunks=True).records:
             if isinstance(record, Attachment) and record.name.endswith(f"_{role}.yaml"):
                 return mapping(parse_document(record.data, record.name).data)
             if isinstance(record, Chunk):  # the run begins, and the files stand before it
                 break
     return {}
-
-
-def open_file(path: Path) -> BinaryIO:
-    """Return an open file.
-
-    Raises:
-        OSError: It cannot be opened, or is a pipe, for which a shell would wait.
-    """
-    if not is_file(path):
-        raise FileNotFoundError(path)
-    return path.open("rb")
 
 
 def about_file(path: Path) -> str:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
+from pirate_sm.on_disk import opened
 from pirate_sm.recording.read.mcap_records import (
     ChunkPlace,
     DamagedError,
@@ -59,5 +60,5 @@ class Chunks:
         return found
 
     def _records(self, place: int) -> bytes:
-        with self._path.open("rb") as file:
+        with opened(self._path) as file:
             return records_of(file, self._pieces[place])

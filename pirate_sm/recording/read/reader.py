@@ -21,6 +21,7 @@ from typing import Any
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Ended
+from pirate_sm.on_disk import opened
 from pirate_sm.recording.format.engine_topics import ENGINE
 from pirate_sm.recording.format.header import PROFILE, REPAIRED, RunHeader
 from pirate_sm.recording.read.header_reader import DamagedInsideError, read_header
@@ -141,7 +142,7 @@ class Recording:
     def sha256(self) -> str:
         """Return the hash of the file, hexadecimal."""
         try:
-            with self.path.open("rb") as file:
+            with opened(self.path) as file:
                 return file_digest(file, "sha256").hexdigest()
         except OSError as error:
             raise unreadable(self.path, error) from None
@@ -266,7 +267,7 @@ def read_end_of_recording(path: Path) -> Recording:
         RecordingError: As for :func:`read_recording`.
     """
     try:
-        with path.open("rb") as file:
+        with opened(path) as file:
             for since in newest_checkpoints(file):
                 found = _recording(path, read_content(file, since), _no_progress)
                 if found.checkpoint(inf) is not None:
@@ -290,7 +291,7 @@ def read_recording(
         RecordingError: There is no such file, it is no recording, or its header is damaged.
     """
     try:
-        with path.open("rb") as file:
+        with opened(path) as file:
             content = read_content(file)
     except NotMcapError:
         raise RecordingError(f"{shown(path)} is not a recording: it is not an MCAP file") from None

@@ -200,6 +200,35 @@ def test_a_fault_of_a_file_has_its_place_and_says_what_to_write(
     assert said in result.stderr
 
 
+def test_nothing_is_read_of_a_projects_link_to_another_folder(
+    project: Path, pirate: Pirate, tmp_path: Path
+) -> None:
+    secret = tmp_path.parent / f"{tmp_path.name}_secret"
+    secret.write_text("password = hunter2", "utf-8")
+    project.unlink(missing_ok=True)
+    project.symlink_to(secret)
+
+    result = pirate("config")
+    assert result.exit_code == 2
+    assert "this link leads out of the project's folder" in result.stderr
+    assert "hunter2" not in result.output
+
+
+@pytest.mark.parametrize(
+    ("name", "better"),
+    [("out.csv", "out.mcap"), ("a\x1b[31mb.mcap", "a__31mb.mcap"), ("a\nb.mcap", "a_b.mcap")],
+)
+def test_a_recording_has_the_name_of_an_mcap_file_that_a_terminal_can_show(
+    pirate: Pirate, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, better: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    result = pirate("run", "mitre_bend", "--backend", "trace", "--record", name)
+
+    assert result.exit_code == 2, result.output
+    assert f"name it '{better}'; nothing has moved" in result.stderr
+    assert [*tmp_path.glob("*.*")] == []
+
+
 def test_a_file_may_begin_with_a_mark_of_its_encoding(project: Path, pirate: Pirate) -> None:
     project.write_bytes(b'\xef\xbb\xbftheme = "light"\r\n')
 
