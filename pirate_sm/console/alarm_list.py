@@ -3,21 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from textual.widgets import OptionList
 
+from pirate_sm.console.confirmed_actions import ConfirmedActions
 from pirate_sm.console.dialogs import Choice, Pick
 from pirate_sm.showing.alarms import Alarm, alarms, pending
-
-if TYPE_CHECKING:
-    from textual.app import App
-
-    from pirate_sm.console.session import OperatorSession
-
-    _Base = App[None]
-else:
-    _Base = object
 
 _HEADING = "Alarms, the newest first; 1st: of its cascade"
 
@@ -47,14 +38,13 @@ def _line(alarm: Alarm, *, seen: bool) -> Choice:
     return Choice(str(alarm.told.number), label, alarm.text)
 
 
-class AlarmActions(_Base):
+class AlarmActions(ConfirmedActions):
     """The bar of alarms, and the list of all of them.
 
     Attributes:
         seen: Numbers of the alarms that the operator has acknowledged.
     """
 
-    session: OperatorSession
     seen: set[int]
 
     def acknowledge(self) -> None:

@@ -49,7 +49,8 @@ def until(what: Callable[[], object], within_s: float) -> None:
 
 
 def drive(session: OperatorSession) -> None:
-    until(lambda: session.latest.state is not None, 20.0)
+    # Until it has been looked at, commands are refused.
+    until(lambda: (state := session.latest.state) is not None and state.look is None, 20.0)
     for command in ("ClampFront", "ClampRear", "DriveForward"):
         session.give_event(OperatorCommand(command))
         name = f"{command} done"
