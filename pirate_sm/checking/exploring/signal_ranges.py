@@ -1,4 +1,4 @@
-"""Derive the range of each signal from end stops, the wire format and geometry."""
+"""Derive the range of each signal from end stops, motors, the wire format and geometry."""
 
 from __future__ import annotations
 
@@ -31,6 +31,9 @@ def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
     for board in robot.boards.values():
         for _, target, scale in board.channels:
             found[names[target]] = Range(-_COUNTS * abs(scale), _COUNTS * abs(scale))
+        for number, low, high in board.watched.ranges:  # what is beyond counts as unknown
+            wire = found.get(names[number], ANYTHING)
+            found[names[number]] = Range(max(low, wire.low), min(high, wire.high))
         for source, _, scale, target in board.torques:
             most = abs(scale) * found.get(names[source], ANYTHING).high
             found[names[target]] = Range(-most, most)

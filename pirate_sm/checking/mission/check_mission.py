@@ -135,11 +135,27 @@ RULES = (
 )
 """All rules about missions; each yields the findings of a `MissionView`."""
 
-_DECIDED = frozenset({"condition.constant", "trigger.never", "trigger.shadowed", "trigger.at_once"})
+_DECIDED = frozenset(
+    {
+        "condition.constant",
+        "trigger.at_once",
+        "trigger.at_start",
+        "trigger.never",
+        "trigger.shadowed",
+    }
+)
 """Codes after which other findings about the same condition are omitted."""
 
 _FOLLOWING = frozenset(
-    {"branch.always", "branch.never", "condition.beyond", "wait.still", "word.held", "word.never"}
+    {
+        "branch.always",
+        "branch.never",
+        "condition.beyond",
+        "condition.exact",
+        "wait.still",
+        "word.held",
+        "word.never",
+    }
 )
 """Codes that are omitted if one of ``_DECIDED`` is at the same place."""
 
@@ -153,6 +169,7 @@ _NEVER = frozenset(
         "phase.unreachable",
         "step.never_needed",
         "trigger.at_once",
+        "trigger.at_start",
         "trigger.never",
         "trigger.shadowed",
         "wait.still",

@@ -34,20 +34,35 @@ def fastest_m_s(loaded: LoadedMission) -> float:
     return max(known) * profile.body.wheel_radius if known and len(known) == len(rates) else inf
 
 
-def driven_before(found: Exploration, loaded: LoadedMission) -> frozenset[str]:
-    """Return the phases whose wait may begin after the robot has driven in an earlier wait."""
+def driven_before(
+    found: Exploration, loaded: LoadedMission, apart: Wait | None = None
+) -> frozenset[str]:
+    """Return the phases whose wait may begin after the robot has driven in an earlier wait.
+
+    Args:
+        found: The exploration.
+        loaded: The mission.
+        apart: A wait that does not count.
+    """
     instructions, driven = found.program.instructions, loaded.robot.driven
-    after: dict[int, list[int]] = {}
     begin = []
     for step in found.steps:
         if step.source < 0:
             continue
-        after.setdefault(step.source, []).append(step.target)
         before = found.nodes[step.source].state
-        waited = isinstance(instructions[before.mission.pc], Wait) and before.mission.begun
+        it = instructions[before.mission.pc]
+        counts = isinstance(it, Wait) and (apart is None or it.place != apart.place)
         left = found.nodes[step.target].state.mission.pc != before.mission.pc
-        if waited and left and driven[before.robot.configuration]:
+        if counts and before.mission.begun and left and driven[before.robot.configuration]:
             begin.append(step.target)
+    return phases_after(found, begin)
+
+
+def phases_after(found: Exploration, begin: list[int]) -> frozenset[str]:
+    """Return the phases to which some states can lead, and their own."""
+    after: dict[int, list[int]] = {}
+    for step in found.steps:
+        after.setdefault(step.source, []).append(step.target)
     reached = _reached(begin, after)
     return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from functools import cached_property
 from math import inf, nan
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce, under
@@ -12,7 +13,7 @@ from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.exploring.piecewise_linear import borders, samples, signals
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission.driving import driven_before, fastest_m_s
+from pirate_sm.checking.mission.driving import driven_before, fastest_m_s, phases_after
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.mission.wait_triggers import numbers_known
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
@@ -99,6 +100,7 @@ class _Reach:
             return None  # reported there
         return (
             self._beyond(wait, condition)
+            or self._at_start(wait, trigger, condition)
             or self._still(wait, condition)
             or self._word(wait, condition)
             or self._held(wait, trigger, node)
@@ -122,6 +124,54 @@ class _Reach:
     def _possible(self, wait: Wait, facts: Sequence[Fact], conditions: Conditions) -> bool:
         table = self._robot.table
         return conditions.anywhere(facts, [table.configurations[n] for n in self.states(wait)])
+
+    # --- true already -----------------------------------------------------------------------
+
+    def _at_start(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+        """Return a finding about a condition on odometry that is true where the run begins.
+
+        Odometry is 0 there, and only commands have driven the robot since: in this wait, too, it
+        drives only if the condition is false. What driving farther can only make false was true at
+        0, too.
+        """
+        node = condition.tree
+        if trigger.held_s or self._odometry not in self._usual.free(node):
+            return None
+        if any(wait.phase in driven_before(b.found, self._loaded, wait) for b in self._seen):
+            return None
+        ways = self._ways_before(wait)
+        span = self._driven_to(ways, self._no_load * BEGINNING_S)
+        for way, side in ((1, Range(0.0, inf)), (-1, Range(-inf, 0.0))):
+            if ways == {way} and self._grows(node, side) == -way:
+                span = Range(0.0, 0.0)
+        false: list[Fact] = [(node, False), *numbers_known(node)]
+        narrower = self._with({self._odometry: span})
+        if not self._possible(wait, false, self._usual) or self._possible(wait, false, narrower):
+            return None
+        message = f"'{condition.text}' is true already as the wait begins: {self._odometry} is 0 "
+        return "trigger.at_start", f"{message}where the run begins"
+
+    def _ways_before(self, wait: Wait) -> set[int]:
+        """Return which ways the robot may have been driven before the wait, and in it."""
+        return {way for way, phases in self._driving.items() if wait.phase in phases}
+
+    @cached_property
+    def _driving(self) -> Mapping[int, frozenset[str]]:
+        """The phases at or before which the robot drives forward (1) and backward (-1)."""
+        found: dict[int, frozenset[str]] = {1: frozenset(), -1: frozenset()}
+        for book in self._seen:
+            begin: dict[int, list[int]] = {1: [], 0: [], -1: []}
+            for number, node in enumerate(book.found.nodes):
+                body = node.state.robot
+                begin[self._way(Actuated(body.configuration, body.control))].append(number)
+            for way in found:
+                found[way] |= phases_after(book.found, begin[way])
+        return found
+
+    @staticmethod
+    def _driven_to(ways: set[int], most_m: float) -> Range:
+        """Return how far a robot comes that is driven these ways, at most so far."""
+        return Range(-most_m if -1 in ways else -STILL_M, most_m if 1 in ways else STILL_M)
 
     # --- too fast, too far ------------------------------------------------------------------
 
@@ -183,23 +233,28 @@ class _Reach:
         if self._changed in free and wait.counts_on:
             return None  # what an earlier wait has counted may have made it true nearly
         if self._changed in free:
-            return self._not_on(wait, condition, ways)
-        if free != {self._odometry}:
-            return None
+            return self._not_on(wait, condition, self._changed, ways)
+        if free == {self._odometry} and (said := self._in_vain(condition, ways)):
+            return said
+        said = self._not_on(wait, condition, self._odometry, self._ways_before(wait))
+        at_first = f"{self._odometry} is 0 where the run begins"
+        return said and ("trigger.at_start", f"{said[1]}, and {at_first}")
+
+    def _in_vain(self, condition: Expression, ways: set[int]) -> _Said | None:
+        """Return a finding about a condition on odometry alone, whatever it was before."""
         if ways == {0}:
             message = f"'{condition.text}' does not change: nothing drives in this wait"
             return "wait.still", message
-        grows = self._grows(node)
+        grows = self._grows(condition.tree)
         if len(ways) == 1 and grows and ways == {-grows}:
             how = ("grow", "back") if grows > 0 else ("shrink", "forward")
             message = f"'{condition.text}' waits for {self._odometry} to {how[0]}, and the robot "
             return "wait.still", f"{message}drives {how[1]}"
         return None
 
-    def _not_on(self, wait: Wait, condition: Expression, ways: set[int]) -> _Said | None:
-        """Return a finding about an unreachable condition on the distance driven in the wait."""
-        back, on = (-inf if -1 in ways else -STILL_M), (inf if 1 in ways else STILL_M)
-        narrower = self._with({self._changed: Range(back, on)})
+    def _not_on(self, wait: Wait, condition: Expression, name: str, ways: set[int]) -> _Said | None:
+        """Return a finding about an unreachable condition on a distance driven these ways."""
+        narrower = self._with({name: self._driven_to(ways, inf)})
         if self._possible(wait, [(condition.tree, True)], narrower):
             return None
         drives = "the robot drives forward" if 1 in ways else "the robot drives back"
@@ -218,10 +273,9 @@ class _Reach:
         )
         return (total > 0) - (total < 0)
 
-    def _grows(self, node: tree.Node) -> int:
+    def _grows(self, node: tree.Node, span: Range = ANYTHING) -> int:
         """Return 1 if the condition becomes true with growing odometry, -1 with falling, else 0."""
         place = self._robot.odometry
-        span = self._spans.get(self._odometry, ANYTHING)
         marks: set[float] = set()
         for each in tree.walk(node):
             if isinstance(each, tree.Compare) and signals(each):

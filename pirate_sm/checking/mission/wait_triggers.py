@@ -6,12 +6,14 @@ from collections.abc import Iterator, Sequence
 
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.at_wait_start import at_beginning
+from pirate_sm.checking.exploring.piecewise_linear import signals, value
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
-from pirate_sm.expressions import Expression, Vocabulary, tree
+from pirate_sm.expressions import Expression, NumberType, Vocabulary, tree
 from pirate_sm.expressions.vocabulary import change_of
+from pirate_sm.units import DIMENSIONLESS
 
 
 def wait_triggers(view: MissionView) -> Iterator[Finding]:
@@ -29,6 +31,30 @@ def wait_triggers(view: MissionView) -> Iterator[Finding]:
             message = f"'{condition.text}' is always {said}"
             mend = "leave the condition out" if said.startswith("true") else if_false
             yield places.finding(places.read(place), "condition.constant", message, mend=mend)
+        for said in dict.fromkeys(_exact(condition.tree, loaded.robot.vocabulary.with_changes)):
+            message = f"'{condition.text}' asks with {said}"
+            yield places.finding(places.read(place), "condition.exact", message)
+
+
+def _exact(node: tree.Node, vocabulary: Vocabulary) -> Iterator[str]:
+    """Yield how a condition compares measured numbers for equality.
+
+    At rest a sensor may show exactly 0, a bound of ``min`` and ``max`` is exact, and a number
+    without a unit may be a flag or a count.
+    """
+    for each in tree.walk(node):
+        if not isinstance(each, tree.Compare) or each.operator not in {"==", "!="}:
+            continue
+        sides = each.left, each.right
+        zero = any(not signals(side) and value(side, 0.0) == 0.0 for side in sides)
+        clipped = any(
+            isinstance(part, tree.Call) and part.function != "abs" for part in tree.walk(each)
+        )
+        kinds = [vocabulary.types[name] for name in signals(each)]
+        plain = all(isinstance(k, NumberType) and k.dimension == DIMENSIONLESS for k in kinds)
+        if not (zero or clipped or plain):
+            often = "almost never" if each.operator == "==" else "almost always"
+            yield f"`{each.operator}` for a measured number, which is {often} true"
 
 
 def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:

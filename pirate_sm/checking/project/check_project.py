@@ -115,6 +115,12 @@ class _Check:
         for name, (target, pipe, document) in self._pipes.items():
             if name not in self._used:
                 self.findings += map(finding_of, self._reached(target.path, pipe, document).all)
+        if self._called:  # a called mission begins wherever its callers have come to
+            self.findings = [
+                each
+                for each in self.findings
+                if each.code != "trigger.at_start" or each.place.file not in self._called
+            ]
         for name in {each.place.file for each in self.findings} | {f.name for f in self._files}:
             self._read(name)
         for name, found in self._unset.items():

@@ -27,7 +27,16 @@ def test_what_the_wire_cannot_carry_cannot_be() -> None:
     loaded = load_robot(NEWT)
     found = ranges(loaded.profile, loaded.oriented("normal"))
 
-    assert found["neck_torque"] == pytest.approx((-(2**15) * 0.5e-3, 2**15 * 0.5e-3))
+    assert found["roll_a"].high == pytest.approx(2**15 * 2 * pi / 2000)
+
+
+def test_what_the_engine_takes_for_implausible_is_unknown_and_no_value() -> None:
+    loaded = load_robot(PIRATE)
+    found = ranges(loaded.profile, loaded.oriented("normal"))
+
+    assert found["bend_torque_1"] == pytest.approx((-8 * 1.01, 8 * 1.01))
+    assert found["wheel_current_1"] == pytest.approx((-2 * 0.54, 2 * 0.54))
+    assert found["wheel_torque_1"].high == pytest.approx(2 * 0.54 * 8.44e-3 * 112)
 
 
 def test_a_diameter_lies_between_two_wheels_and_the_links_stretched_out() -> None:

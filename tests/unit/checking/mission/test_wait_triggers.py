@@ -6,7 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from checking.small_missions import checked, only, told
+from checking.small_missions import checked, only, told, write
+from pirate_sm.checking.project.check_project import check_paths
 
 
 def wait(*triggers: str, within: str = "10 s", go: str = "bad") -> str:
@@ -145,7 +146,8 @@ def test_conditions_that_bring_others_along_are_seen_together(
     ]
 
     codes = [code for code, _ in told(checked(tmp_path, wait(*triggers)))]
-    assert [code for code in codes if code != "wait.still"] == expected  # nothing drives
+    still = {"wait.still", "trigger.at_start"}  # nothing drives
+    assert [code for code in codes if code not in still] == expected
 
 
 def test_what_is_held_may_be_true_together_in_the_next_phase(tmp_path: Path) -> None:
@@ -187,3 +189,101 @@ def test_a_wait_lasts_while_sensors_show_now_this_and_now_that(tmp_path: Path) -
 
     assert found.story[-1].startswith("sensors show now this and now that")
     assert not found.course  # no course of single events could show that
+
+
+def crawl(steps: str, when: str, held: str = "") -> str:
+    """A mission that drives at its very beginning, and waits."""
+    return f"""
+start: p
+phases:
+  p:
+    do: [{steps}]
+    wait: [{{when: '{when}'{held}, go: good}}]
+    within: {{time: 30 s, go: bad}}
+"""
+
+
+AHEAD, ASTERN = "HoldNose, HoldTail, GoAhead", "HoldNose, HoldTail, GoAstern"
+TO_AND_FRO = "HoldNose, HoldTail, GoAhead, Rest, GoAstern"
+
+
+@pytest.mark.parametrize(
+    ("steps", "when", "code"),
+    [
+        (ASTERN, "way <= 100 mm", "trigger.at_start"),
+        (ASTERN, "way != 100 mm", "trigger.at_start"),
+        (ASTERN, "way <= 100 mm or pace > 1 mm/s", "trigger.at_start"),
+        (AHEAD, "way <= 100 mm", "trigger.at_start"),
+        (AHEAD, "abs(way) < 20 mm", "trigger.at_start"),
+        (AHEAD, "way >= -20 mm", "trigger.at_start"),
+        ("HoldNose", "abs(way) < 20 mm", "trigger.at_start"),
+        (AHEAD, "way != 100 mm", "condition.exact"),
+        (AHEAD, "way == 100 mm", "condition.exact"),
+        (AHEAD, "change(way) == 100 mm", "condition.exact"),
+        (AHEAD, "neck == 10 deg and pace > 1 mm/s", "condition.exact"),
+        (ASTERN, "way >= 100 mm and pace < 0 mm/s", "trigger.at_start"),
+        (ASTERN, "abs(way - 100 mm) < 5 mm", "trigger.at_start"),
+        (ASTERN, "way >= 100 mm", "wait.still"),
+        (AHEAD, "abs(neck_torque) > 10 Nm", "trigger.never"),
+        (ASTERN, "way <= -100 mm", ""),
+        (ASTERN, "way <= 100 mm and pace < 0 mm/s", ""),
+        (AHEAD, "way < -20 mm or way > 100 mm", ""),
+        (AHEAD, "way >= 100 mm and pace > 0 mm/s", ""),
+        (AHEAD, "abs(way - 100 mm) < 5 mm", ""),
+        (TO_AND_FRO, "way <= 100 mm", ""),  # it may be farther than that
+        (AHEAD, "pace == 0 mm/s", ""),  # a robot at rest
+        (TO_AND_FRO, "max(way, 100 mm) == 100 mm or pace < 0 mm/s", ""),
+    ],
+)
+def test_what_a_wait_means_at_the_beginning_of_a_run_where_odometry_is_0(
+    tmp_path: Path, steps: str, when: str, code: str
+) -> None:
+    codes = [found for found, _ in told(checked(tmp_path, crawl(steps, when)))]
+
+    assert [each for each in codes if each in CODES] == ([code] if code else [])
+
+
+CODES = {"trigger.at_start", "trigger.at_once", "trigger.never", "condition.exact", "wait.still"}
+
+
+def test_what_must_be_held_may_be_true_at_the_beginning(tmp_path: Path) -> None:
+    body = crawl(AHEAD, "abs(way) < 5 mm", ", held: 2 s")
+
+    assert told(checked(tmp_path, body)) == []
+
+
+def test_after_a_wait_in_which_it_drove_odometry_may_be_anything(tmp_path: Path) -> None:
+    body = """
+start: p
+phases:
+  p:
+    do: [HoldNose, HoldTail, GoAhead]
+    wait: [{when: way >= 300 mm, go: q}]
+    within: {time: 30 s, go: bad}
+  q:
+    do: [Rest, GoAstern]
+    wait: [{when: way <= 100 mm, go: good}]
+    within: {time: 30 s, go: bad}
+"""
+    assert told(checked(tmp_path, body)) == []
+
+
+def test_a_mission_that_others_call_begins_wherever_they_have_come_to(tmp_path: Path) -> None:
+    part = write(tmp_path, crawl("GoAstern", "way <= 100 mm"), name="part")
+    assert "trigger.at_start" in {each.code for each in check_paths([str(part)]).findings}
+    write(
+        tmp_path,
+        """
+start: p
+phases:
+  p:
+    do: [HoldNose, HoldTail, GoAhead]
+    wait: [{when: way >= 300 mm, go: q}]
+    within: {time: 30 s, go: bad}
+  q: {do: [Rest, {call: ./part.yaml}], go: good}
+""",
+    )
+
+    both = check_paths([str(tmp_path)]).findings
+
+    assert "trigger.at_start" not in {each.code for each in both}
