@@ -98,10 +98,7 @@ def numbers_of(text: str, kind: str) -> dict[str, str]:
 
 
 def number_of(
-    key: str,
-    written: str,
-    measured: Sequence[Dimension],
-    draw: Callable[[float, float], float],
+    key: str, written: str, measured: Sequence[Dimension], draw: Callable[[float, float], float]
 ) -> tuple[Quantity, str]:
     """Return a number and its text; for a range one that was drawn from it, to five digits.
 

@@ -260,9 +260,6 @@ KINDS: Mapping[str, Callable[[Defect, Electronics, np.random.Generator], Effect]
 }
 
 
-_RANGES = 1
-"""Makes the random numbers of ranges others than those with which the defect acts."""
-
 _ONE_EACH = Hint("; repeat --defect for each", "; each name is an item of its own")
 
 
@@ -296,7 +293,7 @@ def _read(texts: Sequence[str], profile: Profile, seed: int) -> list[tuple[Defec
         raise UsageError(wrong, hint=_ONE_EACH if any("," in name for name in names) else NO_HINT)
     found, faults = [], []
     for number, (name, text) in enumerate(zip(names, texts, strict=True)):
-        rng = np.random.default_rng((seed, number, _RANGES))
+        rng = np.random.default_rng((seed, number, 1))  # others than those with which it acts
         try:
             found.append(_with_numbers(defects[name], text, profile, rng))
         except UsageError as error:

@@ -317,8 +317,7 @@ def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
 
 
 def _choose(
-    robot: RobotSpec,
-    tables: tuple[VerdictTable, ...],
+    robot: RobotSpec, tables: tuple[VerdictTable, ...]
 ) -> tuple[VerdictTable | None, tuple[VerdictTable, ...], tuple[str, ...]]:
     """Return the table that counts, or those among which a person chooses, or why there is none.
 
