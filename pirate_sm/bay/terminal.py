@@ -11,6 +11,7 @@ import time
 import tty
 from collections.abc import Callable
 from contextlib import suppress
+from errno import EEXIST
 from pathlib import Path
 from types import FrameType
 from typing import Self, TextIO
@@ -32,7 +33,7 @@ class Terminal:
     """A pseudo-terminal whose other end a host opens; a context manager.
 
     Args:
-        link: Path for a symbolic link to it; an old link there is replaced.
+        link: Path for a symbolic link to it; a dead one there is replaced.
         baud: Baud rate of the device. A host that sets another rate sends and reads garbage; one
             that sets none does not. None, or a rate that has no constant here: any rate works.
 
@@ -65,6 +66,9 @@ class Terminal:
     def _make_link(self, link: Path) -> None:
         try:
             if link.is_symlink():
+                if link.exists() and str(link.readlink()) != self.name:
+                    why = f"it leads to {link.readlink()}, which is in use: end the bay there, or"
+                    raise FileExistsError(EEXIST, f"{why} remove the link if that is no bay")
                 link.unlink()
             link.symlink_to(self.name)
         except OSError as error:

@@ -129,6 +129,17 @@ def test_a_link_that_cannot_be_made_is_refused(tmp_path: Path) -> None:
     assert (tmp_path / "file").read_text() == "mine"
 
 
+def test_a_link_that_a_killed_bay_has_left_is_replaced_and_no_other(tmp_path: Path) -> None:
+    link, dead = tmp_path / "bay", tmp_path / "gone"
+    link.symlink_to(dead)
+    with Terminal(link) as first:
+        assert str(link.readlink()) == first.name
+        with pytest.raises(UsageError, match=f"it leads to {first.name}, which is in use"):
+            Terminal(link)
+        assert str(link.readlink()) == first.name
+    assert not link.is_symlink()
+
+
 def test_a_record_is_a_line_of_json() -> None:
     line = line_of(Record(1.5, "applied", 3, (1, -1)))
 
