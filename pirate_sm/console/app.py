@@ -17,6 +17,7 @@ from textual.widgets import Footer
 
 from pirate_sm.console import availability, hand_back_plan
 from pirate_sm.console.check_process import Ask, ask_here
+from pirate_sm.console.checklist import Checklist
 from pirate_sm.console.dialogs import Help, Say
 from pirate_sm.console.hand_driving import is_still
 from pirate_sm.console.help_page import help_lines
@@ -110,6 +111,7 @@ class Console(PanelActions, App[None]):
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
         Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
+        Binding("number_sign", "preflight", "Pre-flight", show=False),
         Binding("at", "say", "Say a place", show=False),
         Binding("plus", "faster(1)", "Faster", show=False),
         Binding("minus", "faster(-1)", "Slower", show=False),
@@ -164,7 +166,7 @@ class Console(PanelActions, App[None]):
                     yield from self._controls.values()
                 yield panel("now", "Now")
                 yield panel("why", "Not now")
-                yield panel("link", "Link")
+                yield panel("link", "Link (#: checks)")
             with Vertical(id="rest"):
                 with Horizontal(id="top"):
                     yield Picture(id="picture")
@@ -229,6 +231,8 @@ class Console(PanelActions, App[None]):
             self.show_words(snapshot)
         self.heed_panel()
         self.keep_up(snapshot)
+        if isinstance(self.screen, Checklist):
+            self.screen.renew()
         if isinstance(self.screen, Say) and not is_still(snapshot):
             self.screen.dismiss(None)
         if snapshot.over and self.session.quitting.stop is not None:

@@ -205,7 +205,13 @@ class Pick(Dialog[str | None]):
 
 
 class HelpDialog(Dialog[None]):
-    """A page with every key and the meaning of the signs."""
+    """A page to read.
+
+    Attributes:
+        heading: Its title.
+    """
+
+    heading = "Help"
 
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
@@ -218,7 +224,7 @@ class HelpDialog(Dialog[None]):
     def compose(self) -> ComposeResult:
         """Lay out a page that scrolls."""
         with VerticalScroll(classes="dialog help") as page:
-            page.border_title = "Help"
+            page.border_title = self.heading
             page.border_subtitle = "Esc leaves"
             yield Static(Content("\n").join(self._lines))
         yield last_line()

@@ -26,6 +26,7 @@ _ALWAYS = (
     ("1 … 9", "Answer what the mission asks."),
     ("Tab", "Next page, where the terminal is too small for all at once."),
     ("PgUp PgDn", "Earlier and later lines of the log."),
+    ("#", "Pre-flight: the checks of pirate doctor on the open port, repeated."),
     ("!", "Every alarm with its time, in full; Enter there acknowledges one."),
     ("Esc", "The alarms shown are seen; no more of a series of commands; leave a dialog."),
     ("?", "This page; ↑ ↓ PgUp PgDn move it."),
@@ -72,17 +73,17 @@ def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
     robot = snapshot.scene.robot
     commands = snapshot.scene.loaded.loaded_robot.profile.commands
     lines = [line(("Always", STRONG))]
-    lines += [_row(key, text) for key, text in _ALWAYS]
+    lines += [row(key, text) for key, text in _ALWAYS]
     lines += [line(""), line(("A mission", STRONG))]
-    lines += [_row(each.key, each.label) for each in controls(snapshot, None)]
+    lines += [row(each.key, each.label) for each in controls(snapshot, None)]
     lines += [line(""), line((f"Commands of {robot.name}", STRONG))]
     lines += [
-        _row(letters.get(name, "^p"), f"{name}  {each.description}")
+        row(letters.get(name, "^p"), f"{name}  {each.description}")
         for name, each in commands.items()
     ]
     if robot.detector_words:
         lines += [line(""), line(("You as the detector, where nobody else is", STRONG))]
-        lines += [_row(letters.get(word, "^p"), word) for word in robot.detector_words]
+        lines += [row(letters.get(word, "^p"), word) for word in robot.detector_words]
     return lines + _signs()
 
 
@@ -90,16 +91,17 @@ def recording_lines() -> list[Content]:
     """Return the help page of the viewer of a recording."""
     return [
         line(("A recording", STRONG)),
-        *(_row(key, text) for key, text in _LOOKING_BACK),
+        *(row(key, text) for key, text in _LOOKING_BACK),
         *_signs(),
     ]
 
 
 def _signs() -> list[Content]:
-    return [line(""), line(("Signs", STRONG)), *(_row(sign, text) for sign, text in _SIGNS)]
+    return [line(""), line(("Signs", STRONG)), *(row(sign, text) for sign, text in _SIGNS)]
 
 
-def _row(key: str, text: str) -> Content:
+def row(key: str, text: str, style: str = STRONG) -> Content:
+    """Return a sign with its meaning, in as many lines as that needs."""
     first, *more = wrap(text, _WIDE) or [""]
-    head = line((f"{key:>{_KEYS}}  ", STRONG), first)
+    head = line((f"{key:>{_KEYS}}  ", style), first)
     return Content("\n").join([head, *(line(" " * (_KEYS + 2) + each) for each in more)])

@@ -14,6 +14,7 @@ from textual.worker import Worker, WorkerState
 
 from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
+from pirate_sm.console.checklist import Checklist
 from pirate_sm.console.dialogs import Say
 from pirate_sm.console.hand_back_actions import HandBackActions
 from pirate_sm.console.hand_driving import (
@@ -134,6 +135,16 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         """Choose where the next drive stops."""
         self.session.driving.other_limit()
 
+    # --- before anything moves ----------------------------------------------------------------
+
+    def action_preflight(self) -> None:
+        """Show the checks of the open link until they are passed."""
+        link = self.session.prepared.open_link
+        if link is not None:
+            self.push_screen(Checklist(link))
+        else:
+            self._refuse("pre-flight", "this robot is not at the other end of a serial link")
+
     # --- where the robot is -------------------------------------------------------------------
 
     @property
@@ -247,6 +258,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         for control in availability.controls(snapshot, self.starts(snapshot)):
             go = partial(self.action_control, control.name)
             yield SystemCommand(control.label, control.reason or "Mission", go)
+        yield SystemCommand("Pre-flight", "Check the open link", self.action_preflight)
         yield SystemCommand("Alarms", "Every alarm in full", self.action_alarms)
         yield SystemCommand("Missions", "Choose a mission", self.action_missions)
         for word in snapshot.scene.robot.detector_words:

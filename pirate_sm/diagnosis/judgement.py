@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from statistics import median
 
@@ -37,13 +37,8 @@ def judged(facts: Facts, subject: Subject) -> Facts:
     """Return the facts with what is wrong with each sensor, and all findings, worst first."""
     boards = tuple(judge_board(board, subject) for board in facts.boards)
     facts = replace(facts, boards=boards)
-    findings = [
-        *_about_topics(facts),
-        *_about_boards(facts, subject),
-        *_about_channels(facts),
-        *_about_link(facts, subject),
-        *_about_moving(facts, _advice(subject)),
-    ]
+    findings = [each for _, check in CHECKS.values() for each in check(facts, subject)]
+    findings += _about_moving(facts, _advice(subject))
     order = ("no-go", "suspicious", "note")
     findings.sort(key=lambda finding: order.index(finding.level))
     return replace(facts, findings=tuple(findings))
@@ -60,7 +55,7 @@ def _with(advice: str) -> str:
 # --- topics -------------------------------------------------------------------------------------
 
 
-def _about_topics(facts: Facts) -> Iterator[DoctorFinding]:
+def _about_topics(facts: Facts, _: Subject) -> Iterator[DoctorFinding]:
     for refusal in facts.refused:
         yield DoctorFinding("no-go", refusal)
     reasons = " ".join(facts.refused)
@@ -137,7 +132,7 @@ def _about_rates(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
 # --- sensors ------------------------------------------------------------------------------------
 
 
-def _about_channels(facts: Facts) -> Iterator[DoctorFinding]:
+def _about_channels(facts: Facts, _: Subject) -> Iterator[DoctorFinding]:
     for board in facts.boards:
         for channel in board.channels:
             name = channel.signal or f"{channel.name} of board {board.id}"
@@ -177,6 +172,17 @@ def _about_link(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
     for level, text in facts.words:
         if level >= _ERROR:
             yield DoctorFinding("suspicious", f"the firmware says: {text}")
+
+
+Check = Callable[[Facts, Subject], Iterator[DoctorFinding]]
+
+CHECKS: Mapping[str, tuple[str, Check]] = {
+    "topics": ("names and types are those of the profile", _about_topics),
+    "boards": ("every board reports, as often as it should", _about_boards),
+    "sensors": ("every sensor shows what it can show at rest", _about_channels),
+    "link": ("no reset, hardly any damage, no delay", _about_link),
+}
+"""What can be checked while nothing moves: what is right, and what returns what is wrong."""
 
 
 # --- moving -------------------------------------------------------------------------------------

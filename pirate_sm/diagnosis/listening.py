@@ -9,16 +9,17 @@ from math import inf, nan
 from types import TracebackType
 from typing import Self
 
-from pirate_sm.backends.serial.backend import ANSWER_WITHIN_S
+from pirate_sm.backends.serial.backend import ANSWER_WITHIN_S, SerialBackend
 from pirate_sm.backends.serial.link.connection_errors import unanswered
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import STATE
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import Port
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
+from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
-from pirate_sm.model.events import FaultReport, SensorFrame, SubmitResult
+from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.rosserial import topics
 from pirate_sm.rosserial.frames import Decoder, encode
@@ -98,7 +99,6 @@ class Listening:
         self._plan = subject.plan
         self.exchange = Exchange(self._plan, port.now(), port.epoch_s, baud)
         self.results: dict[int, SubmitResult] = {}
-        self._resets = 0
         self._sample = b""
         self._answer_s = nan
         self._late_s = 0.0
@@ -188,7 +188,7 @@ class Listening:
             self._late_s = max(self._late_s, now - wake_s)
             if data:
                 self._hear(data, now)
-            self._digest(now)
+            self._digest(self.exchange.take(), now)
             if now >= until_s:
                 return
 
@@ -209,7 +209,6 @@ class Listening:
     def _hear(self, data: bytes, now: float) -> None:
         if not self._connected:
             self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
-        self._bytes += len(data)
         for topic, payload in self._decoder.feed(data):
             self._counts[topic] += 1
             if topic in {topics.PUBLISHER, topics.SUBSCRIBER, topics.TIME} and self._asked_s < inf:
@@ -218,8 +217,8 @@ class Listening:
             self._meet(topic, payload)
         self.exchange.receive(data, now)
 
-    def _digest(self, now: float) -> None:
-        for event in self.exchange.take():
+    def _digest(self, events: Sequence[Event], now: float) -> None:
+        for event in events:
             if isinstance(event, SensorFrame):
                 self.records.take(event, now)
             elif isinstance(event, SubmitResult):
@@ -241,12 +240,12 @@ class Listening:
     def _count_from(self, now: float) -> None:
         self.records = Records(self.subject, now)
         self._began_s = now
-        self._base = (self._decoder.dropped, self.exchange.counts)
+        self._base = (self.exchange.link.quality.received, self.exchange.counts)
+        self._resets = 0
         self._counts: Counter[int] = Counter()
         self._strangers: Counter[int] = Counter()
         self._asked_s = inf
         self._asked_ms: list[float] = []
-        self._bytes = 0
         self._late_s = 0.0
 
     # --- what came of it --------------------------------------------------------------------
@@ -255,11 +254,11 @@ class Listening:
         """Return all facts so far, without judging them."""
         now = self.port.now()
         conversation, counts = self.exchange.conversation, self.exchange.counts
-        dropped, before = self._base
+        received, before = self._base
         link = LinkFact(
             answer_s=self._answer_s,
-            bytes=self._bytes,
-            dropped=self._decoder.dropped - dropped,
+            bytes=self.exchange.link.quality.received - received,
+            dropped=counts.dropped - before.dropped,
             unreadable=counts.unreadable - before.unreadable,
             strange=counts.strange - before.strange,
             damaged=counts.damaged,
@@ -288,3 +287,50 @@ class Listening:
             words=tuple((line.level, line.text) for line in conversation.words),
             refused=tuple(self.exchange.refused),
         )
+
+
+CHECKED_EVERY_S = 3.0
+"""Long enough for each board to report more often than a live sensor repeats a value."""
+
+
+class OpenLink(Listening):
+    """Repeats the doctor's checks on a link that a run has open; a context manager.
+
+    It sends nothing, so it cannot know how soon the device answers, and the run does not pass on
+    what boards report that are not in the profile.
+
+    Args:
+        subject: The expected robot.
+        backend: The link, which must be open when this is entered.
+
+    Attributes:
+        found: What the last complete time of listening has shown, judged; None before.
+    """
+
+    def __init__(self, subject: Subject, backend: SerialBackend) -> None:
+        super().__init__(subject, backend.port, subject.plan.serial.baud)
+        self._backend = backend
+        self.found: Facts | None = None
+
+    def __enter__(self) -> Self:
+        """Listen from now on."""
+        self.found, self.exchange = None, self._backend.exchange
+        self._restart(self.port.now())
+        self._backend.listener = self._listen
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Listen no longer."""
+        self._backend.listener = None
+
+    def _restart(self, now: float) -> None:
+        self._count_from(now)
+        self._served_s = now
+
+    def _listen(self, events: Sequence[Event], now: float) -> None:
+        self._late_s = max(self._late_s, now - self._served_s - _LOOK_UP_S)
+        self._served_s = now
+        self._digest(events, now)
+        if now >= self._began_s + CHECKED_EVERY_S:
+            self.found = judged(self.facts(), self.subject)
+            self._restart(now)

@@ -68,6 +68,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         start_values(loaded),
         jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
     )
+    from pirate_sm.diagnosis.facts import Subject
+    from pirate_sm.diagnosis.listening import OpenLink
+
     backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
     return Equipment(
         backend=backend,
@@ -78,6 +81,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         wheels=lambda: bay.robot.wheels,
         in_space=None if loaded.pipe.section == "bars" else lambda: bay.robot.in_space,
         link=lambda: backend.health,
+        open_link=OpenLink(Subject(robot.profile, loaded.robot, plan), backend),
     )
 
 

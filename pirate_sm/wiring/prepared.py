@@ -18,6 +18,7 @@ from pirate_sm.wiring.run_order import Order
 if TYPE_CHECKING:
     from pirate_sm.backends.protocol import Backend
     from pirate_sm.backends.serial.health import LinkHealth
+    from pirate_sm.diagnosis.listening import OpenLink
     from pirate_sm.recording.format.header import RunHeader
 
 Say = Callable[[str], None]
@@ -41,6 +42,7 @@ class Equipment:
         rolls: Returns the rolls of :class:`Truth`, on backends that move the robot in a plane and
             put it back after a crash, for frequent calls.
         link: Returns the state of the link, if there is one.
+        open_link: Examines the robot on that link.
         parting: Returns what a person must do after the run; empty if nothing.
         confirmation: What a person must confirm before anything moves; empty if nothing.
         attended: Whether a companion answers the mission's questions.
@@ -59,6 +61,7 @@ class Equipment:
     in_space: Callable[[], InSpace] | None = None
     rolls: Callable[[], tuple[float, ...]] | None = None
     link: Callable[[], LinkHealth] | None = None
+    open_link: OpenLink | None = None
     parting: Callable[[], str] = lambda: ""
     confirmation: str = ""
     attended: bool = False

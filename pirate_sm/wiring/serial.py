@@ -30,6 +30,8 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     if order.firings or order.course:
         raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
+    from pirate_sm.diagnosis.facts import Subject
+    from pirate_sm.diagnosis.listening import OpenLink
 
     loaded, notices = calibrated(order, loaded)
     profile = loaded.loaded_robot.profile
@@ -43,6 +45,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         notices=notices,
         usual_detector="odometry",
         link=lambda: backend.health,
+        open_link=OpenLink(Subject(profile, loaded.robot, plan), backend),
         parting=backend.parting,
         confirmation=f"{profile.robot} on {order.port} is about to move",
         adapted=lambda other: calibrated(order, other)[0],

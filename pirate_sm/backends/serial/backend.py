@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from threading import Event as Flag
 from threading import Lock, Thread
@@ -46,6 +46,8 @@ class SerialBackend:
     Attributes:
         exchange: The driver of the link.
         confirmed: Whether, when the backend was closed, the robot had confirmed the last array.
+        listener: Is given the events that the link has reported, and the time of the port's clock,
+            each time that the link is served; it must not raise. None: nobody listens.
     """
 
     name = "serial"
@@ -77,6 +79,7 @@ class SerialBackend:
         self._leaving = Flag()
         self._tender = Thread(target=self._attend, daemon=True) if tended else None
         self.confirmed = True
+        self.listener: Callable[[Sequence[Event], float], None] | None = None
 
     def _begin(self) -> None:
         port = self.port
@@ -135,7 +138,7 @@ class SerialBackend:
             self._pump.turn(deadline_s)
             now = self.port.now()
             self._time.follow(self.exchange, now)
-            self._events += self._pump.take()
+            self._events += self._take(now)
             if self._events or now >= deadline_s:
                 break
         if not self._time.reach(now, until_s):
@@ -192,7 +195,7 @@ class SerialBackend:
         now = self.port.now()
         self._time.follow(self.exchange, now)
         self._time.stand(now)
-        events = [*self._events, *self._pump.take()]
+        events = [*self._events, *self._take(now)]
         newest = {each.board: each for each in events if isinstance(each, SensorFrame)}
         others = (each for each in events if not isinstance(each, SensorFrame))
         self._events = [*others, *newest.values()]
@@ -227,6 +230,13 @@ class SerialBackend:
         )
 
     # --- inside -----------------------------------------------------------------------------
+
+    def _take(self, now: float) -> list[Event]:
+        """Return what the link has reported; the listener hears it first."""
+        events = self._pump.take()
+        if (listener := self.listener) is not None:
+            listener(events, now)
+        return events
 
     @contextmanager
     def _called(self) -> Iterator[None]:

@@ -60,6 +60,7 @@ class LineQuality:
 
     Attributes:
         round_trips: Times to the last echoes, s.
+        received: Bytes received.
     """
 
     def __init__(self, echo_within_s: float) -> None:
@@ -67,6 +68,7 @@ class LineQuality:
         self._mean_s = self._spread_s = echo_within_s / 2
         self._loss = self._noise = 0.0
         self._losses = 1
+        self.received = 0
         self.round_trips: deque[float] = deque(maxlen=1000)
 
     @property
@@ -105,6 +107,7 @@ class LineQuality:
 
     def listened(self, received: int, damaged: int) -> None:
         """Take in how many bytes have come lately, and how many of them belonged to no frame."""
+        self.received += received
         if received:
             part = min(1.0, received / _NOISE_BYTES)
             self._noise += part * (damaged / received - self._noise)
