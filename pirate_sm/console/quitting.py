@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import select
 import signal
 import sys
 import termios
@@ -16,7 +15,11 @@ from pirate_sm.runtime.pacer import Clock, WallClock
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop, StopRequests
 
 LEAVE_WITHIN_S = 1.7
-"""How long leaving may take once the operator has gone. With the time to notice it, 2 s."""
+"""How long leaving may take once the operator has gone and the robot is safe. With the time to
+notice it, 2 s."""
+
+SAFE_WITHIN_S = 5.0
+"""The safe stop, which takes 0.1 s, may take so long on a busy machine."""
 
 _LOOK_EVERY_S = 0.05
 
@@ -44,13 +47,32 @@ class LeaveRequests(StopRequests):
         if self.gone is None and stop in _GONE:
             self.gone = stop
 
+    @property
+    def safe(self) -> bool:
+        """Whether no robot needs this process any more; here there is none."""
+        return True
+
 
 class Quitting(LeaveRequests):
-    """Requests that end the session with its present run."""
+    """Requests that end the session with its present run.
 
-    def __init__(self) -> None:
+    Args:
+        unreachable: Returns whether nothing comes from the robot.
+
+    Attributes:
+        stopped: Whether the robot has been brought to its safe state after a request.
+    """
+
+    def __init__(self, unreachable: Callable[[], bool] = lambda: False) -> None:
         super().__init__()
         self.run = StopRequests()
+        self.stopped = False
+        self._unreachable = unreachable
+
+    @property
+    def safe(self) -> bool:
+        """Whether the robot stands, or only its guardian can still stop it."""
+        return self.stopped or self._unreachable()
 
     def begin(self) -> StopRequests:
         """Return the requests of the next run, with a stop if the session was asked to stop."""
@@ -73,8 +95,8 @@ class Quitting(LeaveRequests):
 class Watchdog:
     """Ends this process where leaving takes too long after the operator has gone.
 
-    The safe stop is the first thing that leaving does. Where it has not been confirmed by then, the
-    guardian, which owns the port, continues without this process.
+    The safe stop is the first thing that leaving does, and the limit counts from its end. Where it
+    takes too long itself, the guardian, which owns the port, continues without this process.
 
     Args:
         requests: The requests to leave.
@@ -96,6 +118,9 @@ class Watchdog:
         """Wait until the operator has gone; end the process if it is still there after that."""
         while (gone := self._requests.gone) is None:
             self._clock.sleep(_LOOK_EVERY_S)
+        give_up_s = self._clock.now() + SAFE_WITHIN_S
+        while not self._requests.safe and self._clock.now() < give_up_s:
+            self._clock.sleep(_LOOK_EVERY_S)
         self._clock.sleep(LEAVE_WITHIN_S)
         self._end(gone.exit_code)
 
@@ -111,8 +136,9 @@ def ender() -> Callable[[int], None]:
         signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTTOU])
         with suppress(OSError, termios.error):
             termios.tcsetattr(terminal, termios.TCSANOW, before)
-            if select.select([], [terminal], [], 0)[1]:
-                os.write(terminal, words.encode())
+            # The terminal may take nothing, whatever `select` says: nothing must wait for it.
+            again = os.open(os.ctermid(), os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY)
+            os.write(again, words.encode())
         os._exit(code)
 
     return end

@@ -8,7 +8,7 @@ from threading import Thread
 
 from pirate_sm.companion import entered
 from pirate_sm.console.command_series import RUN_OVER, Giver
-from pirate_sm.console.hand_driving import HandDriving
+from pirate_sm.console.hand_driving import HandDriving, Place
 from pirate_sm.console.quitting import Quitting
 from pirate_sm.console.recording_hooks import RunKeeper, unkept
 from pirate_sm.console.run_bridge import RunBridge
@@ -66,7 +66,7 @@ class OperatorSession:
         resuming: Resuming | None = None,
         then: LoadedMission | None = None,
     ) -> None:
-        self.quitting = Quitting()
+        self.quitting = Quitting(lambda: bool(self.latest.link and self.latest.link.trouble))
         self.giver = Giver()
         self.result: Result | None = None
         self.prepared = prepared
@@ -79,6 +79,8 @@ class OperatorSession:
         self._thread = Thread(target=self._work, name="run", daemon=True)
         self._bridge = RunBridge(scene_of(prepared), prepared, clock or WallClock())
         self.driving = HandDriving(lambda: self._bridge.latest, factor)
+        if (place_m := prepared.order.start_at_m) is not None:
+            self.driving.place = Place(place_m, 0.0)
 
     @property
     def latest(self) -> Snapshot:
@@ -147,6 +149,7 @@ class OperatorSession:
                 run = self._run(kept, run)
                 series = self.giver.series
                 self.result = run.execute()
+                self.quitting.stopped = self.quitting.stop is not None
                 asked = self._bridge.asked or self.giver.series is not series
                 if not asked and self.result.ended.outcome == "interrupted":
                     kept.forget()

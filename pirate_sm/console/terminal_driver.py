@@ -7,8 +7,12 @@ from __future__ import annotations
 
 import os
 import select
+import sys
 from codecs import getincrementaldecoder
 from collections.abc import Callable
+from contextlib import suppress
+from queue import Empty, Queue
+from threading import Thread
 from typing import Any, Protocol, TextIO, runtime_checkable
 
 from textual._xterm_parser import XTermParser
@@ -19,6 +23,9 @@ from textual.message import Message
 STOP_KEY = "space"
 
 _LOOK_EVERY_S = 0.1
+
+_TAKES_WITHIN_S = 0.5
+"""A terminal that has not taken the last output by then takes none."""
 
 
 @runtime_checkable
@@ -46,12 +53,55 @@ class Stoppable(Leaving, Protocol):
 
 
 class StopDriver(LinuxDriver):
-    """Passes the stop key to the app past its queue, and reports the loss of the terminal."""
+    """Passes the stop key to the app past its queue, and reports the loss of the terminal.
 
-    def __init__(self, *arguments: Any, **options: Any) -> None:
-        super().__init__(*arguments, **options)
-        # Textual's writing thread dies of an error, and all writers would then block.
-        self._file: TextIO = Lossy(self._file, self._gone)  # type: ignore[assignment]
+    Nothing waits for a terminal that takes no output: what it does not take is dropped, and all is
+    drawn again when it does. Textual itself would wait, with every key but the stop.
+    """
+
+    _dropping = False
+
+    def start_application_mode(self) -> None:
+        """Take the terminal over, by a file that can do without it."""
+        # Textual's writing thread dies of an error, and all writers would then block. With a file
+        # of its own that thread keeps no lock that the rest of the program needs.
+        own = os.fdopen(os.dup(self._file.fileno()), "w", encoding="utf-8", newline="")
+        self._file: TextIO = Lossy(own, self._gone)  # type: ignore[assignment]
+        super().start_application_mode()  # type: ignore[no-untyped-call]
+
+    @property
+    def _waiting(self) -> Queue[str | None]:
+        assert self._writer_thread is not None
+        return self._writer_thread._queue
+
+    def write(self, data: str) -> None:
+        """Write the data soon, or drop it while the terminal takes nothing."""
+        if self._dropping and self._waiting.empty():
+            self._dropping = False
+            self._app.refresh(layout=True)
+        self._dropping = self._dropping or self._waiting.full()
+        if not self._dropping:
+            super().write(data)
+
+    def stop_application_mode(self) -> None:
+        """Restore the terminal; no frame is needed any more."""
+        with suppress(Empty):
+            while True:
+                self._waiting.get_nowait()
+        self._dropping = False
+        super().stop_application_mode()
+
+    def close(self) -> None:
+        """End writing; if the terminal takes nothing, do without it from now on."""
+        if (writer := self._writer_thread) is not None:
+            Thread(target=writer.stop, daemon=True).start()
+            writer.join(_TAKES_WITHIN_S)
+            if writer.is_alive():
+                nowhere = os.open(os.devnull, os.O_WRONLY)
+                for each in (sys.stdout, sys.stderr):
+                    os.dup2(nowhere, each.fileno())
+            else:
+                self._file.close()
 
     def process_message(self, message: Message) -> None:
         """Pass the message on; for the stop key, stop the robot instead."""

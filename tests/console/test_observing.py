@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from dataclasses import replace
 from math import nan
 from pathlib import Path
 
@@ -69,6 +70,17 @@ def test_what_a_person_sees_is_in_the_recording_and_in_the_map(tmp_path: Path) -
     assert said == [Observation("crack, 3 o'clock", pytest.approx(0.7))]
     text = pipe_text(mapped(recording), "seen", path.name)
     assert "# A person says: seen at 0.70 m: crack, 3 o'clock." in text
+
+
+def test_a_place_said_before_the_start_is_known_in_the_console() -> None:
+    async def story() -> None:
+        prepared = with_mission("enter_2d")
+        placed = replace(prepared, order=replace(prepared.order, start_at_m=0.4))
+        async with operator(placed) as me:
+            await me.look()
+            assert "wheel 1 at 0.40 m" in text_of(me)
+
+    played(story)
 
 
 def test_a_place_cannot_be_typed_while_anything_moves() -> None:

@@ -7,17 +7,19 @@ import os
 from collections.abc import Sequence
 from dataclasses import replace
 from signal import SIGHUP, SIGINT, SIGTERM
+from threading import Event as Flag
 from threading import Thread
 from typing import Any
 
 import pytest
+from textual.drivers._writer_thread import WriterThread
 from textual.events import Key
 from textual.widget import Widget
 
 from pirate_sm.cli.commands.console import standing
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.quitting import LEAVE_WITHIN_S, Quitting, Watchdog
+from pirate_sm.console.quitting import LEAVE_WITHIN_S, SAFE_WITHIN_S, Quitting, Watchdog
 from pirate_sm.console.session import LEFT, OperatorSession
 from pirate_sm.console.terminal_driver import Lossy, StopDriver
 from pirate_sm.engine.mission.pausing import why_not_to
@@ -125,12 +127,90 @@ def test_the_end_of_input_is_the_operator_gone() -> None:
     played(story)
 
 
+def watched(quitting: Quitting, clock: HandClock, codes: list[int]) -> Thread:
+    dog = Thread(target=Watchdog(quitting, codes.append, clock).watch, daemon=True)
+    dog.start()
+    return dog
+
+
+@pytest.mark.parametrize("unreachable", [False, True])
+def test_a_slow_safe_stop_is_waited_for_unless_only_the_guardian_can_make_it(
+    unreachable: bool,
+) -> None:
+    clock, quitting, found = HandClock(), Quitting(lambda: unreachable), []
+    dog = watched(quitting, clock, found)
+    quitting.ask(BY_SIGNAL[SIGTERM])
+    clock.run(LEAVE_WITHIN_S + 0.3, lambda: not dog.is_alive())
+    assert found == ([143] if unreachable else [])
+    if not unreachable:
+        quitting.stopped = True
+        clock.run(LEAVE_WITHIN_S - 0.1, lambda: not dog.is_alive())
+        assert found == []
+        clock.run(0.3, lambda: not dog.is_alive())
+    assert found == [143]
+
+
+def test_a_safe_stop_that_never_ends_does_not_keep_the_process() -> None:
+    clock, found = HandClock(), []
+    quitting = Quitting()
+    dog = watched(quitting, clock, found)
+    quitting.ask(BY_SIGNAL[SIGTERM])
+    clock.run(SAFE_WITHIN_S + LEAVE_WITHIN_S + 0.3, lambda: not dog.is_alive())
+    assert found == [143]
+
+
+def test_the_session_says_when_the_robot_stands() -> None:
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            await drive(me)
+            await me.press("space")
+            me.until(lambda: me.session.result)
+            assert not me.session.quitting.safe  # another run follows
+
+            me.session.quit()
+            me.until(lambda: me.latest.over)
+            assert me.session.quitting.safe
+
+    played(story)
+
+
+def test_nothing_waits_for_a_terminal_that_takes_no_output() -> None:
+    class Stuck(io.StringIO):
+        takes = Flag()
+
+        def write(self, text: str) -> int:
+            assert self.takes.wait(30.0)
+            return super().write(text)
+
+    async def story() -> None:
+        async with operator(trace(), size=SMALL) as me:
+            driver, file = StopDriver(me.app), Stuck()
+            driver._writer_thread = writer = WriterThread(file)
+            writer.start()
+            for number in range(100):
+                driver.write(f"{number} ")
+            file.takes.set()
+            while not driver._waiting.empty():
+                await me.pilot.pause()
+            driver.write("all")
+            writer.stop()
+
+            *some, last = file.getvalue().split()
+            assert some == [str(each) for each in range(len(some))]
+            assert 0 < len(some) < 100
+            assert last == "all"
+            assert me.app.screen._layout_required  # what was dropped is drawn again
+
+    played(story)
+
+
 @pytest.mark.parametrize(
     ("requests", "codes"),
     [
         ([LEFT], []),
         ([BY_SIGNAL[SIGINT]], []),
         ([BY_SIGNAL[SIGTERM]], [143]),
+        ([BY_SIGNAL[SIGTERM], BY_SIGNAL[SIGHUP]], [143]),
         ([LEFT, BY_SIGNAL[SIGHUP]], [129]),
     ],
 )
@@ -138,8 +218,8 @@ def test_the_process_ends_when_leaving_takes_long_and_nobody_is_there(
     requests: list[Stop], codes: list[int]
 ) -> None:
     clock, quitting, found = HandClock(), Quitting(), []
-    dog = Thread(target=Watchdog(quitting, found.append, clock).watch, daemon=True)
-    dog.start()
+    quitting.stopped = True
+    dog = watched(quitting, clock, found)
     for request in requests:
         quitting.ask(request)
     clock.run(LEAVE_WITHIN_S - 0.1, lambda: not dog.is_alive())

@@ -19,6 +19,9 @@ import pytest
 PIRATE = Path(sys.executable).with_name("pirate")
 NORMAL_SCREEN, CURSOR = "\x1b[?1049l", "\x1b[?25h"
 
+LOOKED_AT = "it is so already"
+"""Is shown when commands are accepted."""
+
 pytestmark = pytest.mark.slow  # real terminals, in real time
 
 
@@ -78,7 +81,7 @@ def test_every_way_out_ends_in_the_safe_state_with_the_terminal_as_it_was(
     end: str, tmp_path: Path
 ) -> None:
     there = Terminal(tmp_path)
-    there.read_until("PAUSED")
+    there.read_until(LOOKED_AT)
     there.press("c")
     there.read_until("under way")
     leave, code, sentence = ENDS[end]
@@ -125,20 +128,24 @@ def test_a_terminal_that_is_closed_ends_the_console(state: str, deaf: bool, tmp_
     assert ended(there) in ((0, 129) if state == "leaving" else (129,))
 
 
-def test_a_terminal_that_takes_no_more_output_does_not_keep_the_console(tmp_path: Path) -> None:
+@pytest.mark.parametrize("end", ["q", "SIGTERM"])
+def test_a_terminal_that_takes_no_more_output_does_not_keep_the_console(
+    end: str, tmp_path: Path
+) -> None:
     there = Terminal(tmp_path)
     there.read_until("PAUSED")
     there.press("r")
     time.sleep(5.0)  # what it writes fills the terminal, which is what this is about
-    os.kill(there.pid, signal.SIGTERM)
+    leave, code, _ = ENDS[end]
+    leave(there)
 
-    assert ended(there) == 143
+    assert ended(there) == code
 
 
 @pytest.mark.parametrize("end", ["close", "SIGTERM"])
 def test_a_recording_is_left_when_its_terminal_goes(end: str, tmp_path: Path) -> None:
     first = Terminal(tmp_path)
-    first.read_until("PAUSED")
+    first.read_until(LOOKED_AT)
     first.press("c")
     first.read_until("under way")
     first.press("q")
