@@ -1,12 +1,13 @@
 """How a defect is written: ``stiff_joint:friction=0.9Nm,after=2s``, its name and its numbers.
 
 The numbers replace those of the profile. A range, ``after=2s..20s``, is drawn uniformly from the
-seed of the run. Files and Python may write a mapping: ``{defect: stiff_joint, after: 2 s}``.
+seed of the run, which shows and records the number that was drawn. Files and Python may write a
+mapping: ``{defect: stiff_joint, after: 2 s}``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import inf
 from typing import Final, NamedTuple
@@ -96,13 +97,16 @@ def numbers_of(text: str, kind: str) -> dict[str, str]:
     return numbers
 
 
-def ends_of(key: str, written: str, measured: Sequence[Dimension]) -> tuple[Quantity, Quantity]:
-    """Return the least and the largest value of a number; equal unless it is a range.
+def number_of(
+    key: str, written: str, measured: Sequence[Dimension], draw: Callable[[float, float], float]
+) -> tuple[Quantity, str]:
+    """Return a number and its text; for a range one that was drawn from it, to five digits.
 
     Args:
         key: Its name in ``KEYS``.
         written: The number as it is written, ``2s`` or ``2s..20s``.
         measured: Dimensions of the affected signals, not empty.
+        draw: Draws a number from a range.
 
     Raises:
         UsageError: It has another form or unit, or is out of bounds.
@@ -117,7 +121,11 @@ def ends_of(key: str, written: str, measured: Sequence[Dimension]) -> tuple[Quan
         raise UsageError(f"expected at least 0{bound}, got '{written}'")
     if largest.value < least.value or largest.dimension != least.dimension:
         raise UsageError(f"expected a range from the smaller to the larger value, got '{written}'")
-    return least, largest
+    if not dots:
+        return least, written
+    unit = high.strip().lstrip("+-.0123456789eE ")
+    shown = f"{draw(least.value, largest.value) / parse_quantity(f'1{unit}').value:.5g}{unit}"
+    return _read(shown, expected), shown
 
 
 def _read(text: str, dimensions: Sequence[Dimension]) -> Quantity:

@@ -191,7 +191,8 @@ class _Run:
         moved = travel.distance.values[-1] if travel is not None and travel.true else None
         names = loaded.mission.mission, loaded.mission.description, robot.name
         ways_m = None if isnan(odometer) else odometer, moved
-        return RunFacts(*names, self._about.where, ending, *ways_m, story.counts, story.faults)
+        counts, faults, at_once = story.counts, story.faults, story.at_once
+        return RunFacts(*names, self._about.where, ending, *ways_m, counts, faults, at_once)
 
     def _doubts(self, seen: Poses | None) -> tuple[str, ...]:
         doubts = [self._doubt] if self._doubt else []

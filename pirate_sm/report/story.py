@@ -26,12 +26,16 @@ class Story:
     Args:
         descriptions: Descriptions of the phases, by name.
         nominal: Whether commands ended after their nominal duration.
+
+    Attributes:
+        at_once: The phases whose wait was over as it began, with the reason.
     """
 
     def __init__(self, descriptions: Mapping[str, str], *, nominal: bool) -> None:
         self.sentences: list[Sentence] = []
         self.counts: dict[str, int] = {}
         self.faults: dict[str, int] = {}
+        self.at_once: list[str] = []
         self._descriptions = descriptions
         self._nominal = nominal
         self._phase = ""
@@ -128,6 +132,8 @@ class Story:
 
     def _fired(self, at_s: float, it: fx.TriggerFired) -> None:
         reason = trigger_reason(it, nominal=self._nominal)
+        if at_s == self._waits_since and not self._nominal:
+            self.at_once.append(f"{it.phase} ({reason})")
         self._close(at_s, f"({reason}), then {it.go}")
 
     def _command(self, at_s: float, it: fx.CommandStatus) -> None:

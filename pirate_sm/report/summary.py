@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
 from pirate_sm.report.phrases import full_stop, listed, number_of, seconds, sentence
@@ -25,6 +25,7 @@ class RunFacts(NamedTuple):
         moved_m: True distance of the robot, None if unknown.
         counts: Number of commands for each final status.
         faults: Number of reports of each fault, by code.
+        at_once: The waits that were over as they began.
     """
 
     mission: str
@@ -36,6 +37,7 @@ class RunFacts(NamedTuple):
     moved_m: float | None
     counts: Mapping[str, int]
     faults: Mapping[str, int]
+    at_once: Sequence[str] = ()
 
 
 ENDED = {
@@ -55,6 +57,9 @@ def summary(it: RunFacts) -> tuple[str, ...]:
         f"{it.mission}{purpose} ran on {it.robot} {it.where}.",
         f"{ENDED[it.ending.outcome]} {seconds(it.ending.at_s)}{full_stop(message)}",
     ]
+    if it.at_once:
+        waits = number_of(len(it.at_once), "wait was", "waits were")
+        lines.append(f"{waits} over after 0.00 s: {listed(tuple(dict.fromkeys(it.at_once)))}.")
     ways = []
     if it.moved_m is not None:
         back = "back " if round(it.moved_m, 2) < 0 else ""

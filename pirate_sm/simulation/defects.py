@@ -15,7 +15,7 @@ import numpy as np
 
 from pirate_sm.errors import NO_HINT, Hint, UsageError
 from pirate_sm.expressions import NumberType, Vocabulary, compile_expression
-from pirate_sm.model.defect_text import KEYS, ends_of, numbers_of
+from pirate_sm.model.defect_text import KEYS, number_of, numbers_of
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
@@ -266,23 +266,36 @@ _ONE_EACH = Hint("; repeat --defect for each", "; each name is an item of its ow
 def named(texts: Sequence[str], profile: Profile, seed: int) -> list[AtWork]:
     """Return the defects with these names and numbers, each with its own random numbers.
 
+    A range and the number that :func:`drawn` returns for it make the same defect.
+
     Args:
         texts: The defects, see :mod:`pirate_sm.model.defect_text`.
         profile: The robot's profile.
-        seed: Of their random numbers, with which ranges are drawn first.
+        seed: Of their random numbers, and of those with which ranges are drawn.
 
     Raises:
         UsageError: Some do not exist, or their numbers do not fit; the message has all of them and
             suggests the nearest.
     """
+    found = (defect for defect, _ in _read(texts, profile, seed))
+    return [(each, np.random.default_rng((seed, number))) for number, each in enumerate(found)]
+
+
+def drawn(texts: Sequence[str], profile: Profile, seed: int) -> tuple[str, ...]:
+    """Return the texts with a number for each range; arguments and errors as of `named`."""
+    return tuple(text for _, text in _read(texts, profile, seed))
+
+
+def _read(texts: Sequence[str], profile: Profile, seed: int) -> list[tuple[Defect, str]]:
+    """Return each defect and its text with ranges drawn; arguments and errors as of `named`."""
     defects, names = profile.simulation.defects, [text.partition(":")[0] for text in texts]
     if wrong := unknown("there is no defect", names, defects):
         raise UsageError(wrong, hint=_ONE_EACH if any("," in name for name in names) else NO_HINT)
     found, faults = [], []
     for number, (name, text) in enumerate(zip(names, texts, strict=True)):
-        rng = np.random.default_rng((seed, number))
+        rng = np.random.default_rng((seed, number, 1))  # others than those with which it acts
         try:
-            found.append((_drawn(defects[name], text, profile, rng), rng))
+            found.append(_with_numbers(defects[name], text, profile, rng))
         except UsageError as error:
             faults.append(str(error))
     if faults:
@@ -290,28 +303,30 @@ def named(texts: Sequence[str], profile: Profile, seed: int) -> list[AtWork]:
     return found
 
 
-def _drawn(defect: Defect, text: str, profile: Profile, rng: np.random.Generator) -> Defect:
-    """Return the defect with the numbers in its text, ranges drawn."""
-    numbers = numbers_of(text, defect.kind)
+def _with_numbers(
+    defect: Defect, text: str, profile: Profile, rng: np.random.Generator
+) -> tuple[Defect, str]:
+    """Return the defect with the numbers in its text, and the text with ranges drawn."""
+    name, numbers = text.partition(":")[0], numbers_of(text, defect.kind)
     scales = _scales(defect, profile) if numbers else {}
     measured = [dimension for _, dimension in scales.values()] or [ANGLE]
     changed: dict[str, Any] = {}
     for key, written in numbers.items():
         try:
-            least, most = ends_of(key, written, measured)
+            number, numbers[key] = number_of(key, written, measured, rng.uniform)
         except UsageError as error:
-            raise UsageError(f"{text.partition(':')[0]}: {key}: {error}") from None
-        value = least.value if least == most else float(rng.uniform(least.value, most.value))
+            raise UsageError(f"{name}: {key}: {error}") from None
         if KEYS[key].dimension is not None:
-            changed[key] = value
+            changed[key] = number.value
             continue
         shown = {
-            name: float(round(value / scale))
-            for name, (scale, dimension) in scales.items()
-            if dimension == least.dimension
+            signal: float(round(number.value / scale))
+            for signal, (scale, dimension) in scales.items()
+            if dimension == number.dimension
         }
         changed["raw"] = {**defect.raw, **shown}
-    return defect.model_copy(update=changed)
+    pairs = ",".join(f"{key}={number}" for key, number in numbers.items())
+    return defect.model_copy(update=changed), f"{name}:{pairs}" if pairs else text
 
 
 def _scales(defect: Defect, profile: Profile) -> dict[str, tuple[float, Dimension]]:

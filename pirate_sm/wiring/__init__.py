@@ -114,7 +114,7 @@ def prepare(
             "companions": (*made.companions, *found.companions),
             "notices": (*loaded.notices, *made.notices, *found.notices),
         },
-        order=order,
+        order=_drawn(order, loaded),
         engine=Engine(loaded.robot, loaded.program, nominal=nominal),
         reckoned=None if made.truth else found.reckoned,
         camera=found.camera,
@@ -122,6 +122,15 @@ def prepare(
         detecting=found,
         panel=choose_panel(order.panel, loaded.loaded_robot) if order.panel is not None else None,
     )
+
+
+def _drawn(order: Order, loaded: LoadedMission) -> Order:
+    """Return the order with the drawn numbers of its defects, which make the same defects."""
+    if not any(".." in text for text in order.defects):
+        return order
+    from pirate_sm.simulation.defects import drawn
+
+    return replace(order, defects=drawn(order.defects, loaded.loaded_robot.profile, order.seed))
 
 
 def _refuse_fidelity(order: Order) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import compress
 from math import acos, degrees, hypot, inf, nan
 from typing import Literal, NamedTuple, TypeAlias
 
@@ -145,7 +146,7 @@ def reconcile(
     refusals = list(_silent(robot, frames, now_s))
     if last.robot.motion is None and not driven_s:
         refusals += changed(robot, last.sensing.numbers, found[0].body.marks, sensing.numbers)
-    chosen, choices, none = _choose(tables)
+    chosen, choices, none = _choose(robot, tables)
     return Reconciled(
         tables,
         chosen,
@@ -316,20 +317,31 @@ def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
 
 
 def _choose(
-    tables: tuple[VerdictTable, ...],
+    robot: RobotSpec, tables: tuple[VerdictTable, ...]
 ) -> tuple[VerdictTable | None, tuple[VerdictTable, ...], tuple[str, ...]]:
     """Return the table that counts, or those among which a person chooses, or why there is none.
 
     The one without a contradiction counts. Of several the one whose confirmations include those
-    of the others, and are more.
+    of the others, and are more. Wheels are stopped before the look, so what they do says nothing:
+    of tables that differ in nothing else the first counts.
     """
-    possible = [each for each in tables if not each.having("contradicted")]
+    rolling = [
+        any(isinstance(spec, StandingSpec | DrivenSpec) for spec in states.values())
+        for states in robot.sight.states
+    ]
+    wheels = set(compress(robot.regions, rolling))
+    differing: dict[frozenset[tuple[str, str]], VerdictTable] = {}
+    for table in tables:
+        if not table.having("contradicted"):
+            states = {(each.about, each.state) for each in table.verdicts}
+            differing.setdefault(frozenset(s for s in states if s[0] not in wheels), table)
+    possible = tuple(differing.values())
     for each in possible:
-        others = [other.having("confirmed") for other in possible if other is not each]
-        if all(each.having("confirmed") > other for other in others):
+        others = [other.having("confirmed") - wheels for other in possible if other is not each]
+        if all(each.having("confirmed") - wheels > other for other in others):
             return each, (), ()
     if possible:
-        return None, tuple(possible), ()
+        return None, possible, ()
     reasons = (
         f"{each.about} was recorded as {each.state}, but {each.why}"
         for table in tables

@@ -9,7 +9,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.board_spec import BoardSpec, Vector
 from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
-from pirate_sm.engine.sensing.odometry import either, roll_on
+from pirate_sm.engine.sensing.odometry import count_from_here, either, roll_on
 from pirate_sm.engine.sensing.report_loss import loss_after
 from pirate_sm.engine.sensing.sensor_memory import Reading
 from pirate_sm.geometry.clamping import height_m
@@ -43,24 +43,25 @@ def observe(
     board = robot.boards.get(frame.board)
     if board is None or len(frame.values) < board.length:
         return sensing, []
-    before = sensing.numbers
-    numbers = convert(board, frame.values, before)
+    numbers = convert(board, frame.values, sensing.numbers)
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
     asked = ask(robot, sensing.asked, latest if sent else (), now)
     settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
-    reading = Reading(before, elapsed_s, now, asked.setpoints, asked.since_s, settled)
+    reading = Reading(sensing.numbers, elapsed_s, now, asked.setpoints, asked.since_s, settled)
     record, reports = plausibility.sift(
         robot.plausibility, board.watched, sensing.records[board.position], numbers, reading
     )
-    _derive(board, numbers, before, setpoints, elapsed_s)
+    records = sensing.records
+    if record is not records[board.position]:
+        sensing = count_from_here(board, sensing, record, now)
+        records = (*records[: board.position], record, *records[board.position + 1 :])
+    _derive(board, numbers, sensing.numbers, setpoints, elapsed_s)
     shares, angles = sensing.shares, sensing.angles
     if board.wheels:
         driven = setpoints if latest is setpoints else either(setpoints, latest)
         shares, angles = roll_on(robot, board, sensing, numbers, driven, now)
-    heard, records = list(sensing.heard_s), sensing.records
+    heard = list(sensing.heard_s)
     heard[board.position] = now
-    if record is not records[board.position]:
-        records = (*records[: board.position], record, *records[board.position + 1 :])
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
     loss = loss_after(sensing.loss, elapsed_s, robot.link.period_s)
     values = tuple(numbers), tuple(heard), sensing.checked_s, stale
@@ -143,13 +144,17 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
     limit = now - robot.link.stale_after_s
     if min(sensing.heard_s, default=now) > limit:
         return sensing._replace(checked_s=now)
-    numbers = list(sensing.numbers)
+    numbers, records = list(sensing.numbers), list(sensing.records)
     stale = set(sensing.stale)
     for board in robot.boards.values():
         if sensing.heard_s[board.position] <= limit and board.position not in stale:
             stale.add(board.position)
             for index in board.numbers:
                 numbers[index] = nan
+            # The first reading after the silence may be damaged: it is judged by the last one.
+            at, spec = board.position, robot.plausibility
+            reading = Reading(sensing.numbers, now - sensing.heard_s[at], now)
+            records[at], _ = plausibility.sift(spec, board.watched, records[at], numbers, reading)
     if robot.traction is not None:
         wheels = robot.traction.wheels
         lost = wheels if wheels[-1].board in stale else [w for w in wheels if w.board in stale]
@@ -157,4 +162,6 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
             numbers[index] = nan
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan
-    return sensing._replace(numbers=tuple(numbers), checked_s=now, stale=frozenset(stale))
+    return sensing._replace(
+        numbers=tuple(numbers), checked_s=now, stale=frozenset(stale), records=tuple(records)
+    )

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from math import isnan, nan
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 
 
 def either(setpoints: Numbers, latest: Numbers) -> Numbers:
@@ -51,6 +53,30 @@ def roll_on(
     if robot.speed >= 0:
         numbers[robot.speed] = _speed(robot, numbers, driven)
     return tuple(shares), tuple(angles)
+
+
+def count_from_here(
+    board: BoardSpec, sensing: Sensing, record: BoardMemory, now_s: float
+) -> Sensing:
+    """Return the signals before a frame, without those from which no change is counted any more.
+
+    A counter that is believed to have restarted has not turned by the difference, nor that fast.
+    """
+    watched = zip(board.watched.sensors, record.channels, strict=True)
+    restarted = {watch.number for watch, channel in watched if channel.since_s == now_s}
+    if not restarted:
+        return sensing
+    places = {wheel.place for wheel in board.wheels if wheel.angle in restarted}
+    distance = sensing.distance
+    return sensing._replace(
+        numbers=_without(restarted, sensing.numbers),
+        angles=_without(places, sensing.angles),
+        distance=distance._replace(angles=_without(places, distance.angles)),
+    )
+
+
+def _without(places: Collection[int], numbers: Numbers) -> tuple[float, ...]:
+    return tuple(nan if at in places else each for at, each in enumerate(numbers))
 
 
 def _speed(robot: RobotSpec, numbers: list[float], driven: Numbers) -> float:

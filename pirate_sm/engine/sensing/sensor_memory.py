@@ -15,10 +15,15 @@ class SensorMemory(NamedTuple):
     """The memory of one sensor; it does not change while its readings are normal.
 
     Attributes:
-        calm: Whether the last reading was believed and none of the next six fields is in use.
+        calm: Whether the last reading was believed and none of ``good`` to ``jumped`` but
+            ``since_s`` is in use.
         good: The last believed value; ``good_s``: its time; ``seen``: the readings until then.
         wound: The torque of the joint's spring at ``good_s``; NaN if it is unknown.
-        held: The last readings since then that were not believed.
+        held: The last readings since then that were not believed; the first and the last one of a
+            joint that has jumped.
+        since_s: When its values began to be believed again, after a jump or as a counter that has
+            restarted. While it is not believed after a jump: since when its readings have followed
+            one another, if that can restore belief; else infinite.
         running: Direction of a trend faster than the motor; 0 without one.
         outside: Whether it was reported as outside its range; ``jumped``: as having jumped.
         stuck: The value at which it is stuck; NaN if it is not.
@@ -37,6 +42,7 @@ class SensorMemory(NamedTuple):
     wound: float = nan
     seen: int = 0
     held: tuple[float, ...] = ()
+    since_s: float = -inf
     running: float = 0.0
     outside: bool = False
     jumped: bool = False

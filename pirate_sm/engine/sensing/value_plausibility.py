@@ -9,6 +9,10 @@ from pirate_sm.engine.sensing.sensor_memory import Numbers, Reading, SensorMemor
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
+_ESTABLISHED_S = 1.0
+"""An angle that was believed for so long after a jump is established [decided]: longer than the
+spikes of the thesis's robot."""
+
 
 def weigh(
     spec: PlausibilitySpec,
@@ -38,12 +42,15 @@ def weigh(
             channel = channel._replace(outside=True)
         return channel, nan
     if not watch.joint or channel.seen <= spec.hold_back:
-        return believed(channel), value
+        return believed(channel._replace(since_s=now_s)), value
     where = f"from {watch.in_words(channel.good)} to {watch.in_words(value)}"
     message = f"{watch.name} has jumped {where}, faster than its motor can turn"
     message = f"{message}: it is unknown until it jumps back"
     reports.append(watch.report(BuiltInFault.SENSOR_JUMPED, message))
-    return channel._replace(jumped=True, held=(value,)), nan
+    wound_on = watch.stiffness * _reach(watch, channel, reading)
+    wound = channel.wound if abs(torque(watch, numbers) - channel.wound) <= wound_on else nan
+    since_s = now_s if channel.good_s - channel.since_s < _ESTABLISHED_S else inf
+    return channel._replace(jumped=True, held=(value, value), wound=wound, since_s=since_s), nan
 
 
 def believed(channel: SensorMemory) -> SensorMemory:
@@ -127,16 +134,23 @@ def weigh_jumped(
     """Return the memory of a joint that has jumped; it is believed again after it jumps back.
 
     In time a joint can turn to almost any angle, so being near the last believed value is not
-    enough.
+    enough. Nor is a jump to the very angle that was not believed before. A torque that has jumped
+    with the angle, so that `wound` is unknown, explains nothing.
+
+    The angle from which it has jumped may itself have been a spike, if it had been believed only
+    since a jump shortly before. Then readings that follow one another for longer are believed.
     """
-    value = numbers[watch.number]
+    value, first, since_s = numbers[watch.number], channel.held[0], channel.since_s
     once = watch.rate * reading.elapsed_s + watch.slack
-    left = _least(watch, channel.held[-1], torque(watch, reading.before), numbers)
+    wound = nan if isnan(channel.wound) else torque(watch, reading.before)
+    again = _least(watch, channel.held[-1], wound, numbers) > once
+    since_s = reading.now_s if again and since_s < inf else since_s
     moved = _least(watch, channel.good, channel.wound, numbers)
-    again, near = left > once, moved <= _reach(watch, channel, reading)
-    if again and near and watch.low <= value <= watch.high:
-        return believed(channel), value
-    return channel._replace(held=(value,)), nan
+    back = again and moved <= _reach(watch, channel, reading) and abs(value - first) > watch.slack
+    proven = reading.now_s - since_s >= _ESTABLISHED_S and value != first
+    if (back or proven) and watch.low <= value <= watch.high:
+        return believed(channel._replace(since_s=reading.now_s if back else since_s)), value
+    return channel._replace(held=(first, value), since_s=since_s), nan
 
 
 def _count_spike(

@@ -13,18 +13,9 @@ _DEGREE = pi / 180
 
 
 def thresholds(profile: model.Profile) -> PlausibilitySpec:
-    """Return the thresholds common to all sensors."""
-    own = profile.plausibility
-    return PlausibilitySpec(
-        hold_back=own.hold_back,
-        spikes=own.spikes,
-        spikes_within_s=own.spikes_within,
-        stuck_after_s=own.stuck_after,
-        unloaded=own.unloaded,
-        settle_s=own.settle,
-        moved_readings=own.moved_readings,
-        repeats_s=own.repeats,
-    )
+    """Return the thresholds common to all sensors; their names there have no unit."""
+    names = [name.removesuffix("_s") for name in PlausibilitySpec._fields]
+    return PlausibilitySpec._make(getattr(profile.plausibility, name) for name in names)
 
 
 def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> WatchedSpec:

@@ -51,6 +51,19 @@ def test_what_goes_wrong_and_what_people_do_have_sentences_of_their_own():
     ]
 
 
+@pytest.mark.parametrize(("fired_s", "over"), [(2.0, ["go (way < 1 m)"]), (2.1, [])])
+def test_a_wait_that_was_over_as_it_began_stands_in_the_summary(fired_s, over):
+    told = Story({}, nominal=False)
+    told.take(2.0, None, [fx.WaitArmed("go", ("near",), ("way < 1 m",), inf)])
+    told.take(fired_s, None, [fx.TriggerFired("go", "near", "rest", "way < 1 m")])
+    ending = RunEnding("succeeded", "There", 3.0)
+
+    lines = summary(RunFacts("m", "", "r", "", ending, 0.0, None, {}, {}, told.at_once))
+
+    assert told.at_once == over
+    assert (lines[2] == "1 wait was over after 0.00 s: go (way < 1 m).") == bool(over)
+
+
 @pytest.mark.parametrize(
     ("counts", "faults", "told"),
     [

@@ -13,7 +13,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Defect
 from pirate_sm.simulation.acting_defect import Effect
-from pirate_sm.simulation.defects import named, put_to_work
+from pirate_sm.simulation.defects import drawn, named, put_to_work
 from pirate_sm.simulation.xpbd import columns
 
 from .conftest import CYCLE_S, Driver, straight
@@ -234,15 +234,39 @@ def test_belief_is_tried_with_defects_whose_numbers_and_times_are_given(
 
 def test_a_range_is_drawn_from_the_seed(profile: Profile) -> None:
     text = "gamma_4_stiff:friction=0.2Nm..0.9Nm,after=0s..20s"
-    drawn = [named([text, text], profile, seed=seed) for seed in range(40)]
+    pairs = [named([text, text], profile, seed=seed) for seed in range(40)]
     for numbers, least, most in (
-        ([one.friction for pair in drawn for one, _ in pair], 0.2, 0.9),
-        ([one.after for pair in drawn for one, _ in pair], 0.0, 20.0),
+        ([one.friction for pair in pairs for one, _ in pair], 0.2, 0.9),
+        ([one.after for pair in pairs for one, _ in pair], 0.0, 20.0),
     ):
         assert least <= min(numbers) < 0.8 * least + 0.2 * most
         assert 0.2 * least + 0.8 * most < max(numbers) <= most
         assert len(set(numbers)) == 80
-    assert named([text], profile, seed=7)[0][0] == drawn[7][0][0]
+    assert named([text], profile, seed=7)[0][0] == pairs[7][0][0]
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [
+        ("gamma_4_stiff:friction=200mNm..900mNm,after=2s", r"friction=\d{3}\.\d\dmNm,after=2s"),
+        ("messages_lost:share=10%..40%", r"share=\d\d\.\d{3}%"),
+        ("gamma_1_zero_jumps:by=-20deg..-10deg", r"by=-1\d\.\d{3}deg"),
+        ("gamma_4_stiff:after=2s", "after=2s"),
+    ],
+)
+def test_the_drawn_number_is_shown_and_makes_the_same_defect(
+    profile: Profile, text: str, shown: str
+) -> None:
+    texts = ["wheel_1_dead", text]
+    known = drawn(texts, profile, seed=3)
+    assert known[0] == "wheel_1_dead"
+    assert re.fullmatch(f"{text.partition(':')[0]}:{shown}", known[1])
+    assert drawn(known, profile, seed=3) == known
+    for (as_range, its), (as_number, others) in zip(
+        named(texts, profile, seed=3), named(known, profile, seed=3), strict=True
+    ):
+        assert as_range == as_number
+        assert its.random() == others.random()
 
 
 @pytest.mark.parametrize(

@@ -145,9 +145,10 @@ class GuardedPort:
         return True
 
     def close(self, stopped: bool = False) -> None:
-        """End the guardian, unless the robot has not confirmed its stop."""
+        """End the guardian, unless the robot has not confirmed its stop; closed twice as once."""
         _hurry(self._nice)
-        self._remark = self._leave(dismissed=stopped or not self._safe_frame)
+        self._remark = self._leave(dismissed=stopped or not self._safe_frame) or self._remark
+        self._safe_frame = b""  # a guardian stays with the robot, or none is needed
 
     def remark(self) -> str:
         """Return, once, what a person must know about other guardians of the port."""

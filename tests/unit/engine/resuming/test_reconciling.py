@@ -364,6 +364,33 @@ class TestACommandSentLast:
         assert found.refusals
 
 
+@pytest.mark.parametrize("states", [DRIVING_FORWARD, BOTH_CLAMPED])
+@pytest.mark.parametrize("wheels", ["seen", "not seen"])
+def test_wheels_that_stand_say_nothing_about_the_last_command(drive, states, wheels):
+    """They are stopped before the look: "Brake accepted" was taken for true, without a record."""
+    driver = at_rest(drive(IDLE, states=states))
+    command(driver, "Brake" if states == DRIVING_FORWARD else "DriveForward")
+    assert driver.in_flight
+    before = CutOff(driver)
+    unseen = {f"theta_{n}": nan for n in range(1, 7)} if wheels == "not seen" else {}
+
+    found = before.look(**unseen)
+
+    assert [each.hypothesis.name for each in found.tables] == ["recorded", "sent"]
+    assert found.chosen is found.tables[0]
+
+
+def test_a_brake_that_was_accepted_is_recorded(drive):
+    driver = at_rest(drive(IDLE, states=DRIVING_FORWARD))
+    command(driver, "Brake")
+    driver.accept()
+
+    found = CutOff(driver).look()
+
+    assert found.chosen is found.tables[-1]
+    assert verdict_of(found, "FrontWheelsState").word == CONFIRMED
+
+
 def test_a_light_that_may_have_been_toggled_a_person_must_see(drive):
     driver = at_rest(drive(IDLE, states=BOTH_CLAMPED))
     command(driver, "ToggleLighting")

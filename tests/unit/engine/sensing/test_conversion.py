@@ -228,6 +228,44 @@ def test_a_signal_not_heard_for_too_long_is_unknown(drive):
     assert math.isnan(again["omega_1"]), "no rate over the silence"
 
 
+def test_belief_in_the_first_reading_after_a_silence_needs_it_to_be_possible(drive):
+    """The line has damaged it. It was believed, and the next one was a speed of 1e23 m/s."""
+    driver = drive(CARELESS, states=DRIVING_FORWARD, doubting=True)
+    turning = {f"theta_{n}": 1.0 if n % 2 else -1.0 for n in range(1, 7)}
+    driver.run(1.0, **turning)
+    began_m = driver.engine.signals(driver.state)["odometry"]
+    while driver.now < 1.7:  # board 22 is stale, not silent
+        driver.now += 0.1
+        for board in set(driver.robot.boards) - {22}:
+            driver.report(board)
+    values = list(driver.frame(22).values)
+    values[BEND_ANGLE], values[WHEEL_ANGLE] = -1000.0, 4.8e27
+
+    shown = frame(driver, 22, tuple(values), 1.8)
+    assert (shown["gamma_1"], shown["theta_1"]) == (0.0, pytest.approx(1.0))
+    driver.report_all(1.9)
+    shown = driver.engine.signals(driver.state)
+    assert (shown["gamma_1"], shown["theta_1"]) == (0.0, pytest.approx(1.0))
+    assert shown["odometry"] == pytest.approx(began_m, abs=0.005)
+    assert driver.faults == []
+
+
+def test_belief_in_a_counter_that_has_restarted_gives_no_speed_and_no_way(drive):
+    driver = drive(CARELESS, states=DRIVING_FORWARD, doubting=True)
+    driver.run(1.0, theta_1=1.0, theta_2=-1.0)
+    began = driver.engine.signals(driver.state)
+    driver.signals["theta_1"] = -1e6
+
+    for at in range(1, 10):
+        driver.report_all(1.0 + 0.1 * at)
+        shown = driver.engine.signals(driver.state)
+        assert shown["omega_1"] == pytest.approx(0.0) or (at == 3 and math.isnan(shown["omega_1"]))
+
+    assert shown["theta_1"] == pytest.approx(-1e6)
+    assert shown["odometry"] == pytest.approx(began["odometry"], abs=0.005)
+    assert driver.faults == []
+
+
 def test_the_speed_is_unknown_when_no_wheel_is_heard(drive):
     driver = drive(CARELESS)
     driver.run(0.5, theta_1=1.0)

@@ -292,6 +292,65 @@ def test_the_torque_shows_that_a_spike_is_over_where_it_began() -> None:
     assert (shown[-2:], codes) == ([40, 41], [])
 
 
+def weak() -> WatchedSpec:
+    """An elbow whose motor cannot wind its spring as far as the spikes below say."""
+    joint, other = SPRUNG.sensors
+    return WatchedSpec((joint._replace(winds=50.0), other))
+
+
+SPIKE = [(-300.0, 150.0)] * 4
+"""Longer than is held back; its torque explains the way back, but not the way there."""
+
+
+def test_belief_returns_after_a_long_spike_whose_torque_was_wrong_too() -> None:
+    shown, codes = sprung([(0, 0)] * 3 + SPIKE + [(10, 0), (11, 0)], weak())
+
+    assert (shown[-2:], codes) == ([10, 11], ["sensor.jumped"])
+
+
+def test_belief_never_goes_to_where_a_joint_has_jumped_before() -> None:
+    """It is elsewhere after its first spike, so that it is unknown; the second is no way back."""
+    elsewhere = [(200.0, 0.0), (201.0, 0.0)] * 20
+    shown, codes = sprung([(0, 0)] * 3 + SPIKE + elsewhere + SPIKE + elsewhere, weak())
+
+    assert all(map(isnan, shown[7 : 7 + len(elsewhere) + len(SPIKE)]))
+    assert shown[-len(elsewhere) :] == [angle for angle, _ in elsewhere]
+    assert codes == ["sensor.jumped"]
+
+
+@pytest.mark.parametrize(
+    ("spike", "readings", "noise", "believed"),
+    [
+        (3, 3 + 8, 1, True),  # eight periods are a second; the jump is known with the third
+        (3, 3 + 7, 1, False),
+        (3, 40, 0, False),  # a sensor that shows the very same is no evidence
+        (8, 40, 1, True),
+        (9, 40, 1, False),  # it was believed for a second, so that nobody knows which is true
+    ],
+)
+def test_belief_in_a_spike_ends_when_others_follow_one_another_for_longer(
+    spike: int, readings: int, noise: float, believed: bool
+) -> None:
+    """The joint is unknown after its first jump, and a second one looks like the way back."""
+    unknown = [(0.0, 0.0)] * 3 + [(500.0, 0.0)] * 4 + [(300.0, 0.0)] * 40
+    truth = [(300.0 + noise * (at % 3), 0.0) for at in range(readings)]
+    shown, codes = sprung(unknown + [(100.0, 0.0)] * spike + truth)
+
+    assert shown[len(unknown) : len(unknown) + spike] == [100] * spike
+    assert (shown[-1] == truth[-1][0]) == believed
+    assert isnan(shown[-1]) != believed
+    assert codes == ["sensor.jumped"] * 2
+
+
+def test_belief_in_an_angle_from_the_beginning_ends_for_ever_when_its_zero_jumps() -> None:
+    """However long the joint moves with its new zero, nobody knows which of the two is true."""
+    moving = [(400.0 + at % 7, 0.0) for at in range(400)]
+    shown, codes = sprung([(0.0, 0.0)] * 3 + moving)
+
+    assert all(map(isnan, shown[5:]))
+    assert codes == ["sensor.jumped"]
+
+
 @pytest.mark.parametrize(("torque", "shown"), [(-60, 140), (-61, 0)])
 def test_only_the_motor_winds_up_a_spring_that_fast(torque: float, shown: float) -> None:
     joint, other = SPRUNG.sensors

@@ -400,3 +400,19 @@ class TestInVirtualTime:
         assert guardian.heard == [Note(Kind.BEAT, b"safe")] * 2
         assert guardian.done == ["kill", ("tty", "57600", GUIDE.to_json()), "hang up"]
         assert port.remark() == "", "it has confirmed the stop to its successor"
+
+    @pytest.mark.parametrize("goes", [True, False])
+    @pytest.mark.parametrize("stopped", [True, False])
+    def test_a_port_that_is_closed_twice_is_closed_once(
+        self, port: GuardedPort, guardian: ObedientGuardian, stopped: bool, goes: bool
+    ) -> None:
+        """The second time started another guardian, although the robot had confirmed its stop."""
+        port.beat(b"safe")
+        guardian.goes = goes
+        port.close(stopped=stopped)
+        heard, done = list(guardian.heard), list(guardian.done)
+
+        port.close()
+
+        assert (guardian.heard, guardian.done) == (heard, done)
+        assert ("`kill 17` ends it" in port.remark()) == (not stopped and not goes)

@@ -43,6 +43,19 @@ while True:
         print("overruled", flush=True)
 """
 
+ENDS_GUARDIANS = """
+import os, pathlib, signal, sys
+sys.stdin.read()
+for process in pathlib.Path("/proc").glob("[0-9]*"):
+    try:
+        ours = sys.argv[1].encode() in (process / "environ").read_bytes().split(b"\\0")
+        if ours and b"guardian.process" in (process / "cmdline").read_bytes():
+            os.kill(int(process.name), signal.SIGKILL)
+    except OSError:
+        pass
+"""
+"""Kills the guardians of a test when its standard input ends."""
+
 
 @pytest.fixture
 def bench(tmp_path: Path) -> Iterator[Bench]:
@@ -51,8 +64,14 @@ def bench(tmp_path: Path) -> Iterator[Bench]:
 
 
 @pytest.fixture(autouse=True)
-def _runtime_folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def _ends_its_guardians(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
+    """No guardian outlives a test that fails or a pytest that is killed: they hang in some tests.
+
+    Guardians are found by the runtime folder, which also those of a runner have in common.
+    """
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    with _guardian_killer(tmp_path):
+        yield
 
 
 @pytest.fixture
@@ -62,6 +81,13 @@ def runner(bench: Bench) -> Iterator[subprocess.Popen[str]]:
     with subprocess.Popen(arguments, stdout=subprocess.PIPE, text=True) as process:
         yield process
         process.kill()
+
+
+def _guardian_killer(folder: Path) -> subprocess.Popen[bytes]:
+    """A process that kills the guardians of a test when this one closes its input, or ends."""
+    arguments = [sys.executable, "-IS", "-c", ENDS_GUARDIANS, f"XDG_RUNTIME_DIR={folder}"]
+    # Without our environment, by which it finds them, it does not kill itself.
+    return subprocess.Popen(arguments, stdin=subprocess.PIPE, env={}, start_new_session=True)
 
 
 def _driven(bench: Bench, runner: subprocess.Popen[str]) -> int:
@@ -455,3 +481,15 @@ def test_whoever_writes_to_a_guardian_that_has_died_is_told_so(bench: Bench) -> 
 
     with pytest.raises(PortLostError, match="guardian of the port has died"):
         port.write(DRIVE)
+
+
+def test_a_test_that_fails_leaves_no_guardian_that_hangs(bench: Bench, tmp_path: Path) -> None:
+    """They stayed for ever; the input of the process that kills them also ends with pytest."""
+    with _guardian_killer(tmp_path):
+        port = _opened(bench, PATIENT)
+        hung = _guardian_of(port)
+        os.kill(hung, signal.SIGSTOP)
+        assert not _gone(hung, 0.0)
+
+    assert _gone(hung)
+    port.close(stopped=True)
