@@ -32,6 +32,32 @@ phases: {drive: {do: [COMMAND], wait: [{after: 20 s, go: halt}]}, halt: {do: [Br
 ends: {done: {succeed: Done}}
 """  # noqa: E501
 
+LETS_GO = """\
+format: 1
+mission: lets_go
+robot: pirate_ii
+pipe: vertical
+allow_unclamp: somebody holds it
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+on_fault: [{fault: [clamp.lost, robot.stuck, wheel.dead, sensor.jumped, motion.unasked], then: continue}]
+start: reset
+phases: {reset: {do: [COMMANDS], go: done}}
+ends: {done: {succeed: Done}}
+"""  # noqa: E501
+
+
+@pytest.mark.parametrize("backend", ["sim", "physics", "bay"])
+@pytest.mark.parametrize("commands", ["Reset", "Reset, ClampFront, ClampRear"])
+def test_belief_in_a_success_ends_where_a_robot_lets_go_in_an_upright_pipe(
+    run, tmp_path, backend, commands
+):
+    """Nothing waits after it has let go, and it may have clamped again farther down."""
+    mission = tmp_path / "lets_go.yaml"
+    mission.write_text(LETS_GO.replace("COMMANDS", commands), "utf-8")
+    record = run(str(mission), backend=backend)
+    assert record.ended.outcome == "fault"
+    assert record.ended.message.split(":")[0] in ("robot.fallen", "robot.left_pipe")
+
 
 @pytest.mark.parametrize("backend", ["sim", "physics"])
 def test_belief_in_a_success_ends_when_a_loose_robot_slides_out(run, tmp_path, backend):
