@@ -23,12 +23,23 @@ class Progress(NamedTuple):
     """How far a campaign is.
 
     Attributes:
-        done: Runs that have results and count.
+        done: Runs that have results, though some may not count yet.
         of: Runs in all, if no cell ends earlier.
     """
 
     done: int
     of: int
+
+    def words(self, done_before: int, took_s: float) -> str:
+        """Return it for people, with the pace as soon as there is one.
+
+        Args:
+            done_before: How many runs had results when this process began.
+            took_s: How long it has been running.
+        """
+        new = self.done - done_before
+        pace = f"{new / max(took_s, 1e-3) * 3600:,.0f} per hour" if new else "none new yet"
+        return f" ({self.done:,} of {self.of:,} runs, {pace})"
 
 
 class Stored(NamedTuple):
@@ -121,7 +132,7 @@ class Conductor:
     def progress(self) -> Progress:
         """How many runs are done, and of how many."""
         ends = [each.runs if each.decided else len(each.cell.seeds) for each in self.results]
-        return Progress(sum(each.runs for each in self.results), sum(ends))
+        return Progress(sum(each.done for each in self.results), sum(ends))
 
     def conduct(self, crew: Crew, show: Callable[[Progress], None] = lambda progress: None) -> None:
         """Run what has no result yet, until every cell has had enough runs.

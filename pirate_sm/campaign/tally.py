@@ -128,9 +128,14 @@ class Tally:
             self._waiting.clear()
 
     @property
+    def done(self) -> int:
+        """How many seeds have a result, though one before them may have none yet."""
+        return self.runs + len(self._waiting)
+
+    @property
     def without_result(self) -> int:
         """How many seeds have no result, of a cell that is not decided."""
-        return 0 if self.decided else len(self.cell.seeds) - self.runs - len(self._waiting)
+        return 0 if self.decided else len(self.cell.seeds) - self.done
 
     def missing(self, begin: int) -> Iterator[int]:
         """Yield the positions, from one on, of seeds that have no result."""

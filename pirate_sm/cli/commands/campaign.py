@@ -250,11 +250,7 @@ def _progress(plan: Plan, done_before: int) -> Iterator[Callable[[Progress], Non
     with progress(f"campaign {plan.name}") as line:
 
         def show(now: Progress) -> None:
-            rate = (now.done - done_before) / max(monotonic() - began_s, 1e-3) * 3600
-            line(
-                now.done / max(now.of, 1),
-                f" ({now.done:,} of {now.of:,} runs, {rate:,.0f} per hour)",
-            )
+            line(now.done / max(now.of, 1), now.words(done_before, monotonic() - began_s))
 
         yield show
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.campaign.chunk import Chunk, Row
-from pirate_sm.campaign.conductor import Conductor, stored
+from pirate_sm.campaign.conductor import Conductor, Progress, stored
 from pirate_sm.campaign.plan import Plan, mark_of
 from pirate_sm.campaign.results import as_text, result_of
 from pirate_sm.campaign.store import DamagedMarkError, Store
@@ -155,3 +155,16 @@ def test_a_bug_is_an_outcome_with_its_seed_and_a_command(tmp_path: Path) -> None
 
     assert "1 × bug: TypeError: no (seeds 13)" in text
     assert "pirate run mitre_bend --seed 13" in text
+
+
+@pytest.mark.parametrize(
+    ("done", "words"),
+    [
+        (40, " (40 of 2,000 runs, none new yet)"),
+        (41, " (41 of 2,000 runs, 120 per hour)"),
+    ],
+)
+def test_the_pace_is_that_of_the_runs_of_this_process_once_there_are_any(
+    done: int, words: str
+) -> None:
+    assert Progress(done, 2_000).words(40, 30.0) == words

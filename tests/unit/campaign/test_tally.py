@@ -213,3 +213,12 @@ def test_a_cause_is_the_sentence_of_its_first_run_with_its_numbers() -> None:
         ("120 mm are too wide: gamma_2 showed 12 s", True),
         ("120 mm are too narrow", False),
     ]
+
+
+def test_runs_that_come_before_an_earlier_one_are_done_though_they_do_not_count_yet() -> None:
+    counted = tally(seeds=range(10))
+    counted.add([row("key_bend", 3), row("key_bend", 4)])
+    assert (counted.runs, counted.done, counted.without_result) == (0, 2, 8)
+
+    counted.add(row("key_bend", seed) for seed in range(3))
+    assert (counted.runs, counted.done, counted.without_result) == (5, 5, 5)
