@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pirate_sm.cli.options.recordings import RepairOptions
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.read.repair import Repaired, is_whole, repair
@@ -18,7 +18,7 @@ def run_repair(options: RepairOptions) -> int:
     """Write everything whole to a new file and print what is lost; return the exit code.
 
     Raises:
-        RecordingError: The recording cannot be read.
+        RecordingError: The recording cannot be read, or holds nothing that can be used.
         UsageError: The new file cannot be written.
     """
     path = Path(options.recording)
@@ -34,6 +34,10 @@ def run_repair(options: RepairOptions) -> int:
             raise UsageError(f"{shown(place)} exists already; --output names another") from None
         except OSError as error:
             raise UsageError(f"{shown(place)} cannot be written: {error.strerror}") from None
+    if not done.steps:
+        place.unlink()
+        message = f"no input of the run is whole in {shown(path)}, so there is nothing to repair"
+        raise RecordingError(f"{message}; no file is written")
     print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
     if done.complete:
         print("nothing is lost: only the index at the end of the file was missing or wrong")

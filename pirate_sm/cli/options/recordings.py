@@ -120,7 +120,8 @@ class ReportOptions:
 class RepairOptions:
     """Complete a recording that was cut short, in a new file.
 
-    Exit codes: 0 written, or it is whole already; 2 it cannot be read or the file not be written.
+    Exit codes: 0 written, or it is whole already; 2 it cannot be read, holds nothing that can be
+    used, or the file cannot be written.
     """
 
     recording: str = common.recording()

@@ -37,6 +37,9 @@ COMMIT_S = 0.25
 CHECKPOINT_S = 60.0
 """The longest mission time between two checkpoints, from which reading can begin, s."""
 
+PIECE_S = 2.0
+"""The longest mission time in one piece, s: a wrong bit costs no more. A robot's are shorter."""
+
 _EARLIER = 0.8
 """A run that encodes notes itself cuts them after this share of the time between commits."""
 
@@ -101,6 +104,7 @@ class Recorder:
         self._hand_over()
         self._look: Callable[[], EngineState | None] = lambda: None
         self._checkpoint_s = -inf
+        self._piece_s = inf if real_time else -inf
         self._trail: Trail | None = None
         self._cut_s = perf_counter()
         self._urgent = False
@@ -174,7 +178,7 @@ class Recorder:
     def due_s(self) -> float:
         """Return when it looks at the engine next."""
         follows = self._side is None or self._side.follows_trails
-        return self._checkpoint_s if follows else self._due_s
+        return min(self._checkpoint_s, self._piece_s) if follows else self._due_s
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note effects of actions past the engine."""
@@ -205,9 +209,12 @@ class Recorder:
             self._sample(side, now_s)
         if now_s >= self._checkpoint_s:
             self._remember(now_s)
-        self._due_s = min(self._checkpoint_s, inf if side is None else side.due_s)
-        if self._gathered.step >= self._full:
-            self._lend_a_hand()
+        ends = now_s >= self._piece_s > -inf
+        if now_s >= self._piece_s:
+            self._piece_s = now_s + PIECE_S
+        self._due_s = min(self._checkpoint_s, self._piece_s, inf if side is None else side.due_s)
+        if ends or self._gathered.step >= self._full:
+            self._lend_a_hand(ends=ends)
 
     def _sample(self, side: SideChannel | KeptSamples, now_s: float) -> None:
         self._keep(side.look(now_s, None if self._trail is None else self._trail.at(now_s)))
@@ -225,15 +232,19 @@ class Recorder:
             with self._gathering:
                 self._gathered.remember(now_s, state)
 
-    def _lend_a_hand(self) -> None:
-        """Encode the steps in the run itself, or end a recording that is too slow."""
+    def _lend_a_hand(self, *, ends: bool) -> None:
+        """Encode the steps in the run itself, or end a recording that is too slow.
+
+        Args:
+            ends: Whether a piece ends here.
+        """
         if self._real_time or sum(len(each.data) for each in self._unwritten) > _MOST_BYTES:
             self._fail("the disk is too slow")
             return
         try:
             with self._making:
                 self._make()
-                if perf_counter() >= self._cut_s + self._commit_s * _EARLIER:
+                if ends or perf_counter() >= self._cut_s + self._commit_s * _EARLIER:
                     self._cut()
                     self._wake.set()
         except Exception as error:

@@ -173,6 +173,17 @@ def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, record
     assert pirate("replay", "bad.repaired.mcap").exit_code == 0
 
 
+def test_a_file_is_not_repaired_where_nothing_could_use_it(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
+    Path("torn.mcap").write_bytes(recorded[: chunks_in(recorded)[0][0] + 100])
+    result = pirate("repair", "torn.mcap")
+
+    assert result.exit_code == 2
+    assert "no input of the run is whole in torn.mcap" in result.stderr
+    assert not Path("torn.repaired.mcap").exists()
+
+
 def test_of_a_run_whose_end_is_there_nothing_is_said_that_nobody_knows(
     pirate: Any, run: Path, recorded: bytes
 ) -> None:

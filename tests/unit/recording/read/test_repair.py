@@ -16,8 +16,10 @@ from mcap.writer import MCAP0_MAGIC
 from pirate_sm.recording.read import repair as module
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.repair import is_whole, repair
-from pirate_sm.recording.write.recorder import Recorder
+from pirate_sm.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
+from pirate_sm.wiring import Order
+from tests.unit.recording.recording_runs import record
 
 
 @pytest.fixture(scope="module")
@@ -182,6 +184,23 @@ def test_a_file_that_is_damaged_inside_is_not_called_complete(
     assert again.lost == done.damage
     assert "the recording ends early" in again.notices[0]
     assert is_whole(again)
+
+
+def test_a_wrong_bit_in_a_run_at_full_speed_costs_what_comes_after_its_two_seconds(
+    tmp_path: Path,
+) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    every = [steps for steps in recording.commits() if steps]
+    hit = recording.content.pieces[len(every) // 2]
+    data = bytearray(recording.path.read_bytes())
+    data[hit.at + hit.size // 2] ^= 1
+    (tmp_path / "spoilt.mcap").write_bytes(data)
+
+    done = repair(read_recording(tmp_path / "spoilt.mcap", damaged=True), tmp_path / "good.mcap")
+
+    assert max(steps[-1].at_s - steps[0].at_s for steps in every) <= PIECE_S + 0.1
+    assert done.until_s == every[len(every) // 2 - 1][-1].at_s - recording.origin_s
+    assert done.until_s > recording.until_s / 3
 
 
 def test_the_time_of_its_end_counts_from_the_beginning_of_the_run(tmp_path: Path) -> None:
