@@ -95,3 +95,15 @@ def test_a_silence_is_told_within_a_second_and_the_stop_works_when_it_is_over(
         assert str(panels.header(session.latest, 80)).startswith(" ? ")
         session.stop()
         until(lambda: stopped(session), 10.0)
+
+
+def test_the_checks_of_the_open_port_go_green_and_send_nothing() -> None:
+    with on_a_bay() as session:
+        until(lambda: session.latest.state is not None, 20.0)
+        link, before = session.prepared.open_link, session.latest.link
+        assert link is not None
+        assert before is not None
+        with link:
+            until(lambda: link.found is not None and link.found.go, 20.0)
+        assert session.latest.link is not None
+        assert session.latest.link.written == before.written
