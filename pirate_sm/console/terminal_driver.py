@@ -101,7 +101,8 @@ class StopDriver(LinuxDriver):
                 for each in (sys.stdout, sys.stderr):
                     os.dup2(nowhere, each.fileno())
             else:
-                self._file.close()
+                with suppress(OSError):  # it has gone, with the rest of what was to be written
+                    self._file.close()
 
     def process_message(self, message: Message) -> None:
         """Pass the message on; for the stop key, stop the robot instead."""

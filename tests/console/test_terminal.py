@@ -119,7 +119,7 @@ def ended(there: Terminal) -> int:
 @pytest.mark.parametrize("state", STATES)
 def test_a_terminal_that_is_closed_ends_the_console(state: str, deaf: bool, tmp_path: Path) -> None:
     there = Terminal(tmp_path, deaf=deaf)
-    there.read_until("PAUSED")
+    there.read_until(LOOKED_AT)
     key, sign = STATES[state]
     there.press(key)
     there.read_until(sign)
@@ -133,7 +133,7 @@ def test_a_terminal_that_takes_no_more_output_does_not_keep_the_console(
     end: str, tmp_path: Path
 ) -> None:
     there = Terminal(tmp_path)
-    there.read_until("PAUSED")
+    there.read_until(LOOKED_AT)
     there.press("r")
     time.sleep(5.0)  # what it writes fills the terminal, which is what this is about
     leave, code, _ = ENDS[end]
