@@ -219,7 +219,8 @@ def _client(scheduler: str | None, workers: int | None) -> Iterator[Client]:
     except ModuleNotFoundError as error:
         raise not_installed("a campaign", error.name, "campaign") from None
     # What befalls workers is said in our words, or mended without any.
-    logging.getLogger("distributed").setLevel(logging.CRITICAL + 1)
+    for name in ("distributed", "distributed.client"):  # Dask gives its client a level of its own
+        logging.getLogger(name).setLevel(logging.CRITICAL + 1)
     if scheduler is None:
         with dask.config.set({"logging.distributed": "critical"}), _started(workers) as cluster:
             yield cluster.get_client()

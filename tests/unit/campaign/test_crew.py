@@ -5,6 +5,7 @@ The workers are killed, the connection is cut and the client is killed; the tabl
 
 from __future__ import annotations
 
+import logging
 import os
 import subprocess
 import sys
@@ -214,3 +215,5 @@ def test_a_scheduler_that_is_not_there_is_reported(
     monkeypatch.setattr(crews, "_NO_ANSWER_S", 0.2)
     with pytest.raises(UsageError, match="no Dask scheduler answers at"), connected(plan, address):
         pass
+    # Dask's client says by itself that its scheduler is gone, in words of its own.
+    assert not logging.getLogger("distributed.client").isEnabledFor(logging.ERROR)
