@@ -139,7 +139,10 @@ def judge(
     by = believed(robot, sensing, setpoints, rolled_m, now_s)
     joints = _joints(robot, sensing)
     elapsed_s, grip = now_s - memory.at_s, _grip(robot, sensing, setpoints, by, pitch_rad)
-    starts = now_s - max(memory.begun_s, sensing.asked.since_s) < _STARTING_S
+    # Joints are steered and duties trimmed meanwhile: not each array that was sent is a start.
+    turns = tuple((setpoints[w.slot] > 0) - (setpoints[w.slot] < 0) for w in robot.wheels)
+    begun_s = memory.begun_s if turns == memory.turns else sensing.asked.since_s
+    starts = now_s - begun_s < _STARTING_S
     ways_m = [abs(speed * elapsed_s - by.moved_m) for speed in grip.speeds]
     slipped_m = 0.0
     if grip.slips:
@@ -156,6 +159,8 @@ def judge(
     numbers[robot.odometry] += by.missed_m
     memory = memory._replace(
         running=sensing.asked.driving or any(sensing.shares),
+        begun_s=begun_s,
+        turns=turns,
         at_s=now_s,
         due_s=now_s + memory.every_s,
         angles=sensing.angles,

@@ -33,7 +33,7 @@ class DistanceMemory(NamedTuple):
     Attributes:
         every_s: How often it is judged; ``due_s``: when next; ``at_s``: when it was last.
         running: Whether the robot drives, or has not reported the rest of its way yet.
-        begun_s: Since when it drives.
+        begun_s: Since when its wheels are driven in these directions, ``turns``: 1, 0 or -1.
         angles: Per wheel what its sensor showed then; ``joints``: what those of the joints showed.
         strayed_m: Per wheel how far it is from the others lately; NaN while it does not count.
         odd_s: Per wheel since when it is limp, or turns with the others again; infinite otherwise.
@@ -51,6 +51,7 @@ class DistanceMemory(NamedTuple):
     at_s: float = -inf
     running: bool = False
     begun_s: float = -inf
+    turns: tuple[int, ...] = ()
     angles: Numbers = ()
     joints: Numbers = ()
     strayed_m: Numbers = ()

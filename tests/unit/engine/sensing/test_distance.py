@@ -184,6 +184,16 @@ def test_while_a_robot_starts_what_follows_decides_whether_it_slips() -> None:
     assert world.drive(2) > 0.9 * way_m(5, 0.7), "it did, since it began"
 
 
+def test_belief_is_not_kept_by_arrays_that_only_steer_joints_or_trim_duties() -> None:
+    world = slipping(World())
+    world.force, grown_m = 0.6, 0.0
+    for part in range(10):
+        duties = setpoints(1.0 - 0.01 * part)
+        world.sensing = world.sensing._replace(asked=MotorRequest(duties, world.now_s, True))
+        grown_m += world.drive(1)
+    assert grown_m >= way_m(5, 0.7), "it has not begun to drive with each of them"
+
+
 def test_a_robot_that_lacks_force_on_a_slope_slides_faster_and_faster() -> None:
     world = slipping(World(UP))
     world.force = 0.2
