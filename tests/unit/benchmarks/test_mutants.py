@@ -18,7 +18,7 @@ def test_a_file_is_tried_by_the_tests_that_mirror_it_and_then_by_those_next_to_t
     folder = "tests/unit/engine/resuming"
 
     assert nearby("pirate_sm/engine/resuming/entry.py") == [[f"{folder}/test_entry.py"], [folder]]
-    assert nearby("pirate_sm/engine/resuming/hypotheses.py") == [[folder]]
+    assert nearby("pirate_sm/engine/resuming/no_test.py") == [[folder]]
     assert nearby("pirate_sm/engine/gliding/no_tests/file.py") == [["tests/unit/engine/gliding"]]
 
 
