@@ -23,7 +23,7 @@ class Alphabet(NamedTuple):
 
     Attributes:
         file: The file that it stands in.
-        last: Its last member as written there.
+        last: A member as written there, that another one can follow; its last as a rule.
         added: Name and base class of the member that is added.
         places: Every file that must be changed for one more member.
     """
@@ -36,7 +36,7 @@ class Alphabet(NamedTuple):
 
 ALPHABETS = {
     "event": Alphabet(
-        "model/events.py", "    | Request", "NewEvent(NamedTuple)", ("engine/engine.py",)
+        "model/events.py", "(\n    Tick", "NewEvent(NamedTuple)", ("engine/engine.py",)
     ),
     "request of a person": Alphabet(
         "model/events.py",
@@ -104,7 +104,6 @@ ALPHABETS = {
         (
             "checking/robot/profile_numbers.py",
             "engine/gliding/criterion_trees.py",
-            "engine/robot/unmet_conditions.py",
             "engine/robot/done.py",
         ),
     ),

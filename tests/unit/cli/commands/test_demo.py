@@ -80,9 +80,9 @@ def test_what_a_scene_prints_can_be_run_again(
 
         assert result.exit_code == 0, result.output
         assert "A mission that is not there\n\nThe refusal\n" in result.stdout
-        assert "\n$ pirate run mitre_bend --speed max\n" in result.stdout
+        assert "\n$ pirate run mitre_bend --backend sim --speed max\n" in result.stdout
         page = (tmp_path / "out" / "own" / "index.html").read_text("utf-8")
-        assert "$ pirate run mitre_bend --speed max<" in page
+        assert "$ pirate run mitre_bend --backend sim --speed max<" in page
 
 
 def test_the_finding_of_a_refused_mission_is_printed_once(
