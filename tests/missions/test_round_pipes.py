@@ -90,6 +90,7 @@ def test_belief_in_a_way_over_a_step_in_an_upright_pipe_ends_where_wheels_slippe
         assert "distance.unknown" in outcome.message
         assert all(abs(torque) > 0.2 for torque in outcome.torques[1:5])  # both parts hold
     assert outcome.slid_m < 0.001
+    assert not [each for each in outcome.faults if each.startswith("robot.fallen")]
     assert outcome.deepest_m < DEEPEST_M
 
 

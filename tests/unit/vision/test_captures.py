@@ -58,7 +58,7 @@ def test_a_video_is_read_to_its_end(tmp_path: Path, name: str, codec: str) -> No
     ("source", "said"),
     [
         (DeviceSource(device=987, size=SIZE), "the camera /dev/video987 cannot be opened"),
-        (FileSource(file="none.avi", size=SIZE), "the video 'none.avi' is not there, or is no regular file"),
+        (FileSource(file="none.avi", size=SIZE), "the video 'none.avi' is not there"),
         (UrlSource(url="rtsp://127.0.0.1:9/x", size=SIZE), "the camera at rtsp://127.0.0.1:9/x"),
         (ImagesSource(images="*.png", size=SIZE), "there are no pictures '*.png'"),
         (SyntheticSource(synthetic=SyntheticView(), size=SIZE), "of a simulated robot only"),
