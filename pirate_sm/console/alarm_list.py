@@ -23,19 +23,19 @@ class AlarmList(Pick):
         super().__init__(_HEADING, lines, max(len(each.label) for each in lines))
 
     def _lines(self) -> list[Choice]:
-        return [_line(each, seen=each.told.number in self._seen) for each in self._alarms]
+        return [_line(each, seen=each.entry.number in self._seen) for each in self._alarms]
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Acknowledge the alarm."""
-        self._seen.add(self._alarms[event.option_index].told.number)
+        self._seen.add(self._alarms[event.option_index].entry.number)
         self.replace(self._lines())
 
 
 def _line(alarm: Alarm, *, seen: bool) -> Choice:
     mark = "1st" if alarm.first else "   "
     state = "seen" if seen else "over" if alarm.over else "new "
-    label = f"{mark} {state} {alarm.told.now_s:8.1f} s"
-    return Choice(str(alarm.told.number), label, alarm.text)
+    label = f"{mark} {state} {alarm.entry.now_s:8.1f} s"
+    return Choice(str(alarm.entry.number), label, alarm.text)
 
 
 class AlarmActions(ConfirmedActions):
@@ -49,7 +49,7 @@ class AlarmActions(ConfirmedActions):
 
     def acknowledge(self) -> None:
         """Acknowledge what the bar shows."""
-        self.seen.update(each.told.number for each in pending(self.session.latest, self.seen))
+        self.seen.update(each.entry.number for each in pending(self.session.latest, self.seen))
 
     def action_alarms(self) -> None:
         """Show every alarm."""

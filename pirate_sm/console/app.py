@@ -232,7 +232,7 @@ class Console(PanelActions, App[None]):
         self.heed_panel()
         self.keep_up(snapshot)
         if isinstance(self.screen, Checklist):
-            self.screen.renew()
+            self.screen.dismiss(None) if snapshot.over else self.screen.renew()
         if isinstance(self.screen, Say) and not is_still(snapshot):
             self.screen.dismiss(None)
         if snapshot.over and self.session.quitting.stop is not None:
@@ -275,7 +275,7 @@ class Console(PanelActions, App[None]):
         asked = {"commands": commands, "mission control": controls}
         shown = {name: each for name, each in asked.items() if self.is_visible(_PANELS[name])}
         why = self.on_base(Lines, "why")
-        why.show(obstacles(shown, snapshot.scene.robot, *why.content_size))
+        why.show(obstacles(shown, snapshot.scene.robot, *why.content_size) if shown else [])
 
     def _show_bar(self, name: str, lines: Sequence[Text]) -> None:
         bar = self.on_base(Lines, name)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Container, Iterator, Sequence
 from math import degrees, inf, isnan, nan
 from typing import NamedTuple
 
@@ -36,6 +36,9 @@ JOINT_CLEARANCE_M = 0.06
 
 _AT_STOP = 0.98
 """A joint at this share of its end stop's angle is on it [decided]."""
+
+_OFF_STOP = 0.95
+"""Below this share it has come off it again [decided]."""
 
 
 class Place(NamedTuple):
@@ -86,7 +89,7 @@ class HandDriving:
 
     def release(self) -> None:
         """Stop if a key was held, because it can have been released unseen."""
-        self._braking = self._braking or bool(self._held)
+        self._braking, self._pressed = self._braking or bool(self._held), ""
 
     def faster(self, steps: int) -> None:
         """Choose the next speed; a drive under way keeps its own."""
@@ -138,6 +141,7 @@ class HandDriving:
         self._hear(robot, state, now_s)
         if not (drives and by_hand):
             self._from_m, self._braking = nan, False
+            self._held = self._held if now_s < self._until_s else ""
             self._warned.discard("joint")
             return self._warn(snapshot, ()) if by_hand else ()
         if isnan(self._from_m):
@@ -153,7 +157,8 @@ class HandDriving:
         if self._braking:
             self._held = ""
             self._brake(robot, state)
-        near = () if not ahead_m < 2 * JOINT_CLEARANCE_M else (ahead_m,)
+        forward = robot.travel(state.robot.latest) > 0
+        near = (ahead_m,) if forward and ahead_m < 2 * JOINT_CLEARANCE_M else ()
         return [*logs, *self._warn(snapshot, near)]
 
     def speak(self, now_s: float) -> Sequence[Event]:
@@ -189,7 +194,8 @@ class HandDriving:
 
     def _warn(self, snapshot: Snapshot, near: Sequence[float]) -> Sequence[Log]:
         """Return a warning for each thing that has newly become so."""
-        now = {f"{name} is on its end stop at {angle}": name for name, angle in on_stops(snapshot)}
+        stops = on_stops(snapshot, self._warned)
+        now = {f"{name} is on its end stop at {angle}": name for name, angle in stops}
         now |= {f"a joint of the pipe is {each * 1e3:.0f} mm ahead": "joint" for each in near}
         kept = {"joint"} if "joint" in self._warned else set()
         new = [text for text, what in now.items() if what not in self._warned]
@@ -219,16 +225,22 @@ def joint_ahead_m(snapshot: Snapshot, place: Place) -> float:
     """Return how far the next joint of the pipe is ahead of the first wheel, m; NaN if unknown."""
     state, route = snapshot.state, snapshot.scene.route
     reported_m = state.surveyed.reported.distance_m if state is not None else nan
-    if not isnan(reported_m) or route is None:
+    if reported_m >= 0:  # less is a joint behind
         return reported_m
+    if route is None:
+        return nan
     here_m = place_m(snapshot, place)
     ahead = [each.arc_m - each.before_m - here_m for each in route.joints]
     return nan if isnan(here_m) else min((each for each in ahead if each >= 0), default=inf)
 
 
-def on_stops(snapshot: Snapshot) -> Iterator[tuple[str, str]]:
-    """Yield each joint of the robot that is on its end stop, with its angle in words."""
+def on_stops(snapshot: Snapshot, known: Container[str] = ()) -> Iterator[tuple[str, str]]:
+    """Yield each joint of the robot that is on its end stop, with its angle in words.
+
+    One that is known to be there must come farther away, since its sensor is noisy.
+    """
     for motor in snapshot.scene.anatomy.joints:
         angle_rad = snapshot.signals.get(motor.value, nan)
-        if motor.limit and abs(angle_rad) >= _AT_STOP * motor.limit:
+        share = _OFF_STOP if motor.name in known else _AT_STOP
+        if motor.limit and abs(angle_rad) >= share * motor.limit:
             yield motor.name, f"{degrees(angle_rad):.0f}°"

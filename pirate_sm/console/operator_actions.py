@@ -139,11 +139,13 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
 
     def action_preflight(self) -> None:
         """Show the checks of the open link until they are passed."""
-        link = self.session.prepared.open_link
-        if link is not None:
-            self.push_screen(Checklist(link))
-        else:
+        link, latest = self.session.prepared.open_link, self.session.latest
+        if link is None:
             self._refuse("pre-flight", "this robot is not at the other end of a serial link")
+        elif latest.over or latest.state is None:
+            self._refuse("pre-flight", availability.OVER if latest.over else availability.OPENING)
+        else:
+            self.push_screen(Checklist(link))
 
     # --- where the robot is -------------------------------------------------------------------
 

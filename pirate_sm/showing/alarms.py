@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Container
+from collections.abc import Container, Sequence
 from itertools import pairwise
 from textwrap import wrap
 from typing import NamedTuple
@@ -28,13 +28,13 @@ class Alarm(NamedTuple):
     """Something wrong, or how a mission has ended.
 
     Attributes:
-        told: The line about it.
+        entry: The numbered line about it.
         first: Whether it is the first of its cascade, and so its cause.
-        over: Whether the signals show that it is not so any more.
+        over: Whether it was a silence, and the robot is heard again.
         seen: Whether the operator has acknowledged it.
     """
 
-    told: NumberedLine
+    entry: NumberedLine
     first: bool
     over: bool
     seen: bool
@@ -42,7 +42,7 @@ class Alarm(NamedTuple):
     @property
     def text(self) -> str:
         """Return all of it."""
-        topic, text = self.told.line
+        topic, text = self.entry.line
         if topic == ENDED:
             outcome, _, why = text.partition(": ")
             return f"{outcome_word(outcome)}: {why}"
@@ -61,12 +61,12 @@ def alarms(snapshot: Snapshot, seen: Container[int]) -> list[Alarm]:
         snapshot: The moment.
         seen: Numbers of the lines that the operator has acknowledged.
     """
-    told = snapshot.story.alarms
-    firsts = {each.number for each in told[:1]}
-    firsts |= {after.number for before, after in pairwise(told) if _begins(before, after)}
+    entries = snapshot.story.alarms
+    firsts = {each.number for each in entries[:1]}
+    firsts |= {after.number for before, after in pairwise(entries) if _begins(before, after)}
     return [
         Alarm(each, each.number in firsts, _is_over(snapshot, each), each.number in seen)
-        for each in told
+        for each in entries
     ]
 
 
@@ -78,7 +78,7 @@ def _begins(before: NumberedLine, after: NumberedLine) -> bool:
 def pending(snapshot: Snapshot, seen: Container[int]) -> list[Alarm]:
     """Return what the bar shows: of the newest cascade the first alarm, and how its run ended.
 
-    What was acknowledged, or is over, is left out.
+    What was acknowledged, or is over, is left out. A mere warning hides nothing else.
     """
     newest: list[Alarm] = []
     cascade: list[Alarm] = []
@@ -86,11 +86,19 @@ def pending(snapshot: Snapshot, seen: Container[int]) -> list[Alarm]:
         cascade = [] if each.first else cascade
         if not (each.seen or each.over):
             cascade.append(each)
-        newest = cascade or newest
-    ends = [each for each in newest[1:] if each.told.line.topic == ENDED][-1:]
-    if ends and newest[0].told.line.text.partition(" (")[0] in ends[0].text:
+        if cascade and (_is_grave(cascade) or not _is_grave(newest)):
+            newest = cascade
+    newest = [each for each in newest if _is_grave([each])] or newest
+    ends = [each for each in newest[1:] if each.entry.line.topic == ENDED][-1:]
+    if ends and newest[0].entry.line.text.partition(" (")[0] in ends[0].text:
         return ends  # it says why itself
     return newest[:1] + ends
+
+
+def _is_grave(cascade: Sequence[Alarm]) -> bool:
+    """Return whether one of them is more than a warning or a success."""
+    lines = [each.entry.line for each in cascade]
+    return any(each.topic != "warning" and not each.text.startswith("succeeded") for each in lines)
 
 
 def bar(snapshot: Snapshot, seen: Container[int], width: int, *, keys: bool = True) -> list[Text]:
@@ -107,8 +115,8 @@ def bar(snapshot: Snapshot, seen: Container[int], width: int, *, keys: bool = Tr
     for each in shown:
         last = each is shown[-1]
         more = f"   (Esc: seen, !: {f'{left} more' if left else 'all'}) " if keys and last else " "
-        sign = "■" if each.told.line.topic == ENDED else "⚠"
-        text = line(f" {sign} {each.told.now_s:.1f} s  {each.text}")
+        sign = "■" if each.entry.line.topic == ENDED else "⚠"
+        text = line(f" {sign} {each.entry.now_s:.1f} s  {each.text}")
         lines.append(fitted(text, min(len(text), max(width - len(more), 0))).append(more))
     return lines
 
@@ -129,16 +137,17 @@ def trouble(snapshot: Snapshot, width: int) -> list[Text]:
     return [line(f" {'⚠' if at == 0 else ' '} {row} ") for at, row in enumerate(rows)]
 
 
-def _is_over(snapshot: Snapshot, told: NumberedLine) -> bool:
-    """Whether a fault was reported that the signals show no more."""
-    state, robot = snapshot.state, snapshot.scene.robot
-    if told.line.topic != "fault" or state is None or not snapshot.live:
+def _is_over(snapshot: Snapshot, entry: NumberedLine) -> bool:
+    """Return whether a silence was reported, and the robot is heard again.
+
+    Of no other fault is that known: its rule is not true either while a motor is stopped that has
+    failed, or while a signal is unknown.
+    """
+    state = snapshot.state
+    if entry.line.topic != "fault" or state is None or not snapshot.live:
         return False
-    code, faults = told.line.text.partition(": ")[0], state.faults
-    if code in _UNHEARD:
-        return not (faults.silent or faults.blind)
-    rules = [index for index, rule in enumerate(robot.faults) if rule.code == code]
-    return bool(rules) and not faults.raised.intersection(rules)
+    code = entry.line.text.partition(": ")[0]
+    return code in _UNHEARD and not (state.faults.silent or state.faults.blind)
 
 
 def shows_success(snapshot: Snapshot, seen: Container[int]) -> bool:
@@ -146,4 +155,4 @@ def shows_success(snapshot: Snapshot, seen: Container[int]) -> bool:
     shown = pending(snapshot, seen)
     if len(shown) != 1 or trouble(snapshot, 80):
         return False
-    return shown[0].told.line.topic == ENDED and shown[0].told.line.text.startswith("succeeded")
+    return shown[0].entry.line.topic == ENDED and shown[0].entry.line.text.startswith("succeeded")

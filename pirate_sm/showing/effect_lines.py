@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import takewhile
-from math import ceil, degrees, isfinite, isinf
+from math import ceil, degrees, isfinite, isinf, isnan
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.engine.robot.command_spec import SlotSpec
@@ -129,6 +129,8 @@ def changed_setpoints(
 
 def setpoint(slot: SlotSpec, value: float) -> str:
     """Return a setpoint as people read it: duty cycle in per cent, angle in degrees."""
+    if isnan(value):  # kept, and not measured yet
+        return "–"
     return f"{degrees(value):z.1f}°" if slot.unit == "angle" else f"{value * 100:.3g} %"
 
 

@@ -64,15 +64,22 @@ def ended_flag(ended: Ended) -> Flag:
 def mode(snapshot: Snapshot) -> Flag:
     """Return who has the robot, in a word with a sign, and its style.
 
-    The sign is a question mark while nothing is heard from the robot. Once a run has been stopped
-    this says so, until something is set in motion again.
+    The sign is a question mark while nothing is heard from the robot. Once a run has been stopped,
+    by a person or by its end, this says so until something is set in motion again.
     """
     word, style = _mode(snapshot)
     if snapshot.unheard_s:
         return f"? {word.partition(' ')[2]}", f"{FLAG}.{BAD}"
     if snapshot.story.stopped and word[0] in "‖◆":
-        return f"■ STOPPED, {word.partition(' ')[2]}", f"{FLAG}.{WARN}"
+        return f"■ {_stop(snapshot)}, {word.partition(' ')[2]}", f"{FLAG}.{WARN}"
     return word, style
+
+
+def _stop(snapshot: Snapshot) -> str:
+    """Return that the wheels were stopped, and by what if no person has stopped them."""
+    banner = snapshot.story.banner
+    word = outcome_word(banner.line.text.partition(": ")[0]) if banner is not None else "STOPPED"
+    return word if word == "STOPPED" else f"STOPPED ({word})"
 
 
 def _mode(snapshot: Snapshot) -> Flag:
@@ -252,6 +259,8 @@ def link(snapshot: Snapshot) -> list[Text]:
     word, style = ("● good", GOOD) if not lossy else ("◐ lossy", WARN)
     if health.trouble:
         word, style = "○ silent", BAD
+    elif snapshot.over:
+        word, style = "■ closed", MUTED
     trip = "–" if isnan(health.round_trip_s) else f"{health.round_trip_s * 1000:.0f} ms"
     lost = ("  lost bytes ", MUTED), f"{health.dropped_bytes}"
     damaged = ("  damaged ", MUTED), f"{health.damaged}"

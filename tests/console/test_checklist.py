@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
+
+import pytest
 
 from pirate_sm.console.checklist import Checklist
 from pirate_sm.diagnosis.listening import CHECKED_EVERY_S
@@ -59,6 +62,24 @@ def test_a_check_that_fails_says_why_and_is_repeated_until_it_is_passed() -> Non
             me.until(lambda: link.found.go, 20.0)
             await me.look()
             assert "✓ link" in text_of(me)
+
+    played(story)
+
+
+def test_the_list_is_not_shown_once_the_run_is_over(monkeypatch: pytest.MonkeyPatch) -> None:
+    async def story() -> None:
+        async with operator(over_the_bay()) as me:
+            await me.press("number_sign")
+            assert isinstance(me.app.screen, Checklist)
+            over = replace(me.latest, over=True)
+            with monkeypatch.context() as patched:
+                patched.setattr(type(me.session), "latest", property(lambda _: over))
+                me.app.show()
+                await me.pilot.pause()
+                assert not isinstance(me.app.screen, Checklist)
+                me.app.action_preflight()
+                await me.pilot.pause()
+                assert not isinstance(me.app.screen, Checklist)
 
     played(story)
 

@@ -66,6 +66,21 @@ def test_a_key_that_is_pressed_once_drives_no_longer_than_until_its_first_repeat
     played(story)
 
 
+@pytest.mark.parametrize("stop", ["left", "space"])
+def test_a_drive_that_was_stopped_otherwise_can_be_driven_again_by_its_key(stop: str) -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await clamped(me)
+            await me.press("up")
+            await me.press(stop)
+            me.wait(FIRST_REPEAT_S + 0.3)
+            assert me.wheels_stand()
+            await me.press("up")
+            assert not me.wheels_stand()
+
+    played(story)
+
+
 def test_a_key_that_is_heard_late_does_not_drive() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
@@ -216,5 +231,15 @@ def test_a_joint_of_the_robot_on_its_end_stop_is_found() -> None:
     scene = SimpleNamespace(anatomy=SimpleNamespace(joints=joints))
     signals = {"low": 1.9, "high": -1.97, "dark": nan}
 
-    found = list(on_stops(SimpleNamespace(scene=scene, signals=signals)))  # type: ignore[arg-type]
+    snapshot = SimpleNamespace(scene=scene, signals=signals)
+    found = list(on_stops(snapshot))  # type: ignore[arg-type]
     assert found == [("high", "-113°")]
+    found = list(on_stops(snapshot, {"low"}))  # type: ignore[arg-type]
+    assert found == [("low", "109°"), ("high", "-113°")], "the noise of a sensor is no way off it"
+
+
+def test_a_joint_of_the_pipe_that_is_passed_is_not_ahead() -> None:
+    reported = SimpleNamespace(reported=SimpleNamespace(distance_m=-0.007))
+    scene = SimpleNamespace(route=None)
+    snapshot = SimpleNamespace(state=SimpleNamespace(surveyed=reported), scene=scene)
+    assert isnan(joint_ahead_m(snapshot, Place()))  # type: ignore[arg-type]

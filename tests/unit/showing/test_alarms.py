@@ -41,15 +41,17 @@ def story(snapshot: Snapshot, *told: tuple[float, Fault | Ended | Log]) -> Snaps
 # --- how long an alarm is shown -------------------------------------------------------------------
 
 
-def test_a_warning_goes_when_its_cause_has_gone(snapshot: Snapshot) -> None:
+def test_a_fault_stays_when_its_rule_is_not_true_any_more_as_for_a_dead_wheel_that_is_stopped(
+    snapshot: Snapshot,
+) -> None:
     code = snapshot.scene.robot.faults[0].code
     told = after(snapshot, Fault(code, "it is so", "continue"))
     assert told.state is not None
-    faults = told.state.faults._replace(raised=frozenset({0}))
-    raised = replace(told, state=told.state._replace(faults=faults))
+    assert not told.state.faults.raised
 
-    assert f"{code}: it is so" in said(raised)[0]
-    assert said(told) == []
+    assert f"{code}: it is so" in said(told)[0]
+    assert not alarms.alarms(told, ())[0].over
+    assert said(told, EVERY) == []
 
 
 def test_a_warning_whose_cause_nobody_follows_stays_until_it_is_acknowledged(
@@ -97,6 +99,15 @@ def test_a_cascade_keeps_its_first_cause_and_says_how_it_ended(snapshot: Snapsho
     assert [each.first for each in alarms.alarms(told, ())] == [True, True, False, False]
 
 
+@pytest.mark.parametrize("at_s", [0.5, 1.2, 30.0])
+def test_a_warning_hides_no_fault(snapshot: Snapshot, at_s: float) -> None:
+    lines = [(1.0, FAULT), (at_s, Log("warning", "gamma_3 is on its end stop"))]
+    told = story(snapshot, *sorted(lines, key=lambda each: each[0]))
+
+    (line,) = said(told)
+    assert "firmware.reset" in line
+
+
 def test_an_end_that_says_its_cause_is_enough(snapshot: Snapshot) -> None:
     ended = Ended("fault", "firmware.reset: the controller was reset")
     (line,) = said(story(snapshot, (1.0, FAULT), (1.5, ended)))
@@ -108,7 +119,7 @@ def test_what_is_acknowledged_makes_room_for_the_next_one_and_stays_in_the_list(
     snapshot: Snapshot,
 ) -> None:
     told = story(snapshot, (1.0, FAULT), (1.5, Log("warning", "a consequence")))
-    shown = {each.told.number for each in alarms.pending(told, ())}
+    shown = {each.entry.number for each in alarms.pending(told, ())}
 
     assert "a consequence" in said(told, shown)[0]
     assert [each.seen for each in alarms.alarms(told, shown)] == [True, False]
@@ -191,3 +202,14 @@ def test_the_header_says_that_a_stop_was_applied_until_a_command_is_sent(
 
     assert panels.header(stood, 80).plain.startswith(" ■ STOPPED, PAUSED ")
     assert panels.header(replace(stood, story=memory.story()), 80).plain.startswith(" ‖ PAUSED ")
+    memory.see([Ended("fault", "link.silent: nothing comes")], 3.0)
+    memory.begin(snapshot.scene.robot)
+    failed = replace(stood, story=memory.story())
+    assert panels.header(failed, 80).plain.startswith(" ■ STOPPED (FAULT), PAUSED ")
+
+
+def test_a_link_that_is_closed_is_not_called_good(snapshot: Snapshot) -> None:
+    healthy = replace(snapshot, link=link()._replace(trouble=""))
+
+    assert panels.link(healthy)[0].plain == "● good"
+    assert panels.link(replace(healthy, over=True))[0].plain == "■ closed"

@@ -41,6 +41,12 @@ def test_each_motor_has_its_setpoint_and_its_measurement(snapshot: Snapshot) -> 
     assert "mA" in line
 
 
+def test_an_angle_that_is_kept_and_not_measured_yet_has_no_number(snapshot: Snapshot) -> None:
+    found = [each.plain for each in motors(sending(snapshot, nan), 80, 11)]
+
+    assert not any("nan°" in each for each in found)
+
+
 @pytest.mark.parametrize(("width", "height"), [(36, 4), (78, 18), (118, 33), (158, 44)])
 def test_it_fits(snapshot: Snapshot, width: int, height: int) -> None:
     lines = motors(snapshot, width, height)
