@@ -31,13 +31,14 @@ def wanted(state: EngineState) -> EngineState:
 def until_seen(moment: Moment, state: EngineState) -> EngineState:
     """Request a pause that ends once sensors show again that a part holds.
 
-    If the operator has paused the mission and drives by hand, the wheels are stopped.
+    If the operator has paused the mission and drives by hand, the wheels are stopped. A pause that
+    the operator has asked for stays the operator's.
     """
     mission = state.mission
     if mission.paused and mission.sight_until_s == inf:
         robot = commands.doubt(moment.robot, state.robot)
         return state._replace(robot=commands.stop(moment, robot, state.sensing))
-    if mission.sight_until_s < inf:
+    if mission.pause_wanted or mission.sight_until_s < inf:
         return state
     limit_s = moment.robot.sight.within_s
     moment.warn(f"waits for sensors to show again that a part holds, for {limit_s:g} s at most")

@@ -23,7 +23,9 @@ def next_deadline(moment: Moment, state: EngineState) -> float:
     if mission.ending:
         return mission.ending.give_up_s
     if mission.paused or mission.ended:
-        return mission.sight_until_s
+        # Neither during a comparison nor before the fate of an array is known does it go on.
+        held_up = state.look is not None or state.robot.awaited is not None
+        return inf if held_up else mission.sight_until_s
     deadline = moment.program.time_limit_s
     instruction = moment.program.instructions[mission.pc]
     if mission.diverting or mission.pause_wanted:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.mission.ending import end_by_fault
 from pirate_sm.engine.moment import Moment
@@ -27,15 +29,15 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     if not accepted and diverting:
         return state
     name = moment.robot.commands[motion.command].name if motion is not None else None
-    places, broken = rules.follow(
-        moment.program, moment.robot, state.rules, new, int(accepted), name if accepted else None
-    )
+    follow = partial(rules.follow, moment.program, moment.robot, state.rules)
+    accepts = int(accepted), name if accepted else None
+    places, broken = follow(new, *accepts)
+    unseen = bool(broken) and not follow(confirmation.as_last_seen(new), *accepts)[1]
     if places != state.rules:
         state = state._replace(rules=places)
     # While a fault is being handled the mission breaks no rule: rules were checked before its last
     # command was sent, and its wheels are stopped before the handler begins. While sensors are
     # compared with states no command begins either.
-    unseen = bool(broken) and not rules.broken(moment, state.rules, confirmation.as_last_seen(new))
     for rule in () if diverting else broken:
         if motion is not None and not motion.place:
             moment.warn(f"{name}, given by hand, violates {rules.said(rule)}")

@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from driving import BOTH_CLAMPED, REAR_CLAMPED, Driver, command
 
+from pirate_sm.engine.mission import pausing
+from pirate_sm.engine.moment import Moment
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -137,6 +139,17 @@ def test_a_pause_of_the_operator_meanwhile_lasts_when_the_clamp_is_seen(drive):
     assert driver.nonzero == pytest.approx(HELD)
     driver.give(ev.Resume())
     assert driver.nonzero.keys() > HELD.keys()
+
+
+def test_a_pause_that_the_operator_asked_for_before_stays_the_operators(drive):
+    driver = holding(drive, DRIVES, REAR_CLAMPED)
+    reporting(driver, 1.0)
+    wanted = pausing.wanted(driver.state)
+    moment = Moment(driver.robot, driver.engine.program, False, driver.now)
+
+    assert wanted.mission.pause_wanted
+    assert pausing.until_seen(moment, wanted) == wanted
+    assert moment.effects == []
 
 
 def test_a_fault_meanwhile_is_handled_at_once(drive):

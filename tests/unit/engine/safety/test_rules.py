@@ -8,6 +8,8 @@ from pathlib import Path
 import pytest
 from driving import Driver, changed_newt, command, driver_of, write_mission
 
+from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.safety.rule_watch import watch
 from pirate_sm.model import effects as fx
 
 OLD_RULES = """\
@@ -109,6 +111,23 @@ def test_a_rule_counts_a_command_that_is_done_as_it_is_accepted(ruled: Ruled) ->
 
     assert ("HoldNose", "sent") not in driver.statuses
     assert driver.faults == [("rule.violated", "stop")]
+
+
+def test_no_clamp_is_waited_for_that_would_not_keep_the_rule(ruled: Ruled) -> None:
+    driver = ruled("never: command == HoldTail", "HoldNose", nominal=False)
+    robot, body = driver.robot, driver.state.robot
+    assert body.motion is not None
+    index = robot.table.command_index["HoldTail"]
+    target = robot.table.follow(body.configuration, index)
+    assert target is not None
+    motion = body.motion._replace(command=index)
+    accepted = body._replace(configuration=target, motion=motion)
+    moment = Moment(robot, driver.engine.program, False, driver.now)
+
+    state = watch(moment, driver.state, driver.state._replace(robot=accepted))
+
+    assert [each.code for each in moment.effects if isinstance(each, fx.Fault)] == ["rule.violated"]
+    assert not state.mission.pause_wanted
 
 
 def test_a_mission_that_says_why_may_break_the_rule(ruled: Ruled) -> None:
