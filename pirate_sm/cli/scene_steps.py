@@ -71,15 +71,16 @@ def _texts(given: dict[str, Any], names: Iterable[str]) -> Iterator[str]:
 
 def _reached(given: dict[str, Any]) -> Iterator[str]:
     """Yield what a run would reach outside this program."""
-    backend = given.get("backend", "sim")
+    backend, recorded = given.get("backend", "sim"), ""
     if given.get("resume"):
         try:
-            backend = read_recording(Path(given["resume"])).header.backend
+            header = read_recording(Path(given["resume"])).header
+            backend, recorded = header.backend, str(header.options.get("detector") or "")
         except RecordingError:  # an earlier step writes it; it is asked again before it is resumed
             backend = "sim"
     if backend not in foreign.SIMULATED:
         yield f"a scene only simulates: the backend '{backend}' may reach a robot"
-    for detector in _texts(given, ("detector", "also")):
+    for detector in (recorded, *_texts(given, ("detector", "also"))):
         try:
             opened = opened_by(detector, Path.cwd())
         except PirateError:  # the run itself says what is wrong with it

@@ -18,7 +18,7 @@ SIMULATED: Final = ("bay", "physics", "sim", "trace")
 LISTENS: Final = "socket"
 """The detector that opens a socket; a live camera is refused as well."""
 
-_DEVICE: Final = re.compile(r"/dev/\w[\w-]*|COM\d+|")
+_DEVICE: Final = re.compile(r"/dev/(serial/by-(id|path)/)?\w[\w.:+-]*|COM\d+|")
 
 _RUNS = """mission backend robot pipe settings states seed defects fidelity detector also adopt
     ruler start_at calibration check twin fitted record no_record resume look at accept start_phase

@@ -19,6 +19,7 @@ from pirate_sm.engine.robot.robot_state import known_values
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import Hint, RecordingError, UsageError
 from pirate_sm.loading import library
+from pirate_sm.loading.camera_file import opened_by
 from pirate_sm.loading.extended_file import read_extended
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.foreign import is_device
@@ -65,7 +66,8 @@ def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> 
     Raises:
         RecordingError: The recording is of a backend that cannot go on, or its robot is gone.
         UsageError: An option does not fit, the recording names an address as its port, which
-            could be anything, or the robot's calibration has changed.
+            could be anything, or a detector that listens or opens a camera, or the robot's
+            calibration has changed.
     """
     header = end.recording.header
     check_place(end.loaded, asked.start_at_m)
@@ -73,6 +75,11 @@ def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> 
     if asked.port is None and not is_device(order.port or ""):
         message = f"the port of the recording, {order.port!r}, is no device of this computer"
         hint = Hint(": if it is the right one, give it with --port", ": give it with port='PORT'")
+        raise UsageError(message, hint=hint)
+    opened = opened_by(order.detector or "", Path.cwd()) if asked.detector is None else ""
+    if opened:
+        message = f"the detector of the recording, '{order.detector}', opens {opened}"
+        hint = Hint(": if you want it, give it with --detector", ": give it with detector='…'")
         raise UsageError(message, hint=hint)
     loaded = with_folder(end.loaded, header)
     if order.backend == "serial":

@@ -109,16 +109,17 @@ def test_no_setting_chooses_what_runs_a_scene_or_where_it_is_recorded() -> None:
 
 
 @pytest.fixture
-def on_a_robot(tmp_path: Path) -> Callable[[str], EndOfRun]:
+def on_a_robot(tmp_path: Path) -> Callable[..., EndOfRun]:
     """Returns where a recording ends that says it is of a real robot at a port."""
     record_cut_off(tmp_path / "cut.mcap", Order("mitre_bend"), 2.0)
     end = end_of_run(tmp_path / "cut.mcap")
 
-    def at(port: str) -> EndOfRun:
+    def at(port: str, detector: str = "") -> EndOfRun:
+        chosen = {"port": port, "detector": detector or None}
         header = replace(
             end.recording.header,
             backend="serial",
-            options={**end.recording.header.options, "port": port},
+            options={**end.recording.header.options, **chosen},
         )
         return end._replace(recording=replace(end.recording, header=header))
 
@@ -127,10 +128,35 @@ def on_a_robot(tmp_path: Path) -> Callable[[str], EndOfRun]:
 
 @pytest.mark.parametrize("port", ["spy:///dev/ttyACM0?file=/home/a/x", "socket://there:1", "../x"])
 def test_a_recording_cannot_choose_an_address_as_port(
-    on_a_robot: Callable[[str], EndOfRun], port: str
+    on_a_robot: Callable[..., EndOfRun], port: str
 ) -> None:
     with pytest.raises(UsageError, match="is no device of this computer"):
         prepare_again(on_a_robot(port), Order("mitre_bend"))
+
+
+def test_a_recording_cannot_open_a_socket(on_a_robot: Callable[..., EndOfRun]) -> None:
+    end = on_a_robot("/dev/ttyACM0", "socket:0.0.0.0:9000")
+    with pytest.raises(UsageError, match=r"the detector of the recording, .* opens a socket"):
+        prepare_again(end, Order("mitre_bend"))
+
+    prepare_again(end, Order("mitre_bend", detector="odometry"))
+
+
+@pytest.mark.parametrize(
+    ("port", "allowed"),
+    [
+        ("", True),
+        ("/dev/ttyUSB0", True),
+        ("/dev/serial/by-id/usb-Arduino_Mega_7543-if00", True),
+        ("/dev/cu.usbmodem1101", True),
+        ("COM3", True),
+        ("/dev/pirate", True),
+        ("/dev/tty/../sda", False),
+        ("socket://there:1", False),
+    ],
+)
+def test_a_port_is_a_serial_line_of_this_computer(port: str, allowed: bool) -> None:
+    assert foreign.is_device(port) == allowed
 
 
 def test_a_campaign_only_simulates(tmp_path: Path) -> None:
