@@ -87,6 +87,12 @@ class BuiltInFault(Enum):
     ROBOT_LEFT_PIPE = _About(
         "robot.left_pipe", "surroundings", False, "the simulated robot is outside of its pipe"
     )
+    ROBOT_SLID = _About(
+        "robot.slid",
+        "surroundings",
+        False,
+        "the simulated robot has slid while no part held it and no wheel was driven",
+    )
     VISION_SILENT = _About("vision.silent", "camera", True, "the camera sends no pictures")
     VISION_FROZEN = _About("vision.frozen", "camera", True, "the camera repeats one picture")
     VISION_DARK = _About("vision.dark", "camera", True, "the camera's pictures show no contrast")

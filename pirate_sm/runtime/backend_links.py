@@ -1,4 +1,4 @@
-"""Companions between a backend and a run: pass on the safe array and the backend's remarks."""
+"""Companions between a backend and a run: pass on the safe array, remarks, and slides."""
 
 from __future__ import annotations
 
@@ -6,9 +6,15 @@ from collections.abc import Callable, Collection, Sequence
 from math import inf
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Log
-from pirate_sm.model.events import Event
+from pirate_sm.model.events import Event, FaultReport
+from pirate_sm.model.fault_codes import BuiltInFault
+
+_LOOK_S, _SLID_M = 0.6, 0.1
+"""A loose robot that straightens moves its wheels apart. One whose wheels have all moved the same
+way by more than this has slid. Its own sensors show a fall in less time [decided]."""
 
 
 class Holder:
@@ -71,3 +77,58 @@ class Messenger:
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return nothing, because remarks do not concern the engine."""
         return ()
+
+
+class SlideWatch:
+    """Reports that a simulated robot has slid while no part held it and no wheel was driven.
+
+    No sensor may show it: the wheels stand, and friction lets the robot weigh nearly what it does
+    at rest.
+
+    Args:
+        arcs_m: Returns the true position of each wheel along the pipe, m.
+        fault: Returns what else the surroundings have to report, looked for all the time; None for
+            a backend that reports it itself.
+    """
+
+    listening = False
+
+    def __init__(
+        self,
+        arcs_m: Callable[[], Sequence[float]],
+        fault: Callable[[], FaultReport | None] | None = None,
+    ) -> None:
+        self._arcs_m, self._fault = arcs_m, fault
+        self._from_m: Sequence[float] = ()
+        self._idle_s = inf if fault is None else _LOOK_S
+        self.due_s = 0.0
+
+    def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
+        """Follow this run from now on."""
+        self._engine, self._state = engine, state
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Look from where the robot is loose, and once more when it is held or driven again."""
+        if self._is_loose() != bool(self._from_m):
+            self.due_s = now_s
+            self._from_m = self._from_m or self._arcs_m()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the fault of a robot that has slid, and those of the surroundings."""
+        ways_m = [now - then for now, then in zip(self._arcs_m(), self._from_m, strict=False)]
+        slid_m = max(min(ways_m), -max(ways_m)) if ways_m else 0.0
+        loose = self._is_loose()
+        self.due_s = now_s + (_LOOK_S if loose else self._idle_s)
+        found = [self._fault()] if self._fault is not None else []
+        if slid_m > _SLID_M:
+            message = f"it has slid {slid_m:.2g} m while no part held it and no wheel was driven"
+            found.append(BuiltInFault.ROBOT_SLID.report(message))
+        if not loose or slid_m > _SLID_M:
+            self._from_m = self._arcs_m() if loose else ()
+        return [fault for fault in found if fault is not None]
+
+    def _is_loose(self) -> bool:
+        state = self._state()
+        if state is None or confirmed_parts(self._engine.robot, state.robot):
+            return False
+        return not any(state.robot.values[slot] for slot in self._engine.robot.safe_zero)

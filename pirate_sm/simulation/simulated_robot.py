@@ -99,6 +99,7 @@ class SimulatedRobot:
         electronics: Its boards.
         physics: What moves it.
         gone: Whether it has left the pipe for good.
+        left_pipe: The fault of a robot that has left its pipe; None of one in it.
         cycles: How many cycles have passed.
 
     Raises:
@@ -151,8 +152,9 @@ class SimulatedRobot:
             *(around.friction, around.friction_scale),
         )
         self._time_s = put_back.at_s if put_back is not None else 0.0
-        self.cycles, self.gone, self._left = 0, False, False
-        self._start_m = self._middle()
+        self.cycles, self.gone = 0, False
+        self.left_pipe: FaultReport | None = None
+        self._start_m = sum(self.arcs_m) / chain.nodes
 
     def hold(self) -> None:
         """Drive the joints with the duties of the start pose, the roll joint to its target."""
@@ -198,9 +200,10 @@ class SimulatedRobot:
         fault = self._obstacles.step(self._time_s, self._cycle_s)
         if self.cycles % _GONE_EVERY == 0 and not self.gone:
             self._look_whether_gone()
-            if not self._left and self._is_outside(0.0):
-                self._left = True
-                return BuiltInFault.ROBOT_LEFT_PIPE.report("every wheel is beyond a pipe's end")
+            if self.left_pipe is None and self._is_outside(0.0):
+                message = "every wheel is beyond a pipe's end"
+                self.left_pipe = BuiltInFault.ROBOT_LEFT_PIPE.report(message)
+                return self.left_pipe
         return fault
 
     def glides_until_s(self, now_s: float) -> float:
@@ -357,10 +360,6 @@ class SimulatedRobot:
         """Return a quantity of every wheel after the last cycle; see `physics.QuantityLayout`."""
         found: list[float] = self.physics.quantities[self._layout.block(quantity)].tolist()
         return found
-
-    def _middle(self) -> float:
-        arcs = self.arcs_m
-        return sum(arcs) / len(arcs)
 
     def _is_outside(self, bars_m: float = _GONE_M) -> bool:
         """Return whether every wheel is far from the pipe; from one between bars by this much."""

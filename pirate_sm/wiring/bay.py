@@ -11,7 +11,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot.twin_file import simulated_profile
 from pirate_sm.model.variations import LineFaults
 from pirate_sm.registry import Plugin
-from pirate_sm.runtime.backend_links import Holder
+from pirate_sm.runtime.backend_links import Holder, SlideWatch
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
 from pirate_sm.wiring.sim import check_order, start_values
@@ -74,7 +74,10 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
     return Equipment(
         backend=backend,
-        companions=(Holder(backend.hold),),
+        companions=(
+            Holder(backend.hold),
+            SlideWatch(lambda: bay.robot.arcs_m, lambda: bay.robot.left_pipe),
+        ),
         usual_detector="odometry",
         places=Places(bay.robot.bends, lambda: bay.robot.arcs_m),
         truth=lambda: bay.truth,

@@ -16,6 +16,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot.twin_file import simulated_profile
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.registry import Plugin
+from pirate_sm.runtime.backend_links import SlideWatch
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
 
@@ -107,7 +108,10 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
     flat = loaded.pipe.section == "bars"
     return Equipment(
         backend=backend,
-        companions=_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
+        companions=(
+            SlideWatch(backend.places_m),
+            *_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
+        ),
         usual_detector="sim",
         places=Places(backend.bends, backend.places_m),
         truth=lambda: backend.truth,

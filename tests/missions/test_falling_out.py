@@ -69,17 +69,61 @@ def test_belief_in_a_success_ends_when_a_loose_robot_slides_out(run, tmp_path, b
     assert "robot.fallen" in record.ended.message
 
 
+SLOPE = """\
+format: 1
+pipe: slope
+diameter: 120 mm
+tilt: 28 deg
+uphill: 0 deg
+segments: [{straight: 9 m}]
+start: {at: 8 m}
+"""
+
+
+@pytest.mark.parametrize("backend", ["sim", "physics", "bay"])
+def test_belief_in_a_success_ends_where_friction_nearly_holds_a_robot_that_lets_go(
+    run, tmp_path, backend
+):
+    """It slid 6.6 m with standing wheels, while it weighed nearly what it does at rest."""
+    mission, pipe = tmp_path / "lets_go.yaml", tmp_path / "slope.yaml"
+    mission.write_text(LETS_GO.replace("COMMANDS", "Reset"), "utf-8")
+    pipe.write_text(SLOPE, "utf-8")
+    record = run(str(mission), backend=backend, pipe=str(pipe))
+    assert [fault.code for fault in record.of(Fault)][-1] == "robot.slid"
+    assert record.ended.outcome == "fault"
+
+
+@pytest.mark.parametrize("backend", ["sim", "physics", "bay"])
+def test_belief_in_a_success_ends_when_a_bend_ends_a_fall(run, tmp_path, backend):
+    """It fell 0.26 m onto the far leg and lay there, which no sensor shows any more."""
+    mission = tmp_path / "lets_go.yaml"
+    mission.write_text(LETS_GO.replace("COMMANDS", "Reset"), "utf-8")
+    record = run(str(mission), backend=backend, pipe="mitre_90_from_above")
+    assert record.ended.outcome == "fault"
+    assert record.ended.message.split(":")[0] in ("robot.fallen", "robot.slid")
+
+
+@pytest.mark.parametrize("backend", ["sim", "physics", "bay"])
+def test_a_robot_that_lets_go_where_it_lies_has_not_slid(run, tmp_path, backend):
+    mission = tmp_path / "lets_go.yaml"
+    commands = "Reset, ClampRear, Reset, ClampFront, Reset"
+    mission.write_text(LETS_GO.replace("COMMANDS", commands), "utf-8")
+    assert run(str(mission), backend=backend, pipe="straight_113").ended.outcome == "succeeded"
+
+
 @pytest.mark.parametrize("pipe", ["straight_113", "straight_113_round"])
 @pytest.mark.parametrize("command", ["DriveForward", "DriveBackward"])
-def test_belief_in_a_success_ends_at_either_end_of_the_pipe(run, tmp_path, command, pipe):
+@pytest.mark.parametrize("backend", ["sim", "bay"])
+def test_belief_in_a_success_ends_at_either_end_of_the_pipe(run, tmp_path, command, pipe, backend):
     mission = tmp_path / "out.yaml"
     mission.write_text(OUT.replace("COMMAND", command), "utf-8")
-    record = run(str(mission), backend="sim", pipe=pipe)
+    record = run(str(mission), backend=backend, pipe=pipe)
     assert record.ended.outcome == "fault"
     assert record.ended.message.split(":")[0] in ("robot.fallen", "robot.left_pipe")
 
 
-def test_belief_in_a_success_ends_for_a_robot_without_an_accelerometer(run, tmp_path):
+@pytest.mark.parametrize("backend", ["sim", "bay"])
+def test_belief_in_a_success_ends_for_a_robot_without_an_accelerometer(run, tmp_path, backend):
     """The simulator knows the end of the pipe; nothing on this robot feels the fall."""
     pipe = tmp_path / "upright.yaml"
     pipe.write_text(
@@ -91,6 +135,6 @@ def test_belief_in_a_success_ends_for_a_robot_without_an_accelerometer(run, tmp_
     text = LOOSE.replace("BendingState: Unclamped", "Grip: Loose").replace("pirate_ii", NEWT)
     text = text.replace("[ClampFront, ClampRear, Reset]", "[SwitchLamp]")
     mission.write_text(text, "utf-8")
-    record = run(str(mission), backend="sim", pipe=str(pipe))
+    record = run(str(mission), backend=backend, pipe=str(pipe))
     assert [fault.code for fault in record.of(Fault)] == ["robot.left_pipe"]
     assert record.ended.outcome == "fault"
