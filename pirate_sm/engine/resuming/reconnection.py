@@ -38,12 +38,12 @@ def doubt(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
     Wheels that are driven keep their state here, because whoever handles the fault stops them.
     """
     robot, body = moment.robot, state.robot
-    driven = robot.driven[body.configuration]
+    driven, unshown = robot.driven[body.configuration], (DECLARED, STOPPED)
     again = body._replace(marks=unproven(robot, body))
     marks = {
         mark
         for mark in denied(robot, moment.program, before, again)
-        if mark.kind == "part" or mark.which not in driven or mark.command >= 0
+        if mark.kind == "part" or mark.which not in driven or mark.command not in unshown
     }
     marks |= {mark for mark in body.marks if mark.command == STOPPED}
     motion, mission = body.motion, state.mission
@@ -80,7 +80,7 @@ def begin(
         report: What the backend has reported.
     """
     mission, robot, away_s = state.mission, moment.robot, report.away_s
-    if mission.ending or mission.ended:
+    if mission.ending:
         return state
     known = before.look.before if before.look is not None else None
     if known is not None:  # it was away again during the comparison
@@ -120,7 +120,7 @@ def decide(moment: Moment, state: EngineState, before: Before, result: LookResul
         message = f"after its controller was away, {'; '.join(against)}"
         found = FoundFault.built_in(BuiltInFault.STATE_CONTRADICTED, message)
         return meet(moment, state._replace(robot=body), found)
-    if before.resumes and state.mission.paused:
+    if before.resumes:
         return pausing.resume(moment, state, one_step=False)
     return state
 

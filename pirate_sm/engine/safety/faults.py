@@ -125,7 +125,7 @@ def _blind(
 def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
     """Restart the rules that no longer hold because boards have become silent (rule 7)."""
     since = tuple(
-        began if isnan(began) or rule.when.evaluate(sensing.numbers, words) is True else nan
+        began if rule.when.evaluate(sensing.numbers, words) is True else nan
         for rule, began in zip(robot.faults, faults.since, strict=True)
     )
     raised = frozenset(index for index in faults.raised if not isnan(since[index]))

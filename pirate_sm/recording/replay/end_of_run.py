@@ -69,15 +69,14 @@ def end_of_run(path: Path) -> EndOfRun:
 
 def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
     name, after = shown(recording.path), recording.checkpoint(recording.until_s)
-    last, again, ended = None, None, False
+    last, step, ended = None, None, False
     for again in rerun(recording, loaded, after):
         _check(name, again)
-        last = again.state
-        ended = any(isinstance(effect, Ended) for effect in again.step.effects)
-    if again is None and after is not None:  # the checkpoint is the last step
-        again = Rerun(recording.last_step, after.state, (), after.at_s)
-        last = after.state
-    if again is None or last is None:
+        last, step = again.state, again.step
+        ended = any(isinstance(effect, Ended) for effect in step.effects)
+    if step is None and after is not None:  # the checkpoint is the last step
+        last, step = after.state, recording.last_step
+    if step is None or last is None:
         raise RecordingError(f"nothing to go on from: {name} ends before its mission began")
     if ended or last.mission.ended:
         raise RecordingError(
@@ -89,7 +88,7 @@ def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
     in_flight = last.robot.flight is not None and last.robot.flight.purpose == "gate"
     maybe = None if in_flight or not slow else _next_command(name, loaded, last)
     return EndOfRun(
-        *(recording, loaded, last, again.step.at_s, again.step.number, recording.origin_s, maybe),
+        *(recording, loaded, last, step.at_s, step.number, recording.origin_s, maybe),
         placed=_placed(recording, loaded),
     )
 

@@ -5,12 +5,13 @@ from __future__ import annotations
 import math
 
 import pytest
-from driving import BOTH_CLAMPED, FRONT_CLAMPED, Driver, command
+from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, Driver, command
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
+from pirate_sm.model.events import EVIDENCE_ENDS
 
 ANGLE = 2 * math.asin((0.120 - 0.048) / 0.09)
 HOLDING = {
@@ -255,6 +256,37 @@ def test_a_robot_that_is_away_again_during_the_comparison_is_compared_with_the_k
         assert not driver.state.mission.paused or codes
 
 
+def test_the_times_of_two_absences_count_together(drive):
+    driver = holding(drive, "then: continue", "DriveForward")
+    ways = {
+        f"theta_{n}": math.copysign(1, w.metres_per_rad)
+        for n, w in enumerate(driver.robot.wheels, 1)
+    }
+    driver.show(driver.now + 0.1, **{name: 100.0 * way for name, way in ways.items()})
+    driver.give(BACK)
+    look(driver, 0.2)
+    driver.give(BACK)
+
+    size_m = abs(driver.robot.wheels[0].metres_per_rad)
+    on_rad = 1.5 * driver.robot.sight.dark.top_m_s * BACK.away_s / size_m
+    look(driver, **{name: (100.0 + on_rad) * way for name, way in ways.items()})
+
+    assert [code for code, _ in driver.faults] == ["link.interrupted"] * 2
+
+
+def test_a_robot_to_which_nothing_was_sent_is_compared_and_not_paused(drive):
+    text = MISSION.replace("HANDLED", "then: continue").replace("BEGIN", "ToggleLighting")
+    driver = drive(text, states=BOTH_CLAMPED, declared=True)
+    driver.signals |= HOLDING
+    driver.run(0.2)
+
+    driver.give(BACK)
+    look(driver)
+
+    assert not driver.state.mission.paused
+    assert ("ToggleLighting", "done") in driver.statuses
+
+
 @pytest.mark.parametrize("code", ["link.lost", "link.silent"])
 def test_belief_ends_with_a_lost_link_so_that_the_next_run_looks_at_the_robot(drive, code):
     driver = holding(drive)
@@ -335,6 +367,25 @@ def test_a_recording_of_before_replays_by_its_own_rules(drive):
     assert not driver.unconfirmed
     look(driver, 0.3)
     assert driver.ended == fx.Ended("succeeded", "The rear is free", "done")
+
+
+@pytest.mark.parametrize(("nominal", "alphabet"), [(True, EVIDENCE_ENDS), (False, 9)])
+def test_belief_lasts_where_nothing_is_seen_and_in_recordings_of_before(drive, nominal, alphabet):
+    driver = holding(drive)
+    driver.engine = Engine(driver.robot, driver.engine.program, nominal=nominal, alphabet=alphabet)
+
+    driver.give(ev.FaultReport("link.lost", "it has gone"))
+
+    assert not driver.unconfirmed
+
+
+def test_nothing_follows_the_end_even_if_the_link_is_silent_at_that_moment(drive):
+    driver = drive(IDLE)
+    driver.report_all(0.1)
+
+    driver.give(ev.Abort("enough"), at=5.0)
+
+    assert isinstance(driver.effects[-1], fx.Ended)
 
 
 MOVED = {"gamma_3": -ANGLE + 0.1}

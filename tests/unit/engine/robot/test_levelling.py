@@ -294,6 +294,22 @@ def test_driven_wheels_are_refused(drive):
     )
 
 
+def test_what_was_felt_before_the_controller_was_away_is_not_measured_with(drive):
+    mission = f"on_fault: [{{fault: link.interrupted, then: continue}}]\n{IDLE}"
+    robot = Robot(drive, "rear", -40.0, mission=mission)
+    robot.order("AlignHorizontal")
+    robot.stand(0.7, LYING["rear"])
+    memory = robot.driver.state.robot.motion.levelling
+    assert memory.felt
+    assert not math.isnan(memory.since_s)
+
+    robot.driver.give(ev.FaultReport("link.interrupted", "the link is back", 2.0))
+
+    memory = robot.driver.state.robot.motion.levelling
+    assert not memory.felt
+    assert math.isnan(memory.since_s)
+
+
 def test_a_mission_can_go_on_otherwise(drive):
     mission = (
         "start: a\n"

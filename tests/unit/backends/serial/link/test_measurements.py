@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from pirate_sm.backends.serial.link.measurements import Measurements
+from pirate_sm.model.events import SensorFrame
 from pirate_sm.rosserial.state_messages import StateReading
 
 
@@ -13,11 +16,45 @@ def measurements() -> Measurements:
     return Measurements({3: 2})
 
 
-def test_readings_of_the_robots_boards_are_not_strange(measurements: Measurements) -> None:
-    measurements.take(StateReading(3, 0, (1.0,)))
-    measurements.take(StateReading(3, -1, (1.0, 2.0)))
+def frames(measurements: Measurements, *readings: tuple[int, float]) -> list[SensorFrame | None]:
+    """What each reading of a channel of board 3 completes."""
+    return [measurements.take(StateReading(3, channel, (value,))) for channel, value in readings]
 
+
+def test_a_message_of_a_whole_board_is_its_frame_without_what_follows(
+    measurements: Measurements,
+) -> None:
+    frame = measurements.take(StateReading(3, -1, (1.0, 2.0, 3.0)))
+
+    assert frame == SensorFrame(3, (1.0, 2.0))
     assert measurements.strange == 0
+
+
+def test_a_board_is_reported_once_all_its_values_have_come_in_each_round(
+    measurements: Measurements,
+) -> None:
+    found = frames(measurements, (0, 1.0), (1, 2.0), (0, 3.0), (1, 4.0))
+
+    assert found == [None, SensorFrame(3, (1.0, 2.0)), None, SensorFrame(3, (3.0, 4.0))]
+    assert measurements.strange == 0
+
+
+def test_in_place_of_a_lost_value_the_one_before_is_reported_when_the_next_round_begins(
+    measurements: Measurements,
+) -> None:
+    frames(measurements, (0, 1.0), (1, 2.0))
+
+    found = frames(measurements, (0, 3.0), (0, 5.0), (1, 6.0), (0, 7.0))
+
+    assert found == [None, SensorFrame(3, (3.0, 2.0)), SensorFrame(3, (5.0, 6.0)), None]
+
+
+def test_a_value_that_never_came_is_unknown(measurements: Measurements) -> None:
+    _, frame = frames(measurements, (1, 1.0), (1, 2.0))
+
+    assert frame is not None
+    assert math.isnan(frame.values[0])
+    assert frame.values[1] == 1.0
 
 
 @pytest.mark.parametrize(
@@ -29,4 +66,5 @@ def test_a_reading_that_the_robot_cannot_have_made_is_counted_and_makes_no_frame
     measurements: Measurements, reading: StateReading
 ) -> None:
     assert measurements.take(reading) is None
-    assert measurements.strange == 1
+    assert measurements.take(reading) is None
+    assert measurements.strange == 2
