@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal
+from typing import Literal, NamedTuple
 
 import numpy as np
 
 from pirate_sm.model.camera import Lens
 from pirate_sm.model.camera_source import FrameSize
+from pirate_sm.vision.bundle import adjust, guess_lens
 from pirate_sm.vision.chessboard import Board
 from pirate_sm.vision.lens import LensModel
-from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats
-from pirate_sm.vision.plane import find_view, rms
+from pirate_sm.vision.plane import find_pose, pose_errors, rms, rotation_of
 
 FEWEST_BOARDS = 15
 
@@ -23,7 +23,16 @@ LARGEST_RMS_PX: dict[str, float] = {"fisheye": 0.5, "brown": 1.0}
 
 _LEAST_CELLS, _CELLS = 7, (3, 3)
 _LEAST_TILT_DEG = 12.0
-_WIDEST_RAD = np.radians(80.0)
+
+_LEAST_USED = 0.8
+"""Share of the boards that the lens must fit; below it is the lens or its model that is wrong."""
+
+_ROUNDS = 2
+"""A board without a place in the first guess, or with its mirror image, finds it in the second."""
+
+_FAR_OFF = 3.0
+"""A board is left out that is off by more than this many times the median of all, and by more than
+the largest rms: pictures in which the board was moved or bent, or its corners were mistaken."""
 
 
 @dataclass(frozen=True)
@@ -33,48 +42,104 @@ class Calibration:
     Attributes:
         lens: The lens.
         rms_px: How far the corners of the boards are from where they should be.
+        left_out: The boards that were not used, by name, and how far each is off, px.
     """
 
     lens: Lens
     rms_px: float
+    left_out: dict[str, float]
+
+
+class _Placed(NamedTuple):
+    """A board at its best place for a lens; ``rms_px`` is infinite if there is none."""
+
+    pose: Floats
+    rms_px: float
 
 
 def calibrate(
-    boards: Sequence[Floats], board: Board, size: FrameSize, model: Literal["fisheye", "brown"]
+    named: Mapping[str, Floats], board: Board, size: FrameSize, model: Literal["fisheye", "brown"]
 ) -> Calibration | str:
     """Return the lens that fits the boards best, or why these boards are not enough.
 
     Args:
-        boards: The corners of the board in each picture, (N, 2) in px.
+        named: The corners of the board in each picture, (N, 2) in px, by the picture's name.
         board: The board.
         size: Width and height of the pictures.
         model: The model of the lens.
     """
+    boards = list(named.values())
     refusal = _refusal(boards, board, size)
     if refusal:
         return refusal
-    try:
-        lens, turns = (
-            _fisheye(boards, board, size) if model == "fisheye" else _brown(boards, board, size)
-        )
-    except cv2.error:
-        return "no lens fits these boards: are they flat, of this size, and tilted to each side?"
-    tilt_deg = _tilt_deg(turns)
-    if tilt_deg < _LEAST_TILT_DEG:
+    lens, placed, used = _fitted(boards, board, size, model)
+    off_px = {name: each.rms_px for name, each in zip(named, placed, strict=True)}
+    unseen = [name for name, each in off_px.items() if each == float("inf")]
+    if unseen:
         return (
-            f"all boards lie at nearly the same angle, within {tilt_deg:.0f} deg: tilt the board by"
-            " 30 deg to each side, else focal length and distance cannot be separated"
+            f"the model {model} does not fit this lens: one of this model would not show the board"
+            f" where it is seen in {', '.join(unseen)}"
         )
-    rms_px = _rms_px(LensModel(lens), boards, board)
     limit_px = LARGEST_RMS_PX[model]
-    if rms_px == float("inf"):
-        return f"the model {model} does not fit this lens at all"
+    rms_px = float(np.sqrt(np.mean([placed[number].rms_px ** 2 for number in used])))
     if rms_px > limit_px:
         return (
             f"the corners are off by {rms_px:.2f} px (rms), more than {limit_px} px: is the board"
             " flat, the camera fixed in focus, and the model right?"
         )
-    return Calibration(lens, rms_px)
+    left_out = {name: px for n, (name, px) in enumerate(off_px.items()) if n not in used}
+    refusal = _refusal([boards[number] for number in used], board, size)
+    if refusal:
+        return f"without {', '.join(left_out)}, whose corners fit no such lens, {refusal}"
+    tilt_deg = _tilt_deg([placed[number].pose for number in used])
+    if tilt_deg < _LEAST_TILT_DEG:
+        return (
+            f"all boards lie at nearly the same angle, within {tilt_deg:.0f} deg: tilt the board by"
+            " 30 deg to each side, else focal length and distance cannot be separated"
+        )
+    return Calibration(lens.lens, rms_px, left_out)
+
+
+def _fitted(
+    boards: Sequence[Floats], board: Board, size: FrameSize, model: Literal["fisheye", "brown"]
+) -> tuple[LensModel, list[_Placed], list[int]]:
+    """Return the lens, each board's place in it, and the numbers of the boards that were used."""
+    lens = guess_lens(model, boards, board.points, size)
+    used = list(range(len(boards)))
+    while True:
+        for _ in range(_ROUNDS):
+            lens, placed = _adjusted(lens, boards, board, used)
+        off_px = np.array([placed[number].rms_px for number in used])
+        far_px = max(LARGEST_RMS_PX[model], _FAR_OFF * float(np.median(off_px)))
+        off_px[np.isinf(off_px)] = 0.0  # a board that the lens cannot show speaks against the lens
+        if off_px.max() <= far_px or len(used) <= _LEAST_USED * len(boards):
+            return lens, placed, used
+        used.pop(int(np.argmax(off_px)))  # one only: the others are off because of it
+
+
+def _adjusted(
+    lens: LensModel, boards: Sequence[Floats], board: Board, used: Sequence[int]
+) -> tuple[LensModel, list[_Placed]]:
+    """Return a better lens, and the place of each board in it."""
+    placed = _placed(lens, boards, board)
+    begun = [number for number in used if np.isfinite(placed[number].rms_px)]
+    if not begun:
+        return lens, placed
+    poses = [placed[number].pose for number in begun]
+    better = adjust(lens, poses, board.points, [boards[number] for number in begun])
+    return better, _placed(better, boards, board)
+
+
+def _placed(lens: LensModel, boards: Sequence[Floats], board: Board) -> list[_Placed]:
+    found = []
+    for pixels in boards:
+        pose = find_pose(lens, board.points, pixels)
+        if pose is None:
+            found.append(_Placed(np.zeros(6), float("inf")))
+            continue
+        across, down = pose_errors(lens, pose, board.points, pixels).reshape(-1, 2).T
+        found.append(_Placed(pose, rms(np.hypot(across, down))))
+    return found
 
 
 def _refusal(boards: Sequence[Floats], board: Board, size: FrameSize) -> str:
@@ -94,56 +159,9 @@ def _refusal(boards: Sequence[Floats], board: Board, size: FrameSize) -> str:
     return ""
 
 
-def _fisheye(
-    boards: Sequence[Floats], board: Board, size: FrameSize
-) -> tuple[Lens, Sequence[Floats]]:
-    focal, middle = size[0] / np.pi, np.array(size) / 2  # of a lens that shows 180 deg
-    # OpenCV cuts rays with a plane ahead, and fails on those that go sideways.
-    ahead = [each for each in boards if _widest(each - middle) < focal * _WIDEST_RAD] or boards
-    # OpenCV 5 refuses points of shape (N, 1, ·) here.
-    points = [board.points[None]] * len(ahead)
-    pixels = [each[None] for each in ahead]
-    begin = np.array([[focal, 0, middle[0]], [0, focal, middle[1]], [0, 0, 1]])
-    flags = cv2.CALIB_USE_INTRINSIC_GUESS | cv2.CALIB_RECOMPUTE_EXTRINSIC | cv2.CALIB_FIX_SKEW
-    criteria = (cv2.TERM_CRITERIA_COUNT + cv2.TERM_CRITERIA_EPS, 200, 1e-9)
-    _, matrix, k, turns, _ = cv2.fisheye.calibrate(
-        points, pixels, size, begin, np.zeros(4), flags=flags, criteria=criteria
-    )
-    return _lens("fisheye", matrix, k), turns
-
-
-def _widest(offsets: Floats) -> float:
-    return float(np.hypot(offsets[:, 0], offsets[:, 1]).max())
-
-
-def _brown(
-    boards: Sequence[Floats], board: Board, size: FrameSize
-) -> tuple[Lens, Sequence[Floats]]:
-    points = [board.points.astype(np.float32)] * len(boards)
-    pixels = [each.astype(np.float32).reshape(-1, 1, 2) for each in boards]
-    _, matrix, k, turns, _ = cv2.calibrateCamera(points, pixels, size, None, None)
-    return _lens("brown", matrix, k), turns
-
-
-def _lens(model: Literal["fisheye", "brown"], matrix: Floats, k: Floats) -> Lens:
-    (fx, _, cx), (_, fy, cy), _ = matrix.tolist()
-    return Lens(model=model, f=(fx, fy), centre=(cx, cy), k=tuple(k.ravel().tolist()))
-
-
-def _tilt_deg(turns: Sequence[Floats]) -> float:
+def _tilt_deg(poses: Sequence[Floats]) -> float:
     """Return the largest angle between a board and the mean of all, deg."""
-    normals = np.array([cv2.Rodrigues(np.asarray(turn).reshape(3, 1))[0][:, 2] for turn in turns])
+    normals = np.array([rotation_of(pose[:3])[:, 2] for pose in poses])
     normals *= np.sign(normals[:, 2:])
     mean = normals.mean(axis=0)
     return float(np.degrees(np.arccos(np.clip(normals @ mean / np.linalg.norm(mean), -1, 1))).max())
-
-
-def _rms_px(lens: LensModel, boards: Sequence[Floats], board: Board) -> float:
-    """Return how far all corners are from where the lens has them, each board at its best place."""
-    residuals = []
-    for pixels in boards:
-        view = find_view(lens, board.points, pixels)
-        if view is None:
-            return float("inf")
-        residuals.append(view.residuals(board.points, pixels))
-    return rms(np.concatenate(residuals))

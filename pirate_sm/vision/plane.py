@@ -106,33 +106,45 @@ def rms(residuals: Floats) -> float:
 def find_view(lens: LensModel, points: Floats, pixels: Floats) -> View | None:
     """Return the view that fits known points best; None if there is none.
 
-    The rays of the pixels are exact for any lens, so OpenCV's solution for flat pictures begins,
-    and Gauss-Newton steps make the error in the picture itself as small as possible.
-
     Args:
         lens: The lens.
         points: (N, 3) on the setup, m; at least four, better at several heights.
         pixels: (N, 2) where they are seen.
     """
-    begun = _begun(lens, points, pixels)
-    if begun is None:
+    pose = find_pose(lens, points, pixels)
+    return None if pose is None else View(lens, _pose(pose))
+
+
+def find_pose(lens: LensModel, points: Floats, pixels: Floats) -> Floats | None:
+    """Return rotation and translation of known points, (6,), that fit best; None if none do.
+
+    The rays of the pixels are exact for any lens, so OpenCV's solution for flat pictures begins,
+    and Gauss-Newton steps make the error in the picture itself as small as possible.
+    """
+    pose = first_pose(lens, points, pixels)
+    if pose is None:
         return None
-    pose = np.concatenate(begun)
     for _ in range(_SWINGS):
-        errors = _errors(lens, pose, points, pixels)
+        errors = pose_errors(lens, pose, points, pixels)
         if not np.all(np.isfinite(errors)):
             return None
         step = np.linalg.lstsq(_slopes(lens, pose, points, pixels), -errors, rcond=None)[0]
         pose = pose + step
         if np.abs(step).max() < 1e-10:
             break
-    return View(lens, _pose(pose))
+    return pose
 
 
-def _begun(lens: LensModel, points: Floats, pixels: Floats) -> tuple[Floats, Floats] | None:
-    """Return rotation and translation to begin with."""
+def first_pose(lens: LensModel, points: Floats, pixels: Floats) -> Floats | None:
+    """Return rotation and translation of points, (6,), near those that fit best; None if none do.
+
+    A flat picture ends before 90 deg, so it is taken along the mean of the rays, wherever they go.
+    """
     rays = lens.rays(pixels)
-    ahead = rays[:, 2] > 0.05  # a flat picture ends before 90 deg
+    rays, points = rays[known := np.isfinite(rays).all(axis=1)], points[known]
+    along = _facing(rays.mean(axis=0)) if len(rays) else np.eye(3)
+    rays = rays @ along.T
+    ahead = rays[:, 2] > 0.05
     if ahead.sum() < 4:
         return None
     flat = rays[ahead, :2] / rays[ahead, 2:]
@@ -142,10 +154,21 @@ def _begun(lens: LensModel, points: Floats, pixels: Floats) -> tuple[Floats, Flo
         )
     except cv2.error:  # all in one place or on one line
         return None
-    return (turn.ravel(), shift.ravel()) if found else None
+    if not found:
+        return None
+    return np.concatenate([turn_of(along.T @ rotation_of(turn)), along.T @ shift.ravel()])
 
 
-def _errors(lens: LensModel, pose: Floats, points: Floats, pixels: Floats) -> Floats:
+def _facing(ray: Floats) -> Floats:
+    """Return the matrix from the camera's axes to those of which z is along a ray."""
+    ahead = ray / np.linalg.norm(ray)
+    side = np.cross(np.eye(3)[np.argmin(np.abs(ahead))], ahead)
+    side /= np.linalg.norm(side)
+    return np.array([side, np.cross(ahead, side), ahead])
+
+
+def pose_errors(lens: LensModel, pose: Floats, points: Floats, pixels: Floats) -> Floats:
+    """Return the errors of points at a pose in the picture, (2 N,) in px; NaN where not seen."""
     seen = lens.project(points @ rotation_of(pose[:3]).T + pose[3:])
     errors: Floats = (seen - pixels).ravel()
     return errors
@@ -157,8 +180,8 @@ def _slopes(lens: LensModel, pose: Floats, points: Floats, pixels: Floats) -> Fl
     for number in range(6):
         step = np.zeros(6)
         step[number] = 1e-6
-        above = _errors(lens, pose + step, points, pixels)
-        below = _errors(lens, pose - step, points, pixels)
+        above = pose_errors(lens, pose + step, points, pixels)
+        below = pose_errors(lens, pose - step, points, pixels)
         columns.append((above - below) / 2e-6)
     return np.column_stack(columns)
 

@@ -56,7 +56,7 @@ class CalibrateCameraOptions:
         "Of the lens; otherwise that in the file, else fisheye."
     )
     boards: int = typed("How many to collect.", min=15, default=25)
-    seconds: float = typed("How long to look for them.", min=1.0, default=180.0)
+    seconds: float = typed("How long a live camera looks for them.", min=1.0, default=180.0)
     write: bool = writes()
     debug: bool = common.debug()
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import cos, dist, isnan, pi, sin
+from math import cos, dist, hypot, isnan, pi, radians, sin
 
 import pytest
 from hypothesis import given
@@ -71,6 +71,8 @@ def test_an_elbow_turns_along_its_arc() -> None:
     [
         (QUARTER, 0.0, (0, 1, 0)),
         (-QUARTER, 0.0, (0, -1, 0)),
+        (radians(20), 0.0, (cos(radians(20)), sin(radians(20)), 0)),
+        (-radians(20), 0.0, (cos(radians(20)), -sin(radians(20)), 0)),
         (QUARTER, QUARTER, (0, 0, -1)),
         (-QUARTER, QUARTER, (0, 0, 1)),
     ],
@@ -81,8 +83,10 @@ def test_a_fitting_turns_towards_its_roll(angle, roll, ahead, kind) -> None:
 
     assert route.pieces[-1].frame.ahead == pytest.approx(ahead, abs=1e-12)
     (joint,) = route.joints
-    assert joint.turn_rad == pytest.approx(QUARTER)
-    assert route.pieces[0].frame.towards(joint.towards_rad) == pytest.approx(ahead, abs=1e-12)
+    assert joint.turn_rad == pytest.approx(abs(angle))
+    across = (0.0, ahead[1], ahead[2])
+    towards = tuple(each / hypot(*across) for each in across)
+    assert route.pieces[0].frame.towards(joint.towards_rad) == pytest.approx(towards, abs=1e-12)
 
 
 def test_a_reducer_narrows_along_its_cone() -> None:

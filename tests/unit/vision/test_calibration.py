@@ -13,6 +13,8 @@ from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats
 from pirate_sm.vision.plane import View, rotation_of, turn_of
 from pirate_sm.vision.synthetic.drawn_board import draw_board
+from tests.unit.vision.rendered_boards import SIZE as RENDERED_SIZE
+from tests.unit.vision.rendered_boards import RenderedLens
 
 SIZE = (640, 480)
 FISHEYE = Lens(model="fisheye", f=(205.0, 206.0), centre=(323.0, 238.0), k=(-0.012, 0.003, 0, 0))
@@ -37,12 +39,15 @@ def held(lens: LensModel, number: int, tilt_rad: float, distance_m: float, reach
 
 def boards(
     lens: Lens, count: int = 20, tilt_rad: float = 0.5, reach: float = 1.0, noise_px: float = 0.1
-) -> list[Floats]:
+) -> dict[str, Floats]:
     model, chance = LensModel(lens), np.random.default_rng(0)
     distance_m = 0.3 if lens.model == "fisheye" else 0.8
     views = [held(model, number, tilt_rad, distance_m, reach) for number in range(count)]
     points = BOARD.points
-    return [view.project(points) + chance.normal(0, noise_px, (len(points), 2)) for view in views]
+    return {
+        f"board {number}": view.project(points) + chance.normal(0, noise_px, (len(points), 2))
+        for number, view in enumerate(views)
+    }
 
 
 @pytest.mark.parametrize("lens", [FISHEYE, BROWN], ids=["fisheye", "brown"])
@@ -53,6 +58,60 @@ def test_the_lens_is_found_again(lens: Lens) -> None:
     assert result.lens.f == pytest.approx(lens.f, rel=5e-3)
     assert result.lens.centre == pytest.approx(lens.centre, abs=3.0)
     assert result.rms_px == pytest.approx(0.14, abs=0.02)  # the noise of both coordinates
+
+
+LENSES = [
+    RenderedLens("fisheye", 60.0, (0.02, 0.0)),
+    RenderedLens("fisheye", 100.0, (-0.05, 0.01)),
+    RenderedLens("fisheye", 140.0, (-0.02, 0.0)),
+    RenderedLens("fisheye", 180.0, (-0.012, 0.003)),
+    RenderedLens("fisheye", 200.0, (-0.03, 0.0)),
+    RenderedLens("fisheye", 200.0, (0.03, 0.0)),
+    RenderedLens("brown", 60.0, (-0.2, 0.06)),
+    RenderedLens("brown", 90.0, (-0.1, 0.01)),
+    RenderedLens("brown", 120.0, (-0.03, 5e-4), board=0.2),
+]
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("lens", LENSES, ids=lambda lens: f"{lens.model} {lens.across_deg:.0f} deg")
+def test_a_lens_of_any_angle_is_found_in_pictures_that_opencv_did_not_draw(
+    lens: RenderedLens,
+) -> None:
+    found = {str(n): find_board(picture, BOARD) for n, picture in enumerate(lens.pictures())}
+    seen = {name: corners for name, corners in found.items() if corners is not None}
+
+    result = calibrate(seen, BOARD, RENDERED_SIZE, lens.model)
+
+    assert isinstance(result, Calibration), result
+    assert result.rms_px < 0.2
+    assert not result.left_out
+    assert result.lens.f == pytest.approx([lens.focal_px] * 2, rel=7e-3)
+    edge_px = np.array([[2.0, 179.5], [477.0, 179.5]])
+    turned_deg = np.degrees(np.arctan2(*LensModel(result.lens).rays(edge_px)[:, [0, 2]].T))
+    wanted = np.degrees(np.arctan2(*lens.rays(edge_px[:, 0] - 239.5, np.zeros(2))[:, [0, 2]].T))
+    assert turned_deg == pytest.approx(wanted, abs=0.6)
+
+
+def test_a_board_with_mistaken_corners_is_left_out_by_name() -> None:
+    seen = boards(FISHEYE)
+    seen["board 3"] = seen["board 3"] + np.random.default_rng(5).normal(0, 4, (54, 2))
+
+    result = calibrate(seen, BOARD, SIZE, "fisheye")
+
+    assert isinstance(result, Calibration)
+    assert list(result.left_out) == ["board 3"]
+    assert result.left_out["board 3"] == pytest.approx(5.0, abs=0.3)
+    assert result.lens.f == pytest.approx(FISHEYE.f, rel=5e-3)
+    assert result.rms_px == pytest.approx(0.14, abs=0.02)
+
+
+def test_boards_at_the_edge_are_not_left_out_to_make_a_model_fit() -> None:
+    wide = Lens(model="fisheye", f=(170.0, 170.0), centre=(320.0, 240.0), k=(0.02, 0, 0, 0))
+
+    result = calibrate(boards(wide, reach=1.1), BOARD, SIZE, "brown")
+
+    assert "the model brown does not fit this lens" in str(result)
 
 
 def test_too_few_boards() -> None:
@@ -75,7 +134,10 @@ def test_boards_of_one_pose() -> None:
         for y in np.linspace(-0.15, 0.15, 4)
     ]
     chance = np.random.default_rng(1)
-    seen = [view.project(BOARD.points) + chance.normal(0, 0.05, (54, 2)) for view in one]
+    seen = {
+        str(number): view.project(BOARD.points) + chance.normal(0, 0.05, (54, 2))
+        for number, view in enumerate(one)
+    }
 
     assert "boards lie at nearly the same angle" in str(calibrate(seen, BOARD, SIZE, "brown"))
 
@@ -83,7 +145,7 @@ def test_boards_of_one_pose() -> None:
 def test_corners_that_fit_no_lens_well() -> None:
     result = calibrate(boards(FISHEYE, noise_px=1.0), BOARD, SIZE, "fisheye")
 
-    assert "the corners are off by 1.4" in str(result)
+    assert "the corners are off by 1.37 px" in str(result)
     assert "more than 0.5 px" in str(result)
 
 

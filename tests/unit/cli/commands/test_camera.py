@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import subprocess
 import sys
 from pathlib import Path
@@ -11,12 +12,14 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+from pirate_sm.cli.commands import camera_calibrate
 from pirate_sm.loading import library
 from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.seeing import eye_of
 from pirate_sm.vision.synthetic.picture import SyntheticPictures
 from pirate_sm.vision.synthetic.shown_scene import ShownLink, ShownScene
+from tests.unit.vision.rendered_boards import RenderedLens
 
 ROOT = Path(__file__).resolve().parents[4]
 
@@ -109,6 +112,29 @@ def test_pictures_without_boards_measure_nothing(pirate: Any, mine: Path) -> Non
     assert result.exit_code == 1
     assert "0 sharp boards of 9 × 6 corners were found, at least 15" in result.stdout
     assert mine.read_text("utf-8") == before
+
+
+def test_a_board_in_a_bad_picture_is_left_out_by_the_name_of_its_file(
+    pirate: Any, mine: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (mine.parent / "seen").mkdir()
+    mine.write_text(mine.read_text("utf-8").replace("[1920, 1080]", "[480, 360]"), "utf-8")
+    lens = RenderedLens("fisheye", 120.0, (-0.02, 0.0))
+    for number, picture in enumerate(lens.pictures()):
+        if number == 7:  # taken while the board was moved: every column is at another height
+            for x in range(480):
+                picture[:, x] = np.roll(picture[:, x], round(5 * np.sin(x / 25)))
+        assert cv2.imwrite(str(mine.parent / "seen" / f"{number:02}.png"), picture)
+    hours = itertools.count(0.0, 3600.0)
+    monkeypatch.setattr(camera_calibrate.time, "monotonic", lambda: next(hours))
+
+    result = pirate("camera", "calibrate", "mine", "--seconds", "1")
+
+    assert result.exit_code == 0, result.output
+    used, left_out, _, _ = result.stdout.splitlines()
+    assert used.startswith("19 boards, off by 0.")
+    assert left_out.startswith("seen/07.png is left out: its corners are off by ")
+    assert load_camera(mine)[0].lens.f == pytest.approx([lens.focal_px] * 2, rel=5e-3)
 
 
 def test_sheets_are_written_for_the_board_the_setup_and_the_robot(pirate: Any, here: Path) -> None:
