@@ -69,8 +69,8 @@ gallery: $(VENV)/.ready-dev
 test: check
 	PYTHONDONTWRITEBYTECODE= $(BIN)/python -m pytest -n auto --maxprocesses 4 --dist worksteal
 
-# What the default tests take a few of: every shipped mission, every guide and scene to its end, and
-# more examples of each property.
+# What the default tests take a few of: every shipped mission, every guide and scene to its end, what
+# takes about a second, and more examples of each property.
 test-thorough: $(VENV)/.ready-dev
 	PYTHONDONTWRITEBYTECODE= HYPOTHESIS_PROFILE=thorough $(BIN)/python -m pytest -n auto --maxprocesses 4 \
 	    --dist worksteal -m "(thorough or hypothesis) and not slow and not browser"

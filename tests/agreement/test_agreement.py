@@ -31,6 +31,7 @@ def seeds(few: int, many: int) -> range:
     return range(NIGHT * 1_000_000, NIGHT * 1_000_000 + (many if NIGHT else few), 10)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("first", seeds(few=20, many=4_000))
 @pytest.mark.parametrize("world", [Run, Measured], ids=["nominal", "measured"])
 def test_a_run_does_nothing_that_the_check_has_not_told(first: int, world: type[Run]) -> None:
@@ -72,6 +73,7 @@ def test_there_is_no_shorter_counterexample(first: int) -> None:
             assert shortest == length, f"{seed}: {finding.place}: {finding.message}"
 
 
+@pytest.mark.thorough
 def test_the_missions_are_of_all_kinds() -> None:
     """Else the tests above would say little."""
     judges = []

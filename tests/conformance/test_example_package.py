@@ -111,6 +111,7 @@ def test_a_mission_runs_on_a_backend_of_another_package(site: Path) -> None:
     assert "Back where it began" in result.stdout
 
 
+@pytest.mark.thorough
 def test_a_mission_hears_a_detector_of_another_package(site: Path) -> None:
     mission, options = str(NEWT / "patrol.yaml"), ("--detector", "clock:12", "--plain")
     result = pirate(site, "run", mission, *options)
@@ -134,6 +135,7 @@ def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_told(si
     assert "the name is taken" in result.stdout
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("option", "name", "code", "why"),
     [
@@ -156,6 +158,7 @@ def test_a_faulty_package_is_named_with_its_entry_point_and_nothing_moves(
     assert "Traceback" not in result.stderr
 
 
+@pytest.mark.thorough
 def test_a_detector_that_fails_in_a_run_is_named_with_its_entry_point(site: Path) -> None:
     options = ("--detector", "blinking", "--quiet", "--no-record")
     result = pirate(site, "run", "mitre_bend", *options)
@@ -188,12 +191,14 @@ def test_a_backend_that_is_misspelt_is_suggested(site: Path) -> None:
     assert "did you mean 'slow_line'" in result.stderr
 
 
+@pytest.mark.thorough
 def test_an_option_that_a_detector_refuses_is_told(site: Path) -> None:
     result = pirate(site, "run", "mitre_bend", "--detector", "clock:soon")
 
     assert (result.returncode, result.stderr.strip()) == (2, "expected clock:SECONDS")
 
 
+@pytest.mark.thorough
 def test_the_tests_in_the_documentation_pass_as_they_are_written(
     site: Path, tmp_path: Path
 ) -> None:

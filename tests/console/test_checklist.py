@@ -49,6 +49,7 @@ def test_the_list_goes_green_and_nothing_is_sent() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_check_that_fails_says_why_and_is_repeated_until_it_is_passed() -> None:
     async def story() -> None:
         async with operator(over_the_bay(line=LineFaults(reset_every=9.0))) as me:

@@ -141,6 +141,7 @@ def test_a_drive_has_the_speed_that_is_chosen_and_shown() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_drive_stops_at_its_limit_and_a_key_that_is_still_held_does_not_begin_another() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand"))) as me:
@@ -162,6 +163,7 @@ def test_a_drive_stops_at_its_limit_and_a_key_that_is_still_held_does_not_begin_
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_drive_that_is_to_stop_before_the_joint_does_not_begin_where_its_place_is_unknown() -> (
     None
 ):
@@ -179,6 +181,7 @@ def test_a_drive_that_is_to_stop_before_the_joint_does_not_begin_where_its_place
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_answer_that_a_real_robot_may_move_begins_no_drive() -> None:
     async def story() -> None:
         prepared = confirming(by_hand(Order("by_hand", backend="trace")), "it may move")
@@ -204,6 +207,7 @@ def test_limits_come_round() -> None:
     assert driving.speed == 0.2
 
 
+@pytest.mark.thorough
 def test_a_drive_stops_before_the_joint_of_the_pipe_which_is_a_warning_before() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand"))) as me:

@@ -148,6 +148,7 @@ def test_it_takes_the_room_that_it_is_given() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("theme", ["light", "contrast"])
 def test_themes_are_reached_by_a_key_and_the_help_page_is_there(theme: str) -> None:
     async def story() -> None:
@@ -162,6 +163,7 @@ def test_themes_are_reached_by_a_key_and_the_help_page_is_there(theme: str) -> N
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_last_line_shows_the_keys_of_a_dialog_while_it_is_open() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
 from textual.widgets import OptionList
 
 from pirate_sm.console import availability
@@ -81,6 +82,7 @@ def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> Non
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend")) as me:

@@ -36,6 +36,7 @@ async def typed(me: Operator, place: str, seen: str) -> None:
     me.wait(0.2)
 
 
+@pytest.mark.thorough
 def test_what_a_person_sees_is_in_the_recording_and_in_the_map(tmp_path: Path) -> None:
     path = tmp_path / "seen.mcap"
 
@@ -103,6 +104,7 @@ def test_a_place_cannot_be_typed_while_anything_moves() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_what_is_no_place_is_asked_for_again() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:

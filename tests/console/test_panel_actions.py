@@ -7,6 +7,8 @@ from dataclasses import replace
 from threading import Event
 from typing import Any
 
+import pytest
+
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm
 from pirate_sm.console.session import OperatorSession
@@ -74,6 +76,7 @@ def test_commands_are_given_and_what_is_impossible_is_refused_with_the_reason() 
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_mission_is_started_paused_and_led_by_steps() -> None:
     async def story() -> None:
         desk = Desk()
@@ -93,6 +96,7 @@ def test_the_mission_is_started_paused_and_led_by_steps() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_letting_go_is_asked_and_answered_on_the_panel() -> None:
     async def story() -> None:
         desk = Desk()

@@ -82,6 +82,7 @@ def sent(me: Operator) -> list[str]:
     return [each for each in me.told() if each.startswith("command") and "sent" in each]
 
 
+@pytest.mark.thorough
 def test_the_list_says_which_commands_restore_a_phase_and_which_would_let_go() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -117,6 +118,7 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_hand_back_that_needs_no_commands_asks_where_waits_were_not_passed() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -141,6 +143,7 @@ def test_a_hand_back_that_needs_no_commands_asks_where_waits_were_not_passed() -
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_question_before_a_hand_back_is_as_in_the_documents() -> None:
     async def story() -> None:
         async with choosing("pass", size=(120, 36)) as me:
@@ -155,6 +158,7 @@ def test_the_question_before_a_hand_back_is_as_in_the_documents() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("width", [80, 160])
 def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
     async def story() -> None:
@@ -180,6 +184,7 @@ def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_list_says_that_commands_are_still_being_looked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -222,6 +227,7 @@ def test_a_step_of_a_called_mission_is_named_by_that_mission_and_its_line() -> N
     assert "Brake (line 18 of pass_bend) would be refused" in found["pass/pass_bend.pass"]
 
 
+@pytest.mark.thorough
 def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -236,6 +242,7 @@ def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -256,6 +263,7 @@ def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("key", ["escape", "brake"])
 def test_the_operator_stops_them_by_any_other_wish(key: str) -> None:
     async def story() -> None:
@@ -306,6 +314,7 @@ def test_nothing_is_given_after_a_stop_nor_in_the_run_that_follows() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_no_gives_nothing() -> None:
     async def story() -> None:
         async with choosing("pass") as me:
@@ -317,6 +326,7 @@ def test_a_no_gives_nothing() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_real_robot_is_asked_for_first_if_nothing_has_moved_yet() -> None:
     async def story() -> None:
         mission = confirming(with_mission("prepare_bend", backend="trace"), "It will move")

@@ -96,6 +96,7 @@ def test_everything_can_be_read_in_every_theme(
     played(story)
 
 
+@pytest.mark.thorough
 def test_a_key_leads_through_all_themes_and_says_which_it_is() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
@@ -111,6 +112,7 @@ def test_a_key_leads_through_all_themes_and_says_which_it_is() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_without_colours_nothing_is_lost(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -183,6 +185,7 @@ def missing(keys: set[str], text: str) -> list[str]:
     return sorted(lacking)
 
 
+@pytest.mark.thorough
 def test_every_line_of_a_long_help_page_is_reached_by_keys() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
@@ -198,6 +201,7 @@ def test_every_line_of_a_long_help_page_is_reached_by_keys() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_the_focus_goes_round_the_buttons_of_a_question_and_is_seen() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:

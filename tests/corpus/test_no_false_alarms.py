@@ -99,6 +99,7 @@ def test_parameters_may_have_any_value_within_their_limits(name: str, limit: str
     assert found == beyond  # a way may be longer than the pipe that the mission names
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("step", HARMLESS)
 @pytest.mark.parametrize("name", NAMES)
 def test_steps_that_change_nothing_may_stand_anywhere(name: str, step: str, here: Path) -> None:

@@ -42,6 +42,7 @@ def test_one_seed_gives_one_run(recording: Path) -> None:
     assert again.duration_s == pirate_sm.read(recording).duration_s
 
 
+@pytest.mark.thorough
 def test_a_run_is_replayed_where_opencv_is_not_installed(recording: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-c", WITHOUT_OPENCV, str(recording)],

@@ -80,6 +80,7 @@ def test_a_joint_that_drops_by_little_makes_no_false_success(seed: int) -> None:
     assert run_seed(chunk_of(cell, [seed]), loaded_mission(sent), seed).verdict != "false"
 
 
+@pytest.mark.thorough
 def test_outcomes_of_benchmarks_are_the_same_for_any_number_of_workers() -> None:
     orders = [Order("enter_2d", seed=seed, friction_jitter=0.2) for seed in range(3)]
     # As text, for NaN (no word was said) is not equal to itself.

@@ -25,6 +25,7 @@ def test_the_bend_is_passed_in_about_the_same_time(defects: tuple[str, ...]) -> 
     assert physics.time_s == pytest.approx(kinematic.time_s, rel=0.05)
 
 
+@pytest.mark.thorough
 def test_a_round_pipe_is_driven_in_space_and_in_its_plane_alike() -> None:
     plane, space, flat = (
         run(Order("exp_1_round", backend, pipe=pipe))

@@ -94,6 +94,7 @@ def test_belief_in_a_way_over_a_step_in_an_upright_pipe_ends_where_wheels_slippe
     assert outcome.deepest_m < DEEPEST_M
 
 
+@pytest.mark.thorough
 def test_a_bend_square_to_the_robot_is_not_passed_and_nothing_breaks(tmp_path: Path) -> None:
     row = Row("square", "{straight: 1 m}, {mitre: 90 deg, roll: 90 deg}, {straight: 1 m}")
     path = tmp_path / "square.yaml"

@@ -79,6 +79,7 @@ def test_a_run_can_be_pickled(recorded: tuple[pirate_sm.Run, pirate_sm.Run], pro
         assert sent.report().html == run.report().html
 
 
+@pytest.mark.thorough
 def test_a_run_reaches_another_process_and_comes_back(patrol: pirate_sm.LoadedMission) -> None:
     with ProcessPoolExecutor(1, mp_context=get_context("spawn")) as pool:
         sent = pool.submit(pirate_sm.run, patrol, "trace").result()

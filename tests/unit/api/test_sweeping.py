@@ -9,6 +9,7 @@ from pirate_sm.errors import UsageError
 from .conftest import PATROL
 
 
+@pytest.mark.thorough
 def test_every_seed_has_a_row_and_processes_do_not_matter() -> None:
     options = {"start_jitter_m": 0.01, "friction_jitter": 0.1}
     alone = pirate_sm.sweep(PATROL, range(3), workers=1, **options)  # type: ignore[arg-type]
@@ -42,6 +43,7 @@ def test_a_row_can_be_repeated_as_a_run() -> None:
     assert (run.outcome, run.duration_s) == (row["outcome"][0], row["duration_s"][0])
 
 
+@pytest.mark.thorough
 def test_a_mission_can_be_swept_from_another_phase() -> None:
     table = pirate_sm.sweep(
         PATROL, range(2), backend="trace", start_phase="home", states={"Grip": "BothHeld"}

@@ -28,6 +28,7 @@ def window(monkeypatch: pytest.MonkeyPatch) -> Window:
     return opened
 
 
+@pytest.mark.thorough
 def test_a_session_shows_what_has_happened_and_closes_its_window(window: Window) -> None:
     with pirate_sm.session(PATROL, "physics", view=True) as session:
         session.advance(0.5)
@@ -38,6 +39,7 @@ def test_a_session_shows_what_has_happened_and_closes_its_window(window: Window)
     assert not window.open
 
 
+@pytest.mark.thorough
 def test_a_run_is_shown_to_its_end_and_is_the_same_as_unseen(window: Window) -> None:
     seen = pirate_sm.run(PATROL, "physics", view=True)
     assert window.shown > 100

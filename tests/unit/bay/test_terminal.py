@@ -147,6 +147,7 @@ def test_a_record_is_a_line_of_json() -> None:
     assert json.loads(line_of(Record(2.0, "closed"))) == {"at_s": 2.0, "event": "closed"}
 
 
+@pytest.mark.thorough
 def test_the_command_prints_its_port_first_and_ends_when_told(tmp_path: Path) -> None:
     code = "from pirate_sm.cli.entry import main; main()"
     log = tmp_path / "log"

@@ -18,6 +18,7 @@ def test_whatever_dies_the_mission_goes_on_without_a_let_go(kind: str, share: fl
     assert found.how == "success", found.why
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("lie", ["stuck joint", "other robot"])
 def test_a_lie_about_what_holds_is_refused(lie: str) -> None:
     found = ride(Case("mitre_bend", "runner", 0.75, 2.0, lie=lie), operator=False)

@@ -88,6 +88,7 @@ def test_a_failed_run_is_recorded(tmp_path: Path) -> None:
     assert read_recording(path).header.options["seed"] == 2
 
 
+@pytest.mark.thorough
 def test_a_worker_imports_no_more_than_it_needs() -> None:
     chunk, sent = enter()
     told = subprocess.run(

@@ -53,6 +53,7 @@ def test_every_rule_of_a_package_is_run(name: str) -> None:
     assert rules_in(name) == set(table)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", ["0", "1", "2"])
 def test_findings_do_not_depend_on_the_order_of_sets(seed: str, tmp_path: Path) -> None:
     file = write(tmp_path, COMPARING)

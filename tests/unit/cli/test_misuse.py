@@ -308,6 +308,7 @@ main()
 """The command `pirate` where a folder `locked` may not be entered, whoever runs the tests."""
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("place", ["./locked/it", "n" * 300])
 @pytest.mark.parametrize(
     "line",

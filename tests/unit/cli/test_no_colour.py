@@ -39,6 +39,7 @@ def on_a_terminal(*arguments: str, **environment: str) -> tuple[int, str]:
     return process.wait(), shown.decode("utf-8", errors="replace")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("command", [RUN, CHECK], ids=["run", "check"])
 def test_colours_are_left_out_where_nobody_wants_them(command: tuple[str, ...]) -> None:
     code, shown = on_a_terminal(*command)
@@ -50,6 +51,7 @@ def test_colours_are_left_out_where_nobody_wants_them(command: tuple[str, ...]) 
     assert not COLOURS.search(without[1])
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("command", [RUN, CHECK], ids=["run", "check"])
 def test_a_terminal_that_knows_lines_only_gets_lines_only(command: tuple[str, ...]) -> None:
     _, shown = on_a_terminal(*command, TERM="dumb")

@@ -191,6 +191,7 @@ def test_until_when_a_recording_holds_is_said_as_a_reader_finds_it(
     assert not recording.complete
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("more", "code"),
     [
@@ -210,6 +211,7 @@ def test_a_lost_recording_that_was_asked_for_gives_a_code_to_a_mission_that_succ
     assert ("is incomplete" in said.stderr) == (code == 5)
 
 
+@pytest.mark.thorough
 def test_a_lost_recording_that_nobody_asked_for_is_a_warning(here: Path) -> None:
     said = on_a_disk_with(80_000, "mitre_bend")
 

@@ -182,6 +182,7 @@ def test_a_request_to_stop_ends_the_question(clamped: World, says: Says) -> None
     assert not sent(clamped)
 
 
+@pytest.mark.thorough
 def test_what_no_sensor_can_tell_apart_is_left_to_a_person(
     says: Says, monkeypatch: pytest.MonkeyPatch
 ) -> None:

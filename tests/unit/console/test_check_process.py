@@ -32,6 +32,7 @@ def _kill() -> None:
     os.kill(os.getpid(), signal.SIGKILL)
 
 
+@pytest.mark.thorough
 def test_it_answers_as_this_process_would_for_one_mission_after_the_other(
     process: CheckProcess,
 ) -> None:

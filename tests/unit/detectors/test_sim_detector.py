@@ -67,6 +67,7 @@ def test_the_next_mission_may_have_another_polarity(loaded: LoadedMission) -> No
     assert say(sees, places, driven(loaded, "mirrored", 1), there) == ["close", "in", "past"]
 
 
+@pytest.mark.thorough
 def test_its_errors_are_those_of_the_seed(loaded: LoadedMission) -> None:
     def first_word(seed: int) -> float:
         places = [0.0] * 6

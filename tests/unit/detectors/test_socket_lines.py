@@ -68,6 +68,7 @@ def test_a_line_that_says_nothing_is_told_why(line: bytes, why: str) -> None:
         read_line(line, ACCEPTED)
 
 
+@pytest.mark.thorough
 @given(
     st.binary(max_size=200)
     | st.recursive(

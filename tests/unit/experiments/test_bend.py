@@ -39,6 +39,7 @@ def test_a_part_is_repeated_by_what_a_camera_sees(
     assert "pip install 'pirate-sm[vision]'" in without.notes[-1]
 
 
+@pytest.mark.thorough
 def test_the_tilt_is_raised_until_a_mission_fails_or_the_last_one_is_tried(
     setup: BendSetup,
 ) -> None:

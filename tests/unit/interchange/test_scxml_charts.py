@@ -87,6 +87,7 @@ def test_every_command_in_every_configuration_of_a_robot_has_the_same_effect(
     assert len(order) == len(table.configurations)
 
 
+@pytest.mark.thorough
 @settings(max_examples=40)
 @given(charts(), st.lists(st.sampled_from(COMMANDS), max_size=12))
 def test_a_command_sequence_of_any_chart_has_the_same_effect(

@@ -31,17 +31,20 @@ def test_the_map_of_a_house_connection_equals_its_file(mission: str, seed: int) 
     assert found.radii_m == pytest.approx([0.0], abs=NEAR_M)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("pipe", ["mitre_90_round", "take_branch"])
 def test_in_a_flat_round_pipe_a_corner_is_known_to_five_degrees(pipe: str) -> None:
     near(missed_in(row(pipe), 0), NEAR_M, 5.0)
 
 
+@pytest.mark.thorough
 def test_two_bends_in_planes_square_to_each_other_are_both_found() -> None:
     found = missed_in(row("two_bends_up"), 0)
     assert len(found.angles_deg) == 2
     near(found, NEAR_M, 5.0)
 
 
+@pytest.mark.thorough
 def test_a_flat_elbow_is_told_from_a_corner() -> None:
     found = missed_in(row("take_elbow"), 0)
     assert found.radii_m == pytest.approx([0.0], abs=0.03)

@@ -66,6 +66,7 @@ def test_of_a_failed_run_the_failure_is_shown_and_marked(report: Reports) -> Non
     assert strip(found).count('<li class="failed">') == 1
 
 
+@pytest.mark.thorough
 def test_everything_that_led_to_a_failure_is_marked_by_what_failed(report: Reports) -> None:
     found = report("twice")
     failed = [each for each in pictures(found) if each.kind == "failed"]

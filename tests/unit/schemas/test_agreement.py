@@ -114,18 +114,21 @@ def agree(kind: str, data: Any) -> None:
         assert said != [], refused
 
 
+@pytest.mark.thorough
 @settings(max_examples=300, deadline=None)
 @given(broken(SMALL))
 def test_parser_and_schema_agree_on_missions_and_pipes(case: tuple[str, Any]) -> None:
     agree(*case)
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None)
 @given(broken(PROFILES))
 def test_parser_and_schema_agree_on_profiles(case: tuple[str, Any]) -> None:
     agree(*case)
 
 
+@pytest.mark.thorough
 @settings(max_examples=100, deadline=None)
 @given(broken([("chart", data) for data in CHARTS]))
 def test_parser_and_schema_agree_on_charts(case: tuple[str, Any]) -> None:
@@ -179,6 +182,7 @@ def written(draw: st.DrawFn) -> str:
     return draw(GAPS) + draw(NUMBERS) + draw(GAPS) + unit + draw(GAPS)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("family", FAMILIES)
 @settings(max_examples=150, deadline=None)
 @given(text=written())

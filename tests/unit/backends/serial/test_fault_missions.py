@@ -238,6 +238,7 @@ def test_a_reset_on_a_lossy_line_before_the_rear_is_clamped_ends_with_the_front_
     assert course.driven() == course.driven(before_s=9.0) == {"bend_1", "bend_2"}
 
 
+@pytest.mark.thorough
 def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
     whole = go()
     stopped_s = max(r.at_s for r in whole.bay.records if r.event == "received")
@@ -249,6 +250,7 @@ def test_a_reset_while_the_mission_ends_is_waited_for(go: Go) -> None:
 
 # Nothing is heard in the last 0.1 s, while the port is closed, and what was sent before the reset
 # may still arrive: later resets than these cannot be noticed.
+@pytest.mark.thorough
 @pytest.mark.parametrize("line", [{}, LOSSY], ids=["clean", "lossy"])
 def test_a_reset_just_before_the_port_is_closed_is_noticed(go: Go, line: dict[str, Any]) -> None:
     closed_s = max(r.at_s for r in go(**line).bay.records if r.event == "closed")

@@ -23,6 +23,7 @@ def possible(*texts: str, state: str = "Up", but_not: tuple[str, ...] = ()) -> b
     return conditions().ask(facts, (state, None, None)).possible
 
 
+@pytest.mark.thorough
 @settings(max_examples=settings.default.max_examples * 4)
 @given(facts=FACTS, states=st.sampled_from(STATES), seed=st.integers(0, 2**32))
 def test_what_is_called_impossible_is_never_found(

@@ -389,6 +389,7 @@ def test_a_campaign_of_one_mission_has_its_name(tmp_path: Path, stem: str, name:
     assert read_campaign(mission, range(3), check=False).name == name
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("name", "status"), [("SIGINT", 130), ("SIGTERM", 143)])
 def test_a_campaign_that_is_stopped_while_workers_start_ends_and_says_how_to_go_on(
     name: str, status: int, tmp_path: Path

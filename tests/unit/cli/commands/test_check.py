@@ -47,6 +47,7 @@ def broken(here: Path) -> Path:
     return file
 
 
+@pytest.mark.thorough
 def test_all_shipped_files_are_clean_even_of_warnings(
     pirate: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -180,6 +181,7 @@ def test_text_of_a_file_cannot_control_the_terminal(pirate: Any, here: Path) -> 
         assert not {"\x1b", "\x07"} & set(result.output)
 
 
+@pytest.mark.thorough
 def test_a_name_that_is_no_text_is_shown_all_the_same(pirate: Any, here: Path) -> None:
     (here / b"m\xff.yaml".decode("utf-8", "surrogateescape")).write_text("mission: 1\nphases: 2\n")
 

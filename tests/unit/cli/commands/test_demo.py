@@ -95,6 +95,7 @@ def test_the_finding_of_a_refused_mission_is_printed_once(
     assert result.stdout.count("nothing has moved") == 1
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     ("defect", "held", "said"),
     [
@@ -183,6 +184,7 @@ def test_a_missing_extra_is_named_with_the_command_that_installs_it(
     assert lacking in result.stderr
 
 
+@pytest.mark.thorough
 def test_all_are_played_with_a_page_that_leads_to_each(
     pirate: Callable[..., Result],
     own: Callable[..., Path],
@@ -201,6 +203,7 @@ def test_all_are_played_with_a_page_that_leads_to_each(
     assert 'href="two/index.html"' in page
 
 
+@pytest.mark.thorough
 def test_no_page_is_written_over_somebodys_work(
     pirate: Callable[..., Result],
     own: Callable[..., Path],
@@ -229,6 +232,7 @@ def test_a_name_that_is_not_known_is_refused(pirate: Callable[..., Result]) -> N
     assert pirate("demo", "bend", "--all").exit_code == 2
 
 
+@pytest.mark.thorough
 def test_ctrl_c_ends_the_run_in_its_safe_state_and_the_demo(tmp_path: Path) -> None:
     def hears_signals() -> None:
         signal.signal(signal.SIGINT, signal.SIG_DFL)

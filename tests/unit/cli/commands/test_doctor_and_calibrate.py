@@ -59,6 +59,7 @@ def port(robot: Path) -> Iterator[str]:
         thread.join(PATIENCE_S)
 
 
+@pytest.mark.thorough
 def test_a_robot_is_looked_at_moved_calibrated_and_run_over_a_real_port(
     pirate: Call, pirate_run: Call, port: str, robot: Path
 ) -> None:
@@ -99,6 +100,7 @@ def test_a_robot_is_looked_at_moved_calibrated_and_run_over_a_real_port(
         Draft202012Validator(schema).validate(line)
 
 
+@pytest.mark.thorough
 def test_a_run_that_leaves_a_guardian_behind_says_what_to_do(
     pirate_run: Call, port: str, robot: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

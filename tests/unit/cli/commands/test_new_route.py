@@ -30,6 +30,7 @@ def test_the_check_accepts_a_mission_along_a_route(pirate) -> None:
     assert (checked.exit_code, checked.stderr) == (0, "")
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("kind", ["own", "new", "new --round"])
 def test_the_robot_arrives_at_the_end_of_the_route(pirate, pirate_run, kind: str) -> None:
     name = "u_turn" if kind == "own" else "fresh"

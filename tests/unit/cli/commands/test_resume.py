@@ -98,6 +98,7 @@ def test_its_options_need_a_recording(option: str) -> None:
     assert f"{option.partition('=')[0]}: only together with --resume" in result.stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("more", ["# a word more\n", "- no YAML: [\n"])
 def test_a_mission_that_was_edited_since_is_asked_about(
     more: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -246,6 +247,7 @@ def test_a_robot_of_another_physics_is_not_put_back_in_a_round_pipe(
     assert "a robot of the backend physics cannot be put back in a round pipe" in result.stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("key", "code"), [("\x03", 130), ("\r", 2), ("\x04", 2)])
 def test_a_person_leaves_the_robot_as_it_is(cut: Path, key: str, code: int) -> None:
     ended, shown, same = on_a_terminal(
@@ -257,6 +259,7 @@ def test_a_person_leaves_the_robot_as_it_is(cut: Path, key: str, code: int) -> N
     assert "Traceback" not in shown
 
 
+@pytest.mark.thorough
 def test_a_person_agrees(cut: Path) -> None:
     options = ("--resume", str(cut.resolve()), "--no-record", "--plain", "--speed", "max")
     ended, shown, _ = on_a_terminal(options, once("leave [enter]? ", "g\r"))
@@ -265,6 +268,7 @@ def test_a_person_agrees(cut: Path) -> None:
     assert "succeeded" in shown
 
 
+@pytest.mark.thorough
 def test_a_person_can_regrip_although_the_mission_fails_after_it(cut: Path) -> None:
     options = ("--resume", str(cut.resolve()), "--no-record", "--plain", "--speed", "max")
     ended, shown, _ = on_a_terminal(options, once("leave [enter]? ", "r\r"))
@@ -274,6 +278,7 @@ def test_a_person_can_regrip_although_the_mission_fails_after_it(cut: Path) -> N
     assert "failed after" in shown
 
 
+@pytest.mark.thorough
 def test_why_nobody_can_regrip_stays_to_be_read(tmp_path: Path) -> None:
     path = tmp_path / "cut.mcap"
     record_cut_off(path, Order("turn_left"), 1.0)
@@ -415,6 +420,7 @@ def test_belief_an_unknown_place_is_not_passed_over_by_a_key(
         assert not chosen[1].resumption.adrift
 
 
+@pytest.mark.thorough
 def test_a_robot_that_has_changed_while_somebody_thought_is_shown_again(
     tmp_path: Path, operator: Callable[..., Operator], capsys: pytest.CaptureFixture[str]
 ) -> None:

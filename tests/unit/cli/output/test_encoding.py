@@ -45,6 +45,7 @@ def test_pictures_are_drawn_where_every_sign_can_be_written() -> None:
     assert not shows_signs(None)
 
 
+@pytest.mark.thorough
 def test_a_run_on_a_latin_1_output_ends_as_elsewhere() -> None:
     code = "from pirate_sm.cli.start import run_main; run_main()"
     options: dict[str, Any] = {"cwd": ROOT, "capture_output": True, "timeout": 60}

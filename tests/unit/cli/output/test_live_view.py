@@ -192,6 +192,7 @@ def test_a_person_at_a_terminal_is_asked(key: str, code: int, form: tuple[str, .
     assert ("phases" in shown) == (form == ())
 
 
+@pytest.mark.thorough
 def test_ctrl_c_at_a_question_leaves_the_terminal_as_it_was() -> None:
     ended, shown, same = on_a_terminal(ASK, once("[3] stop", "\x03"))
 
@@ -200,6 +201,7 @@ def test_ctrl_c_at_a_question_leaves_the_terminal_as_it_was() -> None:
     assert "Traceback" not in shown
 
 
+@pytest.mark.thorough
 def test_nobody_is_asked_who_says_yes_beforehand() -> None:
     ended, shown, _ = on_a_terminal((*ASK, "--yes"), lambda shown: "")
 

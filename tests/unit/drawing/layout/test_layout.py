@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from itertools import combinations, pairwise
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -28,6 +29,7 @@ def graphs(draw: st.DrawFn) -> tuple[list[Size], list[LayoutLink]]:
     return boxes, draw(st.lists(links, max_size=18))
 
 
+@pytest.mark.thorough
 @given(graphs())
 @settings(max_examples=150, deadline=None)
 def test_nothing_lies_on_anything_else(graph: tuple[list[Size], list[LayoutLink]]) -> None:

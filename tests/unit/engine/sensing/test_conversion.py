@@ -68,6 +68,7 @@ def test_two_frames_of_one_moment_are_a_period_apart(drive):
     assert again["omega_1"] == pytest.approx(2 * math.pi / 16 / 112 / (6 * 0.016))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("stall_s", [0.0, 0.05, 0.15, 0.3])
 def test_a_pause_of_the_computer_is_no_speed(drive, stall_s):
     """Frames that have waited while this program stood still are read together."""

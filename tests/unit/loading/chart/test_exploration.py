@@ -377,6 +377,7 @@ def charts(draw):
     return {"name": "any", "states": {"top": {"parallel": True, "states": regions}}}
 
 
+@pytest.mark.thorough
 @settings(max_examples=60, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 @given(charts())
 def test_compound_states_do_in_the_table_what_they_do_in_the_library(chart):

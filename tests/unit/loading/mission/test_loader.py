@@ -40,6 +40,7 @@ def with_line(line: str) -> str:
     return f"{HEAD}{line}\nstart: a\nphases: {{a: {{do: [ClampFront], go: e}}}}\n{ENDS}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
 def test_what_is_shipped_loads(path):
     loaded = load_mission(path)

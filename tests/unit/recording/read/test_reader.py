@@ -164,6 +164,7 @@ def test_a_recording_cut_off_in_its_beginning_holds_nothing(whole: bytes, tmp_pa
             steps_in(whole[:length], tmp_path)
 
 
+@pytest.mark.thorough
 def test_a_recording_damaged_in_its_beginning_is_not_called_cut_off(
     whole: bytes, tmp_path: Path
 ) -> None:
@@ -189,6 +190,7 @@ def test_what_a_power_cut_leaves_behind_the_last_chunk_does_not_count(
     assert len(notices) == 1
 
 
+@pytest.mark.thorough
 def test_a_changed_byte_is_noticed_or_without_consequence(whole: bytes, tmp_path: Path) -> None:
     expected, _ = steps_in(whole, tmp_path)
     random = Random(4)

@@ -43,6 +43,7 @@ def cut(whole: bytes, folder: Path, length: int) -> Recording:
     return read_recording(path)
 
 
+@pytest.mark.thorough
 def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
     whole: bytes, tmp_path: Path
 ) -> None:
@@ -96,6 +97,7 @@ def spoiled(whole: bytes) -> Iterator[bytes]:
         yield bytes(data)
 
 
+@pytest.mark.thorough
 def test_whatever_became_of_the_end_the_official_reader_opens_what_there_is_then(
     whole: bytes, tmp_path: Path
 ) -> None:

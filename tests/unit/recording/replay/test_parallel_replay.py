@@ -52,6 +52,7 @@ def test_so_is_a_stretch(run):
     assert replay_shared(run, 2, after=after, until_s=20.0) == alone(run, after=after, until_s=20.0)
 
 
+@pytest.mark.thorough
 def test_so_is_the_first_difference(wrong):
     found = replay_shared(wrong, 2)
 

@@ -46,6 +46,7 @@ def test_every_shipped_mission_comes_out_the_same_in_a_trace(name, tmp_path):
         assert replay(recording, loaded).difference is None
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SHORT)
 def test_every_shipped_mission_comes_out_the_same_over_the_serial_link(name, tmp_path):
     recording = record_serial(tmp_path / "run.mcap", name, Switches())
@@ -180,6 +181,7 @@ def replayed_piece_by_piece(recording, loaded):
     return checkpoints
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SHORT)
 def test_every_shipped_mission_comes_out_the_same_from_its_start_and_every_checkpoint(
     name, tmp_path, often
@@ -195,6 +197,7 @@ def test_every_shipped_mission_comes_out_the_same_from_its_start_and_every_check
     assert len(checkpoints) >= recording.until_s // 2.1 - 1
 
 
+@pytest.mark.thorough
 def test_from_every_checkpoint_the_run_is_replayed_to_its_end(tmp_path, often):
     recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
 

@@ -93,6 +93,7 @@ def test_everything_else_is_the_same_too(runs: dict[str, Recording]) -> None:
         assert replay(completed, loaded).difference is None
 
 
+@pytest.mark.thorough
 def test_tables_and_reports_do_not_tell_them_apart(
     runs: dict[str, Recording], tmp_path: Path
 ) -> None:
@@ -170,6 +171,7 @@ def test_a_recording_that_has_everything_is_copied(tmp_path: Path) -> None:
     assert (tmp_path / "all.mcap").read_bytes() == path.read_bytes()
 
 
+@pytest.mark.thorough
 def test_a_message_that_cannot_be_made_leaves_no_file(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

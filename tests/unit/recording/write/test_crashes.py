@@ -26,6 +26,7 @@ PROMISED_S = 0.5
 SPEEDS = (1.0, 8.0, float("inf"))
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("moment", range(MOMENTS))
 def test_all_but_the_last_half_second_is_kept(moment: int, tmp_path: Path) -> None:
     random = Random(moment)

@@ -35,6 +35,7 @@ def test_the_table_says_what_the_functions_say(entry: EntryPoint) -> None:
     assert annotations(entry) == ([each.kind for each in entry.arguments], entry.result)
 
 
+@pytest.mark.thorough
 def test_whatever_is_compiled_is_in_the_library() -> None:
     compiling = {
         file.relative_to(PACKAGE).as_posix()
