@@ -17,7 +17,7 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mutants physics vision clean
+.PHONY: help demo gallery wheel update test test-thorough test-cluster test-pty test-browser test-built test-wheel check format golden docs pictures schemas bench seeds kills resume bends soak defects loops upright align maps belief robots campaigns space twin learning mistakes mutants physics vision clean
 
 help:
 	@echo "make demo    the bend mission in the simulator, slow enough to watch"
@@ -48,6 +48,7 @@ help:
 	@echo "make resume  missions cut off at random moments on the emulated bay, and resumed"
 	@echo "make loops   velocity and torque loops over a bad link to the emulated bay"
 	@echo "make bends   the bend in real time, and nothing goes wrong"
+	@echo "make mistakes 650 mistakes in files, to be reported on their line, and odd but correct files"
 	@echo "make mutants 250 small faults in the code, to be found by the tests (an hour)"
 	@echo "make golden  the golden traces, help texts and pictures of screens anew, after a change that is meant"
 	@echo "make docs    the documentation site, in build/site, with warnings as errors"
@@ -191,6 +192,9 @@ bends: $(VENV)/.ready-soak
 
 loops: $(VENV)/.ready-soak
 	$(BIN)/python -m benchmarks.loops
+
+mistakes: $(VENV)/.ready-dev
+	$(BIN)/python -m benchmarks.mistakes
 
 mutants: $(VENV)/.ready-mutants
 	$(BIN)/python -m benchmarks.mutants

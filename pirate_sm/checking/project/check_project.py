@@ -242,7 +242,7 @@ class _Check:
             self._add("check.kind", shown(target.path), message)
             return
         documents, findings = check(target.path)
-        self._keep(documents)
+        self._keep(documents[:1])  # the rest is not checked for itself here
         self._used |= {each.name for each in documents}
         self.findings += findings
 
