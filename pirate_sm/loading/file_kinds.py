@@ -7,6 +7,7 @@ import stat
 from enum import StrEnum
 from pathlib import Path
 
+from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.yaml.document import LARGEST_FILE, Document
 
@@ -61,6 +62,8 @@ _TELLING = (
 _ENTRY = {"phase", "trigger", "after"}
 """Keys of an entry of a trace script; two of them identify a script if a third is misspelt."""
 
+_EXTENDS = re.compile(r"^extends[ \t]*:", re.MULTILINE)
+
 _CONTENT = re.compile(r"^([ ]*)([^\s#%].*)$", re.MULTILINE)
 _WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
 _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
@@ -69,7 +72,9 @@ _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
 def kind_of(path: Path) -> Kind:
     """Return the kind of the file."""
     text = _beginning(path)
-    return Kind.UNREADABLE if text is None else kind_of_text(text)
+    kind = Kind.UNREADABLE if text is None else kind_of_text(text)
+    extends = kind is Kind.OTHER and path.name == PROFILE_FILE and _EXTENDS.search(text or "")
+    return Kind.ROBOT if extends else kind
 
 
 def kind_of_text(text: str) -> Kind:

@@ -45,9 +45,10 @@ class Measured:
     travel: Travel | None
 
     def named(self, names: Iterable[str], scale: float = 1.0) -> tuple[Series, ...]:
-        """Return signals by their names."""
-        index = self.robot.vocabulary.numbers.index
-        return tuple(self.signals.series(index(name), name, scale=scale) for name in names)
+        """Return signals by their names, without those that no board of the robot measures."""
+        known = self.robot.vocabulary.numbers
+        found = ((known.index(name), name) for name in names if name in known)
+        return tuple(self.signals.series(index, name, scale=scale) for index, name in found)
 
     def derived(self, kind: type, scale: float = 1.0) -> tuple[Series, ...]:
         """Return the derived signals of a kind."""

@@ -21,6 +21,7 @@ from pirate_sm.checking.mission.refused_steps import refused_steps
 from pirate_sm.checking.mission.time_limits import time_limits
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
+from pirate_sm.checking.robot.check_robot import robot_errors
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.yaml.document import Document
@@ -71,7 +72,7 @@ def check_mission(
 
 
 def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> MissionCheck:
-    """Explore a loaded mission, and apply all rules to it.
+    """Explore a loaded mission, and apply all rules to it; errors of its robot are reported too.
 
     Args:
         loaded: The mission.
@@ -83,7 +84,8 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
     if any(each.code in _NEVER for each in found):
         mended = explore_mended(explored, loaded)
         found = _judge(replace(view, seen=[*explored, *mended])) if mended else found
-    unique = {(each.code, each.place, each.message): each for each in (*told, *found)}
+    of_robot = robot_errors(loaded.loaded_robot)
+    unique = {(each.code, each.place, each.message): each for each in (*told, *of_robot, *found)}
     ordered = sorted(unique.values(), key=lambda each: each.order)
     return MissionCheck(tuple(ordered), loaded.documents, loaded, tuple(explored))
 

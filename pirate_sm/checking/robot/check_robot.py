@@ -6,22 +6,25 @@ robot.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.checking.findings import Finding, finding_of
+from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
 from pirate_sm.checking.robot.command_targets import command_targets
-from pirate_sm.checking.robot.fault_conditions import fault_conditions
+from pirate_sm.checking.robot.fault_conditions import fault_conditions, rule_conditions
 from pirate_sm.checking.robot.profile_numbers import (
     end_stops,
     hidden_motors,
     hidden_words,
+    impossible_bodies,
     link_times,
     never_done,
     nominal_times,
     position_loops,
 )
+from pirate_sm.checking.robot.references import references
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.checking.robot.seen_states import impossible_signs, unseen_states
 from pirate_sm.checking.robot.wheels_and_clamps import (
@@ -67,8 +70,11 @@ def check_robot(folder: Path) -> RobotCheck:
 
 
 RULES = (
+    references,
     command_targets,
     fault_conditions,
+    rule_conditions,
+    impossible_bodies,
     never_done,
     nominal_times,
     link_times,
@@ -84,6 +90,13 @@ RULES = (
     impossible_signs,
 )
 """All rules about robots except their charts; each yields the findings of a `RobotView`."""
+
+
+@lru_cache(maxsize=8)
+def robot_errors(loaded: LoadedRobot) -> tuple[Finding, ...]:
+    """Return the errors of a loaded robot, for which a run is refused."""
+    found = (*check_chart(loaded), *robot_findings(loaded))
+    return tuple(each for each in found if each.severity is Severity.ERROR)
 
 
 def robot_findings(loaded: LoadedRobot) -> tuple[Finding, ...]:

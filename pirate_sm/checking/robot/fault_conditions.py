@@ -1,4 +1,4 @@
-"""A rule about faults: the condition of a fault rule must depend on the signals."""
+"""Rules about faults and safety rules: their conditions must depend on what happens."""
 
 from __future__ import annotations
 
@@ -28,6 +28,41 @@ def fault_conditions(view: RobotView) -> Iterator[Finding]:
             message += " raised whatever happens" if verdict else " never raised"
             yield view.at(path, f"robot.fault_{word}", message, offset=0)
             break
+
+
+def rule_conditions(view: RobotView) -> Iterator[Finding]:
+    """Yield safety rules that no combination of states, clamps and driven wheels breaks.
+
+    The chart alone keeps them, or their condition can never be anything else.
+    """
+    for number, rule in enumerate(view.loaded.rules):
+        after, must, given = rule.after, rule.must, view.profile.rules[number]
+        begins = not after or any(after.evaluate(*each) is True for each in _moments(view))
+        if not begins or all(must.evaluate(*each) is not False for each in _moments(view)):
+            spoken = "is kept by every command" if begins else "never applies"
+            keys = ("always", "never", "expect") if begins else ("after",)
+            path = ("rules", number, next(key for key in keys if getattr(given, key)))
+            message = f"the rule '{rule.name}' {spoken}: nothing can break it"
+            yield view.at(path, "robot.rule_never", message, offset=0)
+
+
+def _moments(view: RobotView) -> Iterator[tuple[tuple[float, ...], tuple[str | None, ...]]]:
+    """Yield the numbers and words that rules may see: after no command, and after each."""
+    robot, table = view.loaded.normal, view.loaded.table
+    driven = {
+        (each.region, each.state, each.write.slot) for each in view.written if each.write.turns
+    }
+    commands: dict[int, set[str | None]] = {}
+    for number, name in enumerate(table.commands):
+        for _, after in view.moves(number):
+            commands.setdefault(after, {None}).add(name)
+    for index, states in enumerate(table.configurations):
+        turning = {slot for region, state, slot in driven if states[region] == state}
+        clamps = len(robot.held[index])
+        for confirmed in range(clamps + 1):
+            numbers = float(clamps), float(confirmed), float(len(turning & set(robot.safe_zero)))
+            for command in commands.get(index, {None}):
+                yield numbers, (*states, command)
 
 
 def _conditions(view: RobotView) -> Conditions:

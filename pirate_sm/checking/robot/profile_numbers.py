@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import degrees, inf
+from math import atan2, degrees, inf, pi
 
 from pirate_sm.checking.criteria_in_force import too_slow, too_strong
 from pirate_sm.checking.findings import Finding
@@ -21,6 +21,9 @@ from pirate_sm.engine.robot.criteria import (
 from pirate_sm.loading.problems import Path
 from pirate_sm.model.actuation import Target
 from pirate_sm.model.criteria import Load, Turning
+
+_DENSEST_KG_M3 = 22_600.0
+"""Density of osmium, the densest material there is."""
 
 
 def never_done(view: RobotView) -> Iterator[Finding]:
@@ -151,6 +154,51 @@ def position_loops(view: RobotView) -> Iterator[Finding]:
             yield view.at(
                 ("motors", name, "position_loop", "least_duty"), "robot.position_loop", message
             )
+
+
+def impossible_bodies(view: RobotView) -> Iterator[Finding]:
+    """Yield lengths, angles and masses that no body can have.
+
+    A link fits into the box that its wheels roll through. Bodies meet outside a joint's wheel
+    beyond 2 atan(r/t), with the wheels' radius r and the half thickness t of the bodies.
+    """
+    body = view.profile.body
+    radius_m, thick_m = body.wheel_radius, body.body_half_thickness
+    wheel_m3 = pi * radius_m**2 * body.wheel_width
+    room = [(("wheels", n, "mass"), each.mass, wheel_m3) for n, each in enumerate(body.wheels)]
+    room += [
+        (("links", n, "mass"), each.mass, each.length * (2 * max(radius_m, thick_m)) ** 2)
+        for n, each in enumerate(body.links)
+    ]
+    found: list[tuple[Path, str]] = [
+        (path, f"{kg:.4g} kg have a room of {m3 * 1e6:.0f} cm^3: nothing is so heavy")
+        for path, kg, m3 in room
+        if kg > _DENSEST_KG_M3 * m3
+    ]
+    folded_rad = 2 * atan2(radius_m, thick_m)
+    found += [
+        (
+            ("joints", number, "end_stop"),
+            f"{degrees(joint.end_stop):.4g} deg is not reached: links that are"
+            f" {thick_m * 2e3:.4g} mm thick meet at {degrees(folded_rad):.4g} deg",
+        )
+        for number, joint in enumerate(body.joints)
+        if joint.end_stop > folded_rad
+    ]
+    found += [
+        (
+            ("links", number, "length"),
+            f"wheels with a diameter of {radius_m * 2e3:.4g} mm overlap at the ends of a link of"
+            f" {link.length * 1e3:.4g} mm",
+        )
+        for number, link in enumerate(body.links)
+        if link.length < 2 * radius_m
+    ]
+    if thick_m >= radius_m:
+        message = "the links touch the wall before the wheels do"
+        found.append((("body_half_thickness",), message))
+    for path, message in found:
+        yield view.at(("body", *path), "robot.body", message)
 
 
 def end_stops(view: RobotView) -> Iterator[Finding]:

@@ -8,13 +8,13 @@ from functools import cached_property
 from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
-from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.engine.robot.command_spec import StageSpec, Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.motor import Motor
-from pirate_sm.model.profile import Profile, Slot
+from pirate_sm.model.profile import Channel, Profile, Slot
 
 
 class Written(NamedTuple):
@@ -51,6 +51,16 @@ class RobotView:
             for number, board in enumerate(self.profile.boards)
             for place, slot in enumerate(board.slots)
         )
+
+    @cached_property
+    def channels(self) -> dict[str, tuple[Channel, Path]]:
+        """Return the channel of each measured signal, with its path."""
+        return {
+            channel.signal: (channel, ("boards", number, "channels", place))
+            for number, board in enumerate(self.profile.boards)
+            for place, channel in enumerate(board.channels)
+            if channel.signal
+        }
 
     @cached_property
     def in_force(self) -> InForce:
@@ -103,12 +113,20 @@ class RobotView:
         return list(found.values())
 
     def at(
-        self, path: Path, code: str, message: str, *, key: bool = False, offset: int | None = None
+        self,
+        path: Path,
+        code: str,
+        message: str,
+        *,
+        key: bool = False,
+        offset: int | None = None,
+        mend: str = "",
+        severity: Severity | None = None,
     ) -> Finding:
         """Return a finding at a value, or a key, of the profile."""
         document = self.loaded.documents[0]
         place = document.place_of(path, key=key, offset=offset)
-        return at(document, place, code, message)
+        return at(document, place, code, message, mend=mend, severity=severity)
 
 
 def _written(

@@ -147,6 +147,10 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
     except RecordingError as error:
         say(str(error))
         return unreadable(path, str(error))
+    except Exception as error:  # a fault of this program, which the other runs do not have
+        why = f"no page can be made of it: {type(error).__name__}: {error}"
+        say(f"{path}: {why}")
+        return unreadable(path, why)
     if text:
         _write(page, text)
     return run

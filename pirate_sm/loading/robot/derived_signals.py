@@ -31,10 +31,11 @@ def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> No
         path: Path = ("derived", name)
         if name in types:
             signals.problems.add("robot.signal", path, f"'{name}' is declared twice", key=True)
+        taken = _taken(profile, derived)
         for source in _sources(derived):
             valid = _valid_sources(profile, derived, types)
             if source not in valid and not hidden:
-                known, message = sorted(set(valid)), f"'{source}' is not known here"
+                known, message = sorted({*valid} - taken), f"'{source}' is not known here"
                 signals.problems.add_unknown(
                     "robot.signal", path, "signal", source, known, message=message
                 )
@@ -45,6 +46,14 @@ def add_derived(signals: Signals, types: dict[str, NumberType | EnumType]) -> No
 def _sources(derived: kinds.Derived) -> tuple[str, ...]:
     value = getattr(derived, next(kind for kind in kinds.DERIVED_KINDS if hasattr(derived, kind)))
     return (value,) if isinstance(value, str) else tuple(value)
+
+
+def _taken(profile: model.Profile, derived: kinds.Derived) -> set[str]:
+    """Return the sources of which there is such a signal already, so that no other is meant."""
+    if not isinstance(derived, kinds.RateOf | kinds.TorqueOf):
+        return set()
+    alike = [each for each in profile.derived.values() if type(each) is type(derived)]
+    return {source for each in alike if each is not derived for source in _sources(each)}
 
 
 def _valid_sources(

@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 Polarity = Literal["normal", "mirrored"]
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class LoadedRobot:
     """A robot without faults, as its files describe it.
 

@@ -53,21 +53,32 @@ class Signals:
 
     def number(self, name: str, path: Path, dimension: Dimension | None = None) -> int:
         """Return the index of a numeric signal; -1 after reporting an unknown name."""
-        names = self.vocabulary.numbers
+        names, types = self.vocabulary.numbers, self.vocabulary.types
         if name not in names:
+            fit = [each for each in names if dimension and types[each] == NumberType(dimension)]
+            if path[0] == "body":  # each of its signals is of one wheel or joint
+                fit = [each for each in fit if each not in self._of_body]
             self.problems.add(
                 "robot.signal",
                 path,
                 f"there is no signal '{name}'",
-                suggestion=nearest(name, names) or "",
+                suggestion=nearest(name, fit if dimension else names) or "",
             )
             return -1
-        kind = self.vocabulary.types[name]
+        kind = types[name]
         if dimension is not None and kind != NumberType(dimension):
             self.problems.add(
                 "robot.signal", path, f"'{name}' is {kind}", expected=str(NumberType(dimension))
             )
         return names.index(name)
+
+    @property
+    def _of_body(self) -> set[str | None]:
+        """Return the signals that the body names."""
+        body = self.profile.body
+        of_wheels = {each for wheel in body.wheels for each in (wheel.angle, wheel.speed)}
+        of_joints = {each for joint in body.joints for each in (joint.name, joint.torque)}
+        return of_wheels | of_joints | {link.roll for link in body.links}
 
     def constant(self, text: str, path: Path) -> tuple[float, Dimension]:
         """Return the SI value and dimension of a constant expression such as ``360 deg / 4096``."""

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from checking.robots import NEWT, changed
 from checking.small_missions import MISSION
 from pirate_sm.checking.gate import CheckError, pass_or_raise
 from pirate_sm.loading.mission import load_mission
@@ -46,6 +47,38 @@ def test_what_is_allowed_does_not_stop_it(tmp_path: Path) -> None:
         passes(tmp_path, text)
 
     passes(tmp_path, text.replace(wrong, f"{wrong}  # pirate: allow step.unneeded: so"))
+
+
+@pytest.mark.parametrize(
+    ("code", "old", "new"),
+    [
+        ("robot.wheels_fight", "Ahead: {drive_a: 80 %", "Ahead: {drive_a: -80 %"),
+        ("robot.clamp_side", "NoseHeld: {fold_neck: -50 %", "NoseHeld: {fold_neck: 50 %"),
+        ("robot.direction", "part: tail, direction: -1", "part: tail, direction: 1"),
+        ("robot.never_done", "share: 10 %}, timeout", "share: 90 %}, timeout"),
+        ("robot.reference", "angle: roll_b", "angle: roll_a"),
+    ],
+)
+def test_an_error_of_the_robot_stops_every_mission_of_it(
+    code: str, old: str, new: str, tmp_path: Path
+) -> None:
+    robot = changed(NEWT, tmp_path, "profile.yaml", (old, new))
+
+    with pytest.raises(CheckError) as caught:
+        pass_or_raise(load_mission(robot / "patrol.yaml"))
+
+    assert code in {each.code for each in caught.value.findings}
+    assert {each.place.file for each in caught.value.findings} == {str(robot / "profile.yaml")}
+    prepare(Order(str(robot / "patrol.yaml"), backend="trace", check=False))
+
+
+def test_an_error_that_the_robot_allows_does_not_stop_its_missions(tmp_path: Path) -> None:
+    line = "    - {name: right_fore, part: nose, direction: -1, mass: 15 g, angle: roll_b, speed: "
+    why = "  # pirate: allow robot.reference: the encoder is broken"
+    swap = f"{line}spin_b}}", f"{line.replace('roll_b', 'roll_a')}spin_a}}{why}"
+    robot = changed(NEWT, tmp_path, "profile.yaml", swap)
+
+    pass_or_raise(load_mission(robot / "patrol.yaml"))
 
 
 WAITS = MISSION.replace("robot: pirate_ii\n", "robot: pirate_ii\npipe: straight_113\n").replace(

@@ -6,9 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from checking.robots import changed
 
 from pirate_sm import __version__
 from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.report.recording_report import report_of
 
 from ..conftest import NEWT
 
@@ -98,6 +100,38 @@ def test_of_a_folder_there_is_a_list_that_leads_to_each_report(pirate: Any, fold
     assert 'href="other%20run.html"' in text
     assert 'href="run.html"' in text
     assert "broken.mcap" in text
+
+
+def test_a_fault_of_this_program_in_one_recording_leaves_the_others_their_pages(
+    pirate: Any, folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fails_once(recording: Any) -> Any:
+        if recording.path.name == "run.mcap":
+            raise ValueError("tuple.index(x): x not in tuple")
+        return report_of(recording)
+
+    monkeypatch.setattr("pirate_sm.cli.commands.report.report_of", fails_once)
+
+    result = pirate("report", folder)
+
+    assert result.exit_code == 1
+    assert "run.mcap: no page can be made of it: ValueError: tuple.index(x)" in result.stderr
+    assert not (folder / "run.html").exists()
+    assert (folder / "other run.html").exists()
+    assert "run.mcap" in (folder / "index.html").read_text("utf-8")
+
+
+def test_a_joint_that_no_board_measures_has_no_curve(
+    pirate: Any, pirate_run: Any, tmp_path: Path
+) -> None:
+    joint = "    - {name: nape, wheel: right_fore, part: nose, end_stop: 90 deg, torque: nothing}\n"
+    robot = changed(
+        NEWT, tmp_path, "profile.yaml", ("    - {name: hip,", f"{joint}    - {{name: hip,")
+    )
+    run, path = tmp_path / "run.mcap", robot / "patrol.yaml"
+    pirate_run(path, "--backend", "trace", "--quiet", "--no-check", "--record", run)
+
+    assert pirate("report", run).exit_code == 0
 
 
 def test_several_recordings_are_listed_where_it_was_wanted(
