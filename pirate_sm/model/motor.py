@@ -27,14 +27,14 @@ class PositionLoop(Frozen):
         threshold: Largest error at which the joint has reached its angle.
         least_duty: Smallest duty cycle that turns the motor.
         limit: Largest duty cycle used.
-        held_limit: Largest duty cycle for a joint that ``limit`` has not moved.
+        unmoved_limit: Largest duty cycle for a joint that ``limit`` has not moved.
     """
 
     gain: Annotated[Number, Field(gt=0)]
     threshold: Annotated[Angle, Field(gt=0)]
     least_duty: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
     limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
-    held_limit: Annotated[Ratio, Field(gt=0, le=1)] | None = None
+    unmoved_limit: Annotated[Ratio, Field(gt=0, le=1)] | None = None
 
 
 class VelocityLoop(Frozen):

@@ -56,14 +56,13 @@ def _seeking(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | Non
     if slot.position is None:
         return None
     share = 1.0 if write.share_of < 0 else numbers[write.share_of]
-    target_rad, from_rad = write.value * share, numbers[slot.angle]
-    new = PositionLoop(
-        write.slot, slot.angle, slot.rate, slot.torque, slot.position, target_rad, from_rad
-    )
-    if not isinstance(running, PositionLoop) or running[:-2] != new[:-2]:
+    target_rad = write.value * share
+    new = PositionLoop(write.slot, slot.angle, slot.rate, slot.torque, slot.position, target_rad)
+    if not isinstance(running, PositionLoop):
         return new
-    away_rad = abs(new.target_rad - running.target_rad)
-    return new if away_rad > new.spec.threshold_rad else running
+    away_rad = abs(target_rad - running.target_rad)
+    moves = away_rad > new.spec.threshold_rad
+    return running._replace(target_rad=target_rad) if moves else running
 
 
 def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import nan
 from typing import NamedTuple
 
 from pirate_sm.engine.control.circumstances import Circumstances
@@ -19,7 +18,6 @@ class PositionLoop(NamedTuple):
         angle: Number index of the controlled angle; ``rate`` is the index of its rate.
         torque: Number index of the torque at the joint.
         target_rad: The angle to reach.
-        from_rad: The angle at its beginning; NaN where it was unknown.
     """
 
     slot: int
@@ -28,7 +26,6 @@ class PositionLoop(NamedTuple):
     torque: int
     spec: PositionSpec
     target_rad: float
-    from_rad: float = nan
 
     def heard(self, seen: Circumstances) -> PositionLoop:
         """Return the loop after a fresh frame: it remembers nothing."""
@@ -38,14 +35,14 @@ class PositionLoop(NamedTuple):
         """Return whether the angle is within the threshold; False while it is unknown."""
         return abs(self.target_rad - numbers[self.angle]) <= self.spec.threshold_rad
 
-    def held(self, numbers: Numbers, moved_rad: float) -> bool:
+    def unmoved(self, numbers: Numbers, origin: Numbers, moved_rad: float) -> bool:
         """Return whether the joint has neither arrived nor turned so far; an unknown turn is 0."""
-        moved = abs(numbers[self.angle] - self.from_rad) >= moved_rad
+        moved = bool(origin) and abs(numbers[self.angle] - origin[self.angle]) >= moved_rad
         return moved_rad > 0 and not moved and not self.arrived(numbers)
 
     def harder(self) -> PositionLoop:
         """Return the loop with the limit for a joint that has not moved."""
-        limit = max(self.spec.limit, self.spec.held_limit)
+        limit = max(self.spec.limit, self.spec.unmoved_limit)
         return self._replace(spec=self.spec._replace(limit=limit))
 
     def duty(self, numbers: Numbers, loss: float = 0.0) -> float:

@@ -10,10 +10,11 @@ from collections.abc import Mapping
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
+from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.control.torque_loop import TorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
-from pirate_sm.engine.robot.criteria import CriterionSpec
-from pirate_sm.engine.robot.done import holds
+from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
+from pirate_sm.engine.robot.done import RESTORING, holds
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,
@@ -53,15 +54,18 @@ def stage_array(
         return tuple(values), tuple(loops.values())
     for region in regions:
         stages = state.stages(robot, region, target[region])
-        _write(robot, sensing, stages[min(stage, len(stages) - 1)], values, loops)
+        writes = _slowed(robot, stages[min(stage, len(stages) - 1)], motion.share)
+        _write(robot, sensing, writes, values, loops)
     return tuple(values), tuple(loops.values())
 
 
 def followed(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> RobotState:
-    """Return the state; in a posture, with each share of a joint's angle taken anew.
+    """Return the state with the angles that its position loops begin at and go to, as known now.
 
-    A joint that the posture moves may open the apex whose angle the posture names.
+    A joint that a posture moves may open the apex whose angle the posture names.
     """
+    if (known := _known_origin(state, motion, sensing)) is not motion:
+        state = state._replace(motion=known)
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return state
@@ -129,6 +133,45 @@ def is_done(
     return not seekers_away(robot, state, motion, sensing.numbers)
 
 
+def stage_origin(state: RobotState, stage: int, sensing: Sensing) -> Numbers:
+    """Return the signals when a stage began: now, or in the first try of a repeated command."""
+    tried = state.tried
+    return tried.origin if tried is not None and tried.stage == stage else sensing.numbers
+
+
+def _known_origin(state: RobotState, motion: Motion, sensing: Sensing) -> Motion:
+    """Return the motion with the first known angle of each joint whose board was silent before."""
+    origin, numbers = list(motion.origin), sensing.numbers
+    for loop in state.seekers if origin else ():
+        if isnan(origin[loop.angle]):
+            origin[loop.angle] = numbers[loop.angle]
+    return motion if tuple(origin) == motion.origin else motion._replace(origin=tuple(origin))
+
+
+def unmoved_loops(
+    state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
+) -> tuple[PositionLoop, ...]:
+    """Return the position loops if none of their joints has moved: no wall has stopped them.
+
+    A command that restores what a run had before it was cut off, and one that repeats a stage
+    which an earlier try has passed, finds its joints moved already.
+    """
+    passed = state.tried is not None and motion.stage < state.tried.stage
+    if passed or motion.place == RESTORING or not isinstance(done, ReachedSpec):
+        return ()
+    numbers, moved_rad, loops = sensing.numbers, done.moved_rad, state.seekers
+    unmoved = all(loop.unmoved(numbers, motion.origin, moved_rad) for loop in loops)
+    return loops if unmoved else ()
+
+
+def pushed_harder(state: RobotState, unmoved: Loops) -> Loops:
+    """Return the running loops, of which these push with all that they may."""
+    return tuple(
+        each.harder() if isinstance(each, PositionLoop) and each in unmoved else each
+        for each in state.loops
+    )
+
+
 def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numbers:
     """Return the accepted values with the present duty of each loop."""
     values = list(state.values)
@@ -146,6 +189,14 @@ def without_loops(state: RobotState) -> Numbers:
     if not driven:
         return state.latest
     return tuple(0.0 if slot in driven else value for slot, value in enumerate(state.latest))
+
+
+def _slowed(robot: RobotSpec, stage: StageSpec, share: float) -> StageSpec:
+    """Return the stage with this share of what it writes to wheels."""
+    if share == 1.0:
+        return stage
+    slowed = robot.safe_zero
+    return tuple(it._replace(value=it.value * share) if it.slot in slowed else it for it in stage)
 
 
 def _write(

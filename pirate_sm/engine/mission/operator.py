@@ -89,6 +89,8 @@ def _command(moment: Moment, state: EngineState, event: OperatorCommand) -> Engi
     else:
         state = lapse_unheard(moment, state)
         reason = why_not_command(moment.robot, state, index, at_once=event.at_once)
+    if not 0 <= event.share <= 1:
+        reason = reason or "impossible: the speed must be 0 to 100 %"
     if reason or index is None:
         moment.emit(CommandStatus(event.command, "refused", reason))
         return state

@@ -14,7 +14,7 @@ from pirate_sm.expressions import Expression
 class PositionSpec(NamedTuple):
     """A proportional position loop (thesis section 4-2-3): duty = gain * error, then 0.
 
-    ``limit`` is the largest duty cycle, ``held_limit`` that for a joint which it has not moved.
+    ``limit`` is the largest duty cycle, ``unmoved_limit`` that for a joint which it has not moved.
     """
 
     gain: float
@@ -22,7 +22,7 @@ class PositionSpec(NamedTuple):
     least_duty: float
     limit: float
     stall_torque_nm: float
-    held_limit: float = 0.0
+    unmoved_limit: float = 0.0
 
 
 class VelocitySpec(NamedTuple):

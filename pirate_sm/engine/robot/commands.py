@@ -10,18 +10,20 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import isnan, nan
 from types import MappingProxyType
-from typing import Literal, TypeAlias
+from typing import Literal
 
-from pirate_sm.engine.control.loops import Loop, Loops, ends_with_command
-from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.loops import Loops, ends_with_command
 from pirate_sm.engine.control.sending import overtaken_result, send, send_if_new
 from pirate_sm.engine.control.stages import (
     followed,
     is_done,
     looped_values,
+    pushed_harder,
     stage_array,
+    stage_origin,
     switched_array,
     unknown_angle,
+    unmoved_loops,
     without_loops,
 )
 from pirate_sm.engine.deadlines import has_come
@@ -29,7 +31,7 @@ from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import confirmation, levelling
 from pirate_sm.engine.robot.command_outcome import doubt_grip, marks_after, touched
 from pirate_sm.engine.robot.criteria import AcceptedSpec, AlignedSpec
-from pirate_sm.engine.robot.done import held_loops, holds, in_words, must_hold_s
+from pirate_sm.engine.robot.done import holds, in_words, must_hold_s
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DENIED,
@@ -49,16 +51,15 @@ from pirate_sm.engine.robot.robot_state import (
 )
 from pirate_sm.engine.robot.unmet_conditions import (
     unmet_conditions,
-    why_held,
     why_late,
     why_not_clamped,
+    why_unmoved,
 )
 from pirate_sm.engine.sensing.known_signals import Sensing
 from pirate_sm.model.effects import CommandStatus, Log
 from pirate_sm.model.events import SubmitResult
 from pirate_sm.model.unmet import Unmet
 
-Held: TypeAlias = tuple[PositionLoop, ...]
 _NOTHING_DENIED: Mapping[int, str] = MappingProxyType({})
 
 
@@ -78,8 +79,10 @@ def begin(
     spec = moment.robot.commands[command]
     target = moment.robot.table.follow(state.configuration, command)
     limit_s = spec.timeout_s if timeout_s is None else timeout_s
-    motion = Motion(command, target, limit_s, place, origin=sensing.numbers)
+    if state.tried is not None and state.tried.command != command:
+        state = state._replace(tried=None)
     posture = spec.posture(target)
+    motion = Motion(command, target, limit_s, place, share=share)
     regions, stage = touched(moment.robot, state.configuration, state.marks, command)
     if posture is not None:
         stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
@@ -88,9 +91,8 @@ def begin(
         assert isinstance(spec.done, AlignedSpec)  # the loader has checked it
         blind = motion.blind or levelling.why_not(moment.robot, state, sensing, spec.done)
         motion = motion._replace(levelling=memory, blind=blind)
+    motion = motion._replace(origin=stage_origin(state, motion.stage, sensing))
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
-    slowed = moment.robot.safe_zero if share != 1.0 else ()
-    values = tuple(v * share if slot in slowed else v for slot, v in enumerate(values))
     moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
 
@@ -154,8 +156,8 @@ def watch(
     if motion is None or isnan(motion.accepted_s):
         return state, None
     if moment.nominal:
-        nominal_s = moment.robot.commands[motion.command].nominal_s
-        if state.awaited is None and has_come(moment.now_s, motion.accepted_s + nominal_s):
+        done_s = motion.accepted_s + moment.robot.commands[motion.command].nominal_s
+        if state.awaited is None and has_come(moment.now_s, done_s):
             return _complete(moment, state, sensing, "nominal duration has passed")
         return state, None
     if motion.levelling is not None and motion.stage != POSTURE and not motion.blind:
@@ -188,7 +190,7 @@ def fail(
         return state
     name = moment.robot.commands[motion.command].name
     moment.emit(CommandStatus(name, status, reason, motion.place, unmet))
-    return _end_motion(moment, doubt_grip(moment.robot, state))
+    return _end_motion(moment, doubt_grip(moment.robot, state)._replace(tried=motion))
 
 
 def skip(moment: Moment, state: RobotState) -> RobotState:
@@ -268,6 +270,7 @@ def _reach(
 ) -> tuple[RobotState, Finished | None]:
     """Check the criterion of the stage in force and the deadline; run the position loops."""
     state, free = followed(moment.robot, state, motion, sensing), state.awaited is None
+    motion = state.motion or motion
     seekers, times_s = state.seekers, []
     why_not = why_not_clamped(state, motion, denied) if denied else ""
     for done, before_s in criteria_of(moment.robot, motion):
@@ -276,8 +279,8 @@ def _reach(
             since_s = moment.now_s if isnan(before_s) else before_s
             held_s = must_hold_s(done, sensing.numbers, seekers)
             if free and has_come(moment.now_s, since_s + held_s):
-                if held := held_loops(done, sensing.numbers, seekers, motion.place):
-                    return _push_harder(moment, state, motion, sensing, held)
+                if unmoved := unmoved_loops(state, motion, done, sensing):
+                    return _push_harder(moment, state, motion, sensing, unmoved)
                 reason = in_words(moment.robot, done, sensing.numbers, seekers)
                 return _complete(moment, state, sensing, reason)
         times_s.append(before_s if isnan(before_s) and isnan(since_s) else since_s)
@@ -296,13 +299,12 @@ def _reach(
 
 
 def _push_harder(
-    moment: Moment, state: RobotState, motion: Motion, sensing: Sensing, held: Held
+    moment: Moment, state: RobotState, motion: Motion, sensing: Sensing, unmoved: Loops
 ) -> tuple[RobotState, Finished | None]:
     """Push joints that have not moved with all that their loops allow, or fail."""
-    pushed: dict[Loop, Loop] = {loop: loop.harder() for loop in held}
-    harder = state._replace(loops=tuple(pushed.get(each, each) for each in state.loops))
+    harder = state._replace(loops=pushed_harder(state, unmoved))
     if harder.loops == state.loops:
-        reason = why_held(moment.robot, held)
+        reason = why_unmoved(moment.robot, unmoved)
         return fail(moment, state, reason), Finished(False, reason)
     values = looped_values(moment.robot, harder, sensing)
     motion = motion._replace(since_s=nan, settled_s=nan)
@@ -370,19 +372,17 @@ def _complete(
     stages = max((len(moment.robot.actuation[r][target[r]]) for r in regions), default=1)
     if motion.stage + 1 < stages:
         resting = state._replace(values=without_loops(state), flight=None)
-        values, loops = stage_array(
-            moment.robot, resting, motion, sensing, regions, motion.stage + 1
-        )
+        stage = motion.stage + 1
+        values, loops = stage_array(moment.robot, resting, motion, sensing, regions, stage)
         if motion.stage == POSTURE or any(ends_with_command(each) for each in loops):
-            later = motion._replace(
-                stage=motion.stage + 1, since_s=nan, settled_s=nan, origin=sensing.numbers
-            )
+            later = motion._replace(stage=stage, origin=stage_origin(state, stage, sensing))
+            later = later._replace(since_s=nan, settled_s=nan)
             return send_if_new(moment, state, later, values, loops), None
         state = send_if_new(moment, state, None, values, loops)
     else:
         state = _end_motion(moment, state)
     marks = frozenset(mark for mark in state.marks if mark.command != motion.command)
-    state = state._replace(marks=marks)
+    state = state._replace(marks=marks, tried=None)
     name = moment.robot.commands[motion.command].name
     moment.emit(CommandStatus(name, "done", reason, motion.place))
     moment.emit(state_change(moment.robot, state))

@@ -111,18 +111,6 @@ def pushed_to_rest(
     return resting and loop.pushes(numbers, setpoints, criterion.loaded, criterion.least_nm)
 
 
-def held_loops(
-    criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...], place: str
-) -> tuple[PositionLoop, ...]:
-    """Return the loops if none of their joints has moved, so that no wall can have stopped them.
-
-    A command that restores what a run had before it was cut off finds its joints moved already.
-    """
-    if not isinstance(criterion, ReachedSpec) or place == RESTORING:
-        return ()
-    return loops if all(loop.held(numbers, criterion.moved_rad) for loop in loops) else ()
-
-
 def bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:
     """Return whether a joint bears a torque: that of its torque loop, else at least this one."""
     loop = torque_loop(torque, loops)

@@ -117,7 +117,9 @@ class Motion(NamedTuple):
         blind: Why it cannot be done at all, such as a posture that needs an unknown angle; else
             empty.
         levelling: What a command that levels a part has measured; None for others.
-        origin: Signals when its present stage began; empty where they were not kept.
+        origin: Signals when its present stage began, in the first of several tries; empty where
+            they were not kept.
+        share: By what the setpoints of wheels are multiplied, without what bears the weight.
     """
 
     command: int
@@ -132,6 +134,7 @@ class Motion(NamedTuple):
     levelling: Levelling | None = None
     origin: Numbers = ()
     settled_s: float = nan
+    share: float = 1.0
 
 
 class Finished(NamedTuple):
@@ -156,6 +159,7 @@ class RobotState(NamedTuple):
         sent: Whether anything has ever been sent.
         overtaken: Arrays of loops whose fate was not known when a newer one was sent.
         control: Index of the control that actuates the states.
+        tried: The command that failed last, until it is done or another one begins.
     """
 
     configuration: int
@@ -169,6 +173,7 @@ class RobotState(NamedTuple):
     sent: bool = False
     overtaken: tuple[Flight, ...] = ()
     control: int = 0
+    tried: Motion | None = None
 
     def stages(self, robot: RobotSpec, region: int, state: str) -> tuple[StageSpec, ...]:
         """Return the stages of a region's state under the control in force."""
@@ -192,7 +197,8 @@ class RobotState(NamedTuple):
 
         The next one is actuated by the usual control, unless it names another.
         """
-        return self._replace(flight=None, motion=None, loops=(), overtaken=(), control=0)
+        rest = self._replace(flight=None, motion=None, loops=(), overtaken=(), control=0)
+        return rest._replace(tried=None)
 
     @property
     def latest(self) -> Numbers:

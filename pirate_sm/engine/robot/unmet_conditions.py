@@ -112,9 +112,9 @@ def why_not_clamped(state: RobotState, motion: Motion, denied: Mapping[int, str]
     return next((denied[m.which] for m in own if m.kind == "part" and m.which in denied), "")
 
 
-def why_held(robot: RobotSpec, held: Loops) -> str:
+def why_unmoved(robot: RobotSpec, unmoved: Loops) -> str:
     """Return the reason of a failure: joints that were pushed and have not moved."""
-    names = ", ".join(robot.vocabulary.numbers[signal_of(loop)] for loop in held)
+    names = ", ".join(robot.vocabulary.numbers[signal_of(loop)] for loop in unmoved)
     return f"not moved, though pushed: {names}; a motor is too weak, or something holds it"
 
 

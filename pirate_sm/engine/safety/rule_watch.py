@@ -44,7 +44,7 @@ def watch(moment: Moment, before: EngineState, state: EngineState) -> EngineStat
         elif state.mission.ending or state.mission.ended:
             pass
         elif unseen:
-            state = pausing.until_seen(moment, state)
+            return pausing.until_seen(moment, state)  # once, whatever rules are broken
         else:
             state = end_by_fault(moment, state, rules.CODE, rules.said(rule))
     return state

@@ -85,7 +85,7 @@ def _slot(signals: Signals, slot: model.Slot, path: Path) -> SlotSpec:
             settings.least_duty,
             settings.limit,
             motor.stall_torque or inf,
-            settings.held_limit or 0.0,
+            settings.unmoved_limit or 0.0,
         )
     return replace(
         duty,

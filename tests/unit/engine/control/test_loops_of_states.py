@@ -50,6 +50,26 @@ def duties(driver: Driver) -> tuple[float, ...]:
     return tuple(driver.array[name] for name in WHEELS)
 
 
+def test_tracks_driven_by_hand_at_half_speed_keep_to_half_speed(newt):
+    driver = newt()
+    driver.give(ev.OperatorCommand("GoAhead", share=0.5))
+    assert duties(driver) == pytest.approx((0.3, -0.3, 0.3, -0.3))
+    accept_all(driver)
+
+    half = {name: rate * 0.75 for name, rate in SLOW.items()}  # 1.5 of 3 rad/s
+    sent_during(driver, 2.0, **half)
+
+    assert duties(driver) == pytest.approx((0.3, -0.3, 0.3, -0.3), abs=0.02)
+
+
+@pytest.mark.parametrize("share", [float("nan"), -0.1, 1.01])
+def test_a_drive_at_an_impossible_speed_is_refused(newt, share):
+    driver = newt()
+    driver.give(ev.OperatorCommand("GoAhead", share=share))
+    assert driver.last_status.status == "refused"
+    assert driver.last_status.reason == "impossible: the speed must be 0 to 100 %"
+
+
 def test_the_first_array_has_the_duty_of_tracks_without_load(newt):
     driver = newt()
 

@@ -10,6 +10,7 @@ from driving import BOTH_CLAMPED, REAR_CLAMPED, Driver, command
 
 from pirate_sm.engine.mission import pausing
 from pirate_sm.engine.moment import Moment
+from pirate_sm.engine.safety import rules
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 
@@ -150,6 +151,26 @@ def test_a_pause_that_the_operator_asked_for_before_stays_the_operators(drive):
     assert wanted.mission.pause_wanted
     assert pausing.until_seen(moment, wanted) == wanted
     assert moment.effects == []
+
+
+def test_two_rules_broken_in_a_pause_of_the_operator_stop_the_wheels_once(drive, monkeypatch):
+    driver = holding(drive, DRIVES, REAR_CLAMPED)
+    reporting(driver, 1.0)
+    driver.give(ev.Pause())
+    reporting(driver, 1.3)
+    command(driver, "DriveForward")
+    reporting(driver, 2.0)
+    follow, before = rules.follow, len(driver.of(fx.Setpoints))
+
+    def twice(*arguments):
+        places, broken = follow(*arguments)
+        return places, broken * 2
+
+    monkeypatch.setattr(rules, "follow", twice)
+    reporting(driver, 3.3, silent=26)
+
+    stops = driver.of(fx.Setpoints)[before:]
+    assert len({each.setpoint_id for each in stops}) == 1
 
 
 def test_a_fault_meanwhile_is_handled_at_once(drive):

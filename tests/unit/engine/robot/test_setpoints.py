@@ -100,7 +100,7 @@ def test_bending_into_goes_to_its_angles_then_pushes(drive, polarity, sign):
 
     both_there = bending(driver, {"gamma_1": goal, "gamma_2": goal})
     assert both_there == near(hold | {"bend_2": sign * -0.3})
-    assert driver.last_status.status == "done"
+    assert driver.last_status.status == "done", driver.last_status
     assert driver.last_status.reason == "every joint has come to its angle"
     assert driver.unconfirmed == set()
 
@@ -114,7 +114,7 @@ def test_bending_back_ends_with_the_loops_at_zero(drive):
     there = bending(driver, {"gamma_3": math.radians(-30), "gamma_4": math.radians(-30)})
 
     assert there == near(CLAMP)
-    assert driver.last_status.status == "done"
+    assert driver.last_status.status == "done", driver.last_status
 
 
 def test_a_loop_drives_in_proportion_with_a_least_and_a_largest_duty(drive):
@@ -260,7 +260,7 @@ def test_a_later_stage_may_have_angles_of_its_own(drive, tmp_path):
     assert bending(driver, {"neck": math.radians(20)}) == near({"fold_neck": 0.5})
     assert driver.last_status.status == "accepted"
     assert bending(driver, {"neck": math.radians(40)}) == near({"fold_hip": 0.1})
-    assert driver.last_status.status == "done"
+    assert driver.last_status.status == "done", driver.last_status
 
 
 def test_reset_lets_go_of_everything_by_angle(drive):
@@ -332,7 +332,7 @@ def test_a_bend_that_a_resumed_run_restores_finds_its_joints_moved(drive):
     driver.accept()
     for _ in range(30):
         bending(driver, bent)
-    assert driver.last_status.status == "done"
+    assert driver.last_status.status == "done", driver.last_status
 
 
 def test_a_joint_that_gives_way_to_a_harder_push_is_bent(drive):
@@ -349,3 +349,53 @@ def test_a_joint_that_gives_way_to_a_harder_push_is_bent(drive):
     for _ in range(30):
         bending(driver, bent | {"bend_torque_3": 0.9})
     assert driver.last_status.reason == "gamma_3 stopped by the wall, standing still under torque"
+
+
+AT_THE_WALL = {"gamma_3": math.radians(-80), "gamma_4": math.radians(60)}
+WEAKLY = {"bend_torque_3": 0.05, "bend_torque_4": -0.05}
+PUSHED = {"bend_torque_3": 0.9, "bend_torque_4": -0.9}
+
+
+def begin_at(driver, **joints: float) -> None:
+    driver.show(0.1, **joints, bend_torque_3=-0.5, bend_torque_4=0.7)
+    command(driver, "BendBack")
+    driver.accept()
+
+
+def fail_by_time(driver) -> None:
+    """Let the bend bear too little until its time is over."""
+    while driver.last_status.status == "accepted":
+        bending(driver, AT_THE_WALL | WEAKLY)
+    assert driver.last_status.status == "failed"
+
+
+def test_belief_that_a_repeated_bend_has_moved_counts_from_its_first_try(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    begin_at(driver, gamma_3=math.radians(-120), gamma_4=math.radians(107))
+    fail_by_time(driver)
+    command(driver, "BendBack")
+    for _ in range(30):
+        bending(driver, AT_THE_WALL | PUSHED)
+    assert driver.last_status.status == "done", driver.last_status
+
+
+def test_belief_that_another_bend_has_moved_counts_from_its_own_beginning(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    begin_at(driver, gamma_3=math.radians(-120), gamma_4=math.radians(107))
+    fail_by_time(driver)
+    command(driver, "ToggleLighting")
+    driver.accept()
+    command(driver, "BendBack")
+    for _ in range(30):
+        bending(driver, AT_THE_WALL | PUSHED)
+    assert driver.last_status.reason.startswith("not moved, though pushed: gamma_3, gamma_4;")
+
+
+def test_a_joint_whose_board_was_silent_at_first_has_moved_from_its_first_known_angle(drive):
+    driver = drive(IDLE, states=FRONT_CLAMPED)
+    command(driver, "BendBack")
+    driver.accept()
+    bending(driver, {"gamma_3": math.radians(-120), "gamma_4": math.radians(107)} | WEAKLY)
+    for _ in range(30):
+        bending(driver, AT_THE_WALL | PUSHED)
+    assert driver.last_status.status == "done", driver.last_status
