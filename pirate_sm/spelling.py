@@ -7,12 +7,16 @@ from difflib import get_close_matches
 
 _LONGEST_WORD = 64  # difflib is quadratic; nobody misspells a name of this length
 _CUTOFF = 0.6
+_CUTOFF_OTHER_LETTER = 0.75  # a slip of a finger seldom changes the first letter
+_OPPOSITE = "un"
+_ENDINGS = (".yaml", ".yml")
 
 
 def nearest(word: str, candidates: Iterable[str]) -> str | None:
     """Return the candidate that `word` most likely stands for, or None when none is close.
 
-    Letters in the wrong case, and `-` or blanks for `_`, count as the same spelling.
+    Letters in the wrong case, `-`, `.` or blanks for `_`, and the ending of a file count as the
+    same spelling. A name that says the opposite, as `Unlocked` of `Locked`, is never close.
     """
     if len(word) > _LONGEST_WORD:
         return None
@@ -22,8 +26,12 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
     folded = _fold(word)
     if folded in by_fold:
         return by_fold[folded]
-    close = get_close_matches(folded, by_fold, n=1, cutoff=_CUTOFF)
-    return by_fold[close[0]] if close else None
+    opposites = {_OPPOSITE + folded, folded.removeprefix(_OPPOSITE)}
+    allowed = [each for each in by_fold if each not in opposites]
+    for close in get_close_matches(folded, allowed, n=3, cutoff=_CUTOFF):
+        if close[:1] == folded[:1] or get_close_matches(folded, [close], 1, _CUTOFF_OTHER_LETTER):
+            return by_fold[close]
+    return None
 
 
 def meant(word: str, known: Iterable[str], otherwise: str = "", *, limit: int = 12) -> str:
@@ -68,4 +76,7 @@ def one_of(names: Iterable[str], limit: int = 12) -> str:
 
 
 def _fold(word: str) -> str:
-    return word.strip().casefold().replace("-", "_").replace(" ", "_")
+    word = word.strip().casefold()
+    for ending in _ENDINGS:
+        word = word.removesuffix(ending)
+    return word.replace("-", "_").replace(" ", "_").replace(".", "_")

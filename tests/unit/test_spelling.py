@@ -25,6 +25,26 @@ def test_nearest_finds_what_was_probably_meant(written: str, meant: str | None) 
     assert nearest(written, NAMES) == meant
 
 
+@pytest.mark.parametrize(
+    ("written", "known", "meant"),
+    [
+        ("wheel_dead", ["wheel.dead", "robot.stuck"], "wheel.dead"),
+        ("straight_113.yaml", ["straight_113", "straight_114"], "straight_113"),
+        ("distance", ["BendingState", "odometry", "speed"], None),
+        ("Clamped", ["Unclamped", "DoubleClamped"], None),
+        ("UnclampNose", ["ClampNose"], None),
+        ("Clamped", ["Unclamped", "Clampd"], "Clampd"),
+        ("Unclampd", ["Unclamped"], "Unclamped"),
+        ("under", ["udner"], "udner"),
+        ("dometry", ["odometry"], "odometry"),
+    ],
+)
+def test_what_only_looks_alike_or_says_the_opposite_is_not_what_was_meant(
+    written: str, known: list[str], meant: str | None
+) -> None:
+    assert nearest(written, known) == meant
+
+
 def test_nearest_of_nothing_is_nothing() -> None:
     assert nearest("Halt", []) is None
 
