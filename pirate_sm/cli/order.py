@@ -40,6 +40,7 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
         robot=options.robot,
         pipe=options.pipe,
         settings=read_settings(options.settings),
+        start_phase=options.start_phase,
         states=read_pairs("--state", options.states or (), "REGION=STATE") or None,
         seed=options.seed,
         defects=tuple(dict.fromkeys(options.defects or ())),
@@ -67,7 +68,6 @@ def order_of(options: RunOptions | ConsoleOptions) -> Order:
     jitter = read_choices("--jitter", options.jitter, StartJitter)
     return replace(
         order,
-        start_phase=options.start_phase,
         firings=tuple(firings),
         course=course,
         start_jitter_m=jitter.start,

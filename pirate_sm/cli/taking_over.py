@@ -5,12 +5,14 @@ from __future__ import annotations
 import sys
 from collections.abc import Callable
 
+from pirate_sm.checking.gate import CheckError
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.options.values import read_length
 from pirate_sm.cli.output.resume_report import verdict_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.stop_checks import stopper
+from pirate_sm.engine.resuming.reconciling import VerdictTable
 from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
@@ -18,7 +20,7 @@ from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared, placed
-from pirate_sm.wiring.adoption import Stands, adopt, doubts, look_at, unplaced
+from pirate_sm.wiring.adoption import Stands, adopt, begun_there, doubts, look_at, unplaced
 from pirate_sm.wiring.resumed_run import check_place
 
 _QUESTION = "[1] adopt it so (or another number), [l]ook again, or leave [enter]? "
@@ -62,6 +64,8 @@ def _decided(
             if table.hypothesis.body.configuration == agreed:
                 return adopt(prepared, stands, table)
         _print(prepared, stands, getattr(options, "json", False))
+        if len(stands.instead) == 1:
+            _check_there(prepared, stands.instead[0])
         answer = _answer(prepared, stands, options.adopt, asks, check)
         if answer.isdecimal() and 0 < int(answer) <= len(stands.instead):
             if unplaced(prepared) and (place_m := ask_place(prepared.loaded, check)) is not None:
@@ -72,6 +76,20 @@ def _decided(
             raise UsageError("left as it is: nothing has moved")
         stands = look_at(prepared, check, stands)
     return prepared, stands.as_declared
+
+
+def _check_there(prepared: Prepared, table: VerdictTable) -> None:
+    """Refuse a mission that cannot begin where the robot is, before anything is asked.
+
+    Raises:
+        CheckError: It cannot; what to do is said.
+    """
+    try:
+        begun_there(prepared, table)
+    except CheckError:
+        name = prepared.order.mission
+        say(f"it cannot begin there; a later phase can: pirate console {name} --adopt, then h")
+        raise
 
 
 def ask_place(loaded: LoadedMission, check: Callable[[], None]) -> float | None:

@@ -66,7 +66,7 @@ _LARGE, _TALL = 150, 44
 """From this size on there is room to spare."""
 
 _SHORT = {name: name.title() for name in ("pause", "step", "skip", "abort")}
-_SHORT |= {"go": "Start", "hand_back": "Hand"}
+_SHORT |= {"go": "Run", "hand_back": "Hand"}
 """Labels of the controls in the footer."""
 
 _SHOWN = frozenset(
@@ -266,7 +266,8 @@ class Console(PanelActions, App[None]):
         commands, controls = [], []
         for name, row in self._rows.items():
             reason = availability.command_reason(snapshot, name)
-            row.show(name, reason, under_way=name == doing and snapshot.live)
+            doubt = availability.drive_doubt(snapshot, name)
+            row.show(name, reason, under_way=name == doing and snapshot.live, doubt=doubt)
             if name != doing:
                 commands.append(Request(row.key, reason))
         for control in availability.controls(snapshot, self.starts(snapshot)):

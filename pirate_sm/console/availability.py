@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.checking.plans.phase_entry import why_not_from
-from pirate_sm.console.key_bindings import CONTROLS
+from pirate_sm.console.key_bindings import CONTROLS, ways
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.mission.pausing import why_not_on, why_not_to
 from pirate_sm.engine.mission.program import SwitchControl, Wait
@@ -92,6 +92,12 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
     )
 
 
+def drive_doubt(snapshot: Snapshot, command: str) -> str:
+    """Return the fault that speaks against a drive now; empty if none does, or it is no drive."""
+    drives = command in ways(snapshot.scene.robot)
+    return next(iter(snapshot.doubts.values()), "") if drives else ""
+
+
 def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str:
     """Return why the mission cannot be handed back at the phase now; empty if it can."""
     state = snapshot.state
@@ -109,6 +115,11 @@ def untouched(snapshot: Snapshot) -> bool:
     if state is None or program.goes_on:
         return False
     return state.mission.pc == program.start and not state.mission.begun
+
+
+def stopped_in(snapshot: Snapshot) -> str:
+    """Return the phase in which the mission was stopped and has not gone on; empty if none."""
+    return snapshot.story.left if untouched(snapshot) else ""
 
 
 def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
@@ -129,12 +140,13 @@ def going_on(snapshot: Snapshot) -> GoTo | Resume:
 def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
     """Return everything that can be done with a mission, in the order of its keys."""
     general, state = _general(snapshot), snapshot.state
-    start = "Start" if untouched(snapshot) else "Resume"
+    chooses = stopped_in(snapshot)
+    start = "Run: start" if untouched(snapshot) and not chooses else "Run: resume"
     if general or state is None:
         reasons = (general,) * len(CONTROLS)
     else:
         reasons = (
-            _why_not_go(snapshot, state, entries),
+            _unheard(snapshot) if chooses else _why_not_go(snapshot, state, entries),
             _why_not_pause(state),
             _why_not_step(snapshot, state, entries),
             _why_not_skip(snapshot, state),

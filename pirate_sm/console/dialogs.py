@@ -144,18 +144,19 @@ class Pick(Dialog[str | None]):
         Binding(f"escape,{both_cases(LEAVE)}", "dismiss(None)", "Cancel"),
     ]
 
-    def __init__(self, title: str, choices: Sequence[Choice], wide: int = 24) -> None:
+    def __init__(self, title: str, choices: Sequence[Choice], wide: int = 24, at: int = 0) -> None:
         super().__init__()
         self._title = title
         self._wide = wide
         self._choices = list(choices)
-        self._marked = 0
+        self._marked = at
 
     def compose(self) -> ComposeResult:
         """Lay out the list and its keys."""
         with Vertical(classes="dialog pick"):
             options = enumerate(self._choices)
             listed = OptionList(*(Option(self._text(at, it), it.name) for at, it in options))
+            listed.highlighted = self._marked
             listed.border_title = self._title
             listed.border_subtitle = "↑ ↓ Enter chooses   Esc leaves"
             yield listed

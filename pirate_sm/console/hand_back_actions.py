@@ -28,7 +28,10 @@ class HandBackActions(ConfirmedActions):
 
     def _choose_phase(self, snapshot: Snapshot) -> None:
         choices = self._phase_choices(snapshot)
-        pick = Pick("Hand back at", choices, max(len(each.label) for each in choices))
+        names, left = [each.name for each in choices], snapshot.story.left
+        title = f"Hand back at (it was stopped in {left})" if left else "Hand back at"
+        wide, at = max(map(len, names)), names.index(left) if left in names else 0
+        pick = Pick(title, choices, wide, at)
         self._picking = pick
         self.push_screen(pick, self._hand_back)
 

@@ -36,10 +36,11 @@ _ALWAYS = (
 )
 
 _LOOKING_BACK = (
-    ("Space", "Play or stop; at the end from the start."),
-    ("← →", "1 s back, 1 s on; with Shift 0.1 s, so do , and ."),
+    ("r", "Play; at the end from the start."),
+    ("p Space", "Pause."),
+    ("← →", "1 s back, 1 s on; with Shift 0.1 s."),
     ("↑ ↓", "10 s back, 10 s on; so do PgUp and PgDn."),
-    ("p n", "The phase before, the next one."),
+    ("< >", "The phase before, the next one."),
     ("Home End", "The start, the end."),
     ("Tab", "Next page, where the terminal is too small for all at once."),
     ("?", "This page."),
@@ -51,7 +52,7 @@ _SIGNS = (
     ("▶ ‖ ■ ◆", "running, paused, ending or over, no mission: by hand"),
     ("✓ ▶ ▷ ·", "a phase that was left, the present one, one that has called it, not entered"),
     ("● ○", "a state that has been confirmed; one that was only commanded"),
-    ("■ ?", "one that was commanded and stopped: 0 is sent; one that nothing shows now"),
+    ("■ ?", "commanded and stopped: 0 is sent; shown by nothing now, or a fault is against it"),
     ("12s", "after a state: how long ago sensors, an echo or a person showed it"),
     ("┄1.2 3s", "what a value was when it was last reported, and how long ago"),
     (
@@ -64,7 +65,7 @@ _SIGNS = (
     ("full disc, ring", "a wheel that touches a wall, one that does not"),
     ("full, outline", "a part of the robot that is held, one that is not"),
     ("rays, dashes", "a light that is on; the robot as it was last heard"),
-    ("!", "near a limit"),
+    ("!", "near a limit; before a key: a fault speaks against it, so it asks first"),
 )
 
 

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import unicodedata
 from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from string import ascii_lowercase
 
 from pirate_sm.engine.robot.criteria import StoppedSpec
@@ -74,6 +75,7 @@ def arrows_for(robot: RobotSpec) -> dict[str, str]:
     return found
 
 
+@lru_cache(maxsize=8)
 def ways(robot: RobotSpec) -> dict[str, int]:
     """Return the commands that drive: 1 forward, -1 backward."""
     found: dict[str, int] = {}

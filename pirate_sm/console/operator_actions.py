@@ -15,7 +15,7 @@ from textual.worker import Worker, WorkerState
 from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.checklist import Checklist
-from pirate_sm.console.dialogs import Say
+from pirate_sm.console.dialogs import Confirm, Say
 from pirate_sm.console.hand_back_actions import HandBackActions
 from pirate_sm.console.hand_driving import (
     FIRST_REPEAT_S,
@@ -68,8 +68,10 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         self.session.quit(BY_SIGNAL[SIGHUP])
 
     def action_stop(self) -> None:
-        """Send the robot to its safe state."""
+        """Send the robot to its safe state; a question about a motion is not open after it."""
         self.stop_now()
+        if isinstance(self.screen_stack[-1], Confirm):
+            self.screen_stack[-1].dismiss(False)
 
     def action_leave(self) -> None:
         """Go to the safe state and leave; at the second request leave at once."""
@@ -105,7 +107,8 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             question = f"{name} lets go of the pipe: nothing holds the robot then. Let go?"
             self._ask(question, "Let go", give)
         else:
-            give()
+            doubt = availability.drive_doubt(snapshot, name)
+            self._ask(f"{doubt}. {name} all the same?" if doubt else "", "Drive", give)
 
     def action_drive(self, name: str) -> None:
         """Drive for as long as the key is held; act on each repeat of it."""
@@ -118,6 +121,8 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self._agree(lambda: None)  # no drive begins with the answer, only with a key held
             return
         reason = availability.command_reason(self.session.latest, name) or driving.why_not(name)
+        if not reason and (doubt := availability.drive_doubt(self.session.latest, name)):
+            reason = f"{doubt} ({self.letters.get(name, '^p')} asks and drives)"
         if driving.holds(name) or not reason:
             driving.press(name)
         elif not again:
@@ -204,7 +209,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self.notify("starts as soon as the check has looked at it", timeout=4, markup=False)
         elif control.reason:
             self._refuse(control.label, control.reason)
-        elif name == "hand_back":
+        elif name == "hand_back" or (name == "go" and availability.stopped_in(snapshot)):
             self._choose_phase(snapshot)
         elif name == "abort":
             self.session.stop()

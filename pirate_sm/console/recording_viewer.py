@@ -56,17 +56,18 @@ class RecordingViewer(App[None]):
     CSS_PATH = Path(__file__).with_name("console.tcss")
     TITLE = "recording"
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("space", "play", "Play"),
+        Binding(both_cases("r"), "play(True)", "Play", key_display="r"),
+        Binding(f"{both_cases('p')},space", "play(False)", "Pause", key_display="p"),
         Binding("left", "by(-1)", "1 s back"),
         Binding("right", "by(1)", "1 s on"),
-        Binding("shift+left,comma", "by(-0.1)", "0.1 s back", show=False),
-        Binding("shift+right,full_stop", "by(0.1)", "0.1 s on", show=False),
+        Binding("shift+left", "by(-0.1)", "0.1 s back", show=False),
+        Binding("shift+right", "by(0.1)", "0.1 s on", show=False),
         Binding("down,pagedown", "by(10)", "10 s on", show=False),
         Binding("up,pageup", "by(-10)", "10 s back", show=False),
         Binding("home", "to(0)", "Start", show=False),
         Binding("end", "to(1)", "End", show=False),
-        Binding(both_cases("p"), "phase(-1)", "Phase before", key_display="p"),
-        Binding(both_cases("n"), "phase(1)", "Next phase", key_display="n"),
+        Binding("less_than_sign", "phase(-1)", "Phase before", key_display="<"),
+        Binding("greater_than_sign", "phase(1)", "Next phase", key_display=">"),
         Binding("tab", "page", "Page", show=False, priority=True),
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding(both_cases(LEAVE), "quit", "Quit", key_display=LEAVE),
@@ -184,10 +185,10 @@ class RecordingViewer(App[None]):
 
     # --- what a person wants -------------------------------------------------------------------
 
-    def action_play(self) -> None:
-        """Play, from the start if at the end; or stop."""
-        self.playing = not self.playing
-        if self.playing and self.time_s >= self.reel.length_s:
+    def action_play(self, on: bool) -> None:
+        """Play, from the start if at the end; or pause."""
+        self.playing = on
+        if on and self.time_s >= self.reel.length_s:
             self.time_s = 0.0
         self.show()
 

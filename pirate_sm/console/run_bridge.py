@@ -74,8 +74,9 @@ class RunBridge:
         self._waiting.clear()
         came_m = self._snapshot(self.latest.now_s).odometry_m
         self._before_m += 0.0 if isnan(came_m) else came_m
+        same = scene.loaded.documents == self._scene.loaded.documents
+        self._memory.begin(scene.robot, again=same)
         self._scene, self._prepared, self._run = scene, prepared, run
-        self._memory.begin(scene.robot)
         self._due_s, self.asked = -inf, 0
         for notice in prepared.notices:
             self._memory.tell(Line("console", notice), self.latest.now_s)

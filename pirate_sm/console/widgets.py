@@ -19,7 +19,7 @@ from pirate_sm.console.reason_lines import sign_of
 from pirate_sm.console.themed_lines import themed
 from pirate_sm.showing import body_panel, motor_page, panels, picture
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.text_styles import ACCENT, FLAG, GOOD, MUTED, STRONG, line
+from pirate_sm.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, line
 from pirate_sm.visible import visible
 
 _COLOURS = {
@@ -64,20 +64,21 @@ class Row(Static):
         super().__init__(markup=False, classes="row")
         self.asks = name
         self.key = key
-        self._shown: tuple[str, str, bool] | None = None
+        self._shown: tuple[str, str, bool, str] | None = None
 
-    def show(self, label: str, reason: str, *, under_way: bool = False) -> None:
-        """Show the label, grey if there is a reason, or that it is under way."""
-        if self._shown == (label, reason, under_way):
+    def show(self, label: str, reason: str, *, under_way: bool = False, doubt: str = "") -> None:
+        """Show the label: grey if there is a reason, under way, or asked about for a doubt."""
+        if self._shown == (label, reason, under_way, doubt):
             return
-        self._shown = label, reason, under_way
+        self._shown = label, reason, under_way, doubt
         if under_way:
             shown = line((f"▶{self.key:1} ", GOOD), (f" {label}", STRONG))
         elif reason:
             shown = line((f"{sign_of(reason)}{self.key:1}  {label}", MUTED))
         else:
-            shown = line((f" {self.key:1} ", f"{FLAG}.{ACCENT}"), (f" {label}", STRONG))
-        self.tooltip = visible(reason) or None
+            sign, style = ("!", BAD) if doubt else (" ", ACCENT)
+            shown = line((f"{sign}{self.key:1} ", f"{FLAG}.{style}"), (f" {label}", STRONG))
+        self.tooltip = visible(reason or doubt) or None
         self.update(themed(shown))
 
     def on_click(self, event: Click) -> None:

@@ -1,8 +1,9 @@
 """Distance travelled: the median of what the wheels of the holding part have rolled.
 
 In a bend, single wheels slip and roll up to twice as far as the robot moves. The wheels of one
-clamped part all move alike, so the median ignores one of three that slips or is dead. The median is
-taken over short pieces of the way, since another wheel may slip next.
+clamped part all move alike, so the median ignores one of three that slips. The median is taken over
+short pieces of the way, since another wheel may slip next. Wheels that the engine does not believe,
+such as dead ones, are not counted; where it believes none of the part, those of the other count.
 """
 
 from __future__ import annotations
@@ -101,4 +102,5 @@ class Odometer:
             for wheel in heard
             if in_force[wheel.slot] or newest[wheel.slot] or wheel.place in self._sharing
         ]
+        driven = [place for place in driven if place not in state.sensing.distance.out] or driven
         return tuple(place for place in driven if place in holding) or tuple(driven)

@@ -182,7 +182,7 @@ def _may_move(link: LinkHealth, *, moving: bool) -> str:
     what = "a joint" if link.stopped else "wheels"
     if link.silent_s >= link.switch_stops_s:
         has = f"its dead man's switch has stopped the {'joints' if link.stopped else what}"
-        return f"{has}, unless its controller hangs: then cut power"
+        return f"{has}, unless its controller hangs or is starting again: then cut power"
     turning = "moving" if link.stopped else "turning"
     if isfinite(link.switch_stops_s):
         left_s = link.switch_stops_s - link.silent_s

@@ -46,6 +46,8 @@ TOPICS = {
 OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
 """Styles of how a run has ended; any other end is bad."""
 
+_PAUSED = "paused: drive by hand, or go on"
+
 _TWO_COLUMNS = 70
 
 _LOG_TEXT = 19
@@ -133,11 +135,12 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
     columns = 1 if width < _TWO_COLUMNS else 2
     cells = []
     for region, label, name in zip(robot.regions, labels, change.states, strict=True):
-        mark, style, said = _state(snapshot, region, name)
+        mark, style, said = _state(snapshot, region, name, region in change.unconfirmed)
         of = style if style != GOOD else ""
         cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (said, of))
-        if mark == "■" and len(cell) > width // columns:
-            cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (f"{name}; sent: 0", of))
+        if len(cell) > width // columns and said != name:
+            short = f"{name}; sent: 0" if mark == "■" else said.partition(":")[0]
+            cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (short, of))
         age = f" {ago(snapshot.age_s(region))} "
         if len(cell) + len(age) <= width // columns:
             cell = fitted(cell, width // columns - len(age)).append(age, MUTED)
@@ -150,7 +153,7 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
     return in_columns([*cells, *_words(snapshot, width // 2), _contacts(snapshot)], width, 2)
 
 
-def _state(snapshot: Snapshot, region: str, name: str) -> tuple[str, str, str]:
+def _state(snapshot: Snapshot, region: str, name: str, unconfirmed: bool) -> tuple[str, str, str]:
     """Return the sign of a region's state, its style, and what is said of it."""
     robot, state = snapshot.scene.robot, snapshot.state
     assert state is not None
@@ -159,7 +162,9 @@ def _state(snapshot: Snapshot, region: str, name: str) -> tuple[str, str, str]:
         return "?", MUTED, f"{STALE}{name}"
     if region in marks and marks[region].command == STOPPED:
         return "■", WARN, f"commanded: {name}; sent: 0"
-    return ("○", WARN, name) if region in marks else ("●", GOOD, name)
+    if region in snapshot.doubts:
+        return "?", BAD, f"{name}, {snapshot.doubts[region]}"
+    return ("○", WARN, name) if unconfirmed else ("●", GOOD, name)
 
 
 def _contacts(snapshot: Snapshot) -> Text:
@@ -207,7 +212,9 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
     if snapshot.unheard_s:
         lines.append(line(("? ", BAD), "no word: mission time stands still"))
     if state.mission.paused and snapshot.scene.mission:
-        lines.append(line(("‖ ", WARN), "paused: drive by hand, or go on"))
+        left = snapshot.story.left
+        lines.append(line(("‖ ", WARN), f"stopped in {left}" if left else _PAUSED))
+        lines += [line(("  r: go on there, or at another phase", MUTED))] if left else []
     return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
         line((idle(snapshot), MUTED))
     ]
@@ -220,6 +227,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
         return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
     current = program.phase_of[state.mission.pc] if state is not None else ""
     begun = state is not None and (state.mission.begun or state.mission.pc != program.start)
+    current = current if begun else story.left or current
     names = program.phases
     if len(names) > rows:  # those of missions that are called are left out, but for the present one
         names = tuple(each for each in names if current.startswith(each[: each.rfind("/") + 1]))
@@ -239,7 +247,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
         elif current.startswith(f"{name}/") and present:
             mark, style = "▷", ""
         elif name in story.spent_s:
-            mark, style = "✓", GOOD
+            mark, style = ("■", WARN) if name == story.left else ("✓", GOOD)
         if mark in "▶?" and state is not None:
             own += program.round_note(state.mission.pc)
         room = max(width - len(time) - 3, 4)

@@ -49,6 +49,8 @@ class Story(NamedTuple):
     passed: frozenset[str] = frozenset()
     alarms: tuple[NumberedLine, ...] = ()
     stopped: bool = False
+    faults: Mapping[tuple[str, str], float] = {}
+    left: str = ""
 
 
 class Memory:
@@ -67,6 +69,8 @@ class Memory:
         passed: Places of the waits that one of their triggers has ended, not their time limit.
         alarms: The last lines that tell of something wrong or how a mission ended, oldest first.
         stopped: Whether a run was stopped, and no command has been accepted since.
+        faults: When each fault was last found, by its code and message; replaced, never changed.
+        left: The phase in which the mission was when it was stopped or failed; empty once it runs.
     """
 
     def __init__(
@@ -95,12 +99,21 @@ class Memory:
         self.passed: frozenset[str] = frozenset()
         self.alarms: tuple[NumberedLine, ...] = ()
         self.stopped = False
+        self.faults: Mapping[tuple[str, str], float] = {}
+        self.left = ""
         self._told = 0
 
-    def begin(self, robot: RobotSpec) -> None:
-        """Begin another mission; the lines and alarms so far stay, and how the last one ended."""
+    def begin(self, robot: RobotSpec, *, again: bool = False) -> None:
+        """Begin another mission; the lines and alarms so far stay, and how the last one ended.
+
+        Args:
+            robot: Whose run it is.
+            again: Whether it is the mission of the run before, whose phases stay too.
+        """
         fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
-        for name in ("recent", "_told", "banner", "alarms", "stopped"):
+        undone = again and self.ended is not None and self.ended.outcome != "succeeded"
+        phases = ("spent_s", "left") if undone else ()
+        for name in ("recent", "_told", "banner", "alarms", "stopped", "faults", *phases):
             setattr(fresh, name, getattr(self, name))
         self.__dict__.update(fresh.__dict__)
 
@@ -110,6 +123,8 @@ class Memory:
             self._note(effect, now_s)
             if isinstance(effect, fx.CommandStatus) and effect.status in ("sent", "accepted"):
                 self.stopped = False
+            if isinstance(effect, fx.Fault):
+                self.faults = {**self.faults, (effect.code, effect.message): now_s}
             for line in self._teller.lines(effect):
                 self.tell(line, now_s)
             if isinstance(effect, fx.Ended):
@@ -146,15 +161,13 @@ class Memory:
     def _note(self, effect: fx.Effect, now_s: float) -> None:
         match effect:
             case fx.PhaseChange():
-                self._leave(now_s)
-                self.phase, self.wait = Visit(effect.phase, now_s), None
-                self.question = None
+                self._enter(effect.phase, now_s)
+                self.wait = self.question = None
             case fx.Ask():
                 self.question = effect if effect.question else None
             case fx.WaitArmed():
                 if effect.phase != self.phase.phase:  # back from a mission that it called
-                    self._leave(now_s)
-                    self.phase = Visit(effect.phase, now_s)
+                    self._enter(effect.phase, now_s)
                 self.wait = effect, now_s
             case fx.TriggerFired():
                 self.wait = None
@@ -167,10 +180,17 @@ class Memory:
                 self.changed = frozenset(i for i, (old, new) in enumerate(pairs) if old != new)
                 self.setpoints = effect.values
             case fx.Ended():
+                self.left = self.phase.phase or self.left
                 self._leave(now_s)
                 self.ended, self.wait, self.question = effect, None, None
             case _:
                 pass
+
+    def _enter(self, phase: str, now_s: float) -> None:
+        if self.left and phase == next(iter(self.spent_s), ""):  # from the start
+            self.spent_s = {}
+        self._leave(now_s)
+        self.phase, self.left = Visit(phase, now_s), ""
 
     def _leave(self, now_s: float) -> None:
         name, since_s = self.phase

@@ -143,6 +143,21 @@ class Snapshot:
         return self.live and same
 
     @cached_property
+    def doubts(self) -> Mapping[str, str]:
+        """Return the faults against states that nothing has shown since, by region.
+
+        A rule of the robot speaks against the states that its condition names.
+        """
+        found: dict[str, str] = {}
+        for rule in self.scene.robot.faults:
+            at_s = self.story.faults.get((rule.code, rule.message))
+            if at_s is not None:
+                for name in rule.when.names.intersection(self.scene.robot.regions):
+                    if not self.evidence.get(name, NOTHING).at_s > at_s + self.ahead_s:
+                        found[name] = f"{rule.code}: {rule.message}"
+        return found
+
+    @cached_property
     def signals(self) -> Mapping[str, float]:
         """Return every signal in SI, NaN where unknown."""
         return {} if self.state is None else self.scene.engine.signals(self.state)

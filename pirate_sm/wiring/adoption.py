@@ -15,6 +15,7 @@ from pirate_sm.engine.resuming.reconciling import Reconciled, VerdictTable, reco
 from pirate_sm.engine.resuming.unknowns import unknowns
 from pirate_sm.engine.robot.robot_state import known_values
 from pirate_sm.errors import BackendError, UsageError
+from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.model.events import SubmitResult
 from pirate_sm.runtime.first_look import FirstLook, look
@@ -77,12 +78,8 @@ def adopt(prepared: Prepared, stands: Stands, table: VerdictTable) -> tuple[Prep
         BackendError: The robot has not confirmed the array.
         CheckError: The mission is refused if it begins there.
     """
-    order, loaded, body = prepared.order, prepared.loaded, table.hypothesis.body
+    order, loaded, body = prepared.order, begun_there(prepared, table), table.hypothesis.body
     names = loaded.robot.table.configurations[body.configuration]
-    program = replace(loaded.program, start_configuration=body.configuration)
-    loaded = replace(loaded, program=program)
-    if order.check and loaded.mission.mission != BY_HAND:
-        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
     values = known_values(body.values, stands.shows.numbers, loaded.robot)
     prepared.backend.submit(body.next_id, values)
     now_s, limit_s = stands.look.now_s, stands.look.now_s + _HELD_WITHIN_S
@@ -96,10 +93,24 @@ def adopt(prepared: Prepared, stands: Stands, table: VerdictTable) -> tuple[Prep
         prepared,
         loaded=loaded,
         order=replace(order, states=dict(zip(loaded.robot.regions, names, strict=True))),
-        engine=Engine(loaded.robot, program, nominal=False),
+        engine=Engine(loaded.robot, loaded.program, nominal=False),
     )
     body = body._replace(values=values, next_id=body.next_id + 1, sent=True)
     return adopted, Resuming(None, now_s, (*stands.look.newest, *stands.look.faults), body)
+
+
+def begun_there(prepared: Prepared, table: VerdictTable) -> LoadedMission:
+    """Return the mission with its beginning where the robot is taken to be.
+
+    Raises:
+        CheckError: It is refused if it begins there.
+    """
+    order, loaded = prepared.order, prepared.loaded
+    there = table.hypothesis.body.configuration
+    loaded = replace(loaded, program=replace(loaded.program, start_configuration=there))
+    if order.check and loaded.mission.mission != BY_HAND:
+        pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
+    return loaded
 
 
 def doubts(prepared: Prepared, stands: Stands) -> Iterator[str]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from pirate_sm.console.dialogs import Confirm
 from pirate_sm.showing import panels
 
 from .driving import by_hand, operator, played, with_mission
+from .test_looks import text_of
 
 
 def test_somebody_drives_in_by_hand_and_lets_the_bend_mission_take_over() -> None:
@@ -148,3 +150,35 @@ ends:
   good: {succeed: It is}
   bad: {fail: It is not}
 """
+
+
+def test_a_mission_that_was_stopped_says_where_and_is_handed_back_there() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend")) as me:
+            await me.look()
+            assert availability.controls(me.latest, None)[0].label == "Run: start"
+            await me.press("R")
+            me.until(lambda: me.latest.story.phase.phase.startswith("prepare"))
+            await me.press("space")
+            me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
+            assert me.latest.story.left.startswith("prepare/prepare_bend.")
+            await me.look()
+            shown = text_of(me)
+            left = me.latest.story.left
+            assert f"stopped in {left}" in shown
+            assert re.search(rf"■ +{left.rpartition('/')[2]} +\d", shown)  # how long it was there
+            assert re.search(r"✓ enter +\d", shown)
+
+            await me.press("R")
+            await me.look()
+            listed = me.app.screen.query_one(OptionList)
+            assert listed.border_title == f"Hand back at (it was stopped in {left})"
+            assert listed.options[listed.highlighted].id == left
+            await me.press("enter")
+            await me.look()
+            if isinstance(me.app.screen, Confirm):  # its waits, or the drive that was stopped
+                await me.press("y")
+            me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
+            assert not me.latest.story.left
+
+    played(story)

@@ -96,6 +96,21 @@ def test_the_stop_works_over_a_dialog() -> None:
     played(story)
 
 
+def test_a_question_about_a_motion_is_not_open_after_the_stop() -> None:
+    async def story() -> None:
+        async with operator(confirming(trace(), "a robot is about to move"), size=SMALL) as me:
+            await me.press(me.app.letters["ClampFront"])
+            assert isinstance(me.app.screen, Confirm)
+            await me.press("space")
+            await me.press("y")
+            me.wait(1.0)
+
+            assert not isinstance(me.app.screen, Confirm)
+            assert me.states[2] == "Unclamped"
+
+    played(story)
+
+
 def test_the_key_is_heard_by_the_thread_that_reads_the_terminal_while_the_rest_is_busy() -> None:
     async def story() -> None:
         async with operator(trace(), size=SMALL) as me:

@@ -225,8 +225,8 @@ class SerialBackend:
             return ""
         within_s = self.plan.away_s
         return (
-            "no data comes from the robot, which may continue its motion; the mission waits "
-            f"for it, up to {within_s:g} s"
+            "no data comes from the robot, which may continue its motion; without any, the link "
+            f"is given up after {within_s:g} s"
         )
 
     # --- inside -----------------------------------------------------------------------------

@@ -5,6 +5,7 @@ from __future__ import annotations
 import sys
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
+from termios import TCIFLUSH, tcflush
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say, say_bug
@@ -73,8 +74,12 @@ def open_console(options: ConsoleOptions) -> int:
         if prepared.backend.real_time:
             from pirate_sm.cli.taking_over import take_over
 
+            # Where the robot stands, each phase is checked before it is offered.
+            order = prepared.order
+            unchecked = replace(prepared, order=replace(order, check=False))
             with CaughtSignals(requests):
-                prepared, begun = take_over(prepared, options, requests)
+                prepared, begun = take_over(unchecked, options, requests)
+            prepared = replace(prepared, order=replace(prepared.order, check=order.check))
         session = _session(prepared, factor, recording, begun)
     from pirate_sm.console.app import Console
     from pirate_sm.console.check_process import CheckProcess
@@ -82,6 +87,7 @@ def open_console(options: ConsoleOptions) -> int:
     from pirate_sm.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
+    tcflush(sys.stdin, TCIFLUSH)  # what was typed before is for nothing on the screen
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
         Watchdog(session.quitting, ender()).start()
         checking = CheckProcess(lambda: session.quitting.stop is not None)
@@ -174,8 +180,8 @@ def _prepared(order: Order) -> Prepared:
 
     if order.mission:
         return prepare(order, load(order), say=say)
-    if order.settings:
-        raise UsageError("--set needs a mission")
+    if order.settings or order.start_phase:
+        raise UsageError(f"{'--set' if order.settings else '--from'} needs a mission")
     by_hand = replace(order, mission=BY_HAND, check=False)
     prepared = prepare(by_hand, without_mission(order), say=say)
     return replace(prepared, order=replace(by_hand, check=order.check))

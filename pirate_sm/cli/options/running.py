@@ -74,6 +74,7 @@ class _RobotRunOptions:
     fitted: str | None = option(
         "FILE", named_files.twins, "Numbers of its motors to judge it by, from pirate fit."
     )
+    start_phase: str | None = option("PHASE", candidates.phases, "Begin with this phase.", "--from")
     no_record: bool = flag("Record nothing.", "--no-record")
     live: bool = flag("Let Foxglove or Lichtblick look on, on this machine.", "--live")
 
@@ -99,7 +100,6 @@ class RunOptions(_RobotRunOptions):
     )
     look: bool = flag("With --resume: only see whether it can go on.", "--look")
     accept: bool = flag("With --resume: go on without asking, if all is seen.", "--accept")
-    start_phase: str | None = option("PHASE", candidates.phases, "Begin with this phase.", "--from")
     speed: str | None = common.a_speed("Mission time over wall time. On a terminal 4, else max.")
     jitter: list[str] | None = option(
         "NAME=VALUE",

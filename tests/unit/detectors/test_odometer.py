@@ -44,8 +44,11 @@ class World:
         duty: float = 1.0,
         mute: tuple[int, ...] = (),
         holding: tuple[int, ...] = FRONT,
+        out: tuple[int, ...] = (),
     ) -> float:
         found = 0.0
+        distance = self.state.sensing.distance._replace(out=frozenset(out))
+        self.state = self.state._replace(sensing=self.state.sensing._replace(distance=distance))
         for _ in range(round(for_s / STEP_S)):
             self.now_s += STEP_S
             now_speeds = speeds(self.now_s) if duty else [0.0] * 6
@@ -103,6 +106,14 @@ def test_a_wheel_that_slips_is_left_out_whichever_it_is(world: World) -> None:
 def test_a_dead_wheel_is_left_out(world: World) -> None:
     dead = [SPEED, SPEED, 0.0, 0.0, SPEED, SPEED]
     assert world.run(5.0, lambda _: dead) == pytest.approx(5 * SPEED, abs=0.006)
+
+
+@pytest.mark.parametrize("dead", [FRONT, (0, 1)])
+def test_wheels_that_the_engine_does_not_believe_count_nothing(
+    world: World, dead: tuple[int, ...]
+) -> None:
+    speeds = [0.0 if place in dead else SPEED for place in range(6)]
+    assert world.run(5.0, lambda _: speeds, out=dead) == pytest.approx(5 * SPEED, abs=0.006)
 
 
 def test_the_wheels_of_the_other_part_count_only_where_none_of_the_holding_part_can(

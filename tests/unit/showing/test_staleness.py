@@ -10,8 +10,9 @@ import pytest
 from rich.text import Text
 
 from pirate_sm.backends.serial.health import LinkHealth
-from pirate_sm.console.availability import UNHEARD, command_reason, controls
-from pirate_sm.engine.robot.robot_state import STOPPED, Mark
+from pirate_sm.console.availability import UNHEARD, command_reason, controls, drive_doubt
+from pirate_sm.engine.robot.robot_state import DENIED, STOPPED, Mark
+from pirate_sm.model.effects import Fault
 from pirate_sm.showing import body_panel, panels
 from pirate_sm.showing.live_snapshots import Trends
 from pirate_sm.showing.picture import draw
@@ -19,7 +20,7 @@ from pirate_sm.showing.pose import pose_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import MUTED, STALE, ago
 
-from .test_panels import beginning
+from .test_panels import after, beginning
 
 SILENT_S = 3.2
 
@@ -78,6 +79,34 @@ def test_a_state_of_an_earlier_connection_is_a_question(live: Snapshot) -> None:
     again = replace(live, state=live.state._replace(sensing=sensing))
 
     assert panels.states(again, 44)[0].plain.startswith("? ")
+
+
+def test_a_state_that_a_fault_speaks_against_is_a_question_until_it_is_shown_again(
+    live: Snapshot,
+) -> None:
+    rules = live.scene.robot.faults
+    dead = next(rule for rule in rules if rule.code == "wheel.dead")
+    faulty = after(live, Fault(dead.code, dead.message, "continue", dead.of))
+
+    assert words(panels.states(faulty, 44)).startswith("? FrontWheels Free, wheel.dead ")
+    assert dead.message in words(panels.states(faulty, 200))
+    assert "Bending" not in "".join(faulty.doubts)
+    assert drive_doubt(faulty, "DriveForward") == f"{dead.code}: {dead.message}"
+    assert drive_doubt(faulty, "Brake") == ""
+    assert drive_doubt(replace(faulty, ahead_s=-9.0), "DriveForward") == ""  # shown since
+
+
+def test_a_clamp_that_is_denied_is_not_confirmed(live: Snapshot) -> None:
+    assert live.state is not None
+    body, robot = live.state.robot, live.scene.robot
+    held = next(at for at, parts in enumerate(robot.held) if parts)
+    (part, *_) = robot.held[held]
+    mark = frozenset({Mark("part", part, DENIED)})
+    denied = body._replace(configuration=held, marks=mark)
+    shown = words(panels.states(replace(live, state=live.state._replace(robot=denied)), 44))
+
+    for region in robot.part_regions[part]:
+        assert shown.splitlines()[region].startswith("○")
 
 
 def test_the_robot_is_drawn_as_last_heard_and_touches_nothing(

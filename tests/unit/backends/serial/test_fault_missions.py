@@ -210,8 +210,8 @@ def test_a_mission_that_handles_a_reset_goes_on_where_it_was(go: Go) -> None:
 
     assert (course.message, course.codes) == ("There", ["firmware.reset"])
     assert course.logs == [
-        "no data comes from the robot, which may continue its motion; the mission waits for it, "
-        "up to 8 s",
+        "no data comes from the robot, which may continue its motion; without any, the link is "
+        "given up after 8 s",
         "paused: wheels stopped, deadlines frozen",
         "resumed",
     ]
