@@ -8,7 +8,7 @@ from typing import Annotated
 from pydantic import Field
 
 from pirate_sm.model.base import Frozen
-from pirate_sm.model.quantities import Angle, Count, Duration, Number, Ratio
+from pirate_sm.model.quantities import Acceleration, Angle, Count, Duration, Number, Ratio
 
 _Factor = Annotated[Number, Field(gt=0)]
 _PositiveAngle = Annotated[Angle, Field(gt=0)]
@@ -28,6 +28,8 @@ class Plausibility(Frozen):
         overcurrent: Largest current as a multiple of the motor's stall current.
         overtorque: Largest torque as a multiple of the motor's stall torque; outside forces can
             wind up a spring behind a self-locking gear.
+        acceleration: Largest magnitude of each number of an accelerometer; without one all are
+            believed.
         hold_back: Number of readings for which the last believed value replaces an impossible one.
         spikes: Number of spikes of one sensor within ``spikes_within`` that is a fault.
         spikes_within: Duration in which spikes are counted.
@@ -51,6 +53,7 @@ class Plausibility(Frozen):
     beyond_stop: _PositiveAngle = radians(12)
     overcurrent: _Factor = 2.0
     overtorque: _Factor = 8.0
+    acceleration: Annotated[Acceleration, Field(gt=0)] | None = None
     hold_back: Count = 2
     spikes: _Readings = 5
     spikes_within: _PositiveDuration = 10.0

@@ -79,6 +79,7 @@ class ChainBody:
         roll_link: Index of the link with the roll joint, -1 without.
         roll_rate_rad_s: No-load speed of the roll joint.
         roll_stall_nm: Stall torque of its motor.
+        felt_over_s: Time over which the accelerometer averages: that between two of its reports.
     """
 
     wheels: tuple[WheelBody, ...]
@@ -91,6 +92,11 @@ class ChainBody:
     roll_link: int = -1
     roll_rate_rad_s: float = 1.0
     roll_stall_nm: float = 1.0
+    felt_over_s: float = 0.0
+
+    def felt_share(self, cycle_s: float) -> float:
+        """Return the share of a cycle in what the accelerometer shows after it."""
+        return min(1.0, cycle_s / self.felt_over_s) if self.felt_over_s else 1.0
 
     @property
     def nodes(self) -> int:
@@ -166,6 +172,7 @@ def chain_of(profile: Profile) -> ChainBody:
         next((m for m, link in enumerate(body.links) if link.roll is not None), -1),
         roll_rate or 1.0,
         roll_stall or 1.0,
+        profile.link.cycle * sum(board.channels_fitted for board in profile.boards if board.fitted),
     )
 
 

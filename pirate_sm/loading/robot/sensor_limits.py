@@ -1,4 +1,4 @@
-"""Derive the limits of each motor's sensors from the profile's motors and thresholds."""
+"""Derive the limits of sensors of motors and accelerations from motors and thresholds."""
 
 from __future__ import annotations
 
@@ -19,17 +19,20 @@ def thresholds(profile: model.Profile) -> PlausibilitySpec:
 
 
 def watched(profile: model.Profile, board: model.Board, spec: BoardSpec) -> WatchedSpec:
-    """Return the board's sensors that measure a motor, with their limits."""
+    """Return the board's sensors that measure a motor or an acceleration, with their limits."""
     numbers = {place: number for place, number, _ in spec.channels}
     slots = {slot.name: (index, slot) for index, slot in enumerate(profile.slots)}
     found = []
     for place, number in sorted(numbers.items()):
         channel = board.channels[place]
+        resting = (number, *_resting_on(spec, number))
+        name = channel.signal or channel.name
+        most = profile.plausibility.acceleration
+        if most is not None and (channel.senses or "").startswith("acc"):
+            found.append(WatchSpec(number, name, resting, low=-most, high=most, unit="m/s^2"))
         if channel.slot not in slots:
             continue
         index, slot = slots[channel.slot]
-        resting = (number, *_resting_on(spec, number))
-        name = channel.signal or channel.name
         watch = WatchSpec(number, name, resting, slot=index, of=slot.drives)
         if channel.senses == "angle":
             watch = _angle(profile, board, watch, slot, numbers)
@@ -107,4 +110,5 @@ def _resting_on(spec: BoardSpec, number: int) -> tuple[int, ...]:
         *(target for source, target in spec.rates if source == number),
         *(target for source, _, _, target in spec.torques if source == number),
         *(target for apex, _, _, target in spec.diameters if apex == number),
+        *(vector.target for vector in spec.vectors if number in vector.sources),
     )

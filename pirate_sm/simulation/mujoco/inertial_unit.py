@@ -36,10 +36,11 @@ class InertialUnit:
         self._link = model.body(f"{LINK}{link}").id
         self._place = model.body(f"{WHEEL}{link}").id
         self._before: Floats | None = None
+        self._chain = chain
         self._velocity = np.zeros(3)
 
     def read(self, gravity: Vector, roll_rad: float, cycle_s: float) -> None:
-        """Write what it feels after a cycle.
+        """Write what it feels after a cycle; the specific force is averaged.
 
         Args:
             gravity: Where the unit is, in its own plane and square to it, m/s².
@@ -47,12 +48,13 @@ class InertialUnit:
             cycle_s: Length of the cycle.
         """
         place = self._data.xpos[self._place].copy()
+        share = 1.0 if self._before is None else self._chain.felt_share(cycle_s)
         before = place if self._before is None else self._before
         velocity = (place - before) / cycle_s
         acceleration = (velocity - self._velocity) / cycle_s
         self._before, self._velocity = place, velocity
         axes = self._data.xmat[self._link].reshape(3, 3).T * [[1.0], [-1.0], [-1.0]]
-        self._out[:3] = axes @ (acceleration - gravity)
+        self._out[:3] += share * (axes @ (acceleration - gravity) - self._out[:3])
         field = axes @ _FIELD_UT
         cos, sin = np.cos(roll_rad), np.sin(roll_rad)
         self._out[3] = field[0]

@@ -41,6 +41,7 @@ class ChainWorld:
     def __init__(self, chain: ChainBody, friction: Friction, cycle_s: float) -> None:
         self.body: Floats = body_array(chain, friction)
         self.duties: Floats = np.zeros(2 * chain.nodes)
+        self._felt = chain.felt_share(cycle_s)
         self._steps = max(1, round(cycle_s / STEP_S))
         self._world: Floats = np.zeros(self._columns.WORLD_ENTRIES)
         self._world[self._columns.DT] = cycle_s / self._steps
@@ -69,7 +70,9 @@ class ChainWorld:
         self._chain, self._centres = (*arrays, self._steps), centres
         self._glide = own_call(self._functions.glide)
         self._pass_cycles = own_call(self._functions.pass_cycles)
+        self._world[self._columns.FELT] = 1.0
         self._functions.advance(*arrays, 1)
+        self._world[self._columns.FELT] = self._felt
 
     def advance(self) -> None:
         """Simulate one cycle."""

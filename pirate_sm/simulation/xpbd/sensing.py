@@ -50,7 +50,8 @@ def feel(
     """Write the IMU's quantities to `out`: specific force and field along forward, side B, up.
 
     "Up" is the normal of the plane of the part ahead of the roll joint. It points up when the
-    pipe lies flat and the part has roll 0. In free fall the specific force is zero.
+    pipe lies flat and the part has roll 0. In free fall the specific force is zero; what is
+    shown of it is averaged.
     """
     k = col.OUT_PER_WHEEL * n
     m = min(max(int(world[col.ROLL_LINK]), 0), n - 2)
@@ -65,9 +66,10 @@ def feel(
     across = leg[col.L_GN] if roll[1] == 0.0 else leg[col.L_GN] * cr - leg[col.L_GB] * sr
     fx = accel_x - (leg[col.L_GT] * leg[col.L_TX] - across * leg[col.L_TY])
     fy = accel_y - (leg[col.L_GT] * leg[col.L_TY] + across * leg[col.L_TX])
-    out[k + 2] = fx * hx + fy * hy
-    out[k + 3] = fx * hy - fy * hx
-    out[k + 4] = leg[col.L_GN] * sr + leg[col.L_GB] * cr
+    share = world[col.FELT]
+    out[k + 2] += share * (fx * hx + fy * hy - out[k + 2])
+    out[k + 3] += share * (fx * hy - fy * hx - out[k + 3])
+    out[k + 4] += share * (leg[col.L_GN] * sr + leg[col.L_GB] * cr - out[k + 4])
     sideways = world[col.MAG_X] * hy - world[col.MAG_Y] * hx
     out[k + 5] = world[col.MAG_X] * hx + world[col.MAG_Y] * hy
     out[k + 6] = sideways * cr - world[col.MAG_Z] * sr

@@ -156,6 +156,17 @@ def test_the_inertial_unit_feels_gravity_turned(put: Place) -> None:
     assert upright[2] == pytest.approx(0.0, abs=0.3)
 
 
+def test_the_inertial_unit_averages_between_its_reports(put: Place) -> None:
+    """A jerk of one cycle is not what it shows for a whole round of the boards."""
+    robot = put()
+    robot.clamp(*JOINTS)
+    robot.run(0.5)
+    before = robot.value("acc_z")
+    robot.physics.turn_gravity((1.0, 0.0, 0.0))
+    robot.run(0.016)
+    assert 0.8 * before < robot.value("acc_z") < 0.95 * before
+
+
 def test_a_wheel_that_grips_less_lets_the_robot_slide(put: Place) -> None:
     robot = put(upright=True, at=2.0)
     robot.clamp(*JOINTS)

@@ -113,7 +113,7 @@ def feel(
     """Write the IMU's quantities to `out`: specific force and field along forward, side B, up.
 
     "Up" is against the normal of the part ahead of the roll joint. In free fall the specific force
-    is zero.
+    is zero; what is shown of it is averaged.
     """
     k = col.OUT_PER_WHEEL * n + 2
     m = int(world[col.IMU_LINK])
@@ -133,9 +133,10 @@ def feel(
     fx = accel_x - world[col.G_X]
     fy = accel_y - world[col.G_Y]
     fz = accel_z - world[col.G_Z]
-    out[k] = fx * ex + fy * ey + fz * ez
-    out[k + 1] = -(fx * bx + fy * by + fz * bz)
-    out[k + 2] = -(fx * nx + fy * ny + fz * nz)
+    share = world[col.FELT]
+    out[k] += share * (fx * ex + fy * ey + fz * ez - out[k])
+    out[k + 1] -= share * (fx * bx + fy * by + fz * bz + out[k + 1])
+    out[k + 2] -= share * (fx * nx + fy * ny + fz * nz + out[k + 2])
     out[k + 3] = world[col.MAG_X] * ex + world[col.MAG_Y] * ey + world[col.MAG_Z] * ez
     out[k + 4] = -(world[col.MAG_X] * bx + world[col.MAG_Y] * by + world[col.MAG_Z] * bz)
     out[k + 5] = -(world[col.MAG_X] * nx + world[col.MAG_Y] * ny + world[col.MAG_Z] * nz)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 import pytest
-from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, changed_newt, command
+from driving import BOTH_CLAMPED, DRIVING_FORWARD, IDLE, NEWT, PIRATE, changed_newt, command
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
@@ -26,6 +26,15 @@ def counts(**at: float) -> tuple[float, ...]:
 def frame(driver, board: int, values: tuple[float, ...], at: float) -> dict[str, float]:
     driver.give(ev.SensorFrame(board, values), at)
     return driver.engine.signals(driver.state)
+
+
+def test_a_damaged_acceleration_is_not_believed(drive):
+    """A line damages a reading: -50 m/s^2 is no fall, and no weight of the robot's either."""
+    driver = drive(IDLE, PIRATE, doubting=True)
+    shown = frame(driver, 24, counts(c2=16384), 0.1)
+
+    damaged = frame(driver, 24, counts(c2=-5 * 16384), 0.2)
+    assert damaged["acceleration"] == shown["acceleration"]
 
 
 @pytest.mark.parametrize(

@@ -48,6 +48,14 @@ def test_what_rests_on_a_joint_is_named_with_it() -> None:
     assert torque == {"wheel_current_3", "wheel_torque_3"}
 
 
+def test_an_accelerometer_has_the_range_that_the_profile_says() -> None:
+    robot = load_robot(SIX_WHEELED)
+    limits, names = watch(robot, "acc_z"), robot.normal.vocabulary.numbers
+
+    assert (limits.low, limits.high, limits.rate) == (-40.0, 40.0, inf)
+    assert {names[at] for at in limits.numbers} == {"acc_z", "acceleration", "roll", "pitch"}
+
+
 def test_a_wheel_may_slide_and_has_no_range() -> None:
     limits = watch(load_robot(SIX_WHEELED), "theta_4")
 
