@@ -6,9 +6,9 @@ Every run draws its pipe from the seed (steps of the bore, patches, slopes, fric
 and none, one or two defects of the robot with numbers and a time of their own; see
 `belief_cases.py`. The simulator's truth judges it:
 
-- A claim by distance is false where the robot's estimate, or the way that was asked for, is farther
-  than 20 mm from the truth and farther than the bound that is printed with it. Truth counts from
-  where the robot first drove.
+- A claim by distance is false where the robot's estimate, the way that its words name, or the place
+  where it says that it is back, is farther than 20 mm from the truth and farther than the bound
+  that is printed with it. Truth counts from where the robot first drove.
 - A claim by a word is false where the wheel of the word is more than 15 mm short of where the word
   says, or a wheel is still in the fitting.
 - A robot that has left the pipe has not succeeded.
@@ -21,6 +21,7 @@ pipes are kept in `runs/belief`.
 from __future__ import annotations
 
 import argparse
+import re
 import sys
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor
@@ -63,11 +64,13 @@ class Claim(NamedTuple):
         estimate_m: The odometry.
         bound_m: How far it may be from the truth, by its own account; NaN: it does not say.
         truth_m: How far the robot has moved since it first drove.
+        said_m: What its words say that it has driven; None: they do not say.
     """
 
     estimate_m: float = nan
     bound_m: float = nan
     truth_m: float = nan
+    said_m: float | None = None
 
     def allows(self, said_m: float) -> bool:
         """Return whether a way that is claimed now is within 20 mm or the bound."""
@@ -96,18 +99,20 @@ class Witness:
                 if self._engine.robot.travel(effect.values):
                     self._origin_m = self._truth().distance_m
             elif isinstance(effect, Log) and effect.message.startswith("Holding at"):
-                self.logged.append(self.claim())
+                self.logged.append(self.claim(effect.message))
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Say nothing."""
         return ()
 
-    def claim(self) -> Claim:
-        """Return what the robot says now."""
+    def claim(self, words: str) -> Claim:
+        """Return what the robot says now, and in these words."""
+        said = re.search(r"(-?\d+) ± \d+ mm", words)
         state, names = self._state(), self._engine.robot.vocabulary.numbers
         known = dict(zip(names, state.sensing.numbers if state else (), strict=False))
         truth_m = self._truth().distance_m - self._origin_m
-        return Claim(known.get(ESTIMATE, nan), known.get(BOUND, nan), truth_m)
+        said_m = int(said[1]) / 1000 if said else None
+        return Claim(known.get(ESTIMATE, nan), known.get(BOUND, nan), truth_m, said_m)
 
 
 class Judged(NamedTuple):
@@ -141,7 +146,7 @@ def judged(case: Case) -> Judged:
     except Exception as error:  # a fault of this program is a finding, too
         return Judged(case, "bug", repr(error))
     said = f"{outcome.outcome}: {outcome.message}"
-    claim = witness.claim()
+    claim = witness.claim(outcome.message)
     claims = [*witness.logged, *([claim] if outcome.outcome == "succeeded" else ())]
     covered = tuple(
         abs(each.estimate_m - each.truth_m) <= each.bound_m
@@ -162,11 +167,10 @@ def _wrong(case: Case, outcome: Outcome, claims: Sequence[Claim], prepared: Prep
         for each in claims:
             if not each.allows(each.estimate_m):
                 return _said(each.estimate_m, each)
-        asked = [case.path_m / case.way.path] * (len(claims) - succeeded)
-        asked += [case.asked_m] if succeeded and case.asked_m is not None else []
-        for asked_m, each in zip(asked, claims, strict=False):
-            if not each.allows(asked_m):
-                return _said(asked_m, each)
+            if each.said_m is not None and not each.allows(each.said_m):
+                return _said(each.said_m, each)
+        if succeeded and case.asked_m is not None and not claims[-1].allows(case.asked_m):
+            return _said(case.asked_m, claims[-1])
     by_word = case.way.ends == "word"
     verdict = judge(outcome, TrueEnd(at_word=by_word))
     if not succeeded or verdict.what == "false":

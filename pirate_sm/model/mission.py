@@ -330,7 +330,8 @@ class End(Frozen):
 
     Attributes:
         succeed: The mission has succeeded; the message for the operator.
-        fail: The mission has failed; the message for the operator, which may use ``{cause}``.
+        fail: The mission has failed; the message for the operator, which may use ``{cause}`` and
+            ``{driven}``.
     """
 
     succeed: str | None = None

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import inf
+from math import ceil, inf, isnan
 
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.mission.program import TriggerSpec
@@ -62,3 +62,20 @@ def met_unknown(moment: Moment, state: EngineState, within_m: float = inf) -> En
     message += f" from there; this must be known within {limit_m * 1000:.0f} mm"
     met = meet(moment, state, FoundFault.built_in(BuiltInFault.DISTANCE_UNKNOWN, message))
     return None if met.mission is state.mission else met
+
+
+def in_words(moment: Moment, state: EngineState, text: str, no_cause: str = "") -> str:
+    """Return a text of the mission, with the last cause and what it has driven as measured.
+
+    What was asked for is not what was measured: a brake that comes late adds to the way.
+    """
+    text = text.replace("{cause}", state.mission.cause or no_cause)
+    if "{driven}" not in text:
+        return text
+    now, since = counted(moment, state), state.mission.claim or state.mission.counts_from
+    way_m = now.odometry_m - since.odometry_m
+    driven = "an unknown distance" if isnan(way_m) else f"{way_m * 1000:z.0f} mm"
+    if state.sensing.distance.every_s > 0.0 and not isnan(way_m):
+        bound_m = BASE_M + now.width_m - since.width_m
+        driven = f"{way_m * 1000:z.0f} ± {ceil(bound_m * 1000)} mm"
+    return text.replace("{driven}", driven)

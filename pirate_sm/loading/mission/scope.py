@@ -29,10 +29,11 @@ from pirate_sm.spelling import nearest, one_of
 from pirate_sm.units import DIMENSIONLESS, LENGTH, TIME, Quantity, describe
 
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")
-CAUSE = "cause"
+CAUSE, DRIVEN = "cause", "driven"
 ROUND, ROUNDS = "round", "rounds"
 _MEANINGS = {
     CAUSE: "why something failed",
+    DRIVEN: "how far the robot has driven, as measured, with its bound",
     ROUND: "which round of a repeat this is",
     ROUNDS: "how many rounds a repeat has",
 }
@@ -280,11 +281,14 @@ class Scope:
         return 0
 
     def message(self, text: str, path: Path) -> str:
-        """Return the text with the values of parameters and rounds; ``{cause}`` is kept."""
+        """Return the text with the values of parameters and rounds.
+
+        What is known only in a run, ``{cause}`` and ``{driven}``, is kept.
+        """
         shown = {name: value.text for name, value in self.values.items()}
         if self.turn is not None:
             shown |= {ROUND: str(self.turn[0]), ROUNDS: str(self.turn[1])}
-        known = [*self.source.mission.parameters, CAUSE]
+        known = [*self.source.mission.parameters, CAUSE, DRIVEN]
         for name in _FIELD.findall(text):
             if name in (ROUND, ROUNDS) and self.turn is None:
                 message = f"'{{{name}}}' is {_MEANINGS[name]}, and there is no repeat around this"

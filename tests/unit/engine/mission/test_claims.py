@@ -45,12 +45,17 @@ def driven(
     handled: str = "go: unsure",
     go: str = "there",
     word: str = "detector == past",
+    said: str = "There",
 ) -> Driver:
     """A robot that drives a metre, while its distance becomes less certain by this.
 
     It had driven two, to 0.4 m, and was uncertain by `before_m` when its wait began.
     """
-    body = BODY.replace("WHEN", when).replace("HANDLED", handled)
+    body = (
+        BODY.replace("succeed: There", f"succeed: '{said}'")
+        .replace("WHEN", when)
+        .replace("HANDLED", handled)
+    )
     driver = drive(body.replace("NEXT", go).replace("WORD", word), states=BOTH_CLAMPED)
     widen(driver, before_m, 2.0)
     numbers = list(driver.state.sensing.numbers)
@@ -98,6 +103,16 @@ def test_belief_in_a_success_ends_where_its_distance_is_wrong_by_a_quarter(
         assert "from there; this must be known within 250 mm" in ended.message
         assert f"but the robot may be {(width_m + BASE_M) * 1000:.0f} mm" in ended.message
         assert ended.message.startswith("distance.unknown: the wheels show 10")
+
+
+def test_a_success_names_the_distance_that_was_measured(drive) -> None:
+    """Its trigger asks for 1000 mm, and what the wheels show when it fires is a little more."""
+    driver = driven(drive, "change(odometry) >= 1 m", width_m=0.02, said="{driven} farther on")
+
+    ended = finish(driver)
+
+    assert ended is not None
+    assert ended.message == "1001 ± 25 mm farther on"
 
 
 def test_what_was_uncertain_before_a_change_began_is_not_counted(drive) -> None:

@@ -132,6 +132,12 @@ def test_a_fault_of_a_parameter_is_told_once_and_where_it_stands(
         assert each.startswith(f"m.yaml:{told}")
 
 
+def test_a_parameter_cannot_be_named_like_what_was_driven(faults):
+    text = mission("{type: duration, default: 5 s}").replace("  p:", "  driven:")
+    means = "how far the robot has driven, as measured, with its bound"
+    assert faults(text) == [f"m.yaml:5:3: '{{driven}}' is {means}: choose another name"]
+
+
 def test_a_parameter_cannot_be_named_like_the_cause(faults):
     text = mission("{type: duration, default: 5 s}").replace("  p:", "  cause:")
 
