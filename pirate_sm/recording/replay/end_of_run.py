@@ -69,21 +69,19 @@ def end_of_run(path: Path) -> EndOfRun:
 
 def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
     name, after = shown(recording.path), recording.checkpoint(recording.until_s)
-    last, step, ended = None, None, False
+    last, ended = after.state if after is not None else None, False
     for again in rerun(recording, loaded, after):
         _check(name, again)
-        last, step = again.state, again.step
-        ended = any(isinstance(effect, Ended) for effect in step.effects)
-    if step is None and after is not None:  # the checkpoint is the last step
-        last, step = after.state, recording.last_step
-    if step is None or last is None:
+        last = again.state
+        ended = any(isinstance(effect, Ended) for effect in again.step.effects)
+    if last is None:
         raise RecordingError(f"nothing to go on from: {name} ends before its mission began")
     if ended or last.mission.ended:
         raise RecordingError(
             f"nothing to go on from: the mission of {name} has come to its end; "
             "run it again, with --from to begin with a phase"
         )
-    since_s = recording.until_s - _SLOW_WITHIN_S
+    step, since_s = recording.last_step, recording.until_s - _SLOW_WITHIN_S
     slow = next(recording.messages(UNLOGGED.name, since_s=since_s), None) is not None
     in_flight = last.robot.flight is not None and last.robot.flight.purpose == "gate"
     maybe = None if in_flight or not slow else _next_command(name, loaded, last)

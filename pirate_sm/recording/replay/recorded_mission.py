@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import ExitStack, contextmanager
 from dataclasses import replace
 from pathlib import Path, PurePosixPath
@@ -34,14 +34,14 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
     with ExitStack() as stack:
         try:
             folder = Path(stack.enter_context(TemporaryDirectory(prefix="recorded-")))
-            mission = _write(header, folder)
+            mission, robot = _write(header, folder)
         except OSError as error:
             raise _unwritable(error) from None
         has_pipe = any(file.role == "pipe" for file in header.files)
         try:
             loaded = load_mission(
                 mission,
-                robot=str(folder / "robot"),
+                robot=str(robot),
                 pipe=str(folder / "pipe.yaml") if has_pipe else None,
                 settings=header.parameters,
                 start_phase=header.options.get("start_phase"),
@@ -79,13 +79,8 @@ def recorded_robot_files(header: RunHeader) -> LoadedRobot:
     """
     try:
         with TemporaryDirectory(prefix="recorded-") as folder:
-            for file in header.files:
-                if file.role in ("profile", "chart"):
-                    name = _PROFILE if file.role == "profile" else _chart_name(header)
-                    place = Path(folder, name)
-                    place.parent.mkdir(parents=True, exist_ok=True)
-                    place.write_text(file.text, encoding="utf-8")
-            return with_fitted(load_robot(Path(folder)), recorded_fit(header))
+            robot = load_robot(_write_robot(header, Path(folder)))
+            return with_fitted(robot, recorded_fit(header))
     except OSError as error:
         raise _unwritable(error) from None
     except (LoadError, UsageError) as error:
@@ -140,43 +135,58 @@ def _placed(instruction: Any, names: Mapping[str, str]) -> Any:
     return instruction._replace(**changed) if changed else instruction
 
 
-def _write(header: RunHeader, folder: Path) -> Path:
-    """Write every text where the others refer to it, and return the mission's file."""
-    mission = next(file for file in header.files if file.role == "mission")
-    (folder / "robot").mkdir()
-    chart = _chart_name(header)
+def _write(header: RunHeader, folder: Path) -> tuple[Path, Path]:
+    """Write every text where the others refer to it.
+
+    Returns:
+        The mission's file and the robot's folder.
+    """
     for file in header.files:
-        match file.role:
-            case "profile":
-                place = folder / "robot" / _PROFILE
-            case "chart":
-                place = folder / "robot" / chart
-            case "pipe":
-                place = folder / "pipe.yaml"
-            case "mission":
-                place = folder / "missions" / Path(file.path).name
-            case "called":
-                place = folder / "missions" / _beside(file, mission)
-            case "fit":
-                continue
-        place.parent.mkdir(parents=True, exist_ok=True)
-        place.write_text(file.text, encoding="utf-8")
-    return folder / "missions" / Path(mission.path).name
+        if file.role == "pipe":
+            (folder / "pipe.yaml").write_text(file.text, encoding="utf-8")
+    mission = next(file for file in header.files if file.role == "mission")
+    called = [file for file in header.files if file.role == "called"]
+    written = _write_with(mission, Path(mission.path).name, called, folder / "missions")
+    return written, _write_robot(header, folder)
 
 
-def _chart_name(header: RunHeader) -> str:
-    """Return the path by which the profile refers to its chart."""
+def _write_robot(header: RunHeader, folder: Path) -> Path:
+    """Write profile and chart, and return the folder of the profile."""
     profile = next(file for file in header.files if file.role == "profile")
     chart = next(file for file in header.files if file.role == "chart")
-    relative = os.path.relpath(_plain(chart.path), _plain(profile.path).parent)
-    return Path(chart.path).name if relative.startswith("..") else relative
+    return _write_with(profile, _PROFILE, [chart], folder / "robot").parent
 
 
-def _beside(file: RecordedFile, mission: RecordedFile) -> str:
-    """Return the path of a called mission relative to its caller, within the caller's folder."""
-    same = file.path.startswith("shipped:") == mission.path.startswith("shipped:")
-    relative = os.path.relpath(_plain(file.path), _plain(mission.path).parent)
-    return relative if same and not relative.startswith("..") else Path(file.path).name
+def _write_with(
+    file: RecordedFile, name: str, others: Sequence[RecordedFile], folder: Path
+) -> Path:
+    """Write a text and those that it refers to, by their path from it or by their name.
+
+    It is so deep in the folder that ``../`` does not lead out of it.
+
+    Args:
+        file: The text.
+        name: Name of its file.
+        others: Those to which it refers.
+        folder: The folder for all of them, which does not exist yet.
+
+    Returns:
+        Its file.
+    """
+    paths = {
+        each.path: Path(os.path.relpath(_plain(each.path), _plain(file.path).parent))
+        for each in others
+        if each.path.startswith("shipped:") == file.path.startswith("shipped:")
+    }
+    deep = max((path.parts.count(os.pardir) for path in paths.values()), default=0)
+    here = folder.joinpath(*["below"] * deep)
+    texts = {(here / paths[each.path]).resolve(): each for each in others if each.path in paths}
+    for each in others:
+        texts.setdefault((here / Path(each.path).name).resolve(), each)
+    for place, each in ((here / name, file), *texts.items()):
+        place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_text(each.text, encoding="utf-8")
+    return here / name
 
 
 def _plain(path: str) -> PurePosixPath:

@@ -22,6 +22,7 @@ from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
 from pirate_sm.loading.mission import load_mission
+from pirate_sm.model.effects import Ended
 from pirate_sm.recording.format.header import header_of
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.write.recorder import Recorder
@@ -134,10 +135,13 @@ class _Memory:
         pass
 
 
-def record_cut_off(path: Path, order: Order, until_s: float, each_s: float = inf) -> None:
+def record_cut_off(
+    path: Path, order: Order, until_s: float, each_s: float = inf, *, fails: bool = False
+) -> None:
     """Run the mission until then, and keep what a file would hold if everything stopped there.
 
-    A piece of the file is written each time that ``each_s`` have passed.
+    A piece of the file is written each time that ``each_s`` have passed. A program that ``fails``
+    then abandons the run before.
     """
     prepared = prepare(order)
     header = run_header(prepared, inf, datetime.now(UTC))
@@ -153,6 +157,8 @@ def record_cut_off(path: Path, order: Order, until_s: float, each_s: float = inf
         if pump.now_s >= written_s + each_s:
             kept.recorder.secure()
             written_s = pump.now_s
+    if fails:
+        pump.abandon(Ended("fault", "the program has failed"))
     kept.recorder.close()
     whole = bytes(memory.data)
     path.write_bytes(whole[: read_end(whole)])

@@ -22,6 +22,8 @@ def test_a_run_is_where_it_is(tmp_path):
 
     result = compare(one, one)
 
+    assert one.ended is not None
+    assert (one.ended.outcome, one.ended.end) == ("succeeded", "passed")
     assert result.parted is None
     assert all(leg.first_s == leg.second_s for leg in result.legs)
     assert all(each.most == 0 for each in result.deviations)
@@ -82,3 +84,31 @@ def test_a_slower_run_is_compared_where_it_does_the_same():
 
     assert result.deviations[0].most == pytest.approx(0, abs=0.2)
     assert result.legs[1].lasted_second_s == 2 * result.legs[1].lasted_first_s
+
+
+def test_deviations_are_sorted_by_their_share_of_the_range_of_their_kind():
+    def run(x, peak, z, w):
+        marks = [Milestone("a", 0.0), Milestone("b", 5.0), Milestone("c", 10.0)]
+        values = [(z, x, peak if each == 7 else 0.0, w, 1.0) for each in range(11)]
+        names, kinds = ("z", "x", "y", "w", "v"), ("angle", "way", "way", "turn", "way")
+        times = [float(each) for each in range(11)]
+        return ComparedRun(marks=marks, names=names, kinds=kinds, times=times, values=values)
+
+    nan = float("nan")
+    one, other = run(1.0, 4.0, nan, 2.0), run(3.0, 0.0, 1.0, 2.5)
+    other.names = ("x", "z", "y", "w", "unknown")
+    other.values = [(x, z, y, w, v) for z, x, y, w, v in other.values]
+
+    found = compare(one, other).deviations
+
+    assert [each.name for each in found] == ["x", "y", "w"], "nothing is known of z in both"
+    x, y, w = found
+    assert (x.most, x.typical, x.first, x.second) == pytest.approx((2.0, 2.0, 1.0, 3.0))
+    assert (x.where, x.at_s) == ("a", 0.0)
+    assert (y.most, y.first, y.second) == (4.0, 4.0, 0.0)
+    assert y.typical == pytest.approx(4.0 * (10 / 100) ** 0.5)
+    assert (y.where, y.at_s) == ("b", 7.0)
+    assert w.typical == pytest.approx(0.5)
+    unknown_first = compare(other, one).deviations
+    assert [each.name for each in unknown_first] == ["x", "y", "w"]
+    assert (unknown_first[0].first, unknown_first[0].second) == (3.0, 1.0)

@@ -2,19 +2,25 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from math import inf
 from pathlib import Path
 
 import pytest
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
+from pirate_sm.model.effects import CommandStatus
+from pirate_sm.recording.format.engine_topics import UNLOGGED
 from pirate_sm.recording.format.samples import Placed
 from pirate_sm.recording.read.reader import Recording, read_end_of_recording, read_recording
+from pirate_sm.recording.read.steps import Message
 from pirate_sm.recording.replay import end_of_run as module
 from pirate_sm.recording.replay.end_of_run import end_of_run
+from pirate_sm.recording.replay.replay import same
 from pirate_sm.recording.write import piece_maker, recorder
 from pirate_sm.wiring import Order
-from tests.unit.recording.recording_runs import record, record_cut_off
+from tests.unit.recording.recording_runs import ROOT, record, record_cut_off
 
 CUT_S = 5.0
 
@@ -117,6 +123,107 @@ def test_a_recorded_state_that_differs_from_the_replay_is_refused(
 
     with pytest.raises(RecordingError, match="cannot be relied on"):
         end_of_run(path)
+
+
+# --- a small mission ---------------------------------------------------------------------------
+
+BRANCHING = f"""
+format: 1
+mission: branching
+robot: {ROOT / "hardware_profiles" / "pirate_ii"}
+start: a
+phases:
+  a: {{do: [{{log: now}}], wait: [{{after: 1 s, go: b}}, {{after: 4 s, go: again}}], within: {{time: 8 s, go: late}}}}
+  again: {{do: [{{log: again}}], go: a}}
+  b: {{do: [ClampFront, ClampRear], go: e}}
+  late: {{do: [LATE, ClampRear], go: e}}
+ends: {{e: {{succeed: Done}}}}
+"""  # noqa: E501
+
+
+def branching(
+    folder: Path, until_s: float, late: str = "ToggleLighting", fails: bool = False
+) -> Path:
+    """A run that waits, after which one of several phases begins, recorded up to this time."""
+    mission, path = folder / "branching.yaml", folder / "branching.mcap"
+    mission.write_text(BRANCHING.replace("LATE", late), encoding="utf-8")
+    record_cut_off(path, Order(str(mission), backend="trace"), until_s, fails=fails)
+    return path
+
+
+def slow_disk(patch: pytest.MonkeyPatch, before_s: float) -> None:
+    """As if a step was not on the disk in time, so long before the end."""
+
+    def messages(recording: Recording, *topics: str, since_s: float = -inf) -> Iterator[Message]:
+        at_s = recording.until_s - before_s
+        if topics == (UNLOGGED.name,) and at_s >= since_s:
+            yield Message(UNLOGGED.name, 0, b"{}")
+
+    patch.setattr(Recording, "messages", messages)
+
+
+def test_the_next_command_may_have_been_sent_where_the_disk_was_slow(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = branching(tmp_path, 0.5, late="ClampFront")
+    index = end_of_run(path).loaded.robot.table.command_index["ClampFront"]
+    assert end_of_run(path).maybe is None
+
+    with monkeypatch.context() as patch:
+        slow_disk(patch, 0.9)
+        assert end_of_run(path).maybe == index
+    slow_disk(monkeypatch, 1.1)
+    assert end_of_run(path).maybe is None
+
+
+def test_where_the_disk_was_slow_and_one_of_several_commands_is_next_nobody_knows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = branching(tmp_path, 0.5)
+    slow_disk(monkeypatch, 0.0)
+
+    with pytest.raises(RecordingError, match="one of ClampFront, ToggleLighting may have been"):
+        end_of_run(path)
+
+
+def test_a_command_in_flight_is_the_last_that_can_have_been_sent(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "_MOST_STEPS", 1)
+    monkeypatch.setattr(recorder, "_HELP_AT", 1)
+    path = branching(tmp_path, 60.0)
+    whole, cuts = path.read_bytes(), read_recording(path).content.pieces
+    slow_disk(monkeypatch, 0.0)
+
+    sent = 0
+    for cut in cuts[1:]:
+        path.write_bytes(whole[: cut.at])
+        steps = [*read_recording(path).steps()]
+        if any(isinstance(it, CommandStatus) and it.status == "sent" for it in steps[-1].effects):
+            sent += 1
+            assert end_of_run(path).maybe is None
+    assert sent == 2
+
+
+def test_the_run_ends_with_its_checkpoint_where_nothing_follows_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(recorder, "CHECKPOINT_S", 0.0)
+    path = branching(tmp_path, 2.0)
+    checkpoint = read_recording(path).checkpoint(inf)
+    assert checkpoint is not None
+
+    end = end_of_run(path)
+
+    assert end.last_step == checkpoint.step == read_recording(path).last_step.number
+    assert same(end.last, checkpoint.state)
+    with pytest.raises(RecordingError, match="has come to its end"):
+        end_of_run(branching(tmp_path, 60.0))
+
+
+def test_a_run_that_its_program_has_abandoned_does_not_go_on(tmp_path: Path) -> None:
+    with pytest.raises(RecordingError, match="has come to its end"):
+        end_of_run(branching(tmp_path, 2.0, fails=True))
 
 
 @pytest.mark.parametrize(("before_s", "known"), [(0.0, True), (0.95, True), (1.05, False)])

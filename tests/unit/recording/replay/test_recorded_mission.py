@@ -2,16 +2,26 @@
 
 from __future__ import annotations
 
+import shutil
+import tempfile
+from collections.abc import Callable
+from dataclasses import replace
+from datetime import UTC, datetime
 from pathlib import Path
 
 import pytest
-from recording_runs import record
+from recording_runs import ROOT, record
 
+from pirate_sm.errors import RecordingError
+from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.loading.robot.calibration_files import with_zeros
 from pirate_sm.model.effects import CommandStatus
+from pirate_sm.recording.format.header import RunHeader, header_of
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import (
     recorded_fit,
     recorded_mission,
+    recorded_robot,
     recorded_robot_files,
 )
 from pirate_sm.recording.replay.replay import replay
@@ -65,3 +75,106 @@ def test_a_run_without_one_has_none(tmp_path: Path) -> None:
     assert recorded_fit(recording.header) is None
     believed = recorded_robot_files(recording.header)
     assert believed.believed is believed.profile
+
+
+# --- the texts of a recording are loaded from a folder of their own ------------------------------
+
+CALLING = """
+format: 1
+mission: calling
+robot: ROBOT
+start: own
+phases:
+  own: {do: [{call: parts/turn.yaml}, {call: beside}, {call: ../above.yaml}], go: shipped}
+  shipped: {wait: [{after: 1 s, go: bend}, {after: 2 s, go: e}], within: {time: 8 s, go: e}}
+  bend: {do: [{call: mitre_bend}], go: e}
+ends: {e: {succeed: Done}}
+"""
+CALLED = """
+format: 1
+mission: NAME
+robot: ROBOT
+start: a
+phases: {a: {do: [Brake], wait: [{after: 1 s, go: e}], within: {time: 9 s, go: e}}}
+ends: {e: {succeed: Done}}
+"""
+
+
+def header_for(loaded: LoadedMission) -> RunHeader:
+    """The header of a run of this mission."""
+    began = datetime(2026, 1, 2, 3, 4, 5, tzinfo=UTC)
+    return header_of(
+        loaded, began=began, backend="trace", nominal=True, detector="none", options={}
+    )
+
+
+@pytest.fixture
+def calling(tmp_path: Path) -> Path:
+    """A mission of a user that calls others beside, below and above it, and a shipped one."""
+    robot = str(ROOT / "hardware_profiles" / "pirate_ii")
+    folder = tmp_path / "missions"
+    (folder / "parts").mkdir(parents=True)
+    mission = folder / "calling.yaml"
+    mission.write_text(CALLING.replace("ROBOT", robot), "utf-8")
+    for name in ("parts/turn", "beside", "../above"):
+        text = CALLED.replace("ROBOT", robot).replace("NAME", Path(name).name)
+        (folder / f"{name}.yaml").write_text(text, "utf-8")
+    return mission
+
+
+@pytest.mark.parametrize("name", ["calling", "exp_1a_both"])
+def test_the_program_of_a_recording_names_the_places_in_the_files_of_the_run(
+    calling: Path, name: str
+) -> None:
+    mission = calling if name == "calling" else ROOT / "sequences" / f"{name}.yaml"
+    loaded = load_mission(mission)
+
+    with recorded_mission(header_for(loaded)) as again:
+        assert again.program.instructions == loaded.program.instructions
+
+
+def test_the_zeros_and_the_polarity_of_the_run_are_those_of_its_recording() -> None:
+    loaded = load_mission(ROOT / "sequences" / "enter_2d.yaml")
+    header, zeros = header_for(loaded), {"gamma_1": 0.25}
+    calibrated = replace(header, zeros=zeros)
+
+    assert recorded_robot(header).boards == loaded.loaded_robot.normal.boards
+    mirrored = recorded_robot(replace(header, polarity="mirrored"))
+    assert mirrored.actuation == loaded.loaded_robot.mirrored.actuation
+    assert mirrored.actuation != loaded.loaded_robot.normal.actuation
+    assert recorded_robot(calibrated).boards == with_zeros(loaded.robot, zeros).boards
+    with recorded_mission(calibrated) as again:
+        assert again.robot.boards == with_zeros(loaded.robot, zeros).boards
+    with recorded_mission(header) as again:
+        assert again.robot.boards == loaded.robot.boards
+
+
+@pytest.mark.parametrize("chart", ["own.yaml", "charts/own.yaml", "../own.yaml"])
+def test_a_chart_is_found_where_the_profile_says(tmp_path: Path, calling: Path, chart: str) -> None:
+    shipped, robot = ROOT / "hardware_profiles" / "pirate_ii", tmp_path / "robots" / "mine"
+    shutil.copytree(shipped, robot)
+    (robot / "charts").mkdir()
+    (robot / "chart.yaml").rename(robot / chart)
+    profile = robot / "profile.yaml"
+    profile.write_text(profile.read_text("utf-8").replace("chart: chart.yaml", f"chart: {chart}"))
+    header = header_for(load_mission(calling, robot=str(robot)))
+
+    with recorded_mission(header) as again:
+        assert again.robot.regions == load_mission(calling, robot=str(robot)).robot.regions
+    assert recorded_robot(header).regions == again.robot.regions
+
+
+def load(header: RunHeader) -> None:
+    with recorded_mission(header):
+        pass
+
+
+@pytest.mark.parametrize("loads", [load, recorded_robot])
+def test_where_no_temporary_file_can_be_written_that_is_said(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, loads: Callable[[RunHeader], object]
+) -> None:
+    header = header_for(load_mission(ROOT / "sequences" / "enter_2d.yaml"))
+    monkeypatch.setattr(tempfile, "tempdir", str(tmp_path / "nowhere"))
+
+    with pytest.raises(RecordingError, match=r"temporary folder: .*; TMPDIR names another place"):
+        loads(header)

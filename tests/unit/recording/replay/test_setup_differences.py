@@ -24,6 +24,7 @@ def test_runs_made_alike_have_nothing_to_tell():
         ({"seed": 5, "fidelity": "fast"}, ("fidelity", "usual", "fast")),
         ({"seed": 5, "defects": ["a", "b"]}, ("defects", "none", "a, b")),
         ({"seed": 5, "check": False}, ("check", "none", "no")),
+        ({"seed": 5, "friction_jitter": 1 / 3}, ("friction jitter", "none", "0.333333")),
         ({}, ("seed", "5", "none")),
     ],
 )
@@ -39,6 +40,14 @@ def test_long_lists_of_the_same_length_differ_all_the_same():
     )
 
     assert unlike(one, other) == (("firings", "1 given", "1 given"),)
+
+
+def test_a_joint_zero_that_differs_is_named():
+    one = replace(header(), zeros={"gamma_1": 0.1, "gamma_2": 0.2})
+
+    (found,) = unlike(one, replace(one, zeros={"gamma_1": 0.1, "gamma_2": 0.25}))
+
+    assert tuple(found) == ("zero of gamma_2", "0.2 rad", "0.25 rad")
 
 
 def test_parameters_files_and_versions_are_named():
