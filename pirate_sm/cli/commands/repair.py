@@ -47,9 +47,10 @@ def run_repair(options: RepairOptions) -> int:
 
 
 def _lost(done: Repaired) -> Iterator[str]:
+    for gap in done.gaps:
+        yield f"what came from {gap.from_s:.3f} s to {gap.until_s:.3f} s"
     if done.damage:
-        until = f", until about {done.left_until_s:.1f} s or later" if done.left_until_s else ""
-        yield f"what came from there on{until}: the recording is damaged {done.damage}"
+        yield f"what is damaged {done.damage}"
     elif not done.complete:
         yield "whatever came after that: it is not in the file"
     if done.torn_bytes:

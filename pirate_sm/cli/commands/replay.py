@@ -112,7 +112,7 @@ def _replayed(
         print_visible(
             f"no checkpoint up to {stretch.from_s:g} s can be used: it begins at the start"
         )
-    jobs = 1 if other else options.jobs or _jobs(recording, stretch)
+    jobs = 1 if other or recording.gaps else options.jobs or _jobs(recording, stretch)
     if jobs > 1 and next(recording.checkpoints(after), None) is not None:
         from pirate_sm.recording.replay.parallel_replay import replay_shared
 
@@ -140,9 +140,11 @@ def _jobs(recording: Recording, stretch: Stretch) -> int:
 
 def _same(result: Replayed) -> str:
     since = f"from {result.from_s:.3f} s " if result.from_s else ""
+    gap = result.gap
+    stopped = "" if gap is None else f", where it stops: the next is from {gap.until_s:.3f} s"
     return (
         f"replayed identically: {result.effects} effects of {result.steps} inputs, "
-        f"{since}up to {result.until_s:.3f} s"
+        f"{since}up to {result.until_s:.3f} s{stopped}"
     )
 
 

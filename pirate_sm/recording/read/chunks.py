@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from contextlib import suppress
 from pathlib import Path
 
 from pirate_sm.on_disk import opened
+from pirate_sm.recording.read.mcap_content import index_of
 from pirate_sm.recording.read.mcap_records import (
     ChunkPlace,
     DamagedError,
@@ -51,10 +53,13 @@ class Chunks:
         self.topics.learn(records)
         found = list(messages_in(records))
         missing = {each.number for each in found} - self.topics.names.keys()
-        while missing and self._learned < place:  # reading began in the middle
-            self.topics.learn(self._records(self._learned))
+        if missing and not self._learned:  # reading began in the middle, or after damage
+            with opened(self._path) as file:
+                self.topics.learn(index_of(file))
+        while (missing := missing - self.topics.names.keys()) and self._learned < place:
+            with suppress(DamagedError):
+                self.topics.learn(self._records(self._learned))
             self._learned += 1
-            missing -= self.topics.names.keys()
         if missing:
             raise DamagedError(f"channel {min(missing)} is unknown")
         return found

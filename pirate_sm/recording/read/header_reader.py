@@ -85,7 +85,5 @@ class DamagedInsideError(RecordingError):
     """
 
     def __init__(self, path: Path, how: str) -> None:
-        super().__init__(
-            f"{shown(path)} is damaged: {how}; pirate repair saves what comes before that"
-        )
+        super().__init__(f"{shown(path)} is damaged: {how}; pirate repair saves what is whole")
         self.how = how

@@ -119,7 +119,7 @@ def read_content(file: BinaryIO, since: int = 0) -> Content:
     if broken or (bad and (content.complete or min(bad) < good)):
         return _up_to(content, min([*bad, end]))
     whole = size if content.complete else min([*(at - FRAME.size for at in bad), end])
-    return content._replace(whole=whole, indexed=content.complete and _has_index(file, size))
+    return content._replace(whole=whole, indexed=content.complete and index_of(file) != b"")
 
 
 def _up_to(content: Content, at: int) -> Content:
@@ -184,20 +184,21 @@ def _frames(file: BinaryIO, size: int, since: int = 0) -> Iterator[Frame]:
         at = end
 
 
-def _has_index(file: BinaryIO, size: int) -> bool:
-    """Return whether the file ends with an undamaged index, which other programs need."""
+def index_of(file: BinaryIO) -> bytes:
+    """Return the index at the end of the file; empty if there is none, or it is damaged."""
+    size = file.seek(0, os.SEEK_END)
     at = size - _FOOTER.size - len(MCAP0_MAGIC)
     if at < 0 or not _ends_whole(file, size):
-        return False
+        return b""
     footer = bytes_at(file, at, _FOOTER.size)
     opcode, length, begins, _, crc = _FOOTER.unpack(footer)
     if (opcode, length) != (Opcode.FOOTER, _FOOTER.size - FRAME.size) or not 0 < begins <= at:
-        return False
+        return b""
     try:
         index = bytes_at(file, begins, at - begins)
     except ValueError:
-        return False
-    return bool(zlib.crc32(footer[: -_CRC.size], zlib.crc32(index)) == crc)
+        return b""
+    return index if zlib.crc32(footer[: -_CRC.size], zlib.crc32(index)) == crc else b""
 
 
 def _ends_whole(file: BinaryIO, size: int) -> bool:

@@ -88,6 +88,10 @@ class PieceReader:
                     with suppress(ValueError):
                         yield number, at_s, state_from_text(made.state)
 
+    def first_step(self, messages: Sequence[Message]) -> int:
+        """Return the number of the first input of a piece; -1 without inputs."""
+        return min((number for number, _, _, _ in self._rows(messages, inputs=True)), default=-1)
+
     def steps(self, messages: Sequence[Message], first: int | None) -> list[Step]:
         """Return the steps of a piece.
 

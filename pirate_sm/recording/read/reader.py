@@ -34,6 +34,7 @@ from pirate_sm.recording.read.mcap_content import (
 from pirate_sm.recording.read.piece_reader import PieceReader, unreadable
 from pirate_sm.recording.read.steps import (
     Checkpoint,
+    Gap,
     Message,
     Shown,
     Step,
@@ -83,16 +84,33 @@ class Recording:
 
     @property
     def lost(self) -> str:
-        """Return the damage after which a repair has left out the rest; empty if there was none."""
+        """Return the damage for which a repair has left something out; empty if there was none."""
         return self.content.metadata.get(REPAIRED, {}).get("damage", "")
+
+    @cached_property
+    def gaps(self) -> tuple[Gap, ...]:
+        """Return where a repair has left out damaged steps that others follow, in order."""
+        try:
+            found = json.loads(self.content.metadata.get(REPAIRED, {}).get("gaps", "[]"))
+            return tuple(Gap(int(step), float(one), float(other)) for step, one, other in found)
+        except (ValueError, TypeError):
+            return ()
 
     @cached_property
     def notices(self) -> tuple[str, ...]:
         """Return notices about a recording that is incomplete or has no index."""
         if self.complete:
             return () if self.content.indexed else (_NO_INDEX,)
+        if self.gaps:
+            return tuple(map(_gap_notice, self.gaps)) + self._end_notices
+        return self._end_notices
+
+    @property
+    def _end_notices(self) -> tuple[str, ...]:
         if not self.until_s:
             return ("the recording ends early, as the run began",)
+        if self.gaps and self._ended:
+            return ()
         if self._ended:
             return (f"the end of the file is lost, but the run had ended, at {self.until_s:.3f} s",)
         return (f"the recording ends early, at {self.until_s:.3f} s: nothing after that is in it",)
@@ -196,10 +214,17 @@ class Recording:
         first, number = (after.place, after.step + 1) if after is not None else (0, 0)
         for place, messages in self._pieces(first):
             expected = number if place > first or after is None else None
+            begins = self._reader.first_step(messages)
+            if expected is not None and any(each.step == begins for each in self.gaps):
+                expected = number = max(begins, number)
             rows = self._reader.steps(messages, expected)
             steps = [step for step in rows if step.number >= number]
             number += len(steps)
             yield steps
+
+    def steps_in(self, place: int) -> list[Step]:
+        """Return the steps of the piece with this number, whatever is before it."""
+        return self._reader.steps(self._reader.messages(place), None)
 
     def effects(self) -> Iterator[StepEffects]:
         """Yield the effects of all steps, in order; this is faster than reading the steps."""
@@ -255,6 +280,13 @@ class Recording:
             self.watch(self.content.pieces[place].at / self.content.size)
             yield place, self._reader.messages(place)
         self.watch(1.0)
+
+
+def _gap_notice(gap: Gap) -> str:
+    return (
+        f"nothing is known from {gap.from_s:.3f} s to {gap.until_s:.3f} s, where the recording was "
+        "damaged; after that odometry, speed and slip are unknown, up to the next checkpoint"
+    )
 
 
 def read_end_of_recording(path: Path) -> Recording:

@@ -1,11 +1,12 @@
 """Repairs a recording that was cut short: adds the end and the index that other programs need.
 
-Everything that is whole is copied to a new file in the order of writing. Steps after a missing one
-could not be replayed, so everything after damage is left out.
+Every piece that is whole by its own checksum is copied to a new file in the order of writing. Where
+a damaged one was between them, the new file has a gap, and says so in its metadata.
 """
 
 from __future__ import annotations
 
+import json
 from contextlib import closing
 from pathlib import Path
 from typing import NamedTuple
@@ -15,7 +16,7 @@ from pirate_sm.recording.format.header import REPAIRED
 from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import Gap, Step
 from pirate_sm.recording.write.recording_file import DiskFile, Pieces
 
 _LEAST_BYTES = 1 << 20
@@ -30,7 +31,7 @@ class Repaired(NamedTuple):
         until_s: Time of its end.
         torn_bytes: Bytes at the end of the old file that are cut off or follow damage.
         damage: Why more was left out; empty if nothing was.
-        left_until_s: Approximate time of the end of what was left out; 0 if unknown.
+        gaps: Where damaged steps are left out, with times since the run began.
         complete: Whether it contains all that was recorded.
     """
 
@@ -38,7 +39,7 @@ class Repaired(NamedTuple):
     until_s: float = 0.0
     torn_bytes: int = 0
     damage: str = ""
-    left_until_s: float = 0.0
+    gaps: tuple[Gap, ...] = ()
     complete: bool = False
 
 
@@ -77,28 +78,33 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
     content, copy = recording.content, _Copy(recording, file)
     for each in content.attachments.values():
         file.attach(each.name, each.media_type, each.data, each.log_time)
-    damage, left_until_s = content.damage, 0.0
-    try:
-        for place, steps in enumerate(recording.commits()):
-            copy.take(place, steps)
-    except DamagedInsideError as error:
-        damage, left_until_s = error.how, max(recording.starts_s)
+    damages = [content.damage] if content.damage else []
+    for place in range(len(content.pieces)):
+        try:
+            copy.take(place, recording.steps_in(place))
+        except DamagedInsideError as error:
+            damages.insert(-1 if content.damage else len(damages), error.how)
     file.write(file.cut())
     torn_bytes = content.size - content.whole
+    damage = " and ".join(damages)
+    gaps = (*recording.gaps, *copy.gaps)
     complete = recording.complete and not damage
     if not complete:
         said = {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes), "damage": damage}
-        file.note(REPAIRED, said)
+        file.note(REPAIRED, {**said, "gaps": json.dumps(gaps)})
     file.finish()
-    until_s = copy.until_s - recording.origin_s if copy.steps else 0.0
-    return Repaired(copy.steps, until_s, torn_bytes, damage, left_until_s, complete)
+    until_s = copy.until_s - copy.origin_s if copy.steps else 0.0
+    return Repaired(copy.steps, until_s, torn_bytes, damage, gaps, complete)
 
 
 class _Copy:
     """Copies piece after piece to the new file."""
 
     def __init__(self, recording: Recording, file: Pieces) -> None:
-        self.steps, self.until_s = 0, 0.0
+        self.steps, self.until_s, self.origin_s = 0, 0.0, 0.0
+        self.gaps: list[Gap] = []
+        self._next = 0
+        self._known = {gap.step for gap in recording.gaps}
         self._chunks = Chunks(recording.path, recording.content.pieces)
         self._file = file
         self._topics: dict[int, int] = {}
@@ -107,6 +113,8 @@ class _Copy:
     def take(self, place: int, steps: list[Step]) -> None:
         """Copy this piece with these steps to the new file."""
         file, topics = self._file, self._topics
+        if steps:
+            self._follow(steps)
         for number, time_ns, data in self._chunks.entries(place):
             if number not in topics:
                 topics[number] = file.topic(*self._chunks.topics.described(number))
@@ -117,3 +125,16 @@ class _Copy:
             self._uncut = 0
         self.steps += len(steps)
         self.until_s = steps[-1].at_s if steps else self.until_s
+
+    def _follow(self, steps: list[Step]) -> None:
+        """Note a gap if these steps are not the next ones; a piece of the file begins there."""
+        first = steps[0]
+        if not self.steps:
+            self.origin_s = min(step.at_s for step in steps)
+        if first.number != self._next:
+            self._file.write(self._file.cut())
+            self._uncut = 0
+            if first.number not in self._known:
+                before_s = self.until_s - self.origin_s if self.steps else 0.0
+                self.gaps.append(Gap(first.number, before_s, first.at_s - self.origin_s))
+        self._next = steps[-1].number + 1

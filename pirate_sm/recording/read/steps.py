@@ -39,6 +39,20 @@ class Step(NamedTuple):
     resumed: Resumption | None = None
 
 
+class Gap(NamedTuple):
+    """Steps in the middle of a repaired recording that were damaged, so that they are not in it.
+
+    Attributes:
+        step: Number of the first step after it.
+        from_s: Time of the last step before it, since the run began; 0 if it is at the start.
+        until_s: Time of the first step after it.
+    """
+
+    step: int
+    from_s: float
+    until_s: float
+
+
 class StepEffects(NamedTuple):
     """The effects of the step with this number; ``at_s`` is the time since the run began."""
 

@@ -5,17 +5,20 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from math import inf, isnan
+from math import inf, isnan, nan
 from typing import Any, NamedTuple
 
 from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.known_signals import nothing_known
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import Effect
+from pirate_sm.model.effects import Effect, Setpoints
 from pirate_sm.model.events import SensorFrame, SignalReport
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Checkpoint, Step
+from pirate_sm.recording.read.steps import Checkpoint, Gap, Step
 
 
 class Rerun(NamedTuple):
@@ -65,6 +68,7 @@ class Replayed:
         difference: The first difference; None if there is none.
         executed: Whether the engine was executed at all.
         from_s: Time at which the replay began.
+        gap: The gap of a repaired recording at which the replay stopped; None if it did not.
     """
 
     steps: int
@@ -73,6 +77,7 @@ class Replayed:
     difference: Difference | None
     executed: bool = True
     from_s: float = 0.0
+    gap: Gap | None = None
 
 
 def engine_of(header: RunHeader, loaded: LoadedMission, *, every_signal: bool = False) -> Engine:
@@ -107,7 +112,8 @@ def rerun(
     state = after.state if after is not None else None
     steps = recording.steps(after)
     engine = engine_of(recording.header, loaded, every_signal=every_signal)
-    return rerun_steps(engine, steps, state, recording.origin_s)
+    gaps = [gap.step for gap in recording.gaps]
+    return rerun_steps(engine, steps, state, recording.origin_s, gaps)
 
 
 def rerun_steps(
@@ -115,27 +121,62 @@ def rerun_steps(
     steps: Iterable[Step],
     state: EngineState | None = None,
     origin_s: float = 0.0,
+    gaps: Sequence[int] = (),
 ) -> Iterator[Rerun]:
     """Yield every step, replayed, in order.
+
+    After a gap the mission is not executed until the engine's recorded state is known: of the
+    signals those are known then that follow from frames alone.
 
     Args:
         engine: The engine as in the run.
         steps: The recorded steps.
         state: The engine's state before the first of them.
         origin_s: When the run began, by the engine's clock.
+        gaps: Numbers of the first steps after a gap.
     """
+    is_lost = False
     seen: list[SensorFrame | SignalReport] = []
     for step in steps:
         effects = step.effects
+        if step.number in gaps:
+            is_lost, state = True, _knowing_nothing(state, engine.robot)
         if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
         elif step.by == "start":
+            is_lost = False
             state, effects = engine.start(
                 step.at_s, seen, body=step.body, paused=step.paused, resumed=step.resumed
             )
+        elif is_lost:
+            state = step.state or _looking_only(state, engine.robot, step)
+            is_lost = step.state is None
         elif step.by == "engine" and state is not None and step.event is not None:
             state, effects = engine.step(state, step.event, step.at_s)
         yield Rerun(step, state, effects, step.at_s - origin_s)
+
+
+def _knowing_nothing(state: EngineState | None, robot: RobotSpec) -> EngineState | None:
+    return None if state is None else state._replace(sensing=nothing_known(robot))
+
+
+def _looking_only(state: EngineState | None, robot: RobotSpec, step: Step) -> EngineState | None:
+    """Return the state after a step whose earlier steps are lost: signals, and what is sent.
+
+    The mission is not executed, as it may be elsewhere. NaN are signals that need what was before,
+    such as odometry.
+    """
+    if state is None:
+        return None
+    if arrays := [each.values for each in step.effects if isinstance(each, Setpoints)]:
+        state = state._replace(robot=state.robot._replace(values=arrays[-1]))
+    if not isinstance(step.event, SensorFrame):
+        return state
+    values = state.robot.values
+    sensing, _ = observe(robot, state.sensing, step.event, values, values, step.at_s)
+    known = {number for board in robot.boards.values() for number in board.numbers}
+    numbers = (now if at in known else nan for at, now in enumerate(sensing.numbers))
+    return state._replace(sensing=sensing._replace(numbers=tuple(numbers)))
 
 
 def replay(
@@ -168,6 +209,8 @@ def replay(
         step = again.step
         if again.at_s > until_s or (until is not None and step.number > until.step):
             break
+        if gap := next((gap for gap in recording.gaps if gap.step == step.number), None):
+            return replace(done, gap=gap)
         recorded, now = step.effects, again.effects
         if changed:
             recorded, now = _placeless(recorded), _placeless(now)

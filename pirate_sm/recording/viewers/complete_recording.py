@@ -6,6 +6,7 @@ be made again is taken from the recording: positions of wheels, and what a camer
 
 from __future__ import annotations
 
+import json
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import closing, suppress
@@ -76,7 +77,11 @@ class _Completed:
         pieces = PieceMaker(file, self._topics, self._side)
         noted, until_s = Gathered(0, self._topics.channels), 0.0
         samples = _Ahead(_samples(recording))
+        after_gaps = {gap.step for gap in recording.gaps}
         for step, state in with_states(rerun(recording, self._loaded)):
+            if step.number in after_gaps:  # a piece begins there, as steps are counted in pieces
+                self._put(pieces, noted)
+                noted = Gathered(step.number, self._topics.channels, noted.until_s)
             noted.add(_input_of(step), step.at_s, step.effects)
             placed = samples.next
             if placed is not None and step.at_s >= placed.at_s and state is not None:
@@ -93,7 +98,8 @@ class _Completed:
             raise RecordingError(f"messages for viewers cannot be made: {self._side.failure}")
         if not recording.complete:
             torn = recording.content.size - recording.content.whole
-            file.note(REPAIRED, {"until_s": repr(until_s), "torn_bytes": str(torn)})
+            note = {"damage": recording.lost, "gaps": json.dumps(recording.gaps)}
+            file.note(REPAIRED, {"until_s": repr(until_s), "torn_bytes": str(torn), **note})
         file.finish()
 
     def _put(self, pieces: PieceMaker, noted: Gathered) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 import re
 from pathlib import Path
 from typing import Any
@@ -159,7 +160,9 @@ def test_nothing_is_overwritten(pirate: Any, run: Path, recorded: bytes) -> None
     assert Path("mine.mcap").read_text() == "mine"
 
 
-def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, recorded: bytes) -> None:
+def test_damage_leaves_a_gap_that_every_command_says(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
     data = bytearray(recorded)
     begins, ends = chunks_in(recorded)[4]
     data[(begins + ends) // 2] ^= 0xFF
@@ -169,8 +172,28 @@ def test_what_follows_damage_is_left_out_and_said(pirate: Any, run: Path, record
 
     assert refused.exit_code == 2
     assert result.exit_code == 0
-    assert "lost: what came from there on" in result.stdout
-    assert pirate("replay", "bad.repaired.mcap").exit_code == 0
+    (gap,) = read_recording(Path("bad.repaired.mcap")).gaps
+    stretch = f"from {gap.from_s:.3f} s to {gap.until_s:.3f} s"
+    assert f"lost: what came {stretch}" in result.stdout
+    viewed = pirate("export", "bad.repaired.mcap", "--viewers", "viewed.mcap", "--csv", "tables")
+    assert viewed.exit_code == 0, viewed.output
+    assert read_recording(Path("viewed.mcap")).gaps == (gap,)
+    for name in ("bad.repaired.mcap", "viewed.mcap"):
+        again, report = pirate("replay", name), pirate("report", name)
+        assert again.exit_code == 0
+        assert f"up to {gap.from_s:.3f} s, where it stops" in again.stdout
+        assert f"nothing is known {stretch}" in again.stdout
+        assert f"nothing is known {stretch}" in report.output
+        assert f"othing is known {stretch}" in Path(name).with_suffix(".html").read_text("utf-8")
+    with Path("tables/signals.csv").open(encoding="utf-8") as file:
+        rows = list(csv.DictReader(file))
+    after = [row for row in rows if float(row["time_s"]) >= gap.until_s]
+    assert len(after) > len(rows) / 2
+    unknown = [row for row in after if not row["odometry_m"]]
+    assert 0 < len(unknown) < len(after)
+    assert unknown == after[: len(unknown)]
+    assert float(unknown[-1]["time_s"]) < gap.until_s + 2.2  # up to the next checkpoint
+    assert all(row["gamma_1_rad"] for row in after[20:])  # each board has reported
 
 
 def test_a_file_is_not_repaired_where_nothing_could_use_it(
@@ -196,7 +219,7 @@ def test_of_a_run_whose_end_is_there_nothing_is_said_that_nobody_knows(
 
 
 @pytest.mark.parametrize("piece", [1, 4])
-def test_what_comes_before_a_gap_in_the_middle_is_saved(
+def test_what_comes_before_missing_bytes_is_saved(
     piece: int, pirate: Any, run: Path, recorded: bytes
 ) -> None:
     begins, ends = chunks_in(recorded)[piece]
@@ -210,7 +233,7 @@ def test_what_comes_before_a_gap_in_the_middle_is_saved(
     assert refused.exit_code == 2
     assert re.search(r"is damaged: at byte \d+; pirate repair saves what", refused.stderr)
     assert result.exit_code == 0
-    assert re.search(r"lost: what came from there on: .* at byte \d+\n", result.stdout)
+    assert re.search(r"lost: what is damaged at byte \d+\n", result.stdout)
     assert list(saved.steps()) == list(whole.steps())[: len(list(saved.steps()))]
     assert saved.until_s == pytest.approx(whole.starts_s[piece], abs=0.2)
     assert again.exit_code == 0

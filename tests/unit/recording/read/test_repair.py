@@ -5,6 +5,7 @@ from __future__ import annotations
 import errno
 import struct
 from collections.abc import Iterator
+from math import isnan
 from pathlib import Path
 from random import Random
 
@@ -13,9 +14,13 @@ from keeping import Memory, course, header, tell
 from mcap.reader import make_reader
 from mcap.writer import MCAP0_MAGIC
 
+from pirate_sm.errors import RecordingError
 from pirate_sm.recording.read import repair as module
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.repair import is_whole, repair
+from pirate_sm.recording.replay.end_of_run import end_of_run
+from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.recording.replay.replay import replay, rerun, same
 from pirate_sm.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.wiring import Order
@@ -58,7 +63,7 @@ def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
         assert again.header == torn.header
         assert (done.steps, done.until_s) == (len(list(torn.steps())), torn.until_s)
         assert done.torn_bytes == torn.content.size - torn.content.whole
-        assert (done.damage, done.left_until_s) == ("", 0.0)
+        assert (done.damage, done.gaps) == ("", ())
         assert again.content.complete
         assert again.complete == torn.complete
         assert again.notices == (() if torn.complete else torn.notices)
@@ -160,14 +165,11 @@ def test_where_the_disk_is_full_there_is_no_new_file(
     assert not (tmp_path / "new.mcap").exists()
 
 
-@pytest.mark.parametrize("kind", ["content", "length"])
-def test_a_file_that_is_damaged_inside_is_not_called_complete(
-    whole: bytes, tmp_path: Path, kind: str
-) -> None:
+def test_where_records_cannot_be_told_apart_the_file_ends(whole: bytes, tmp_path: Path) -> None:
     pieces = cut(whole, tmp_path, len(whole)).content.pieces
     hit = pieces[len(pieces) // 7]
     data = bytearray(whole)
-    data[hit.at - 1 if kind == "length" else hit.at + hit.size // 2] ^= 0x40
+    data[hit.at - 1] ^= 0x40  # the length of the piece
     spoilt = tmp_path / "spoilt.mcap"
     spoilt.write_bytes(data)
     recording = read_recording(spoilt, damaged=True)
@@ -188,21 +190,84 @@ def test_a_file_that_is_damaged_inside_is_not_called_complete(
     assert is_whole(again)
 
 
-def test_a_wrong_bit_in_a_run_at_full_speed_costs_what_comes_after_its_two_seconds(
+def spoilt_in(recording: Recording, path: Path, *places: int) -> Recording:
+    """The recording with a wrong bit in each of these pieces."""
+    data = bytearray(recording.path.read_bytes())
+    for place in places:
+        hit = recording.content.pieces[place]
+        data[hit.at + hit.size // 2] ^= 1
+    path.write_bytes(data)
+    return read_recording(path, damaged=True)
+
+
+@pytest.mark.parametrize("places", [(3,), (3, 4, 9), (0,), (24,)], ids=str)
+def test_a_wrong_bit_costs_its_own_piece_only(
+    whole: bytes, tmp_path: Path, places: tuple[int, ...]
+) -> None:
+    before = cut(whole, tmp_path, len(whole))
+    pieces = list(before.commits())
+    assert len(pieces) == 25
+    done = repair(spoilt_in(before, tmp_path / "spoilt.mcap", *places), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+
+    kept = [step for place, steps in enumerate(pieces) if place not in places for step in steps]
+    assert [step.number for step in again.steps()] == [step.number for step in kept]
+    assert done.steps == len(kept)
+    assert (done.complete, again.complete) == (False, False)
+    assert again.lost == done.damage
+    assert done.damage.count("at byte") == len(places)
+    assert again.gaps == done.gaps
+    assert is_whole(again)
+
+
+def test_a_gap_is_between_the_last_step_before_and_the_first_after(tmp_path: Path) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    pieces = [steps for steps in recording.commits() if steps]
+    hit = len(pieces) // 2
+
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", hit), tmp_path / "good.mcap")
+
+    again, origin_s = read_recording(tmp_path / "good.mcap"), recording.origin_s
+    (gap,) = again.gaps
+    assert gap.step == pieces[hit + 1][0].number
+    assert gap.from_s == pieces[hit - 1][-1].at_s - origin_s
+    assert gap.until_s == pieces[hit + 1][0].at_s - origin_s
+    assert gap.until_s - gap.from_s <= PIECE_S + 0.2
+    assert again.until_s == recording.until_s
+    assert f"nothing is known from {gap.from_s:.3f} s to {gap.until_s:.3f} s" in again.notices[0]
+
+
+def test_after_a_gap_is_shown_what_frames_tell_and_nothing_that_was_counted(
     tmp_path: Path,
 ) -> None:
     recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
-    every = [steps for steps in recording.commits() if steps]
-    hit = recording.content.pieces[len(every) // 2]
-    data = bytearray(recording.path.read_bytes())
-    data[hit.at + hit.size // 2] ^= 1
-    (tmp_path / "spoilt.mcap").write_bytes(data)
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    (gap,) = again.gaps
+    with recorded_mission(recording.header) as loaded:
+        names = loaded.robot.vocabulary.numbers
+        wholly = {it.step.number: it for it in rerun(recording, loaded, every_signal=True)}
+        for after in rerun(again, loaded, every_signal=True):
+            before, state = wholly[after.step.number], after.state
+            if after.step.number < gap.step:
+                assert same(state, before.state)
+                continue
+            assert isnan(state.sensing.shown[names.index("odometry")])
+            gamma = names.index("gamma_1")
+            if after.at_s > gap.until_s + 0.5:
+                assert state.sensing.shown[gamma] == before.state.sensing.shown[gamma]
+        done = replay(again, loaded)
 
-    done = repair(read_recording(tmp_path / "spoilt.mcap", damaged=True), tmp_path / "good.mcap")
+    assert (done.difference, done.gap) == (None, gap)
+    assert done.until_s == gap.from_s
 
-    assert max(steps[-1].at_s - steps[0].at_s for steps in every) <= PIECE_S + 0.1
-    assert done.until_s == every[len(every) // 2 - 1][-1].at_s - recording.origin_s
-    assert done.until_s > recording.until_s / 3
+
+def test_a_run_with_a_gap_is_not_resumed_from_what_was_known_before_it(tmp_path: Path) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+
+    with pytest.raises(RecordingError, match=r"was damaged from .* is unknown"):
+        end_of_run(tmp_path / "good.mcap")
 
 
 def test_the_time_of_its_end_counts_from_the_beginning_of_the_run(tmp_path: Path) -> None:
