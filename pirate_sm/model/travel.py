@@ -48,6 +48,7 @@ class PassedBy(Frozen):
     Attributes:
         joints: The kinds of joints.
         turns: Whether the route turns there, or leads straight on; absent: either.
+        up_to: The sharpest turn of the route that these pass. Absent: any.
         towards: Directions of the turn or of the opening about the direction of travel, against the
             robot's plane: 0 deg is towards side A in normal polarity. Absent: any.
         calls: The missions that pass it, one after the other; none: the robot drives on.
@@ -55,12 +56,19 @@ class PassedBy(Frozen):
 
     joints: Annotated[tuple[JointKind, ...], Field(min_length=1)]
     turns: bool | None = None
+    up_to: Angle | None = None
     towards: tuple[Angle, ...] = ()
     calls: tuple[str, ...] = ()
 
-    def passes(self, kind: JointKind, turns: bool, towards_rad: float) -> bool:
+    def suits(self, kind: JointKind, turn_rad: float) -> bool:
+        """Return whether this is for a joint of a kind at which the route turns by an angle."""
+        asked = self.turns in (None, bool(turn_rad))
+        sharp = self.up_to is not None and abs(turn_rad) > self.up_to + 1e-9
+        return kind in self.joints and asked and not sharp
+
+    def passes(self, kind: JointKind, turn_rad: float, towards_rad: float) -> bool:
         """Return whether this passes a joint of a kind that turns towards a direction."""
-        if kind not in self.joints or (self.turns is not None and self.turns != turns):
+        if not self.suits(kind, turn_rad):
             return False
         off = (abs(remainder(towards_rad - each, 2 * pi)) for each in self.towards)
         return not self.towards or any(angle <= _OFF_RAD for angle in off)

@@ -27,18 +27,34 @@ from pirate_sm.loading.mission.route_mission import UndrivableError, course_alon
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.model.travel import Travel
 from pirate_sm.on_disk import is_file, is_there
 from pirate_sm.schemas.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.spelling import meant
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
-_ROBOT_FILES = ("profile.yaml", "chart.yaml", "first_mission.yaml")
+_ROBOT_FILES = (
+    "profile.yaml",
+    "chart.yaml",
+    "first_mission.yaml",
+    "drive_on.yaml",
+    "take_bend.yaml",
+)
 
 _SCHEMA = "mission.schema.json"
 """Schemas for editors, in the robot's folder."""
 
 _ZEROS = "calibration-*.yaml"
 """The zeros of a robot's joints, which no other robot has."""
+
+_SHIPPED = {
+    "robot": library.robots,
+    "mission": library.missions,
+    "pipe": library.pipes,
+    "camera": library.cameras,
+    "panel": library.panels,
+}
+"""The shipped files of each kind that others name."""
 
 _FOLD = 0.8
 """Share of a link's length by which a part reaches out in a pipe that fits."""
@@ -54,7 +70,7 @@ def write_mission(options: NewMissionOptions) -> int:
         UsageError: The name is invalid or taken, or there is no such robot.
     """
     name, robot = options.name, options.robot
-    _check(name)
+    _check("mission", name)
     folder = library.find_robot(robot, Path.cwd()) if robot else library.robots()[0]
     loaded = load_robot(folder)
     shipped = folder in library.robots()
@@ -103,16 +119,31 @@ def _along_route(options: NewMissionOptions, loaded: LoadedRobot, robot: str) ->
     if route is not None and route not in pipe.ways:
         hint = meant(route, sorted(pipe.ways))
         raise UsageError(f"'{options.pipe}' has no route '{route}': {hint}")
+    travel = loaded.profile.travel and _called_from_here(loaded.profile.travel, loaded.folder)
+    profile = loaded.profile.model_copy(update={"travel": travel})
     try:
-        course = course_along(pipe.along(route) if route else pipe, loaded.profile)
+        course = course_along(pipe.along(route) if route else pipe, profile)
     except UndrivableError as refusal:
         problems.add("route.undrivable", refusal.path, refusal.message, expected=refusal.needed)
         problems.raise_errors()
         raise
-    assert loaded.profile.travel is not None  # as course_along has seen
-    return mission_along(
-        options.name, route or "", options.pipe, robot, course, loaded.profile.travel
-    )
+    assert travel is not None  # as course_along has seen
+    return mission_along(options.name, route or "", options.pipe, robot, course, travel)
+
+
+def _called_from_here(travel: Travel, folder: Path) -> Travel:
+    """Return how a robot travels, with paths to the missions that lie in the robot's folder."""
+
+    def path(call: str) -> str:
+        file = library.file_nearby(call, [folder])
+        return os.path.relpath(file) if file else call
+
+    turns = [each.model_copy(update={"call": path(each.call)}) for each in travel.turns]
+    passages = [
+        each.model_copy(update={"calls": tuple(map(path, each.calls))}) for each in travel.passages
+    ]
+    new = {"last": path(travel.last), "turns": tuple(turns), "passages": tuple(passages)}
+    return travel.model_copy(update=new)
 
 
 def write_pipe(options: NewPipeOptions) -> int:
@@ -123,7 +154,7 @@ def write_pipe(options: NewPipeOptions) -> int:
         UsageError: The name is invalid or taken, or there is no such robot.
     """
     name = options.name
-    _check(name)
+    _check("pipe", name)
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
     loaded = load_robot(folder)
     length_m = sum(link.length for link in loaded.profile.body.links)
@@ -147,7 +178,7 @@ def write_campaign(options: NewCampaignOptions) -> int:
         UsageError: The name is invalid or taken, or there is no such mission.
     """
     name = options.name
-    _check(name)
+    _check("campaign", name)
     loaded = load_mission(library.find_mission(options.mission))
     defects = ["none", *list(loaded.loaded_robot.profile.simulation.defects)[:1]]
     text = _fill(
@@ -174,7 +205,7 @@ def write_robot(options: NewRobotOptions) -> int:
         UsageError: The name is invalid or taken, or there is no robot to be copied.
     """
     name = options.name
-    _check(name)
+    _check("robot", name)
     folder = Path(name)
     if is_there(folder):
         raise UsageError(f"'{folder}' is there already, nothing was written")
@@ -191,7 +222,7 @@ def write_robot(options: NewRobotOptions) -> int:
     if options.like is not None:
         print(f"{folder}/ is a copy of {options.like}; missions take it with: --robot {folder}")
         return 0
-    mission = folder / _ROBOT_FILES[-1]
+    mission = folder / _ROBOT_FILES[2]
     print(f"{folder}/ is a robot with a mission; run it with: pirate-run {mission}")
     return 0
 
@@ -241,7 +272,7 @@ def write_panel(options: NewPanelOptions) -> int:
 
 
 def _write_like(kind: str, name: str, source: Path) -> int:
-    _check(name)
+    _check(kind, name)
     _, _, text = source.read_text("utf-8").partition("\n")  # the first line is its schema's
     text = f"{_modeline(kind)}\n{_renamed(kind, text, name)}"
     path = _write_with_schema(kind, name, text)
@@ -261,16 +292,24 @@ def _renamed(kind: str, text: str, name: str) -> str:
     return re.sub(rf"^{kind}: *\S+", f"{kind}: {name}", text, count=1, flags=re.MULTILINE)
 
 
-def _check(name: str) -> None:
+def _check(kind: str, name: str) -> None:
+    """Refuse what is no name, and names of shipped files that the new ones would hide."""
     if not _NAME.fullmatch(name):
         raise UsageError(
             f"'{name}' cannot be a name: expected a letter, then letters, digits and underscores"
+        )
+    shipped = _SHIPPED.get(kind, list)()
+    if name in {path.stem for path in shipped}:
+        raise UsageError(
+            f"there is a shipped {kind} '{name}', and whatever names it would get the new one"
+            f" instead: choose another name, such as my_{name}"
         )
 
 
 def _modeline(file: str) -> str:
     """Return the first line of a file whose schema lies beside it, by the file's name or kind."""
-    return f"{MODELINE}{file.partition('.')[0].removeprefix('first_')}.schema.json"
+    kind = file.partition(".")[0]
+    return f"{MODELINE}{'mission' if file in _ROBOT_FILES[2:] else kind}.schema.json"
 
 
 def _fill(template: str, **values: str) -> str:

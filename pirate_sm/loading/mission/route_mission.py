@@ -122,10 +122,10 @@ class _Composer:
 
     def _by(self, joint: Joint, roll_rad: float) -> PassedBy | None:
         """Return what passes a joint in a robot with this roll."""
-        turns, towards_rad = bool(joint.turn_rad), joint.towards_rad - roll_rad
+        turn_rad, towards_rad = joint.turn_rad, joint.towards_rad - roll_rad
         passages = self.travel.passages
         return next(
-            (each for each in passages if each.passes(joint.kind, turns, towards_rad)), None
+            (each for each in passages if each.passes(joint.kind, turn_rad, towards_rad)), None
         )
 
     def _turned(
@@ -194,13 +194,11 @@ class _Composer:
             where += f", which {opens} towards {_deg(joint.towards_rad)}"
         rolls = sorted({_deg(each.roll_rad) for each in before})
         turnable = self.route.section == "round" and self.travel.turns
-        fits = [
-            each
-            for each in self.travel.passages
-            if joint.kind in each.joints and each.turns in (None, bool(joint.turn_rad))
-        ]
+        fits = [each for each in self.travel.passages if each.suits(joint.kind, joint.turn_rad)]
         if not fits:
-            return UndrivableError(where, "`travel` in its profile has no passage for that", path)
+            by = f" of {_deg(abs(joint.turn_rad))}" if joint.turn_rad else ""
+            needed = f"`travel` in its profile has no passage for a {joint.kind}{by}"
+            return UndrivableError(where, needed, path)
         counts = range(_MOST_TURNS + 1) if turnable else range(1)
         sums = {
             sum(t.rolls for t in each)

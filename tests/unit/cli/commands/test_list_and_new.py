@@ -76,7 +76,7 @@ def test_editors_find_the_schemas_of_what_is_new(
     pirate("new", "mission", "again")
 
     files = sorted(Path().rglob("*.yaml"))
-    assert len(files) == 6
+    assert len(files) == 8
     for file in files:
         schema = file.parent / _schema_named_in(file)
         validator = jsonschema.Draft7Validator(json.loads(schema.read_text("utf-8")))
