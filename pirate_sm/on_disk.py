@@ -17,6 +17,9 @@ from pathlib import Path
 _NOTHING = {errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG}
 """Errors of a path at which nothing is."""
 
+_WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOCTTY", 0)
+"""Flags that open a named pipe although nobody writes to it; no system has them all."""
+
 
 def is_there(path: Path | str) -> bool:
     """Return whether something is at this path, also a broken link, or it cannot be found out."""
@@ -52,12 +55,26 @@ def opened(path: Path | str) -> BufferedReader:
         OSError: It cannot be opened, or is no regular file.
         ValueError: No file can have this path.
     """
-    mode = os.stat(path).st_mode  # noqa: PTH116 - a path may be a text
-    if stat.S_ISDIR(mode):
+    _refuse_irregular(path, os.stat(path))  # noqa: PTH116 - a path may be a text
+    return open(path, "rb", opener=_without_waiting)
+
+
+def _without_waiting(path: str, flags: int) -> int:
+    """Return a descriptor of a regular file, also if a named pipe has just taken its place."""
+    descriptor = os.open(path, flags | _WITHOUT_WAITING)
+    try:
+        _refuse_irregular(path, os.fstat(descriptor))
+    except OSError:
+        os.close(descriptor)
+        raise
+    return descriptor
+
+
+def _refuse_irregular(path: Path | str, status: os.stat_result) -> None:
+    if stat.S_ISDIR(status.st_mode):
         raise IsADirectoryError(errno.EISDIR, os.strerror(errno.EISDIR), str(path))
-    if not stat.S_ISREG(mode):
+    if not stat.S_ISREG(status.st_mode):
         raise OSError(errno.EINVAL, "it is not a regular file", str(path))
-    return Path(path).open("rb")
 
 
 def why_hidden(path: Path | str) -> str:

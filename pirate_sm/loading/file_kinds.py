@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import re
-import stat
 from enum import StrEnum
 from pathlib import Path
 
 from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problems
 from pirate_sm.loading.yaml.document import LARGEST_FILE, Document
+from pirate_sm.on_disk import opened
 
 
 class Kind(StrEnum):
@@ -125,9 +125,7 @@ def _lists_triggers(text: str) -> bool:
 def _beginning(path: Path) -> str | None:
     """Return the beginning of the file, or None if it cannot be read."""
     try:
-        if not stat.S_ISREG(path.stat().st_mode):
-            return None
-        with path.open("rb") as stream:
+        with opened(path) as stream:
             content = stream.read(LARGEST_FILE)
     except (OSError, ValueError):
         return None

@@ -17,7 +17,7 @@ from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Path, Problems
 from pirate_sm.loading.yaml.document import LARGEST_FILE
-from pirate_sm.on_disk import is_there
+from pirate_sm.on_disk import is_there, opened
 
 MISSION = ("mission", "robot", "start", "phases", "ends")
 PIPE = ("pipe", "diameter", "segments")
@@ -102,7 +102,7 @@ def tell(
 def _has(file: FilePath, keys: tuple[str, ...]) -> bool:
     """Return whether the file has some of the keys, or cannot be read."""
     with suppress(OSError, ValueError):
-        with file.open("rb") as stream:
+        with opened(file) as stream:
             text = stream.read(LARGEST_FILE).decode("utf-8-sig", errors="replace")
         names = "|".join(keys)
         found = re.findall(rf"""(?:^|[{{,\r])\s*["']?({names})["']?\s*:""", text, re.MULTILINE)

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.on_disk import is_file, is_folder, is_there, why_hidden
+from pirate_sm.on_disk import is_file, is_folder, is_there, opened, why_hidden
 
 
 @pytest.fixture
@@ -52,3 +52,35 @@ def test_files_folders_and_broken_links_are_told_apart(tmp_path: Path) -> None:
     assert list(map(is_file, (file, link, tmp_path))) == [True, False, False]
     assert list(map(is_folder, (file, link, tmp_path))) == [False, False, True]
     assert not any(map(why_hidden, (file, link, tmp_path)))
+
+
+@pytest.mark.timeout(10)
+def test_a_named_pipe_that_takes_the_place_of_a_file_is_refused_without_waiting(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file, pipe = tmp_path / "file", tmp_path / "pipe"
+    file.touch()
+    os.mkfifo(pipe)
+    before, closed, close = file.stat(), [], os.close
+
+    def closing(number: int) -> None:
+        closed.append(number)
+        close(number)
+
+    with monkeypatch.context() as patch:
+        patch.setattr(os, "stat", lambda *asked, **how: before)
+        patch.setattr(os, "close", closing)
+        with pytest.raises(OSError, match="not a regular file"):
+            opened(pipe)
+    assert len(closed) == 1
+
+
+def test_a_regular_file_is_opened_to_be_read_and_nothing_else_is(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"content")
+
+    with opened(tmp_path / "file") as file:
+        assert file.read() == b"content"
+    with pytest.raises(IsADirectoryError):
+        opened(tmp_path)
+    with pytest.raises(OSError, match="not a regular file"):
+        opened("/dev/null")

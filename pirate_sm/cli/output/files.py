@@ -8,7 +8,7 @@ from contextlib import suppress
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
-from pirate_sm.on_disk import is_file, is_folder, is_there
+from pirate_sm.on_disk import is_file, is_folder, is_there, opened
 from pirate_sm.report import GENERATOR
 
 HEAD = 20_000
@@ -109,10 +109,8 @@ def is_recording(place: Path) -> bool:
 
 def begins(place: Path, size: int) -> bytes:
     """Return the first bytes of a file; none of a terminal and the like, or where none is."""
-    with suppress(OSError, ValueError):
-        if is_file(place):
-            with place.open("rb") as file:
-                return file.read(size)
+    with suppress(OSError, ValueError), opened(place) as file:
+        return file.read(size)
     return b""
 
 
@@ -123,11 +121,9 @@ def first_line(place: Path) -> str:
 
 def _ends(place: Path, size: int) -> bytes:
     """Return the last bytes of a file; none of a terminal and the like, or where none is."""
-    with suppress(OSError, ValueError):
-        if is_file(place):
-            with place.open("rb") as file:
-                file.seek(max(0, place.stat().st_size - size))
-                return file.read()
+    with suppress(OSError, ValueError), opened(place) as file:
+        file.seek(max(0, place.stat().st_size - size))
+        return file.read()
     return b""
 
 

@@ -10,7 +10,6 @@ from __future__ import annotations
 
 import json
 import re
-import stat
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Final
@@ -21,6 +20,7 @@ from pirate_sm.loading.problems import LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
 from pirate_sm.loading.yaml.nodes import Node
 from pirate_sm.loading.yaml.overlay import from_file, overlaid
+from pirate_sm.on_disk import opened
 
 LARGEST_FILE: Final = 1 << 20  # bytes
 _UNPRINTABLE: Final = re.compile(
@@ -177,14 +177,10 @@ def read_text(path: Path | str, name: str, expected: str) -> str:
 
 def _content(path: Path | str, name: str, expected: str) -> bytes:
     try:
-        file = Path(path)
-        mode = file.stat().st_mode
-        if stat.S_ISDIR(mode):
-            raise _refusal(name, "file", f"is a directory; {expected} is expected")
-        if not stat.S_ISREG(mode):
-            raise _refusal(name, "file", "is not a regular file")
-        with file.open("rb") as stream:
+        with opened(path) as stream:
             return stream.read(LARGEST_FILE + 1)
+    except IsADirectoryError:
+        raise _refusal(name, "file", f"is a directory; {expected} is expected") from None
     except FileNotFoundError:
         raise _refusal(name, "file", "there is no such file") from None
     except (OSError, ValueError) as error:
