@@ -316,7 +316,8 @@ class Console(PanelActions, App[None]):
 
     def action_help(self) -> None:
         """Show the help page."""
-        self.push_screen(Help(help_lines(self.letters, self.session.latest)))
+        latest = self.session.latest
+        self.push_screen(Help(help_lines(self.letters, latest, self.starts(latest))))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """Return the commands of the palette: everything that the keys do."""

@@ -7,7 +7,7 @@ from textwrap import wrap
 
 from textual.content import Content
 
-from pirate_sm.console.availability import controls
+from pirate_sm.console.availability import Entries, command_reason, controls
 from pirate_sm.console.themed_lines import line
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import STRONG
@@ -69,23 +69,34 @@ _SIGNS = (
 )
 
 
-def help_lines(letters: Mapping[str, str], snapshot: Snapshot) -> list[Content]:
-    """Return the help page of the console."""
+def help_lines(
+    letters: Mapping[str, str], snapshot: Snapshot, entries: Entries | None
+) -> list[Content]:
+    """Return the help page of the console, with all of why something cannot be done now."""
     robot = snapshot.scene.robot
     commands = snapshot.scene.loaded.loaded_robot.profile.commands
     lines = [line(("Always", STRONG))]
     lines += [row(key, text) for key, text in _ALWAYS]
     lines += [line(""), line(("A mission", STRONG))]
-    lines += [row(each.key, each.label) for each in controls(snapshot, None)]
+    lines += [
+        row(each.key, _with_reason(each.label, each.reason)) for each in controls(snapshot, entries)
+    ]
     lines += [line(""), line((f"Commands of {robot.name}", STRONG))]
     lines += [
-        row(letters.get(name, "^p"), f"{name}  {each.description}")
+        row(
+            letters.get(name, "^p"),
+            _with_reason(f"{name}  {each.description}", command_reason(snapshot, name)),
+        )
         for name, each in commands.items()
     ]
     if robot.detector_words:
         lines += [line(""), line(("You as the detector, where nobody else is", STRONG))]
         lines += [row(letters.get(word, "^p"), word) for word in robot.detector_words]
     return lines + _signs()
+
+
+def _with_reason(text: str, reason: str) -> str:
+    return f"{text}. Not now: {reason}" if reason else text
 
 
 def recording_lines() -> list[Content]:

@@ -42,7 +42,6 @@ def desk(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Desk]:
 @pytest.mark.timeout(900)
 def test_what_the_screen_says_in_ten_tasks_is_what_the_bay_has_done(desk: Desk) -> None:
     pre_flight(desk)
-    connect(desk)
     drive(desk)
     stop(desk)
     pull_the_cable(desk)
@@ -56,15 +55,29 @@ def test_what_the_screen_says_in_ten_tasks_is_what_the_bay_has_done(desk: Desk) 
 
 
 def pre_flight(desk: Desk) -> None:
-    """The doctor finds nothing wrong, and moves nothing."""
-    command = ("doctor", "--port", str(desk.cable.link), "--seconds", "2", "--plain")
-    said = subprocess.run(
-        [sys.executable, "-c", PIRATE, *command], capture_output=True, text=True, check=False
-    )
+    """The doctor finds nothing wrong, and moves nothing; so does the list of the console."""
+    said_by(desk, "doctor", "--port", str(desk.cable.link), "--seconds", "2", "--plain")
     desk.bay.look()
-
-    assert said.returncode == 0, said.stdout + said.stderr
     assert not any(desk.bay.in_force)
+    connect(desk)
+    desk.press("#")
+    for name in ("topics", "boards", "sensors"):
+        desk.until(f"✓ {name}", 20.0)
+    assert not any(desk.bay.in_force)
+    close(desk)
+
+
+def said_by(desk: Desk, *command: str) -> str:
+    """What another command says that succeeds."""
+    said = subprocess.run(
+        [sys.executable, "-c", PIRATE, *command],
+        capture_output=True,
+        text=True,
+        check=False,
+        cwd=desk.folder,
+    )
+    assert said.returncode == 0, said.stdout + said.stderr
+    return said.stdout
 
 
 def connect(desk: Desk) -> None:
@@ -105,9 +118,14 @@ def agree(desk: Desk, what: Callable[[], object]) -> None:
 
 
 def drive(desk: Desk) -> None:
-    """Clamped by hand, and driven."""
+    """Clamped by hand, something is seen, and driven."""
     command(desk, "ClampFront", "● FrontWheels +Fixed")
     command(desk, "ClampRear", "● RearWheels +Fixed")
+    desk.press("@")
+    desk.until("Seen there")
+    desk.wait(1.0)
+    desk.press("0.40 m\tcrack, 3 o'clock\r")
+    desk.until("wheel 1 at 0.40 m")
     page(desk, "motors")
     give(desk, "DriveForward", lambda: set(wheels_sent(desk.text)) == {"100 %", "-100 %"})
 
@@ -220,8 +238,12 @@ def adopt(desk: Desk) -> None:
 
 
 def observe(desk: Desk) -> None:
-    """What was recorded is shown again, and said to be a recording."""
-    newest = sorted((desk.folder / "runs").glob("*.mcap"))[-1]
+    """What was recorded is shown again, and said to be a recording; so is what was seen."""
+    runs = sorted((desk.folder / "runs").glob("*.mcap"))
+    newest, noted = runs[-1], [it for it in runs if b"crack, 3 o'clock" in it.read_bytes()]
+    assert "crack, 3 o'clock" in said_by(desk, "map", str(noted[0]))
+    said_by(desk, "report", str(noted[0]), "--output", "report.html")
+    assert "crack, 3 o" in (desk.folder / "report.html").read_text(encoding="utf-8")
     desk.open(str(newest))
     desk.until("● RECORDING", 60.0)
     desk.end()

@@ -158,7 +158,7 @@ def test_an_empty_wish_for_no_colours_is_none(monkeypatch: pytest.MonkeyPatch) -
 def test_the_help_page_has_every_key() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend")) as me:
-            text = "\n".join(each.plain for each in help_lines(me.app.letters, me.latest))
+            text = "\n".join(each.plain for each in help_lines(me.app.letters, me.latest, None))
             keys = {binding.key for _, binding in me.app._bindings}
             assert {"space", "ctrl+t", "r", "R", "up", me.app.letters["ClampFront"]} <= keys
             assert missing(keys, text) == []
