@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping
+from dataclasses import replace
 
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
@@ -17,9 +18,18 @@ Beginnings = Mapping[str, frozenset[int]]
 
 
 def beginnings(loaded: LoadedMission) -> Beginnings:
-    """Explore the mission and return the configurations in which each phase begins."""
+    """Explore the mission and return the configurations in which each phase begins.
+
+    It begins as its file says, also where the robot was adopted elsewhere.
+    """
     found: dict[str, set[int]] = {}
-    exploration = explore(loaded.robot, loaded.program, conditions_of(loaded))
+    table, wanted = loaded.robot.table, loaded.mission.starts_in or {}
+    initial = zip(table.regions, table.configurations[table.initial], strict=True)
+    at_start = table.index_of(tuple(wanted.get(region, state) for region, state in initial))
+    program = loaded.program
+    if at_start is not None:
+        program = replace(program, start_configuration=at_start)
+    exploration = explore(loaded.robot, program, conditions_of(loaded))
     for step in exploration.steps:
         for effect in step.effects:
             if isinstance(effect, PhaseChange):

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import pytest
 
 from checking.plans.conftest import standing
@@ -23,6 +25,13 @@ def test_a_phase_begins_where_the_mission_itself_enters_it(bend, begun_in):
     entered = {bend.robot.table.configurations[each] for each in begun_in["pass"]}
 
     assert entered == {("Free", "DrivingForward", "RearClampedFrontBending", "Unaligned", "On")}
+
+
+def test_where_a_robot_was_adopted_changes_nothing_of_where_phases_begin(bend, begun_in):
+    clamped = standing(bend, "Fixed", "Fixed", "DoubleClamped", "Unaligned", "Off").configuration
+    adopted = replace(bend, program=replace(bend.program, start_configuration=clamped))
+
+    assert beginnings(adopted) == begun_in
 
 
 def test_a_robot_that_was_braked_by_hand_drives_again(bend, begun_in):
