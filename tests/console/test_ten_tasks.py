@@ -217,7 +217,8 @@ def resume(desk: Desk) -> None:
     desk.wait(2.0)  # what it has done is on the disk
     desk.end(signal.SIGKILL)
     (newest,) = sorted((desk.folder / "runs").glob("*.mcap"))[-1:]
-    desk.open("--resume", str(newest.relative_to(desk.folder)))
+    port = "--port", str(desk.cable.link)  # its name is that of no device
+    desk.open(*port, "--resume", str(newest.relative_to(desk.folder)))
     desk.until("leave [enter]?", 60.0)
     desk.press("g\r")
     desk.until("PAUSED", 60.0)

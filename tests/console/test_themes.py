@@ -23,8 +23,9 @@ BORDERS = set("▔▁▂▃▄▅▆▇█▊▎▏▕")
 KEYS = {
     "space": "Space", "question_mark": "?", "tab": "Tab", "pageup": "PgUp", "pagedown": "PgDn",
     "escape": "Esc", "left": "←", "right": "→", "up": "↑", "down": "↓", "home": "Home",
-    "end": "End", "comma": ",", "full_stop": ".", "1": "1", "exclamation_mark": "!", "at": "@",
-    "plus": "+", "minus": "-", "equals_sign": "=", "number_sign": "#",
+    "end": "End", "less_than_sign": "<", "greater_than_sign": ">", "full_stop": ".",
+    "1": "1", "exclamation_mark": "!", "at": "@", "plus": "+", "minus": "-",
+    "equals_sign": "=", "number_sign": "#",
 }  # fmt: skip
 """How the help page writes keys."""
 
