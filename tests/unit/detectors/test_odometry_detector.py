@@ -17,16 +17,21 @@ from pirate_sm.model.events import DetectorWord
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring.prepared import Prepared
 
 ROBOTS = Path(__file__).resolve().parents[2] / "robots"
 PATROL = str(ROBOTS / "newt" / "patrol.yaml")
 
 
+def reckoning(prepared: Prepared) -> Odometry:
+    """The detector among what accompanies the run."""
+    return next(each for each in prepared.companions if isinstance(each, Odometry))
+
+
 def run(mission: str, **order) -> tuple:
     prepared = prepare(Order(mission, **order))
-    (odometry,) = prepared.companions
-    assert isinstance(odometry, Odometry)
-    companions = [odometry, FirstChoice()]
+    odometry = reckoning(prepared)
+    companions = [*prepared.companions, FirstChoice()]
     result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
     assert odometry.reckoned is not None
     return result, odometry.reckoned.places_m, prepared.backend.truth.arcs_m
@@ -53,8 +58,8 @@ def test_networks_are_passed_on_reckoning_alone(mission: str) -> None:
 
 def test_a_robot_in_a_round_pipe_is_shown_in_space() -> None:
     prepared = prepare(Order("turn_left", detector="odometry"))
-    (odometry,) = prepared.companions
-    companions = [odometry, FirstChoice()]
+    odometry = reckoning(prepared)
+    companions = [*prepared.companions, FirstChoice()]
     MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
     shown, truth = odometry.truth(), prepared.backend.truth
     for one, other in zip(shown.points, truth.points, strict=True):
@@ -70,8 +75,8 @@ def test_an_error_of_the_start_is_gone_behind_the_bend(off_m: float) -> None:
 
 def test_belief_the_shape_is_unknown_while_a_part_is_not_seen_to_hold() -> None:
     prepared = prepare(Order("mitre_bend", detector="odometry"))
-    (companion,) = prepared.companions
-    mission = MissionRun(prepared.engine, prepared.backend, companions=[companion])
+    companion = reckoning(prepared)
+    mission = MissionRun(prepared.engine, prepared.backend, companions=prepared.companions)
     mission.execute()
     assert companion.reckoned.shape == "fits"
 
@@ -165,7 +170,7 @@ def test_it_waits_for_every_joint_and_says_once_that_it_does() -> None:
 
 def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
     prepared = prepare(Order("mitre_bend", detector="odometry"))
-    (companion,) = prepared.companions
+    companion = reckoning(prepared)
     said: list[tuple[float, DetectorWord]] = []
     speak = companion.speak
 
@@ -175,7 +180,7 @@ def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
         return words
 
     companion.speak = note
-    MissionRun(prepared.engine, prepared.backend, companions=[companion]).execute()
+    MissionRun(prepared.engine, prepared.backend, companions=prepared.companions).execute()
     assert list(dict.fromkeys(word.word for _, word in said)) == ["close", "in", "past"]
     gaps = [late - early for (early, a), (late, b) in pairwise(said) if a == b]
     assert min(gaps) == pytest.approx(0.5)
@@ -201,7 +206,7 @@ def test_a_joint_may_be_silent_for_a_moment_while_the_hold_changes(
     silent_s: float, outcome: str
 ) -> None:
     prepared = prepare(Order("mitre_bend", detector="odometry"))
-    (companion,) = prepared.companions
+    companion = reckoning(prepared)
     robot, look = prepared.loaded.robot, companion.look
     joint = robot.vocabulary.numbers.index("gamma_4")
     held_s: list[float] = []
@@ -218,7 +223,7 @@ def test_a_joint_may_be_silent_for_a_moment_while_the_hold_changes(
         return look(state._replace(sensing=sensing), now_s)
 
     companion.look = look_with_a_silent_joint
-    companions = [companion, FirstChoice()]
+    companions = [*prepared.companions, FirstChoice()]
     result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
     assert held_s
     assert result.ended.outcome == outcome

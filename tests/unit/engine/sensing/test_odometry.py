@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from driving import BOTH_CLAMPED, IDLE, command
+from driving import BOTH_CLAMPED, FRONT_CLAMPED, IDLE, command
 
 from pirate_sm.engine.engine import Engine
 
@@ -66,6 +66,18 @@ def test_wheels_that_push_hard_may_slip(drive) -> None:
     driver.run(3.0, **turning(1, 2, 3, 4, 5, 6))
 
     assert shown(driver)[1] - before_m == pytest.approx(2.0 * RIM_M_S, rel=0.2)
+
+
+def test_the_speed_is_that_of_the_driven_wheels_and_of_all_where_none_is_driven(drive) -> None:
+    driver = drive(READING, states=FRONT_CLAMPED)
+    driver.run(1.0, **turning(1, 2, 3))
+    assert driver.engine.signals(driver.state)["speed"] == pytest.approx(RIM_M_S / 2)
+
+    command(driver, "DriveForward")
+    driver.accept()
+    driver.run(2.0, **turning(1, 2, 3))
+
+    assert driver.engine.signals(driver.state)["speed"] == pytest.approx(RIM_M_S)
 
 
 def test_an_older_recording_keeps_the_odometry_that_it_was_made_with(drive) -> None:

@@ -11,6 +11,7 @@ import pytest
 from pirate_sm.backends.serial.link.arrays import SetpointLink
 from pirate_sm.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
 from pirate_sm.backends.serial.link.wire_slots import WireSlot
+from pirate_sm.model.events import FaultReport, SubmitResult
 
 SPACING_S = 0.05
 HURRY_S = 0.6 * SPACING_S
@@ -307,3 +308,91 @@ def test_a_line_that_loses_no_more_than_a_quarter_is_not_bad() -> None:
     assert not quality.bad
     quality.lose(1.0)
     assert quality.bad
+
+
+# --- what is in force, and what a device that was away gets again ----------------------------
+
+
+def test_in_force_is_what_was_confirmed_last_and_before_that_what_was_written(line: Line) -> None:
+    link = line.link
+    assert (link.in_force, link.confirmed) == (None, None)
+    link.submit(1, (0.1,), line.now_s)
+    assert link.in_force is None, "it has not been written"
+    line.run(0.05)
+    assert (link.in_force, link.confirmed) == ((100,), None)
+    line.run(0.3)
+    assert (link.in_force, link.confirmed) == ((100,), (100,))
+
+    link.submit(2, (0.2,), line.now_s)
+    line.run(line.now_s + 0.05)
+
+    assert (link.in_force, link.confirmed) == ((100,), None)
+    line.run(line.now_s + 0.3)
+    assert (link.in_force, link.confirmed) == ((200,), (200,))
+
+
+def test_a_device_that_may_have_forgotten_the_last_array_gets_it_again(line: Line) -> None:
+    line.link.reassert(line.now_s)
+    line.run(0.1)
+    assert not line.written, "there was none"
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(0.5)
+    line.fates.clear()
+
+    line.link.reassert(line.now_s)
+    assert not line.link.idle
+    line.run(line.now_s + 0.5)
+
+    assert [counts for *_, counts in line.written] == [(100,), (100,)]
+    assert line.link.confirmed == (100,)
+    assert not line.fates, "it has its result already"
+
+
+def test_a_last_array_that_is_not_confirmed_again_is_a_fault(line: Line) -> None:
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(0.5)
+    link, since_s = line.link, line.now_s
+    link.reassert(since_s)
+
+    found: list[SubmitResult | FaultReport] = []
+    while not found and line.now_s < since_s + 10.0:
+        line.now_s += TICK_S
+        link.expire(line.now_s)
+        link.next_payload(line.now_s)
+        found = link.take()
+
+    assert [each.code for each in found if isinstance(each, FaultReport)] == ["link.no_echo"]
+    assert line.now_s - since_s == pytest.approx(8 * 0.15 * 5, abs=0.15)
+    assert link.idle
+
+
+def test_an_array_without_any_echo_is_unknown_after_its_time(line: Line) -> None:
+    line.link.submit(1, (0.1,), line.now_s)
+    line.run(8 * 0.15 - 0.05, arriving=False)
+    assert not line.fates
+
+    line.run(8 * 0.15 + 0.2, arriving=False)
+
+    assert line.fates == {1: "unknown"}
+    assert line.link.idle
+
+
+@pytest.mark.parametrize("written", [True, False])
+def test_where_nothing_can_be_written_for_long_the_newest_array_is_kept_for_later(
+    line: Line, written: bool
+) -> None:
+    link = line.link
+    link.submit(1, (0.1,), 0.0)
+    if written:
+        link.next_payload(0.0)
+        link.submit(2, (0.2,), 0.1)
+
+    link.expire(1.15, able=False)
+    assert not link.idle
+    link.expire(1.35, able=False)
+
+    results = {each.setpoint_id: each for each in link.take() if isinstance(each, SubmitResult)}
+    assert {each.status for each in results.values()} == {"unknown"}
+    assert results[2 if written else 1].reason == "the link is down"
+    assert link.idle
+    assert link.in_force == ((200,) if written else (100,)), "to be repeated"

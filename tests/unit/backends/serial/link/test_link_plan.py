@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,33 @@ from pirate_sm.loading.robot import load_robot
 from pirate_sm.rosserial.messages import read_messages, serial_of
 
 from ..conftest import SIX_WHEELED
+
+
+@pytest.mark.parametrize("limited", [True, False])
+def test_setpoints_are_written_in_their_resolution_and_within_their_limit(limited: bool) -> None:
+    """An angle without a limit of its own turns once round at most."""
+    robot = load_robot(SIX_WHEELED)
+    serial, link = serial_of(robot.profile), robot.profile.link
+    messages = read_messages(SIX_WHEELED / serial.messages, serial, len(robot.profile.slots))
+    boards = tuple(
+        board.model_copy(
+            update={
+                "slots": tuple(
+                    slot if limited else slot.model_copy(update={"limit": None})
+                    for slot in board.slots
+                )
+            }
+        )
+        for board in robot.profile.boards
+    )
+    profile = robot.profile.model_copy(update={"boards": boards})
+
+    written = plan_of(profile, robot.normal, messages).slots
+
+    for slot, wire in zip(profile.slots, written, strict=True):
+        duty, turn = (link.duty_resolution, 1.0), (link.angle_resolution, slot.limit or math.tau)
+        assert (wire.name, wire[1:]) == (slot.name, duty if slot.unit == "duty" else turn)
+    assert {slot.unit for slot in profile.slots} == {"duty", "angle"}
 
 
 def test_integers_that_do_not_reach_the_limit_of_a_slot_are_refused(tmp_path: Path) -> None:

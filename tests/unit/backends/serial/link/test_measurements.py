@@ -24,9 +24,8 @@ def frames(measurements: Measurements, *readings: tuple[int, float]) -> list[Sen
 def test_a_message_of_a_whole_board_is_its_frame_without_what_follows(
     measurements: Measurements,
 ) -> None:
-    frame = measurements.take(StateReading(3, -1, (1.0, 2.0, 3.0)))
-
-    assert frame == SensorFrame(3, (1.0, 2.0))
+    for values in ((1.0, 2.0), (1.0, 2.0, 3.0)):
+        assert measurements.take(StateReading(3, -1, values)) == SensorFrame(3, (1.0, 2.0))
     assert measurements.strange == 0
 
 
@@ -47,6 +46,15 @@ def test_in_place_of_a_lost_value_the_one_before_is_reported_when_the_next_round
     found = frames(measurements, (0, 3.0), (0, 5.0), (1, 6.0), (0, 7.0))
 
     assert found == [None, SensorFrame(3, (3.0, 2.0)), SensorFrame(3, (5.0, 6.0)), None]
+
+
+def test_the_next_round_is_whole_only_with_all_of_its_own_values() -> None:
+    measurements = Measurements({3: 3})
+
+    found = frames(measurements, (0, 1.0), (1, 2.0), (0, 3.0), (1, 4.0), (2, 5.0))
+
+    assert [frame is not None for frame in found] == [False, False, True, False, True]
+    assert found[-1] == SensorFrame(3, (3.0, 4.0, 5.0))
 
 
 def test_a_value_that_never_came_is_unknown(measurements: Measurements) -> None:
