@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 MOST_CONFIGURATIONS = 20_000
 """Largest number of configurations of a chart, because later checks visit all of them."""
 
+MOST_RESULTS = 2_000_000
+"""Largest number of configurations times commands: the table holds the result of each pair."""
+
 
 def compile_chart(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
     """Return the table of every reachable configuration and every command in it.
@@ -41,16 +44,18 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
         raise
     explored = _explore(machine, outline)
     if explored is None:
-        about.add(
-            "chart.too_large", (), f"the chart reaches more than {MOST_CONFIGURATIONS} combinations"
-        )
+        count = len(outline.commands)
+        most = min(MOST_CONFIGURATIONS, MOST_RESULTS // max(count, 1))
+        message = f"the chart reaches more than {most} combinations of states with {count} commands"
+        about.add("chart.too_large", (), message)
         about.raise_errors()
         raise AssertionError("raise_errors raises here")
     configurations, following = explored
     reasons: dict[str, int] = {"": 0}
+    explain = _Reasons(outline).of
     refusals = tuple(
         tuple(
-            reasons.setdefault(_reason(outline, states, command), len(reasons))
+            reasons.setdefault(explain(states, command), len(reasons))
             if following[index][number] == index
             else 0
             for number, command in enumerate(outline.commands)
@@ -107,24 +112,36 @@ def _explore(
     """Return all configurations and transitions, breadth-first; None if there are too many."""
     from statemachine.orderedset import OrderedSet  # noqa: PLC0415
 
+    count, sources = len(outline.commands), _sources_of(outline)
     first = tuple(machine.configuration_values)
     found: dict[frozenset[str], int] = {frozenset(first): 0}
     order: list[tuple[str, ...]] = [first]
     following: list[tuple[int, ...]] = []
     for values in order:
         row = []
-        for number in range(len(outline.commands)):
+        for number, command in enumerate(outline.commands):
+            if sources[command].isdisjoint(values):  # without a transition nothing changes
+                row.append(len(following))
+                continue
             machine.current_state_value = OrderedSet(values)
             machine.send(_event(number))
             reached = tuple(machine.configuration_values)
             index = found.setdefault(frozenset(reached), len(order))
             if index == len(order):
                 order.append(reached)
-                if len(order) > MOST_CONFIGURATIONS:
+                if len(order) > MOST_CONFIGURATIONS or len(order) * count > MOST_RESULTS:
                     return None
             row.append(index)
         following.append(tuple(row))
     return tuple(_names(outline, values) for values in order), tuple(following)
+
+
+def _sources_of(outline: ChartOutline) -> dict[str, set[str]]:
+    """Return the states from which each command has a transition."""
+    sources: dict[str, set[str]] = {command: set() for command in outline.commands}
+    for transition in outline.transitions:
+        sources[transition.event].add(transition.source)
+    return sources
 
 
 def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
@@ -134,16 +151,26 @@ def _names(outline: ChartOutline, values: tuple[str, ...]) -> Configuration:
     )
 
 
-def _reason(outline: ChartOutline, states: Configuration, command: str) -> str:
-    """Return the unmet conditions of the command, or the states in which it is possible."""
-    active = {f"{region}.{state}" for region, state in zip(outline.regions, states, strict=True)}
-    needs = [
-        _denials(transition.tree, active)
-        for transition in outline.transitions
-        if transition.event == command and transition.source in active and transition.tree
-    ]
-    ways = dict.fromkeys(map(_joined, filter(None, needs)))
-    return f"it needs {', or '.join(ways or _sources(outline, command))}"
+class _Reasons:
+    """Says why commands are refused."""
+
+    def __init__(self, outline: ChartOutline) -> None:
+        self._regions = outline.regions
+        self._states = {each: [*_sources(outline, each)] for each in outline.commands}
+        self._guards: dict[str, list[tuple[str, ast.expr]]] = {}
+        for each in outline.transitions:
+            if each.tree:
+                self._guards.setdefault(each.event, []).append((each.source, each.tree))
+
+    def of(self, states: Configuration, command: str) -> str:
+        """Return the unmet conditions of the command, or the states in which it is possible."""
+        ways: dict[str, None] = {}
+        if guards := self._guards.get(command):
+            named = zip(self._regions, states, strict=True)
+            active = {f"{region}.{state}" for region, state in named}
+            needs = [_denials(tree, active) for source, tree in guards if source in active]
+            ways = dict.fromkeys(map(_joined, filter(None, needs)))
+        return f"it needs {', or '.join(ways or self._states[command])}"
 
 
 def _sources(outline: ChartOutline, command: str) -> Iterator[str]:

@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from statemachine import StateChart
 from statemachine.io import load as library_load
 from statemachine.orderedset import OrderedSet
 
@@ -270,6 +271,44 @@ def test_names_may_be_words_of_the_library(tmp_path, word):
 
     assert table.configurations == usual.configurations
     assert table.following == usual.following
+
+
+def ring(count: int) -> dict[str, object]:
+    """A region of states in a ring, each with its own command to the next."""
+    return {
+        f"R.S{n}": {
+            "initial": n == 0,
+            "transitions": [{"event": f"go{n}", "target": f"R.S{(n + 1) % count}"}],
+        }
+        for n in range(count)
+    }
+
+
+@pytest.mark.parametrize(("most", "is_refused"), [(900, False), (899, True)])
+def test_the_library_is_asked_only_for_commands_that_have_a_transition(
+    monkeypatch, most: int, is_refused: bool
+) -> None:
+    monkeypatch.setattr("pirate_sm.loading.chart.exploration.MOST_RESULTS", most)
+    asked: list[str] = []
+    send = StateChart.send
+    monkeypatch.setattr(
+        StateChart, "send", lambda it, event: (asked.append(event), send(it, event))[1]
+    )
+    regions = {"R": {"states": ring(30)}}
+    text = json.dumps({"name": "ring", "states": {"top": {"parallel": True, "states": regions}}})
+    document = parse_document(text, "ring.yaml")
+    problems = Problems(document)
+    outline = outline_chart(document, problems)
+    assert outline is not None
+
+    if is_refused:
+        with pytest.raises(LoadError, match="more than 29 combinations of states with 30 commands"):
+            compile_chart(document, outline, problems)
+        return
+    table = compile_chart(document, outline, problems)
+    assert len(asked) == 30
+    assert len(table.configurations) == 30
+    assert table.following[3] == tuple(4 if command == "go3" else 3 for command in table.commands)
 
 
 def test_a_chart_that_is_too_large_is_refused(monkeypatch):
