@@ -274,7 +274,7 @@ def _leading(part: _L) -> _L:
     """Return the part; raise an error if it has no target."""
     if part.go is None:
         raise PydanticCustomError(
-            "missing-key", "this needs `go`: the phase or end that it leads to"
+            "missing-key", "this needs `go`: the phase or end that it leads to", {"keys": "go"}
         )
     return part
 

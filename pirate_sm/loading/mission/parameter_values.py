@@ -7,30 +7,8 @@ from collections.abc import Mapping
 from typing import NamedTuple
 
 from pirate_sm.loading.problems import Path, Problems
-from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
-from pirate_sm.units import (
-    ANGLE,
-    ANGULAR_SPEED,
-    CURRENT,
-    DIMENSIONLESS,
-    FORCE,
-    LENGTH,
-    SPEED,
-    TIME,
-    TORQUE,
-    Dimension,
-    Quantity,
-    QuantityError,
-    describe,
-    read_quantity,
-)
-
-DIMENSIONS: Mapping[str, Dimension] = {
-    "duration": TIME, "length": LENGTH, "angle": ANGLE, "speed": SPEED,
-    "angular_speed": ANGULAR_SPEED, "torque": TORQUE, "force": FORCE, "current": CURRENT,
-    "ratio": DIMENSIONLESS, "count": DIMENSIONLESS, "number": DIMENSIONLESS,
-}  # fmt: skip
-
+from pirate_sm.model.parameters import DIMENSIONS, ParameterDefinition, ParameterValue
+from pirate_sm.units import Quantity, QuantityError, describe, read_quantity
 
 _COUNT = re.compile(r"[0-9]{1,9}")
 

@@ -68,6 +68,18 @@ class SchemaWalk:
             return ()
         return tuple(name for name, _ in self._named_fields(schema))
 
+    def required(self, schema: Schema | None) -> tuple[str, ...]:
+        """Return the keys that a mapping of this schema must have."""
+        if not self.fields(schema):
+            return ()
+        assert schema is not None
+        return tuple(name for name, each in self._named_fields(schema) if each["type"] != "default")
+
+    def item(self, schema: Schema) -> Schema | None:
+        """Return the schema of a list's items."""
+        found = self._child(schema, 0)
+        return self._plain(found) if found else None
+
     def parent(self, location: Location) -> Schema | None:
         """Return the schema of the mapping that contains a location's last key."""
         return self.follow(location[:-1]).schema

@@ -11,6 +11,7 @@ from pydantic_core import ErrorDetails
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.error_wording import Wording, merged, misspelt_kind, wanted_kind, word
+from pirate_sm.loading.yaml.right_kind import form_of
 from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import nearest, one_of
@@ -18,6 +19,7 @@ from pirate_sm.spelling import nearest, one_of
 M = TypeVar("M", bound=BaseModel)
 
 _MOST_ERRORS = 200
+_MOST_FORMS = 20  # each validates the document a few times
 _UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
 _MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
 
@@ -41,11 +43,10 @@ def validate(document: Document, model: type[M]) -> M:
 
 def try_validate(document: Document, model: type[M], problems: Problems, at: Path = ()) -> M | None:
     """Return the model that a document describes, or None after reporting its faults."""
+    data = _part(document.data, at)
     try:
         # In a file a field has only its alias as its name, if it has one.
-        return model.model_validate(
-            _part(document.data, at), context=dict(FROM_FILE), by_alias=True, by_name=False
-        )
+        return model.model_validate(data, context=dict(FROM_FILE), by_alias=True, by_name=False)
     except ValidationError as error:
         walk = SchemaWalk(model)
         details = [detail for detail in error.errors(include_url=False) if not _is_echo(detail)]
@@ -55,13 +56,23 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
             _meant(error, walk) for error in relevant if error.detail["type"] in _UNKNOWN_KEY
         }
         about = problems.about(document)
-        for kept in relevant:
+        for number, kept in enumerate(relevant):
             # Do not report a misspelt key as missing too.
             if kept.detail["type"] not in _MISSING_KEY or kept.trail.path not in misspelt:
-                _report(kept, walk, about, at)
+                shown = _with_form(kept, data, model) if number < _MOST_FORMS else kept
+                _report(shown, walk, about, at)
         if len(details) > _MOST_ERRORS:
             about.add("more", at, f"{len(details) - _MOST_ERRORS} more errors are not shown")
         return None
+
+
+def _with_form(error: _Error, data: Any, model: type[BaseModel]) -> _Error:
+    """Return an error about a wrong kind of value with the right form, if it is clear."""
+    wording = error.worded()
+    if wording.code != "kind" or wording.expected or wording.suggestion:
+        return error
+    form = form_of(data, error.trail.path, error.trail.schema, model)
+    return replace(error, wording=wording._replace(expected=form))
 
 
 def _is_echo(detail: ErrorDetails) -> bool:
@@ -90,6 +101,10 @@ class _Error:
     detail: ErrorDetails
     trail: Trail
     wording: Wording | None = None
+
+    def worded(self) -> Wording:
+        """Return the message."""
+        return self.wording or word(self.detail, self.trail.schema)
 
 
 def _relevant(errors: list[_Error], walk: SchemaWalk) -> list[_Error]:
@@ -144,9 +159,7 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
         expected = f"`{path[-1]}: {only[0]}`" if len(only) == 1 else ""
         problems.add("missing-key", path[:-1], message, expected=expected, key=True)
     else:
-        code, message, expected, suggestion = error.wording or word(
-            error.detail, error.trail.schema
-        )
+        code, message, expected, suggestion = error.worded()
         # Show a fault of a whole mapping at its key.
         key = error.trail.key or isinstance(error.detail["input"], dict)
         if kind == "key":

@@ -1,0 +1,117 @@
+"""Write a value of the wrong kind in the form that its key expects, where only one is meant.
+
+The forms come from the model: a list of one for a list, a mapping with the key that takes the
+value for a mapping. The first that the model accepts, but for keys still missing, is the one.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import islice, product
+from typing import Any, Final
+
+import yaml
+from pydantic import BaseModel, ValidationError
+
+from pirate_sm.loading.problems import Path
+from pirate_sm.loading.yaml.schema_path import Schema, SchemaWalk
+from pirate_sm.model.parameters import ParameterDefinition, type_of
+from pirate_sm.model.quantities import FROM_FILE
+from pirate_sm.spelling import nearest
+
+_LONGEST: Final = 100
+_MOST_TRIED: Final = 30
+_ANY_KEY: Final = "NAME"
+
+
+def form_of(data: Any, path: Path, schema: Schema | None, model: type[BaseModel]) -> str:
+    """Return the value at a path, with its key, as it is to be written; empty if none is sure.
+
+    Args:
+        data: The whole document.
+        path: Path of a value that is of the wrong kind.
+        schema: The model's schema of this value.
+        model: The model of the document.
+    """
+    if schema is None or not path:
+        return ""
+    walk = SchemaWalk(model)
+    key = path[-1]
+    for form in _forms(schema, _at(data, path), walk):
+        missing = _missing(model, walk, _with(data, path, form), path)
+        if missing is not None:
+            whole = {**form, **dict.fromkeys(missing, "…")} if isinstance(form, dict) else form
+            line = _flow(whole if isinstance(key, int) else {key: whole})
+            return f"`{line}`" if len(line) <= _LONGEST else ""
+    return ""
+
+
+def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:
+    """Yield what may have been meant by a value, the likelier first."""
+    kind = schema["type"]
+    if kind in ("list", "tuple") and not isinstance(value, list):
+        if isinstance(value, dict):
+            entries = [_pairs(walk.item(schema), *entry, walk) for entry in value.items()]
+            yield from map(list, islice(product(*entries), _MOST_TRIED))
+        yield [value]
+    elif kind == "model-fields" and not isinstance(value, list | dict):
+        if schema["model_name"] == ParameterDefinition.__name__:
+            yield {"type": type_of(value), "default": value}
+        close = nearest(str(value), walk.fields(schema))
+        yield from ({name: value} for name in walk.required(schema) or filter(None, [close]))
+    elif kind == "dict" and not isinstance(value, list | dict):
+        yield {_ANY_KEY: value}
+    elif isinstance(value, list) and len(value) == 1:
+        yield value[0]
+
+
+def _pairs(schema: Schema | None, key: str, value: Any, walk: SchemaWalk) -> Iterator[Any]:
+    """Yield the mappings of two keys that `key: value` may be short for."""
+    required = walk.required(schema)
+    for name in walk.fields(schema):
+        yield from ({first: key, name: value} for first in required if first != name)
+
+
+def _missing(model: type[BaseModel], walk: SchemaWalk, data: Any, path: Path) -> list[str] | None:
+    """Return the keys that a value lacks; None if anything else is wrong in it."""
+    try:
+        model.model_validate(data, context=dict(FROM_FILE), by_alias=True, by_name=False)
+    except ValidationError as error:
+        missing = []
+        for each in error.errors(include_url=False):
+            found = walk.follow(each["loc"]).path
+            if found[: len(path)] != path:
+                continue
+            if each["type"] == "missing" and found[:-1] == path:
+                missing.append(str(found[-1]))
+            elif each["type"] == "missing-key" and found == path:
+                missing += each.get("ctx", {}).get("keys", "").split()
+            else:
+                return None
+        return missing
+    return []
+
+
+def _at(data: Any, path: Path) -> Any:
+    for step in path:
+        data = data[step]
+    return data
+
+
+def _with(data: Any, path: Path, value: Any) -> Any:
+    """Return the data with another value at a path; the rest is shared."""
+    if not path:
+        return value
+    step, *rest = path
+    copy: Any = list(data) if isinstance(data, list) else dict(data)
+    copy[step] = _with(data[step], tuple(rest), value)
+    return copy
+
+
+def _flow(value: Any) -> str:
+    """Return a value as one line of YAML; a mapping of one key as `key: value`."""
+    text = yaml.safe_dump(
+        value, default_flow_style=True, width=float("inf"), allow_unicode=True, sort_keys=False
+    )
+    line = text.removesuffix("\n...\n").strip()
+    return line[1:-1] if isinstance(value, dict) and len(value) == 1 else line

@@ -1,0 +1,66 @@
+"""A value of the wrong kind is shown as it is to be written, where only one form can be meant."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.yaml.document import parse_document
+from pirate_sm.loading.yaml.validation import try_validate, validate
+from pirate_sm.model.mission import Mission
+
+MISTAKES = Path(__file__).parents[3] / "mistakes" / "bases"
+
+
+def form(at: str, wrong: str) -> tuple[str, list[str]]:
+    """Return the text of a mission whose part `at` is `wrong`, and the forms that are shown."""
+    text = (MISTAKES / "drive.yaml").read_text(encoding="utf-8")
+    lines = re.sub(rf"(?m){at}", lambda _: wrong, text, count=1)
+    assert lines != text
+    document = parse_document(lines, "drive.yaml")
+    problems = Problems(document)
+    try_validate(document, Mission, problems)
+    return lines, [each.expected.strip("`") for each in problems.errors if each.code == "kind"]
+
+
+@pytest.mark.parametrize(
+    ("at", "wrong", "shown"),
+    [
+        (r"do: \[Brake\]", "do: Brake", "do: [Brake]"),
+        (r"within: .*", "within: 20 s", "within: {time: 20 s, go: …}"),
+        (r"wait: .*", "wait: {after: 20 s, go: halt}", "wait: [{after: 20 s, go: halt}]"),
+        (r"arrived: \{.*", "arrived: success", "arrived: {succeed: success}"),
+        (r"starts_in: .*", "starts_in: Unclamped", "starts_in: {NAME: Unclamped}"),
+        (r"go: arrived", "go: [arrived]", "go: arrived"),
+        (r"way: \{.*", "way: 200 mm", "way: {type: length, default: 200 mm}"),
+        (
+            r"on_fault:\n.*\n.*",
+            "on_fault: {wheel.dead: continue, robot.stuck: regrip}",
+            "on_fault: [{fault: wheel.dead, then: continue}, {fault: robot.stuck, go: regrip}]",
+        ),
+    ],
+)
+def test_a_value_of_the_wrong_kind_is_shown_as_it_is_to_be_written(
+    at: str, wrong: str, shown: str
+) -> None:
+    text, forms = form(at, wrong)
+    assert forms == [shown]
+    document = parse_document(text.replace(wrong, shown.replace("…", "halt")), "drive.yaml")
+    if "NAME" not in shown:
+        validate(document, Mission)
+
+
+@pytest.mark.parametrize(
+    ("at", "wrong"),
+    [
+        (r"arrived: \{.*", "arrived: Driven"),  # succeeded or failed?
+        (r"halt: \{.*", "halt: Brake"),  # a step, the next phase?
+        (r"go: arrived", "go: [arrived, halt]"),
+        (r"way: \{.*", "way: 200"),  # of which type?
+    ],
+)
+def test_no_form_is_shown_where_several_may_be_meant(at: str, wrong: str) -> None:
+    assert form(at, wrong)[1] == [""]
