@@ -6,12 +6,14 @@ stages of the states that it leads to follow.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
 from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.velocity_loop import VelocityLoop
+from pirate_sm.engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
 from pirate_sm.engine.robot.done import RESTORING, holds
@@ -52,10 +54,11 @@ def stage_array(
         if not motion.blind:
             _write(robot, sensing, posture.writes, values, loops)
         return tuple(values), tuple(loops.values())
+    shares = dict.fromkeys(robot.safe_zero, motion.share)
     for region in regions:
         stages = state.stages(robot, region, target[region])
-        writes = _slowed(robot, stages[min(stage, len(stages) - 1)], motion.share)
-        _write(robot, sensing, writes, values, loops)
+        writes = stages[min(stage, len(stages) - 1)]
+        _write(robot, sensing, _slowed(writes, shares), values, loops)
     return tuple(values), tuple(loops.values())
 
 
@@ -84,8 +87,8 @@ def switched_array(
 
     Only slots are written to which the two controls write something else. Wheels that were stopped
     from outside their state stay stopped, and a joint that a command has brought to an angle stays
-    there: commands alone drive and seek. A joint is kept at its torque again if a pause or a fault
-    has stopped its loop.
+    there: commands alone drive and seek. Wheels keep to the speed that an operator has chosen. A
+    joint is kept at its torque again if a pause or a fault has stopped its loop.
     """
     values = list(known_values(state.latest, sensing.numbers, robot))
     loops = {each.slot: each for each in state.loops}
@@ -100,8 +103,30 @@ def switched_array(
             for write in stage
             if write not in before or (write.how == "bear" and _let_go(robot, write.slot, loops))
         )
-        _write(robot, sensing, changed, values, loops)
+        shares = _shares_in_force(robot, before, values, loops)
+        _write(robot, sensing, _slowed(changed, shares), values, loops)
     return tuple(values), tuple(loops.values())
+
+
+def _shares_in_force(
+    robot: RobotSpec, stage: StageSpec, values: Sequence[float], loops: Mapping[int, Loop]
+) -> Mapping[int, float]:
+    """Return by slot the share, 0 to 1, that wheels now have of what the stage writes to them.
+
+    It is less than 1 for wheels that an operator drives by hand at a lower speed.
+    """
+    full = {it.slot: it.value for it in stage if it.slot in robot.safe_zero and it.value}
+    asked = {slot: _asked(loops.get(slot), values[slot]) for slot in full}
+    return {slot: max(0.0, min(1.0, asked[slot] / value)) for slot, value in full.items()}
+
+
+def _asked(loop: Loop | None, value: float) -> float:
+    """Return what a wheel is asked for: the target of its loop, else its value."""
+    match loop:
+        case VelocityLoop(target_rad_s=target) | WheelTorqueLoop(target_nm=target):
+            return target
+        case _:
+            return value
 
 
 def _let_go(robot: RobotSpec, slot: int, loops: Mapping[int, Loop]) -> bool:
@@ -191,12 +216,9 @@ def without_loops(state: RobotState) -> Numbers:
     return tuple(0.0 if slot in driven else value for slot, value in enumerate(state.latest))
 
 
-def _slowed(robot: RobotSpec, stage: StageSpec, share: float) -> StageSpec:
-    """Return the stage with this share of what it writes to wheels."""
-    if share == 1.0:
-        return stage
-    slowed = robot.safe_zero
-    return tuple(it._replace(value=it.value * share) if it.slot in slowed else it for it in stage)
+def _slowed(stage: StageSpec, shares: Mapping[int, float]) -> StageSpec:
+    """Return the stage with these shares of what it writes to slots."""
+    return tuple(it._replace(value=it.value * shares.get(it.slot, 1.0)) for it in stage)
 
 
 def _write(

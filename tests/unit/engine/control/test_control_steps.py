@@ -435,6 +435,19 @@ def test_stopped_wheels_stay_stopped_under_another_control(bearing):
     assert duties(driver, TRACKS) == (0, 0, 0, 0)
 
 
+@pytest.mark.parametrize(("share", "duty"), [(1.0, 0.9), (0.5, 0.45)])
+def test_another_control_keeps_to_the_speed_chosen_for_driving_by_hand(bearing, share, duty):
+    driver = paused(bearing())
+    driver.give(ev.OperatorCommand("GoAhead", share=share))
+    driver.accept()
+    sent_during(driver, 0.6, **{name: rate * share for name, rate in SLOW.items()})
+
+    driver.give(ev.GoTo("swift", *state_change(driver.robot, driver.state.robot)))
+
+    assert in_force(driver) == "swift"
+    assert duties(driver, TRACKS) == pytest.approx((duty, -duty, duty, -duty), abs=0.001)
+
+
 def test_the_operator_commands_by_the_control_in_force(bearing):
     driver = settled(bearing())
     driver.give(ev.Pause())
