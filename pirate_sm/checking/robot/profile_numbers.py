@@ -140,6 +140,12 @@ def link_times(view: RobotView) -> Iterator[Finding]:
                 f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s"
             )
             yield view.at(("link", key), "robot.link_times", message)
+    if link.resend_after <= link.echo_delay:
+        message = (
+            f"every array is sent again after {link.resend_after:g} s, and confirmed only"
+            f" {link.echo_delay:g} s after it was sent"
+        )
+        yield view.at(("link", "resend_after"), "robot.link_times", message)
 
 
 def position_loops(view: RobotView) -> Iterator[Finding]:

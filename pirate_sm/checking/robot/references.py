@@ -250,6 +250,13 @@ def _channels(view: RobotView) -> Iterator[_Wrong]:
     types = view.loaded.normal.vocabulary.types
     boards = enumerate(view.profile.boards)
     own: dict[object, set[str]] = {n: {slot.name for slot in each.slots} for n, each in boards}
+    for number, board in enumerate(view.profile.boards):
+        names = [channel.name for channel in board.channels]
+        for place, name in enumerate(names):
+            if name in names[:place]:
+                at: Path = ("boards", number, "channels", place, "name")
+                message = f"two channels of this board are named '{name}'"
+                yield _Wrong(at, message, "give each its own name")
     known: dict[tuple[str, str], str] = {}
     for signal, (channel, path) in view.channels.items():
         needed, kind = _UNITS.get(channel.senses or ""), types[signal]

@@ -29,6 +29,7 @@ def wheel_directions(view: RobotView) -> Iterator[Finding]:
     if not crossed:  # a wrong direction would cause all of these
         yield from _sides(view)
         yield from _fights(view)
+        yield from _slack(view)
 
 
 def _directions(view: RobotView) -> Iterator[Finding]:
@@ -97,6 +98,18 @@ def _sides(view: RobotView) -> Iterator[Finding]:
                     f"this presses '{name}' to side {side}, and its direction of {direction}"
                     " stands for the other side"
                 )
+                yield view.at(each.path, "robot.clamp_side", message)
+
+
+def _slack(view: RobotView) -> Iterator[Finding]:
+    """Yield states in which a part is to hold and nothing drives its apex."""
+    for part, slot, _ in _apexes(view):
+        for each in view.written:
+            write = each.write
+            idle = write.how == "set" and not write.turns and not each.control
+            if write.slot == slot and idle and _holding(view, part, each):
+                name = view.loaded.normal.parts[part]
+                message = f"'{name}' holds in {each.state}, and nothing presses it to the wall"
                 yield view.at(each.path, "robot.clamp_side", message)
 
 

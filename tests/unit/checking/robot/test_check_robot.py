@@ -135,6 +135,16 @@ FAULTS = {
          "BothHeld: {fold_neck: -50 %, fold_hip: -50 %}"),
         "robot.clamp_side", "-50 %}",
     ),
+    "a clamp that nothing presses": (
+        ("TailHeld: {fold_neck: 0 %, fold_hip: 50 %}", "TailHeld: {fold_neck: 0 %, fold_hip: 0 %}"),
+        "robot.clamp_side", "0 %}",
+    ),
+    "sent again before it is confirmed": (
+        ("resend_after: 100 ms", "resend_after: 10 ms"), "robot.link_times", "10 ms",
+    ),
+    "two channels of one name": (
+        ("{name: wheel_d, signal", "{name: wheel_c, signal"), "robot.reference", "wheel_c, signal",
+    ),
     "a wheel at the wall of its apex": (
         ("name: left_fore, part: nose, direction: 1", "name: left_fore, part: nose, direction: -1"),
         "robot.direction", "-1, mass",
