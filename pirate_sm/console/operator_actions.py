@@ -117,13 +117,12 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             return  # a slow terminal has kept the console from it; the key may be released by now
         again, self._drove_s = now_s < self._drove_s + FIRST_REPEAT_S, now_s
         self.session.giver.stop()
-        if not (again or self._may_move()):
-            self._agree(lambda: None)  # no drive begins with the answer, only with a key held
-            return
         reason = availability.command_reason(self.session.latest, name) or driving.why_not(name)
         if not reason and (doubt := availability.drive_doubt(self.session.latest, name)):
             reason = f"{doubt} ({self.letters.get(name, '^p')} asks and drives)"
-        if driving.holds(name) or not reason:
+        if not (again or reason or self._may_move()):
+            self._agree(lambda: None)  # no drive begins with the answer, only with a key held
+        elif driving.holds(name) or not reason:
             driving.press(name)
         elif not again:
             self._refuse(name, reason)

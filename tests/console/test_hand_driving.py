@@ -9,6 +9,7 @@ import pytest
 from textual.events import AppBlur
 
 from pirate_sm.console import availability
+from pirate_sm.console.dialogs import Confirm
 from pirate_sm.console.hand_driving import (
     FIRST_REPEAT_S,
     JOINT_CLEARANCE_M,
@@ -186,6 +187,8 @@ def test_the_answer_that_a_real_robot_may_move_begins_no_drive() -> None:
     async def story() -> None:
         prepared = confirming(by_hand(Order("by_hand", backend="trace")), "it may move")
         async with operator(prepared) as me:
+            await me.press("up")  # it cannot drive: nothing is asked
+            assert not isinstance(me.app.screen, Confirm)
             await me.press(me.app.letters["ClampFront"])
             await me.press("y")
             await clamped(me)
