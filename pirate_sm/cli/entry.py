@@ -9,6 +9,7 @@ from __future__ import annotations
 import gc
 import os
 import sys
+from collections.abc import Iterable
 from dataclasses import fields
 from importlib import import_module
 from inspect import Parameter, signature
@@ -95,20 +96,42 @@ class _Group(TyperGroup):
         """Return the requested command; suggest a similar name for a mistyped one."""
         if self.get_command(ctx, args[0]) is None:
             self.commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
+            if not self.name and (hint := _meant(args[0], self.commands)):
+                ctx.fail(f"There is no command '{args[0]}'; did you mean: pirate {hint}?")
         return super().resolve_command(ctx, args)
+
+
+def _meant(word: str, known: Iterable[str]) -> str | None:
+    """Return the command line that a word in place of a command is short for, None if unknown."""
+    from pirate_sm.loading import library
+    from pirate_sm.spelling import nearest
+
+    if word.lower() in ("help", "version"):
+        return f"--{word.lower()}"
+    if nearest(word, known):
+        return None
+    if "/" in word:
+        return f"run {word}"
+    for command, files in (("run", library.missions()), ("demo", library.scenes())):
+        if name := nearest(word, [path.stem for path in files]):
+            return f"{command} {name}"
+    return None
 
 
 class _Command(TyperCommand):
     """A command that says in plain words which value it cannot take."""
 
-    def make_context(self, *given: Any, **more: Any) -> Any:
+    def make_context(self, info_name: Any, args: list[str], *given: Any, **more: Any) -> Any:
         """Return the context with the command line's values.
 
         Raises:
             BadParameter: A value cannot be taken.
         """
         try:
-            return super().make_context(*given, **more)
+            for option, name, value in zip(args, args[1:], args[2:], strict=False):
+                if option == "--set" and "=" not in name and value[:1].isdigit():
+                    raise typer.BadParameter(f"did you mean: --set {name}={value}?")
+            return super().make_context(info_name, args, *given, **more)
         except typer.BadParameter as error:
             from pirate_sm.cli.options.values import plain_refusal
 

@@ -11,10 +11,11 @@ from pathlib import Path
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.on_disk import is_file, is_folder, is_there, why_hidden
-from pirate_sm.spelling import meant
+from pirate_sm.spelling import meant, nearest
 
 _PACKAGE = Path(__file__).resolve().parent.parent
 SUFFIXES = (".yaml", ".yml")
+_RECORDING = ".mcap"
 _LONGEST_NAME = 100
 _LONGEST_MESSAGE = 600
 
@@ -148,6 +149,7 @@ def _find_file(
     kind: str, name: str, beside: Path | Iterable[Path] | None, known: Iterable[Path]
 ) -> Path:
     folders = [beside] if isinstance(beside, Path) else list(beside or ())
+    refuse_recording(name, kind)
     if is_path(name):
         places = [*(folder / name for folder in folders), Path(name)]
         found = [*filter(is_file, places), *filter(why_hidden, places)]
@@ -155,7 +157,9 @@ def _find_file(
             found += filter(is_there, places)
         if found:
             return found[0]  # whoever opens it says why it cannot be read
-        raise UsageError(f"there is no {kind} at '{_cut(name)}'")
+        close = nearest(name, (path.stem for path in known)) if Path(name).name == name else None
+        hint = f"; did you mean '{close}'?" if close else ""
+        raise UsageError(f"there is no {kind} at '{_cut(name)}'{hint}")
     for folder in folders:
         for suffix in SUFFIXES:
             if is_file(folder / f"{name}{suffix}"):
@@ -164,6 +168,17 @@ def _find_file(
     if name not in shipped and (near := file_nearby(name, folders or [Path()])) is not None:
         raise UsageError(f"there is no {kind} '{_cut(name)}'; did you mean '{near}'?")
     return _by_name(kind, name, shipped)
+
+
+def refuse_recording(name: str, wanted: str) -> None:
+    """Refuse the name of a recording where a file of another kind is wanted.
+
+    Raises:
+        UsageError: It is the name of a recording.
+    """
+    if name.endswith(_RECORDING):
+        use = f"use 'pirate report {_cut(name)}' or 'pirate replay {_cut(name)}'"
+        raise UsageError(f"expected a {wanted}, and '{_cut(name)}' is a recording: {use}")
 
 
 def file_nearby(name: str, folders: Iterable[Path]) -> Path | None:

@@ -96,6 +96,7 @@ def _existing(name: str) -> Path:
     Raises:
         UsageError: Neither exists.
     """
+    library.refuse_recording(name, "YAML file")
     try:
         if is_there(name):
             return Path(name)

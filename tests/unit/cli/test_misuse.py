@@ -81,6 +81,29 @@ def test_the_nearest_of_some_fixed_words_is_suggested(pirate: Any) -> None:
     )
 
 
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (["mitre_bend"], "did you mean: pirate run mitre_bend?"),
+        (["mitre_bnd"], "did you mean: pirate run mitre_bend?"),
+        (["mine/bend.yaml"], "did you mean: pirate run mine/bend.yaml?"),
+        (["help"], "did you mean: pirate --help?"),
+        (["version"], "did you mean: pirate --version?"),
+        (["rum"], "Did you mean 'run'"),
+        (["run", "mitre_bend", "--set", "give_up", "30s"], "did you mean: --set give_up=30s?"),
+        (["run", "mitre_bend.yaml"], "no mission at 'mitre_bend.yaml'; did you mean 'mitre_bend'?"),
+        (["run", "mine/mitre_bend.yaml"], "there is no mission at 'mine/mitre_bend.yaml'\n"),
+        (["run", "climb", "--pipe", "straight_113.yaml"], "did you mean 'straight_113'?"),
+        (["run", "a.mcap"], "'a.mcap' is a recording: use 'pirate report a.mcap'"),
+        (["check", "a.mcap"], "'a.mcap' is a recording: use 'pirate report a.mcap'"),
+    ],
+)
+def test_a_command_line_that_is_nearly_right_is_shown_right(
+    pirate: Any, words: list[str], message: str
+) -> None:
+    assert message in refused(pirate(*words))
+
+
 def test_no_mission_at_all(pirate_run: Any) -> None:
     assert "MISSION" in refused(pirate_run())
 
