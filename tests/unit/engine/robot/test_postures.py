@@ -7,6 +7,7 @@ import math
 import pytest
 from driving import FRONT_CLAMPED, IDLE, REAR_CLAMPED, Driver, command
 
+from pirate_sm.engine.control.stages import pushed_harder
 from pirate_sm.model import events as ev
 
 APEX = math.radians(106)
@@ -130,6 +131,22 @@ def test_a_joint_that_stands_still_just_short_of_its_angle_counts(drive):
 
 OPENED = APEX + math.radians(10)
 """The apex after the other joint of its part has let it open further (in a round pipe)."""
+
+
+@pytest.mark.parametrize(("harder", "duty"), [(False, 0.5), (True, 1.0)])
+def test_a_joint_that_is_pushed_harder_is_so_while_its_angle_follows_the_apex(drive, harder, duty):
+    driver = held_by_the_rear(drive)
+    body = driver.state.robot
+    (turning,) = (each for each in body.seekers if each.target_rad)
+    if harder:
+        loops = pushed_harder(body, (turning,))
+        driver.state = driver.state._replace(robot=body._replace(loops=loops))
+
+    show(driver, **LYING | {"gamma_4": OPENED, "gamma_3": REAR_HOLDS["gamma_3"]})
+
+    (followed,) = (each for each in driver.state.robot.seekers if each.target_rad)
+    assert followed.target_rad == pytest.approx(-OPENED / 2, abs=2e-3)
+    assert driver.nonzero["bend_3"] == near(duty)
 
 
 @pytest.mark.parametrize(("polarity", "sign"), [("normal", 1), ("mirrored", -1)])
