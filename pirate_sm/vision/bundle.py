@@ -11,11 +11,17 @@ from typing import Literal
 
 import numpy as np
 
+from pirate_sm.errors import not_installed
 from pirate_sm.model.camera import Lens
 from pirate_sm.model.camera_source import FrameSize
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.picture_arrays import Floats
 from pirate_sm.vision.plane import first_pose, pose_errors, rms, rotation_of
+
+try:
+    from scipy.optimize import least_squares
+except ImportError:
+    raise not_installed("calibrating a camera", "scipy", "vision") from None
 
 _GUESSES = 0.15 * 1.15 ** np.arange(24)
 """Focal lengths that are tried first, as shares of the width: of lenses of 380 to 14 deg."""
@@ -68,30 +74,15 @@ def adjust(
         return _errors(lens, at, points, seen)
 
     at = np.concatenate([lens.lens.f, lens.lens.centre, lens.lens.k, *poses])
-    return _lens(lens, _least(errors, at, len(poses)))
-
-
-def _least(errors: Callable[[Floats], Floats], at: Floats, boards: int) -> Floats:
-    """Return the parameters of the least sum of squares, by Levenberg and Marquardt's method."""
-    here, damping = errors(at), 1e-3
-    for _ in range(_MOST_STEPS):
-        squares = np.sum(here**2)
-        slopes = _slopes(errors, at, boards)
-        curvature, downhill = slopes.T @ slopes, slopes.T @ here.ravel()
-        while damping < 1e12:
-            scaled = curvature + damping * np.diag(np.maximum(np.diag(curvature), 1e-12))
-            tried = at - np.linalg.solve(scaled, downhill)
-            there = errors(tried)
-            if np.sum(there**2) < squares:  # never where a corner is not seen, as NaN
-                break
-            damping *= 4.0
-        else:
-            break
-        at, here = tried, there
-        damping = max(damping / 8.0, 1e-12)
-        if squares - np.sum(here**2) <= _ENOUGH * squares:
-            break
-    return at
+    found = least_squares(
+        lambda at: errors(at).ravel(),
+        at,
+        jac=lambda at: _slopes(errors, at, len(poses)),
+        x_scale="jac",
+        ftol=_ENOUGH,
+        max_nfev=_MOST_STEPS,
+    )
+    return _lens(lens, found.x)
 
 
 def _lens(lens: LensModel, at: Floats) -> LensModel:
@@ -126,4 +117,5 @@ def _slopes(errors: Callable[[Floats], Floats], at: Floats, boards: int) -> Floa
             slopes[np.arange(boards), :, places] = change
         else:
             slopes[:, :, number] = change
-    return slopes.reshape(-1, len(at))
+    # A corner that is not seen from where a difference looks moves nothing.
+    return np.nan_to_num(slopes.reshape(-1, len(at)))
