@@ -226,7 +226,7 @@ def test_a_run_that_its_program_has_abandoned_does_not_go_on(tmp_path: Path) -> 
         end_of_run(branching(tmp_path, 2.0, fails=True))
 
 
-@pytest.mark.parametrize(("before_s", "known"), [(0.0, True), (0.95, True), (1.05, False)])
+@pytest.mark.parametrize(("before_s", "known"), [(0.0, True), (1.0, True), (1.05, False)])
 def test_belief_in_a_place_ends_a_second_after_it_was_noted(
     cut: Path, monkeypatch: pytest.MonkeyPatch, before_s: float, known: bool
 ) -> None:
