@@ -9,6 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 import pytest
+from mcap.opcode import Opcode
+from mcap.writer import MCAP0_MAGIC
 from typer.testing import CliRunner
 
 from pirate_sm.cli.entry import commands, only_run
@@ -30,8 +32,8 @@ RUNS = {
 LIST = "list"
 """The page that lists all that were made."""
 
-CUT_SHORT = {"torn": 0.9, "empty": 0.55}
-"""How much of a recording is left; 0.44 of it are the files that it holds."""
+CUT_SHORT = {"torn": 7, "empty": 0}
+"""How many whole pieces of the run are left in a recording, before one that is torn."""
 
 
 @pytest.fixture(scope="session")
@@ -67,7 +69,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         if name in CUT_SHORT:
             get("bend")
             whole = (folder / "bend.mcap").read_bytes()
-            run.write_bytes(whole[: int(len(whole) * CUT_SHORT[name])])
+            run.write_bytes(whole[: _pieces(whole)[CUT_SHORT[name]] + 1_000])
         else:
             CliRunner().invoke(only_run, [*RUNS[name], "--quiet", "--record", str(run)])
         assert CliRunner().invoke(commands, ["report", str(run), "-o", str(told)]).exit_code == 0
@@ -75,6 +77,16 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
         return told
 
     return get
+
+
+def _pieces(recording: bytes) -> list[int]:
+    """Where the pieces of the run begin."""
+    starts, at = [], len(MCAP0_MAGIC)
+    while at < len(recording) - len(MCAP0_MAGIC):
+        if recording[at] == Opcode.CHUNK:
+            starts.append(at)
+        at += 9 + int.from_bytes(recording[at + 1 : at + 9], "little")
+    return starts
 
 
 class Opened:
