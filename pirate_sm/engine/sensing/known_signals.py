@@ -43,7 +43,8 @@ class DistanceMemory(NamedTuple):
         sliding_m_s: How fast it may be sliding down a slope.
         pitch_rad: By how much the pipe climbs where that was known last.
         spanned: Whether a clamped part has spanned the pipe where the run began.
-        pending_m: How far it may have slipped since it starts, if what follows confirms that.
+        pending_m: How far it may have slipped since it starts or ends, if what follows confirms it.
+        slipped: Whether its wheels may have slipped when they were judged last.
     """
 
     every_s: float = 0.0
@@ -63,6 +64,7 @@ class DistanceMemory(NamedTuple):
     pitch_rad: float = nan
     pending_m: float = 0.0
     spanned: bool = False
+    slipped: bool = False
 
 
 class Sensing(NamedTuple):

@@ -273,7 +273,27 @@ def test_belief_in_a_way_ends_where_parts_lie_beside_the_axis_of_the_pipe(
     world = World()
     world.spans_m, world.held, world.bores_m = spans_m, held, bores_m
 
-    assert world.drive(10) == pytest.approx((0.006 + share) * way_m(10))
+    assert world.drive(10) == pytest.approx((0.006 + 0.25 * share) * way_m(10))
+    # The odometry has what they lack taken off; what the wheels show is added elsewhere.
+    assert world.sensing.numbers[robot().odometry] == pytest.approx(-share * way_m(10))
+
+
+@pytest.mark.parametrize("slipped", [False, True])
+def test_a_stop_that_boards_report_one_after_the_other_is_no_slip(slipped: bool) -> None:
+    """Its wheels have been stopped, and only some boards show it yet; before that they rolled."""
+    world = World()
+    if slipped:
+        world.force, world.speeds = 0.6, [SPEED, 0.6] * 3
+    world.drive(6)
+    world.sensing = world.sensing._replace(asked=MotorRequest(setpoints(0.0), world.now_s, False))
+    world.force, world.speeds = 0.6, [SPEED, 0.6] * 3
+
+    grown_m = world.drive()
+    world.duty, world.speeds = 0.0, [0.0] * 6
+    grown_m += world.drive()
+
+    rolled_m = way_m(1, (SPEED + 0.6) / 2)
+    assert grown_m == pytest.approx((1.006 if slipped else 0.006) * rolled_m)
 
 
 def test_a_part_that_spanned_the_wide_pipe_is_in_the_narrow_one_when_it_spans_less() -> None:
