@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import pickle
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import product
@@ -17,21 +17,23 @@ from pydantic_core import to_jsonable_python
 
 from pirate_sm.campaign.choices import Choices, choices_of, faultless_choices, texts
 from pirate_sm.campaign.code_version import code_version
+from pirate_sm.campaign.intervals import wilson
 from pirate_sm.campaign.named_parts import Named, NameReader
 from pirate_sm.campaign.plan import Cell, Plan
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
+from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.file_kinds import Kind, kind_of_text
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.problems import LoadError, Problems
+from pirate_sm.loading.problems import LoadError, Problems, Severity
 from pirate_sm.loading.problems import Path as Keys
 from pirate_sm.loading.yaml.document import Document, parse_document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.base import LONGEST_NAME
-from pirate_sm.model.campaign import Campaign, Expectation, TrueEnd
+from pirate_sm.model.campaign import Campaign, Expectation, StoppingRule, TrueEnd
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.variations import StartJitter
 from pirate_sm.on_disk import is_file
@@ -86,6 +88,8 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
         reading.plan(check=False)
     except LoadError as error:
         findings += map(finding_of, error.problems)
+    else:
+        findings += map(finding_of, reading.problems.all)
     documents = [document]
     for same, (_, loaded) in reading.loaded.items():
         documents += loaded.documents
@@ -149,6 +153,7 @@ class _Reading:
         if check:
             all_pass_or_raise(loaded for _, loaded in self.loaded.values())
         stop = campaign.stop
+        self._check_stop(stop, campaign.confidence, cells.values())
         version = code_version()
         return Plan(
             campaign.campaign, version, tuple(cells.values()), campaign.confidence, stop, self.blobs
@@ -162,6 +167,18 @@ class _Reading:
         if choices.of("line") is not None and "bay" not in _backends(choices):
             message = "only the backend bay has a line"
             self.problems.add("campaign.line", choices.place("line"), message)
+
+    def _check_stop(self, stop: StoppingRule, confidence: float, cells: Iterable[Cell]) -> None:
+        """Report a half width that no cell can come to with its seeds."""
+        if stop.half_width is None or self.seeds is not None:
+            return
+        most = max((len(cell.seeds) for cell in cells), default=0)
+        least = wilson(most, most, confidence).half_width
+        if most > 1 and least > stop.half_width:  # one seed tries the campaign
+            message = f"with {most} seeds an interval is {least:.2%} to each side at best"
+            expected = "a larger half_width, or more seeds"
+            at, severity = ("stop", "half_width"), Severity.WARNING
+            self.problems.add("campaign.run", at, message, expected=expected, severity=severity)
 
     def _cells(self, choices: Choices, named: Named) -> Iterator[Cell]:
         """Yield the cells of one mission."""
@@ -235,12 +252,24 @@ class _Reading:
 
     def _check_end(self, end: TrueEnd, loaded: LoadedMission, choices: Choices) -> None:
         """Report an end that no robot can come to in this pipe."""
-        if loaded.pipe is None or end.beyond is None:
+        pipe, place = loaded.pipe, choices.place("end")
+        profile = loaded.loaded_robot.profile
+        worded = any(each.forward for each in profile.detector.words.values())
+        if end.at_word and not (pipe is not None and worded and pipe.route().crossings_m):
+            message = "at_word: nothing says a word here, which is about a bend of the pipe"
+            self.problems.add("campaign.run", (*place, "at_word"), message)
+        if pipe is None or end.beyond is None:
             return
-        length_m = loaded.pipe.route().length_m
+        length_m, fit = pipe.route().length_m, Fit(profile, loaded.robot, pipe)
+        robot_m = min(fit.clamped_m(each.diameter_m) for each in pipe.route().pieces)
+        before_m = length_m if end.before is None else end.before
         if end.beyond >= length_m:
             message = f"beyond: {end.beyond:g} m is not in the pipe, which is {length_m:g} m long"
-            self.problems.add("campaign.run", choices.place("end"), message)
+            self.problems.add("campaign.run", place, message)
+        elif before_m - end.beyond < robot_m:
+            between = f"the clamped robot, {robot_m:.3g} m long, is not between {end.beyond:g} m"
+            message = f"{between} and {before_m:g} m: no run can end there"
+            self.problems.add("campaign.run", (*place, "beyond"), message)
 
     def _fits(self, order: Order, loaded: LoadedMission, choices: Choices) -> bool:
         """Report if an order cannot be run; return whether it can."""

@@ -64,6 +64,10 @@ class InForce:
         for region, state in enumerate(self.robot.table.configurations[at.configuration]):
             yield from actuation[region][state][-1]
 
+    def last_of(self, at: Actuated, slot: int) -> Write | None:
+        """Return what the last stages write to a slot; None if nothing."""
+        return next((write for write in self.last_writes(at) if write.slot == slot), None)
+
     def most_nm(self, at: Actuated, slot: int) -> float:
         """Return the largest torque that a slot's motor gives; infinite where that is not known.
 
@@ -86,6 +90,18 @@ class InForce:
                 case "keep" | "level":
                     most = 1.0  # what another state has written
         return most * motor.stall_torque
+
+    def winds_s(self, control: int) -> float:
+        """Return how long a motor takes at least to wind its spring to a torque of a control, s."""
+        least_s = 0.0
+        for region in self.robot.controls[control].actuation:
+            for stages in region.values():
+                for write in (write for stage in stages for write in stage if write.how == "bear"):
+                    motor = self._motor(write.slot)
+                    if motor.stiffness and motor.no_load_speed:
+                        wound_rad = abs(write.value) / motor.stiffness
+                        least_s = max(least_s, wound_rad / motor.no_load_speed)
+        return least_s
 
     def most_rad_s(self, at: Actuated, slot: int) -> float:
         """Return the largest speed that a wheel comes to by itself, rad/s; infinite if unknown."""

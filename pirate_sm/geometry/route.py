@@ -30,6 +30,7 @@ class Route:
         crossings_m: Arc lengths at which it turns in a fitting or a junction.
         bends: The same places, with how far elbows reach.
         length_m: Length of the route.
+        ends: Where it begins and where it ends.
         up: The unit vector opposite to gravity.
         section: What the walls of its first run are.
 
@@ -46,6 +47,7 @@ class Route:
         turning = [joint for joint in self.joints if joint.turn_rad]
         self.crossings_m = tuple(joint.arc_m for joint in turning)
         self.length_m = self.pieces[-1].ends_m
+        self.ends = passages[0].comes, passages[-1].goes
         self._begins = dict(self._run_begins(passages))
         self.up = network.up
         self.bends = tuple(bend_at(each, self.diameter_at(each.arc_m)) for each in turning)

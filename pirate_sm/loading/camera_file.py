@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import asin, cos, degrees, sqrt
 from pathlib import Path
 
 from pirate_sm.detectors.known import BY_CAMERA
@@ -26,6 +27,8 @@ def load_camera(path: Path) -> tuple[Camera, Document]:
     problems = Problems(document)
     _check_numbers(camera, problems)
     _check_points(camera, problems)
+    _check_pose(camera, problems)
+    _check_colours(camera, problems)
     problems.raise_errors()
     return camera, document
 
@@ -63,6 +66,50 @@ def _check_numbers(camera: Camera, problems: Problems) -> None:
             message = f"the family {family} has no tag {path[-1]}"
             expected = f"0 to {_NUMBERS[family] - 1}"
             problems.add("camera.tag", tuple(path), message, expected=expected, key=True)
+
+
+def _check_pose(camera: Camera, problems: Problems) -> None:
+    """Report a camera that hangs no higher than what is on the robot, or looks up from there."""
+    pose = camera.setup.pose
+    if pose is None:
+        return
+    marks = camera.robot
+    height_m = marks.height if isinstance(marks, RobotTags) else marks.marker.height
+    if pose.at[2] <= height_m:
+        message = (
+            f"the camera hangs at {pose.at[2]:g} m, and what it looks for is at {height_m:g} m"
+        )
+        problems.add("camera.pose", ("setup", "pose", "at"), message)
+    up = _axis_up(pose.turn)
+    if up > _LEAST_UP:
+        message = f"the camera looks up, {degrees(asin(min(up, 1.0))):.3g} deg above the plate"
+        expected = "such as [180 deg, 0 deg, 0 deg], straight down"
+        problems.add("camera.pose", ("setup", "pose", "turn"), message, expected=expected)
+
+
+def _axis_up(turn: tuple[float, float, float]) -> float:
+    """Return how far the axis of a lens points up, -1 to 1: the last element of Rodrigues' matrix.
+
+    Rotations from the setup to the camera and back have that element in common.
+    """
+    angle_rad = sqrt(sum(each * each for each in turn))
+    along = turn[2] / angle_rad if angle_rad else 0.0
+    return cos(angle_rad) + (1 - cos(angle_rad)) * along * along
+
+
+_LEAST_UP = 0.05
+"""From which height of its axis on a camera looks away [decided]; a fisheye sees to its sides."""
+
+
+def _check_colours(camera: Camera, problems: Problems) -> None:
+    """Report limits of saturation and value that no colour is between; hue may go through red."""
+    if isinstance(camera.robot, RobotTags):
+        return
+    low, high = camera.robot.marker.hsv
+    for number, name in ((1, "saturation"), (2, "value")):
+        if low[number] > high[number]:
+            message = f"the lower {name}, {low[number]:g}, is above the upper one, {high[number]:g}"
+            problems.add("camera.colour", ("robot", "marker", "hsv", 0, number), message)
 
 
 def _check_points(camera: Camera, problems: Problems) -> None:

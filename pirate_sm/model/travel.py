@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from math import pi, radians, remainder
+from math import asin, pi, radians, remainder
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from pirate_sm.geometry.joints import JointKind
+from pirate_sm.geometry.space import Frame, Vector, dot
 from pirate_sm.model.base import Frozen
 from pirate_sm.model.quantities import Angle
 
@@ -90,3 +91,18 @@ class Travel(Frozen):
     turns: tuple[Turn, ...] = ()
     upright: Annotated[Angle, Field(gt=0)] = radians(77)
     passages: tuple[PassedBy, ...] = ()
+
+    def is_upright(self, frame: Frame, up: Vector) -> bool:
+        """Return whether a leg with this frame is upright for these missions."""
+        return abs(_climbs_rad(frame, up)) >= self.upright
+
+    def turns_at(self, turn: Turn, frame: Frame, up: Vector, roll_rad: float) -> bool:
+        """Return whether a mission turns a robot of this roll in a leg with this frame."""
+        if self.is_upright(frame, up):
+            return turn.upright == ("up" if _climbs_rad(frame, up) > 0 else "down")
+        return turn.turns_from(roll_rad - (frame.roll_of(up) - pi / 2))
+
+
+def _climbs_rad(frame: Frame, up: Vector) -> float:
+    """Return how steep a leg climbs."""
+    return asin(min(max(dot(frame.ahead, up), -1.0), 1.0))

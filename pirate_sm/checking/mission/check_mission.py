@@ -12,6 +12,13 @@ from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.mission.branches import branches
 from pirate_sm.checking.mission.explore_mission import explore_mended, explore_mission
 from pirate_sm.checking.mission.fault_handlers import fault_handlers, ignored_holding
+from pirate_sm.checking.mission.flow import (
+    beyond_the_limit,
+    counts_what_was_counted,
+    faults_again,
+    resumes_in_vain,
+    rises_while_loose,
+)
 from pirate_sm.checking.mission.mission_parameters import parameter_limits, unused_parameters
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView
@@ -20,7 +27,7 @@ from pirate_sm.checking.mission.reachability import reachability
 from pirate_sm.checking.mission.refused_steps import refused_steps
 from pirate_sm.checking.mission.time_limits import time_limits
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
-from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
+from pirate_sm.checking.pipe.check_in_pipe import pipe_findings, view_in_pipe
 from pirate_sm.checking.robot.check_robot import robot_errors
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
 from pirate_sm.loading.problems import LoadError
@@ -79,7 +86,7 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         told: Findings of the loader.
     """
     explored = explore_mission(loaded)
-    view = MissionView(loaded, Places(loaded), explored, explored)
+    view = MissionView(loaded, Places(loaded), explored, explored, view_in_pipe(loaded))
     found = _judge(view)
     if any(each.code in _NEVER for each in found):
         mended = explore_mended(explored, loaded)
@@ -94,12 +101,15 @@ def _judge(view: MissionView) -> list[Finding]:
     """Return the findings of all rules, without consequences of others at the same place."""
     found = [finding for rule in RULES for finding in rule(view)]
     decided = {each.place for each in found if each.code in _DECIDED}
+    cause = {each.code for each in found}
+    found = [each for each in found if _FROM.get(each.code, "") not in cause]
     return [each for each in found if each.code not in _FOLLOWING or each.place not in decided]
 
 
 def in_its_pipe(view: MissionView) -> Iterator[Finding]:
     """Yield findings about the mission in its pipe."""
-    yield from pipe_findings(view.loaded)
+    if view.in_pipe is not None:
+        yield from pipe_findings(view.in_pipe)
 
 
 def too_large(view: MissionView) -> Iterator[Finding]:
@@ -129,9 +139,14 @@ RULES = (
     fault_handlers,
     ignored_holding,
     time_limits,
+    beyond_the_limit,
+    counts_what_was_counted,
+    resumes_in_vain,
+    faults_again,
     branches,
     out_of_reach,
     in_its_pipe,
+    rises_while_loose,
     unused_parameters,
     parameter_limits,
 )
@@ -157,9 +172,13 @@ _FOLLOWING = frozenset(
         "wait.still",
         "word.held",
         "word.never",
+        "word.route",
     }
 )
 """Codes that are omitted if one of ``_DECIDED`` is at the same place."""
+
+_FROM = {"word.route": "geometry.too_close", "limit.beyond": "limit.too_short"}
+"""Codes that are omitted in a whole mission if another one is found in it."""
 
 _NEVER = frozenset(
     {

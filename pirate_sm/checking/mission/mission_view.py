@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.loading.mission import LoadedMission
 
 
@@ -19,12 +20,14 @@ class MissionView:
         places: The places of its parts.
         explored: Explorations: of the mission as it is, then without steps that can never run.
         seen: These, and explorations with other faults mended.
+        in_pipe: The course of the mission in its pipe; None without one.
     """
 
     loaded: LoadedMission
     places: Places
     explored: Sequence[Explored]
     seen: Sequence[Explored]
+    in_pipe: PipeView | None = None
 
     @property
     def complete(self) -> bool:

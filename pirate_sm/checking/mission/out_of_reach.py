@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cached_property
 from math import inf, nan
 
@@ -14,8 +14,10 @@ from pirate_sm.checking.exploring.piecewise_linear import borders, samples, sign
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.driving import driven_before, fastest_m_s, phases_after
+from pirate_sm.checking.mission.kept_ranges import Limit, about, kept_ranges
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.mission.wait_triggers import numbers_known
+from pirate_sm.checking.pipe.at_waits import AtWaits
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
@@ -27,34 +29,35 @@ BEGINNING_S = 5.0
 STILL_M = 0.01
 """Largest distance by which a robot that does not drive is pushed or slips [decided]."""
 
-_JOINT = "Joint"
-
 
 def out_of_reach(view: MissionView) -> Iterator[Finding]:
     """Yield conditions in the mission's own file that cannot become true."""
     seen, loaded, places = view.seen, view.loaded, view.places
-    check = _Reach(seen, loaded)
+    route = AtWaits(view.in_pipe) if view.in_pipe is not None else None
+    check = _Reach(seen, loaded, route)
     told: set[str] = set()
-    for wait in loaded.program.instructions:
+    for at, wait in enumerate(loaded.program.instructions):
         if not isinstance(wait, Wait) or not check.states(wait):
             continue
         for trigger in wait.triggers:
-            place = places.read(trigger.place)
-            own = place.file == loaded.documents[0].name and trigger.place not in told
-            if trigger.condition is None or not own:
+            if trigger.place in told:
                 continue
-            found = check.judge(wait, trigger, trigger.condition)
+            place = places.read(trigger.place)
+            if place.file == loaded.documents[0].name:
+                found = check.judge(at, wait, trigger)
+            else:
+                place = view.in_pipe.own_place(at, trigger.place) if view.in_pipe else place
+                found = check.too_far(at, wait, trigger)
             if found is not None:
                 told.add(trigger.place)
                 code, message = found
                 yield places.finding(place, code, message)
     for branch in loaded.program.instructions:
-        if not isinstance(branch, Branch) or branch.place in told:
-            continue
-        place, message = places.read(branch.place), check.asked(branch.condition)
-        if message and place.file == loaded.documents[0].name:
-            told.add(branch.place)
-            yield places.finding(place, "condition.beyond", message)
+        if isinstance(branch, Branch) and branch.place not in told:
+            place, message = places.read(branch.place), check.asked(branch.condition)
+            if message and place.file == loaded.documents[0].name:
+                told.add(branch.place)
+                yield places.finding(place, "condition.beyond", message)
 
 
 _Said = tuple[str, str]
@@ -68,7 +71,10 @@ def _decided(condition: Expression) -> tuple[tuple[list[Fact], str], tuple[list[
 
 
 class _Reach:
-    def __init__(self, seen: Sequence[Explored], loaded: LoadedMission) -> None:
+    def __init__(
+        self, seen: Sequence[Explored], loaded: LoadedMission, route: AtWaits | None
+    ) -> None:
+        self._route = route
         self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
         numbers = loaded.robot.vocabulary.numbers
         self._odometry = numbers[loaded.robot.odometry] if loaded.robot.odometry >= 0 else ""
@@ -93,33 +99,36 @@ class _Reach:
         waits = (book.waits[wait.phase, wait.place] for book in self._seen)
         return {each for waiting in waits for each in waiting.actuated}
 
-    def judge(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
+    def judge(self, at: int, wait: Wait, trigger: TriggerSpec) -> _Said | None:
         """Return the finding about a trigger; None if it can fire, or could never fire anywhere."""
+        condition = trigger.condition
+        if condition is None:
+            return None
         node = condition.tree
         if not self._possible(wait, [(node, True)], self._usual):
             return None  # reported there
         return (
-            self._beyond(wait, condition)
+            self._beyond(wait, condition, self._limits(at, wait))
             or self._at_start(wait, trigger, condition)
             or self._still(wait, condition)
-            or self._word(wait, condition)
+            or self._word(at, wait, condition)
             or self._held(wait, trigger, node)
         )
 
     def asked(self, condition: Expression) -> str:
         """Return why the condition of a step is out of reach; empty if it is not."""
         every = self._robot.table.configurations
-        for name, most, why in self._lasting(self._no_load, ""):
-            if not self._is_about(condition, name, most):
+        for name, span, why in self._lasting(self._no_load, ""):
+            if not self._isabout(condition, name, span):
                 continue
-            narrower = self._with({name: Range(-most, most)})
+            narrower = self._with({name: span})
             for facts, said in _decided(condition):
                 if self._usual.anywhere(facts, every) and not narrower.anywhere(facts, every):
                     return f"'{condition.text}' is {said}: {why}"
         return ""
 
-    def _is_about(self, condition: Expression, name: str, most: float) -> bool:
-        return bool(name) and most < inf and name in self._usual.free(condition.tree)
+    def _isabout(self, condition: Expression, name: str, span: Range) -> bool:
+        return bool(name) and span != ANYTHING and name in self._usual.free(condition.tree)
 
     def _possible(self, wait: Wait, facts: Sequence[Fact], conditions: Conditions) -> bool:
         table = self._robot.table
@@ -175,12 +184,21 @@ class _Reach:
 
     # --- too fast, too far ------------------------------------------------------------------
 
-    def _beyond(self, wait: Wait, condition: Expression) -> _Said | None:
+    def too_far(self, at: int, wait: Wait, trigger: TriggerSpec) -> _Said | None:
+        """Return the finding about a way of a called mission that this pipe does not have."""
+        condition = trigger.condition
+        if condition is None or self._route is None:
+            return None
+        if not self._possible(wait, [(condition.tree, True)], self._usual):
+            return None
+        return self._beyond(wait, condition, self._ways(at, wait))
+
+    def _beyond(self, wait: Wait, condition: Expression, limits: Iterable[Limit]) -> _Said | None:
         never, always = _decided(condition)
-        for name, most, why in self._limits(wait):
-            if not self._is_about(condition, name, most):
+        for name, span, why in limits:
+            if not self._isabout(condition, name, span):
                 continue
-            narrower = self._with({name: Range(-most, most)})
+            narrower = self._with({name: span})
             # What changes in a wait is 0 at its beginning, which is judged elsewhere.
             for facts, said in (never,) if name == self._changed else (never, always):
                 possible = self._possible(wait, facts, self._usual)
@@ -188,20 +206,33 @@ class _Reach:
                     return "condition.beyond", f"'{condition.text}' is {said}: {why}"
         return None
 
-    def _limits(self, wait: Wait) -> Iterator[tuple[str, float, str]]:
-        """Yield signals with their largest values in a wait, and the reasons."""
+    def _ways(self, at: int, wait: Wait) -> Iterator[Limit]:
+        """Yield how far the robot comes in a wait until its route turns or ends."""
+        if self._route is not None:
+            here_m, ever_m, why = self._route.most_m(at)
+            yield self._odometry, about(ever_m), why
+            if not wait.counts_on:
+                yield self._changed, about(here_m), why
+
+    def _limits(self, at: int, wait: Wait) -> Iterator[Limit]:
+        """Yield signals with their ranges in a wait, and the reasons."""
         fastest, there = self._fastest(wait)
-        for name, most, why in self._lasting(fastest, there):
-            yield name, most, why
-            yield name and change_of(name), 2 * most if name == self._speed else most, why
+        for name, span, why in self._lasting(fastest, there):
+            yield name, span, why
+            twice = 2 if name == self._speed else 1
+            yield name and change_of(name), Range(span.low * twice, span.high * twice), why
+        at_wait = self._actuated(wait)
+        ways = {self._way(each) for each in at_wait}
+        yield from kept_ranges(self._force, at_wait, ways, self._speed)
+        yield from self._ways(at, wait)
         mission_s = self._loaded.program.time_limit_s
         ends_s = min([mission_s, wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
         what = "mission" if ends_s == mission_s else "wait"
         why = f"the {what} ends after {ends_s:g} s, in which it drives less{there}"
         if not wait.counts_on:
-            yield self._changed, fastest * ends_s, why
+            yield self._changed, about(fastest * ends_s), why
         if not any(wait.phase in phases for phases in self._driven):
-            yield self._odometry, fastest * ends_s + self._no_load * BEGINNING_S, why
+            yield self._odometry, about(fastest * ends_s + self._no_load * BEGINNING_S), why
 
     def _fastest(self, wait: Wait) -> tuple[float, str]:
         """Return how fast the robot drives in a wait, m/s, and under which control, for people."""
@@ -211,15 +242,19 @@ class _Reach:
             return self._no_load, ""
         return fastest, under(self._robot, control)
 
-    def _lasting(self, fastest: float, there: str) -> Iterator[tuple[str, float, str]]:
+    def _lasting(self, fastest: float, there: str) -> Iterator[Limit]:
         """Yield the same for limits that apply to every condition."""
         pipe = self._loaded.pipe
         most = f"{fastest:.3g} m/s"
         usual = f"without a load the robot drives {most}"
-        yield self._speed, fastest, f"the robot drives at most {most}{there}" if there else usual
+        yield (
+            self._speed,
+            about(fastest),
+            f"the robot drives at most {most}{there}" if there else usual,
+        )
         if pipe is not None:
             length = pipe.route().length_m
-            yield self._odometry, length, f"the pipe is {length:.3g} m long"
+            yield self._odometry, about(length), f"the pipe is {length:.3g} m long"
 
     # --- the wrong way ----------------------------------------------------------------------
 
@@ -292,27 +327,20 @@ class _Reach:
 
     # --- words ------------------------------------------------------------------------------
 
-    def _word(self, wait: Wait, condition: Expression) -> _Said | None:
-        """Return a finding about a word that cannot occur in this pipe.
+    def _word(self, at: int, wait: Wait, condition: Expression) -> _Said | None:
+        """Return a finding about a word that cannot occur in this pipe, or in this wait.
 
         A word with a condition of its own may occur anywhere.
         """
-        pipe = self._loaded.pipe
-        if pipe is None or pipe.route().crossings_m:
-            return None
         vocabulary = self._robot.vocabulary
-        anywhere = {each.word for each in self._robot.word_conditions}
-        of_bends = [word for word in self._robot.detector_words if word not in anywhere]
-        joint = () if anywhere else (_JOINT,)
-        for name, values in (("detector", of_bends), ("segment", joint)):
+        for name, values, why, here in self._route.silent(at) if self._route is not None else ():
             kind = vocabulary.types.get(name)
             if not isinstance(kind, EnumType) or name not in self._usual.free(condition.tree):
                 continue
             signal = tree.Signal(name, "word", vocabulary.words.index(name))
-            said: Fact = tree.Matches(signal, tuple(values)), False
+            said: Fact = tree.Matches(signal, tuple(sorted(values))), False
             if not self._possible(wait, [(condition.tree, True), said], self._usual):
-                message = f"'{condition.text}' waits for a bend, and the pipe has none"
-                return "word.never", message
+                return "word.route" if here else "word.never", f"'{condition.text}' {why}"
         return None
 
     def _held(self, wait: Wait, trigger: TriggerSpec, node: tree.Node) -> _Said | None:

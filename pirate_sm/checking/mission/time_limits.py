@@ -13,16 +13,17 @@ from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.engine.mission.program import Do, Question
+from pirate_sm.engine.mission.program import Do, Question, SwitchControl
 from pirate_sm.loading.mission import LoadedMission
 
 
 def time_limits(view: MissionView) -> Iterator[Finding]:
     """Yield findings about the times in a mission's own file."""
     books, loaded, places = view.explored, view.loaded, view.places
+    force = InForce(loaded.loaded_robot.profile, loaded.robot)
     told: set[str] = set()
     for each in loaded.program.instructions:
-        if not isinstance(each, Do | Question) or each.place in told:
+        if not isinstance(each, Do | Question | SwitchControl) or each.place in told:
             continue
         if places.read(each.place).file != loaded.documents[0].name:
             continue
@@ -34,6 +35,11 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
                 severity, message = _never_done(each, view)
             if message:
                 yield places.finding(place, "step.timeout", message, severity=severity)
+        elif isinstance(each, SwitchControl):
+            if each.timeout_s < (least_s := force.winds_s(each.control)):
+                took = f"a motor takes {least_s:.2g} s to wind its spring to the torque"
+                message = f"{took}, and the timeout here is {each.timeout_s:g} s"
+                yield places.finding(place, "step.timeout", message)
         elif isinf(each.timeout_s) and isinf(loaded.program.time_limit_s):
             message = "neither the question nor the mission has a time limit"
             yield places.finding(place, "ask.unbounded", message)

@@ -6,12 +6,14 @@ checked that the robot's parts reach the walls (`pipe.reach`).
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.bend_planes import bends_in_the_plane
 from pirate_sm.checking.pipe.bend_sides import bends_to_the_inner_wall
 from pirate_sm.checking.pipe.clamp_hold import clamps_bear_the_weight
+from pirate_sm.checking.pipe.on_the_route import (
+    takes_bends_that_are_there,
+    turns_where_it_can,
+)
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.room import holds_behind_the_bend, starts_clear_of_bends
@@ -28,20 +30,23 @@ RULES = (
     holds_behind_the_bend,
     turns_what_is_slack,
     clamps_bear_the_weight,
+    takes_bends_that_are_there,
+    turns_where_it_can,
 )
 """All rules about missions in pipes; each yields the findings of a `PipeView`."""
 
 
-def pipe_findings(loaded: LoadedMission) -> Iterator[Finding]:
-    """Yield the findings about a mission in its pipe; none without a pipe."""
+def view_in_pipe(loaded: LoadedMission) -> PipeView | None:
+    """Return a mission as seen in its pipe; None without a pipe, or if its course is too large."""
     if loaded.pipe is None:
-        return
+        return None
     profile = loaded.loaded_robot.profile
     fit = Fit(profile, loaded.robot, loaded.pipe)
     bends = sum(1 for joint in fit.route.joints if joint.turn_rad)
     course = course_of(loaded.robot, loaded.program, profile, bends)
-    if course is None:
-        return
-    view = PipeView(loaded, loaded.pipe, course, fit)
-    for rule in RULES:
-        yield from rule(view)
+    return PipeView(loaded, loaded.pipe, course, fit) if course is not None else None
+
+
+def pipe_findings(view: PipeView) -> list[Finding]:
+    """Return the findings about a mission in its pipe."""
+    return [finding for rule in RULES for finding in rule(view)]

@@ -61,7 +61,7 @@ def clamps_bear_the_weight(view: PipeView) -> Iterator[Finding]:
 def _holds(view: PipeView, situation: CoursePoint) -> Iterator[_Hold]:
     """Yield how the robot holds wherever it can be, and however the pipe is turned then."""
     ups = view.fit.ups(view.loaded.program.time_limit_s)
-    for piece in _stands_in(view, situation):
+    for piece in view.stands_in(situation):
         for number, up in enumerate(ups):
             yield _hold(view, situation, piece, up, turned=number > 0)
 
@@ -138,13 +138,3 @@ def _weak(
 
 def _held(view: PipeView, situation: CoursePoint) -> frozenset[int]:
     return view.fit.robot.held[situation.configuration]
-
-
-def _stands_in(view: PipeView, situation: CoursePoint) -> list[Piece]:
-    """Return the pieces in which the robot can be: those before and behind its present bend."""
-    if not situation.driven and not situation.bent and not situation.passed:
-        return [view.first_piece]
-    found = list(view.stretch(situation.passed))
-    if situation.bent:
-        found += view.stretch(situation.passed + view.course.leads[situation.bent[0]])
-    return found or [view.first_piece]

@@ -6,9 +6,10 @@ from dataclasses import dataclass
 from functools import cached_property
 
 from pirate_sm.checking.findings import Finding, at
-from pirate_sm.checking.pipe.course_points import UsualCourse
+from pirate_sm.checking.pipe.course_points import CoursePoint, UsualCourse
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.roll_joint import RollJoint
+from pirate_sm.engine.mission.program import Require
 from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.network import BRANCH, port_of
 from pirate_sm.geometry.piece import Piece
@@ -150,6 +151,42 @@ class PipeView:
             return Place(self.loaded.documents[0].name)
         file, line, column = text.rsplit(":", 2)
         return Place(file, int(line), int(column))
+
+    def calls(self, at: int) -> tuple[Require, ...]:
+        """Return the calls in which an instruction is written out, outermost first."""
+        program, found = self.loaded.program, list[Require]()
+        if not 0 <= at < len(program.phase_of):
+            return ()
+        inside, wanted = program.phase_of[at], program.phase_of[at].partition("/")[0]
+        for number in range(at - 1, -1, -1):
+            it, phase = program.instructions[number], program.phase_of[number]
+            if isinstance(it, Require) and inside.startswith(f"{phase}/") and it.what:
+                found.append(it)
+                inside = phase
+                if phase == wanted:
+                    break
+        return tuple(reversed(found))
+
+    def own_place(self, at: int, text: str) -> Place:
+        """Return the place of a step, or in the mission's own file of the call that leads to it.
+
+        Args:
+            at: An instruction of the step.
+            text: Its place, as `file:line:col`.
+        """
+        own = self.loaded.documents[0].name
+        place = self.place_of_step(text)
+        calls = self.calls(at)
+        return self.place_of_step(calls[0].place) if place.file != own and calls else place
+
+    def stands_in(self, point: CoursePoint) -> list[Piece]:
+        """Return the pieces in which the robot can be: those before and behind its bend."""
+        if not point.driven and not point.bent and not point.passed:
+            return [self.first_piece]
+        found = list(self.stretch(point.passed))
+        if point.bent:
+            found += self.stretch(point.passed + self.course.leads[point.bent[0]])
+        return found or [self.first_piece]
 
     def document(self, name: str) -> Document:
         """Return the file of this name."""

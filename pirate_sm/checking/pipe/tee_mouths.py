@@ -72,7 +72,7 @@ def _finding(
     if not beyond:
         message = f"if the robot drives so far: {message}"
     severity = Severity.ERROR if beyond else Severity.WARNING
-    place, mission = view.place_of_step(point.place), view.loaded.documents[0]
+    place, mission = view.own_place(point.at - 1, point.place), view.loaded.documents[0]
     tee = view.place_in_pipe(view.path_of(joint))
     if not place.line:
         place = mission.place_of(("pipe",))

@@ -40,7 +40,7 @@ class _Follower:
     leads: tuple[int, ...]
     joints: int
     ways: dict[int, int] = field(default_factory=dict)
-    made: dict[tuple[Bend, str, int, float | None], Bending] = field(default_factory=dict)
+    made: dict[tuple[Bend, int, int, float | None], Bending] = field(default_factory=dict)
     turned: list[Change] = field(default_factory=list)
 
     def after(self, now: CoursePoint) -> Iterator[CoursePoint]:
@@ -88,7 +88,7 @@ class _Follower:
         back = self.leads[point.bent[0]] < 0
         roll = None if point.rolls is None else self.roll_joint.roll(point.rolls, bend.part)
         found = Bending(bend, point, point.passed - back, roll)
-        self.made.setdefault((bend, point.place, found.joint, roll), found)
+        self.made.setdefault((bend, point.at, found.joint, roll), found)
 
     def bent(self, now: CoursePoint, after: int) -> tuple[tuple[int, ...], int]:
         """Return the parts that are bent in the present bend, and how many bends are passed.

@@ -20,20 +20,33 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
         phase: One of its phases.
         body: The commanded state of the robot, with no array in flight.
     """
+    book = _from(loaded, phase, body)
+    if book is None:
+        return "the mission has no such phase"
+    refused = _broken(book)
+    if not refused and not any(outcome == "succeeded" for outcome, _ in book.ends):
+        return "from there no path leads to an end that succeeds"
+    return refused
+
+
+def refused_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
+    """Return which command is refused, or which rule broken, from a phase on; empty if none."""
+    book = _from(loaded, phase, body)
+    return _broken(book) if book is not None else ""
+
+
+def _from(loaded: LoadedMission, phase: str, body: RobotState) -> Explored | None:
+    """Return what can happen from a phase on; None if the mission does not have it."""
     begin = loaded.program.beginning(phase, body.control)
     if begin is None:
-        return "the mission has no such phase"
+        return None
     body = body.at_rest()._replace(control=body.control)
     program = replace(loaded.program, start=begin)
-    book = index_exploration(explore(loaded.robot, program, conditions_of(loaded), body=body))
-    if book.broken:
-        return next(iter(book.broken))
-    refused = _refused(book, program.instructions)
-    if refused:
-        return refused
-    if not any(outcome == "succeeded" for outcome, _ in book.ends):
-        return "from there no path leads to an end that succeeds"
-    return ""
+    return index_exploration(explore(loaded.robot, program, conditions_of(loaded), body=body))
+
+
+def _broken(book: Explored) -> str:
+    return next(iter(book.broken), "") or _refused(book, book.found.program.instructions)
 
 
 def _refused(book: Explored, instructions: tuple[object, ...]) -> str:

@@ -4,13 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from math import asin, degrees, isnan, pi, remainder
+from math import degrees, isnan, pi, remainder
 from typing import NamedTuple
 
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import dot
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_runs import KeyPath
 from pirate_sm.model.profile import Profile
@@ -137,7 +136,7 @@ class _Composer:
         if self.route.section != "round" or self.room_m(now, joint) < _SPARE_M * len(turns):
             return None
         roll_rad, at_m = now.roll_rad, max(now.first_m, now.clear_m)
-        if len(turns) > 1 and abs(self._climbs_rad(at_m)) >= self.travel.upright:
+        if len(turns) > 1 and self.travel.is_upright(self.route.frame_at(at_m), self.route.up):
             return None  # it slides back into the bend in 5 of 20 runs [measured in 3-D]
         for turn in turns:
             if not self._turns(turn, roll_rad, at_m):
@@ -153,15 +152,7 @@ class _Composer:
 
     def _turns(self, turn: Turn, roll_rad: float, at_m: float) -> bool:
         """Return whether a mission turns a robot with this roll at a place."""
-        climbs_rad = self._climbs_rad(at_m)
-        if abs(climbs_rad) >= self.travel.upright:
-            return turn.upright == ("up" if climbs_rad > 0 else "down")
-        level_rad = self.route.frame_at(at_m).roll_of(self.route.up) - pi / 2
-        return turn.turns_from(roll_rad - level_rad)
-
-    def _climbs_rad(self, at_m: float) -> float:
-        """Return how steep the route climbs at a place."""
-        return asin(min(max(dot(self.route.frame_at(at_m).ahead, self.route.up), -1.0), 1.0))
+        return self.travel.turns_at(turn, self.route.frame_at(at_m), self.route.up, roll_rad)
 
     def _after(
         self,

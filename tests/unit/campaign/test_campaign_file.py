@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.campaign.campaign_file import read_campaign
+from pirate_sm.campaign.campaign_file import check_campaign, read_campaign
 from pirate_sm.campaign.plan import Plan, command_of, mark_of, plan_of
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.problems import LoadError
@@ -267,6 +267,11 @@ def test_too_many_cells_are_refused(tmp_path: Path) -> None:
         ),
         ("jitter: {start: 99 m}", "4:9 jitter of the start: expected from 0 to below the length"),
         ("end: {beyond: 99 m}", "4:6 beyond: 99 m is not in the pipe, which is 2"),
+        (
+            "end: {beyond: 1.2 m, before: 1 m}",
+            "4:15 the clamped robot, 0.282 m long, is not between 1.2 m and 1 m",
+        ),
+        ("end: {beyond: 1.8 m}", "4:15 the clamped robot, 0.282 m long, is not between"),
         ("expect: {success: many}", "4:19 expected a least share such as '>= 99 %'"),
         (
             "set: {give_up: {from: 1 s, to: 20 min, by: 1 min}}",
@@ -327,3 +332,24 @@ def test_a_mission_is_a_campaign_with_one_cell() -> None:
     assert [(cell.name, cell.seeds) for cell in plan.cells] == [("mitre_bend", range(5))]
     with pytest.raises(UsageError, match="say how often it runs with --seeds"):
         read_campaign(file, check=False)
+
+
+def test_a_word_at_the_end_needs_a_bend(tmp_path: Path) -> None:
+    text = "campaign: trial\nmissions: [NAME]\nseeds: 5\nend: {at_word: true}\n"
+
+    assert planned(tmp_path, text.replace("NAME", "mitre_bend"))
+    (said,) = problems_of(tmp_path, text.replace("NAME", "drive_on"))
+    assert said.startswith("4:16 at_word: nothing says a word here")
+
+
+@pytest.mark.parametrize(("seeds", "warned"), [(50, True), (200, False)])
+def test_seeds_are_enough_for_the_half_width(tmp_path: Path, seeds: int, warned: bool) -> None:
+    file = tmp_path / "trial.yaml"
+    text = "format: 1\ncampaign: trial\nmissions: [mitre_bend]\nstop: {half_width: 2 %}\n"
+    file.write_text(f"{text}seeds: {seeds}\n", "utf-8")
+
+    found = [
+        f"{each.place.line}:{each.place.column} {each.message}" for each in check_campaign(file)[1]
+    ]
+    said = "4:20 with 50 seeds an interval is 3.57% to each side at best"
+    assert found == [said] * warned

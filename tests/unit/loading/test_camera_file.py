@@ -98,3 +98,49 @@ def test_tags_without_their_size(tmp_path: Path) -> None:
     assert faults(tmp_path, ("size: 40 mm, ", "")) == [
         "4:1 with `tags` give their `size`, and in `at` where each of them is"
     ]
+
+
+POSE = '"13": [300 mm, 300 mm, 0 mm]}'
+
+
+@pytest.mark.parametrize(
+    ("turn", "up"),
+    [
+        ("[180 deg, 0 deg, 0 deg]", False),
+        ("[166.3 deg, 68.9 deg, 0 deg]", False),
+        ("[0 deg, 120 deg, 0 deg]", False),
+        ("[90 deg, 0 deg, 0 deg]", False),  # along the plate, which a fisheye sees
+        ("[0 deg, 60 deg, 0 deg]", True),
+        ("[0 deg, 0 deg, 90 deg]", True),
+    ],
+)
+def test_a_camera_looks_down(tmp_path: Path, turn: str, up: bool) -> None:
+    pose = f", pose: {{at: [0 mm, 0 mm, 550 mm], turn: {turn}}}"
+
+    found = faults(tmp_path, (POSE, POSE + pose))
+    assert [each.partition(" ")[2].partition(",")[0] for each in found] == [
+        "the camera looks up"
+    ] * up
+
+
+@pytest.mark.parametrize(("height", "told"), [("76 mm", False), ("75 mm", True), ("-1 m", True)])
+def test_a_camera_hangs_above_the_robot(tmp_path: Path, height: str, told: bool) -> None:
+    pose = f", pose: {{at: [0 mm, 0 mm, {height}], turn: [180 deg, 0 deg, 0 deg]}}"
+
+    assert bool(faults(tmp_path, (POSE, POSE + pose))) is told
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "told"),
+    [
+        ("[170, 130, 40]", "[10, 255, 255]", False),  # red
+        ("[100, 130, 40]", "[125, 120, 255]", True),
+        ("[100, 130, 40]", "[125, 255, 30]", True),
+    ],
+)
+def test_a_colour_is_between_its_limits(tmp_path: Path, low: str, high: str, told: bool) -> None:
+    tags = 'robot: {tags: aruco_4x4_50, size: 24 mm, height: 75 mm, on: {"0": bend_1}}'
+    marker = f"hsv: [{low}, {high}], size: 25 mm, height: 75 mm, on: bend_1"
+
+    found = faults(tmp_path, (tags, f"robot: {{marker: {{{marker}}}}}"))
+    assert bool(found) is told

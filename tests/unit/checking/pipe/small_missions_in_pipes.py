@@ -5,7 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.pipe.check_in_pipe import pipe_findings
+from pirate_sm.checking.pipe.check_in_pipe import pipe_findings, view_in_pipe
 from pirate_sm.loading.mission import LoadedMission, load_mission
 
 
@@ -23,7 +23,9 @@ def pipe(segments: str, rest: str = "") -> str:
 
 
 def found_in(loaded: LoadedMission) -> tuple[Finding, ...]:
-    return tuple(sorted(pipe_findings(loaded), key=lambda each: each.order))
+    view = view_in_pipe(loaded)
+    found = pipe_findings(view) if view is not None else ()
+    return tuple(sorted(found, key=lambda each: each.order))
 
 
 def findings(folder: Path, text: str, **options: str) -> tuple[Finding, ...]:

@@ -1,0 +1,217 @@
+"""Rules about time and order: limits never over, counting, resuming, faults again, late clamps."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import asin, atan, inf, isinf
+
+from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
+from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.plans.phase_entry import refused_from
+from pirate_sm.engine.mission.program import Do, Program, Question, Wait
+from pirate_sm.engine.mission.successors import successors
+from pirate_sm.engine.robot import robot_state
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.expressions import tree
+from pirate_sm.geometry.space import dot
+from pirate_sm.loading.problems import Path, Place
+from pirate_sm.model.mission import Mission, Phase, WaitStep, every_step
+
+_MOST_BODIES = 4
+"""In how many states of a phase its `resume` is tried; each takes an exploration [decided]."""
+
+
+def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
+    """Yield times in the mission's own file that are longer than the whole mission may take."""
+    loaded, places = view.loaded, view.places
+    limit_s = loaded.program.time_limit_s
+    if isinf(limit_s):
+        return
+    withins = _withins(loaded.mission, places)
+    told = set[Place]()
+    for it in loaded.program.instructions:
+        found = list[tuple[Place, str, float]]()
+        if isinstance(it, Wait):
+            place = places.read(it.place)
+            found += [(withins.get(it.place, place), "`within`", it.within_s)]
+            found += [(places.read(t.place), "`after`", t.after_s or 0.0) for t in it.triggers]
+        elif isinstance(it, Do | Question) and it.place:
+            found += [(places.read(it.place), "this timeout", it.timeout_s or 0.0)]
+        for place, what, time_s in found:
+            own = place.file == loaded.documents[0].name and place not in told
+            if own and limit_s < time_s < inf:
+                told.add(place)
+                message = f"{what} of {time_s:g} s is never over: the mission lasts {limit_s:g} s"
+                yield places.finding(place, "limit.beyond", message)
+
+
+def _withins(mission: Mission, places: Places) -> dict[str, Place]:
+    """Return the place of each `within` by that of its wait."""
+    found = {}
+    for name, phase in mission.phases.items():
+        waits: list[tuple[Path, Phase | WaitStep]] = [(("phases", name), phase)]
+        waits += [
+            (path, step)
+            for step, path in every_step(phase.do, ("phases", name, "do"))
+            if isinstance(step, WaitStep)
+        ]
+        for path, each in waits:
+            if each.within is not None:
+                found[str(places.of((*path, "wait")))] = places.of((*path, "within", "time"))
+    return found
+
+
+def counts_what_was_counted(view: MissionView) -> Iterator[Finding]:
+    """Yield waits that count on a change which no wait before them has counted."""
+    loaded, places = view.loaded, view.places
+    waits = {n: it for n, it in enumerate(loaded.program.instructions) if isinstance(it, Wait)}
+    changes = loaded.robot.vocabulary.with_changes.numbers[len(loaded.robot.vocabulary.numbers) :]
+    used = {number: _used(it, set(changes)) for number, it in waits.items()}
+    for number, it in waits.items():
+        place = places.read(it.place)
+        if not it.counts_on or place.file != loaded.documents[0].name:
+            continue
+        before = (used[n] for n in waits if number in _after(loaded.program, n))
+        counted = {name for each in before for name in each}
+        for name in sorted(used[number] - counted) if counted else ():  # else from its beginning
+            others = " and ".join(sorted(counted))
+            message = f"it counts on {name}, and the waits before it have counted {others}"
+            yield places.finding(place, "wait.counts_on", message)
+
+
+def _used(it: Wait, names: set[str]) -> set[str]:
+    nodes = (t.condition.tree for t in it.triggers if t.condition is not None)
+    return {e.name for node in nodes for e in tree.walk(node) if isinstance(e, tree.Signal)} & names
+
+
+def _after(program: Program, at: int) -> set[int]:
+    """Return the instructions to which one can lead."""
+    found, waiting = set[int](), [at]
+    while waiting:
+        for target in successors(program, waiting.pop()):
+            if target >= 0 and target not in found:
+                found.add(target)
+                waiting.append(target)
+    return found
+
+
+def resumes_in_vain(view: MissionView) -> Iterator[Finding]:
+    """Yield phases that resume in a phase whose commands are refused then."""
+    loaded, program = view.loaded, view.loaded.program
+    for name, phase in loaded.mission.phases.items():
+        if phase.resume in ("here", "never", name):
+            continue
+        bodies = dict[tuple[int, int], RobotState]()
+        for node in view.explored[0].found.nodes:
+            body, at = node.state.robot, node.state.mission.pc
+            rests = body.flight is None and body.motion is None
+            if rests and 0 <= at < len(program.phase_of) and program.phase_of[at] == name:
+                bodies.setdefault((body.configuration, body.control), body)
+        tried = list(bodies.values())[:_MOST_BODIES]
+        why = [refused_from(loaded, phase.resume, each) for each in tried]
+        if why and all(why):
+            message = f"'{phase.resume}' cannot go on from here: {why[0]}"
+            place = view.places.of(("phases", name, "resume"))
+            yield view.places.finding(place, "resume.refused", message)
+
+
+def faults_again(view: MissionView) -> Iterator[Finding]:
+    """Yield lines of `on_fault` after which the robot drives on as it did when the fault came."""
+    loaded, again, fine = view.loaded, dict[str, str](), set[str]()
+    drives = _driving(loaded.robot)
+    for found in (book.found for book in view.explored):
+        after: dict[int, list[int]] = {}
+        for each in found.steps:
+            if not each.went_wrong:
+                after.setdefault(each.source, []).append(each.target)
+        for step in found.steps:
+            if step.move.kind != "fault" or step.source < 0:
+                continue
+            handlers = found.program.handlers[found.nodes[step.source].state.mission.pc]
+            for line in (h for h in handlers if h.code == step.move.word and h.go is not None):
+                goes = found.program.phase_of[line.go or 0]
+                if _drives_on(found, step, goes, after, drives):
+                    again.setdefault(line.place, line.code)
+                else:
+                    fine.add(line.place)
+    for text, code in again.items():
+        place = view.places.read(text)
+        if text not in fine and place.file == loaded.documents[0].name:
+            message = f"after '{code}' the robot drives on as before, so that it comes up again"
+            yield view.places.finding(place, "handler.again", message)
+
+
+def _driving(robot: RobotSpec) -> frozenset[int]:
+    """Return the commands that begin to drive wheels or stop them."""
+    return frozenset(
+        command
+        for before, row in enumerate(robot.table.following)
+        for command, target in enumerate(row)
+        if bool(robot.driven[before]) != bool(robot.driven[target])
+    )
+
+
+def _drives_on(
+    found: Exploration,
+    fault: ExploredStep,
+    phase: str,
+    after: Mapping[int, Sequence[int]],
+    drives: frozenset[int],
+) -> bool:
+    """Return whether after a fault nothing but driving comes before the next wait, on every way."""
+    was = found.nodes[fault.source].state.robot
+    seen, waiting, again = set[int](), [fault.target], False
+    while waiting:
+        node = waiting.pop()
+        mission, body = found.nodes[node].state.mission, found.nodes[node].state.robot
+        if body.motion is not None and body.motion.command not in drives:
+            return False
+        if mission.diverting is None and found.program.phase_of[mission.pc] != phase:
+            continue  # behind the phase that handles it
+        if mission.begun and isinstance(found.program.instructions[mission.pc], Wait):
+            same = (body.configuration, body.control) == (was.configuration, was.control)
+            if not same or not found.robot.driven[body.configuration]:
+                return False
+            again = True
+        elif found.nodes[node].over:
+            return False
+        else:
+            waiting += [each for each in after.get(node, ()) if each not in seen]
+            seen.update(after.get(node, ()))
+    return again
+
+
+def rises_while_loose(mission: MissionView) -> Iterator[Finding]:
+    """Report a pipe that rises before any part of the robot can hold it."""
+    view = mission.in_pipe
+    turns = view.pipe.turns if view is not None else None
+    if view is None or turns is None:
+        return
+    loose_s = _loose_until_s(mission)
+    if loose_s <= turns.from_s:
+        return
+    until_s = min(loose_s, turns.to)
+    up = view.fit.ups(until_s)[-1]
+    slopes = (abs(dot(up, each.frame.ahead)) for each in view.fit.route.pieces)
+    slope_rad = asin(min(max(slopes), 1.0))
+    if slope_rad > atan(view.fit.friction):
+        message = (
+            f"the pipe turns from {turns.from_s:g} s on, and no part of the robot holds before"
+            f" {loose_s:.3g} s: it slides"
+        )
+        mend = "clamp before, or let the pipe turn later"
+        own = view.loaded.documents[0]
+        related = [(view.place_in_pipe(("turns",)), "it turns here")]
+        place = own.place_of(("pipe",))
+        yield at(own, place, "geometry.loose", message, mend=mend, related=related)
+
+
+def _loose_until_s(mission: MissionView) -> float:
+    """Return when a part can hold at the earliest, with nominal durations; else the last time."""
+    nodes = [node for book in mission.explored for node in book.found.nodes]
+    robot = mission.loaded.robot
+    holds = [node.now for node in nodes if robot_state.confirmed_parts(robot, node.state.robot)]
+    return min(holds, default=max(node.now for node in nodes))

@@ -1,0 +1,171 @@
+"""Where a mission waits on its route: how far the robot can drive, and which words never come."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from math import inf
+from typing import NamedTuple
+
+from pirate_sm.checking.pipe.bends import Bends
+from pirate_sm.checking.pipe.course_points import CoursePoint
+from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.geometry.joints import Joint
+from pirate_sm.model.profile import DetectorPoint
+
+_JOINT, _OUT = "Joint", "Out"
+
+
+class Silent(NamedTuple):
+    """Words that a signal never has in a wait.
+
+    Attributes:
+        signal: The signal.
+        words: The words.
+        why: The reason, for people.
+        here: Whether it follows from what the mission has done before.
+    """
+
+    signal: str
+    words: frozenset[str]
+    why: str
+    here: bool = False
+
+
+class AtWaits:
+    """What the course of a mission along its route says of its waits.
+
+    Nothing is said of a wait that only failures and faults lead to.
+    """
+
+    def __init__(self, view: PipeView) -> None:
+        self._view = view
+        robot, profile = view.fit.robot, view.fit.profile
+        self._points: dict[int, list[CoursePoint]] = defaultdict(list)
+        for each in view.course.situations:
+            self._points[each.at].append(each)
+        self._onward = all(each.way >= 0 for each in view.course.situations)
+        self._bends_parts = _bending(view)
+        anywhere = {each.word for each in robot.word_conditions}
+        words = profile.detector.words
+        self._words = {w: it for w, it in words.items() if it.forward and w not in anywhere}
+        self._joint = () if anywhere else (_JOINT,)
+
+    # --- distances --------------------------------------------------------------------------
+
+    def most_m(self, at: int) -> tuple[float, float, str]:
+        """Return how far the robot comes in a wait and since its start, and what ends the way."""
+        points = self._points[at]
+        blocked = all(_stops(joint) for joint in self._view.bends)
+        if not points or not self._bends_parts or not blocked:
+            return inf, inf, ""
+        found = [self._way(each) for each in points]
+        most, what = max(found)
+        first = all(not each.bent and not each.passed and each.way > 0 for each in points)
+        return most, most if first and self._onward else inf, what
+
+    def _way(self, point: CoursePoint) -> tuple[float, str]:
+        """Return how far the robot can drive from a point, and what is there."""
+        view = self._view
+        others = [view.course.leads[part] for part in point.bent[:1]]
+        numbers = sorted({point.passed, *(point.passed + each for each in others)})
+        first, last = view.arcs(numbers[0]), view.arcs(numbers[-1])
+        if first is None or last is None or not point.way:
+            return inf, ""
+        start_m = view.pipe.start_of(view.fit.stretched_m)
+        begins_m = start_m if self._onward and not point.bent and not point.passed else first[0]
+        joint = view.bend(numbers[-1] if point.way > 0 else numbers[0] - 1)
+        diameter_m = view.fit.route.diameter_at(begins_m)
+        way_m = last[1] - begins_m + (diameter_m if joint is not None else 0.0)
+        return way_m, _described(view, joint, point.way)
+
+    # --- words ------------------------------------------------------------------------------
+
+    def silent(self, at: int) -> Iterator[Silent]:
+        """Yield what signals never say in a wait, where the course leads to it."""
+        route, points = self._view.fit.route, self._points[at]
+        if not self._view.bends:
+            why = "waits for a bend, and the pipe has none"
+            yield Silent("detector", frozenset(self._words), why)
+            yield Silent("segment", frozenset(self._joint), why)
+        kinds = {"mitre", "elbow", "tee", "reducer"} - {each.kind for each in route.joints}
+        said = {it.joint for it in self._view.fit.profile.detector.words.values()}
+        yield Silent("joint", frozenset(kinds), "waits for a joint of a kind that the pipe has not")
+        of_kinds = {w for w, it in self._words.items() if it.joint in kinds & said}
+        yield Silent("detector", frozenset(of_kinds), "waits for a joint that the pipe has not")
+        if not points or not all(each.way for each in points):
+            return
+        if self._view.bends and self._bends_parts:
+            of_bends = [w for w, it in self._words.items() if it.joint in (None, "mitre", "elbow")]
+            never = {word for word in of_bends if not any(self._said(word, p) for p in points)}
+            yield Silent("detector", frozenset(never), self._why(never, points), here=True)
+        if all(_capped(self._view, each.way) for each in points):
+            yield Silent("segment", frozenset({_OUT}), "waits to leave a pipe that ends in a cap")
+
+    def _said(self, word: str, point: CoursePoint) -> bool:
+        """Return whether a word can be said at a point of the course."""
+        view, it = self._view, self._words[word]
+        at = it.forward if point.way > 0 else it.backward
+        assert at is not None  # as __init__ has chosen them
+        lead = view.course.leads[point.bent[0]] if point.bent else 0
+        whole = len(point.bent) == len(view.fit.robot.parts)
+        if not point.bent or (whole and lead == point.way):
+            ahead = point.passed - (point.way < 0) + lead
+            # A word of the first wheels is of the next bend, one of the last of that behind.
+            number = ahead - point.way if self._leads_m(at, point.way) > 0 else ahead
+            return view.bend(number) is not None
+        return whole or lead != point.way or not self._is_last(at, point.way)
+
+    def _leads_m(self, at: DetectorPoint, way: int) -> float:
+        """Return how far the first wheel is beyond the crossing when a word is said."""
+        body = self._view.fit.profile.body
+        number = [wheel.name for wheel in body.wheels].index(at.wheel)
+        links = body.links[:number] if way > 0 else body.links[number:]
+        return at.passed + sum(link.length for link in links)
+
+    def _is_last(self, at: DetectorPoint, way: int) -> bool:
+        """Return whether a word is said when a wheel of the last part is round the bend."""
+        wheels = self._view.fit.profile.body.wheels
+        part = next(wheel.part for wheel in wheels if wheel.name == at.wheel)
+        return at.passed > 0 and part == wheels[-1 if way > 0 else 0].part
+
+    def _why(self, words: set[str], points: list[CoursePoint]) -> str:
+        """Return why words are not said at points of the course."""
+        view, point = self._view, points[0]
+        lead = view.course.leads[point.bent[0]] if point.bent else 0
+        if not point.bent and view.bend(point.passed - (point.way < 0)) is not None:
+            return "is said in a bend, and no part of the robot has bent into one before"
+        if len(point.bent) < len(view.fit.robot.parts) and lead == point.way:
+            return "is said behind the bend, and only a part of the robot has bent into it"
+        way = "ahead of" if point.way > 0 else "behind"
+        return f"waits for a bend, and the route has no further one {way} the robot"
+
+
+def _stops(joint: Joint) -> bool:
+    """Return whether a robot that does not bend stops at a joint: a mitre, or the wall of a tee."""
+    return joint.kind in ("mitre", "tee", "elbow") and joint.turn_rad > _LEAST_TURN_RAD
+
+
+_LEAST_TURN_RAD = 0.5
+"""Smallest turn that a straight robot does not drive round [decided]: 29 deg."""
+
+
+def _bending(view: PipeView) -> bool:
+    """Return whether the robot has commands that bend a part into a bend."""
+    bends, table = Bends(view.fit.robot, view.fit.profile), view.fit.robot.table
+    return any(bends.of(number) for number in range(len(table.configurations)))
+
+
+def _capped(view: PipeView, way: int) -> bool:
+    """Return whether the route ends in a cap in a direction."""
+    route = view.fit.route
+    return route.ends[way > 0] in route.network.closed
+
+
+def _described(view: PipeView, joint: Joint | None, way: int) -> str:
+    if joint is not None:
+        where = f"the {joint.kind} at {mm(joint.arc_m)} of the route"
+        return f"the robot comes to {where} before, and does not bend into it"
+    place = f"the end of the route at {mm(view.fit.route.length_m)}" if way > 0 else "its beginning"
+    leaves = "which is closed" if _capped(view, way) else "where it leaves the pipe"
+    return f"the robot comes to {place} before, {leaves}"

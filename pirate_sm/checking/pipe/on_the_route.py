@@ -1,0 +1,112 @@
+"""Rules about a route: its bends are there, and what is called passes them and turns there."""
+
+from __future__ import annotations
+
+from collections import defaultdict
+from collections.abc import Iterator
+from math import pi
+
+from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.pipe.course_points import Bending, Change
+from pirate_sm.checking.pipe.course_story import story_of
+from pirate_sm.checking.pipe.pipe_view import PipeView
+from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
+from pirate_sm.model.travel import Travel
+
+
+def takes_bends_that_are_there(view: PipeView) -> Iterator[Finding]:
+    """Report steps that always bend into a bend that is not there, or is not of their kind."""
+    if not view.bends or view.course.situations[0].bent:
+        return  # reported elsewhere; it begins in a bend, before or behind the middle of the robot
+    made: dict[tuple[int, int], list[Bending]] = defaultdict(list)
+    for each in view.course.bends:
+        made[each.point.at, each.bend.part].append(each)
+    told = set[tuple[object, str]]()
+    for (number, _), bendings in made.items():
+        place = view.own_place(number - 1, bendings[0].point.place)
+        for found in (_not_there(view, bendings), _not_passed(view, number - 1, bendings)):
+            if found is not None and (place, found[0]) not in told:
+                told.add((place, found[0]))
+                code, message, mend = found
+                finding = at(view.document(place.file), place, code, message, mend=mend)
+                yield story_of(finding, view, bendings[0].point)
+
+
+_Said = tuple[str, str, str]
+
+
+def _not_there(view: PipeView, bendings: list[Bending]) -> _Said | None:
+    """Return the finding about a step whose bends are all beyond the last one of the route."""
+    leads = view.course.leads
+    if any(
+        view.bend(each.joint) is not None or each.point.way != leads[each.bend.part]
+        for each in bendings
+    ):
+        return None
+    back = bendings[0].joint < 0
+    way, name = "behind" if back else "ahead of", view.fit.robot.parts[bendings[0].bend.part]
+    message = f"this bends '{name}' into another bend {way} the robot, and the route has none"
+    mend = "leave it out, or take a pipe or a route with one more bend"
+    return "geometry.no_bend", message, mend
+
+
+def _not_passed(view: PipeView, number: int, bendings: list[Bending]) -> _Said | None:
+    """Return the finding about a called mission that is for other joints than this bend."""
+    travel, bend = view.fit.profile.travel, view.bend(bendings[0].joint)
+    names = [_name(each.what) for each in view.calls(number)]
+    if travel is None or bend is None:
+        return None
+    for name in names:
+        kinds = {k for each in travel.passages if name in each.calls for k in each.joints}
+        if kinds and all(
+            (joint := view.bend(each.joint)) is not None and joint.kind not in kinds
+            for each in bendings
+        ):
+            wanted = " or ".join(map(_a, sorted(kinds)))
+            message = f"'{name}' is for {wanted}, and the next bend of the route is {_a(bend.kind)}"
+            fits = [call for each in travel.passages if bend.kind in each.joints and each.turns
+                    for call in each.calls]  # fmt: skip
+            return "route.passage", message, f"call '{fits[0]}'" if fits else ""
+    return None
+
+
+def _a(kind: str) -> str:
+    return f"an {kind}" if kind == "elbow" else f"a {kind}"
+
+
+def _name(what: str) -> str:
+    return what.removeprefix("mission ")
+
+
+def turns_where_it_can(view: PipeView) -> Iterator[Finding]:
+    """Report calls that turn the robot where the profile's `travel` says that they fail."""
+    travel, told = view.fit.profile.travel, set[object]()
+    if view.pipe.section != "round" or travel is None:
+        return
+    for change in view.course.turns:
+        number = change.after.at - 1
+        names = [_name(each.what) for each in view.calls(number)]
+        name = next((each for each in names if any(t.call == each for t in travel.turns)), None)
+        place = view.own_place(number, change.after.place)
+        if name is None or place in told or _can_turn(view, travel, name, change):
+            continue
+        told.add(place)
+        fits = [each.call for each in travel.turns if _can_turn(view, travel, each.call, change)]
+        message = f"'{name}' does not turn the robot as it lies here, says `travel` of its profile"
+        mend = f"here {' or '.join(fits)} turns it" if fits else ""
+        yield at(view.document(place.file), place, "align.slope", message, mend=mend)
+
+
+def _can_turn(view: PipeView, travel: Travel, name: str, change: Change) -> bool:
+    """Return whether a mission may turn a robot somewhere where it may be then."""
+    rolls = change.before.rolls
+    if rolls is None or rolls.ahead != rolls.behind:
+        return True  # unknown, or within the turn
+    mirrored = view.fit.robot.polarity == "mirrored"
+    roll_rad = view.start_roll_rad + rolls.ahead * QUARTER_RAD + pi * mirrored
+    return any(
+        travel.turns_at(turn, piece.frame, view.fit.route.up, roll_rad)
+        for turn in travel.turns
+        if turn.call == name
+        for piece in view.stands_in(change.before)
+    )

@@ -1,0 +1,99 @@
+"""Words and ways of a mission's waits are held against the route that the robot has come along."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from pirate_sm.checking.mission.check_mission import check_mission
+
+GO = "[ClampFront, ClampRear, DriveForward]"
+BACK = GO.replace("Forward", "Backward")
+INTO = "[Brake, RelaxFront, BendInto, DriveForward]"
+ROUND = "[Brake, ClampFront, RelaxRear, BendBack, ClampRear, DriveForward]"
+
+
+def told(folder: Path, *waits: tuple[str, str], pipe: str = "mitre_90") -> list[str]:
+    """The codes and messages about waits, each with the steps before it."""
+    phases = "".join(
+        f"  p{n}: {{do: {do}, wait: [{{when: {when}, go: p{n + 1}}}],"
+        " within: {time: 30 s, go: late}}\n"
+        for n, (do, when) in enumerate(waits)
+    )
+    text = (
+        f"format: 1\nmission: m\nrobot: pirate_ii\npipe: {pipe}\nstart: p0\nphases:\n{phases}"
+        f"  p{len(waits)}: {{do: [Brake], go: good}}\n  late: {{do: [Brake], go: bad}}\n"
+        "ends: {good: {succeed: Good}, bad: {fail: Bad}}\n"
+    )
+    file = folder / "m.yaml"
+    file.write_text(text, encoding="utf-8")
+    return [f"{each.code}: {each.message}" for each in check_mission(file).findings]
+
+
+CLOSE, IN, PAST = (f"detector == {word}" for word in ("close", "in", "past"))
+
+
+def test_the_words_of_a_bend_come_one_after_the_other(tmp_path: Path) -> None:
+    assert told(tmp_path, (GO, CLOSE), (INTO, IN), (ROUND, PAST)) == []
+
+
+@pytest.mark.parametrize("word", [IN, PAST])
+def test_no_part_is_round_a_bend_into_which_none_has_bent(tmp_path: Path, word: str) -> None:
+    (said,) = told(tmp_path, (GO, word))
+
+    why = "is said in a bend, and no part of the robot has bent into one before"
+    assert said == f"word.route: '{word}' {why}"
+
+
+def test_the_last_wheel_is_not_round_it_before_its_part_has_bent(tmp_path: Path) -> None:
+    (said,) = told(tmp_path, (GO, CLOSE), (INTO, PAST))
+
+    assert said.endswith("is said behind the bend, and only a part of the robot has bent into it")
+
+
+def test_behind_the_last_bend_there_is_no_further_word(tmp_path: Path) -> None:
+    round_it = (GO, CLOSE), (INTO, IN), (ROUND, PAST)
+    (said,) = told(tmp_path, *round_it, ("[ToggleLighting]", CLOSE))
+    assert said.endswith("the route has no further one ahead of the robot")
+
+    two = "{diameter: 120 mm, segments: [{straight: 1 m}, {mitre: 90 deg}, {straight: 1 m},"
+    two += " {mitre: 90 deg}, {straight: 1 m}], start: {at: 700 mm}}"
+    assert told(tmp_path, *round_it, ("[ToggleLighting]", CLOSE), pipe=two) == []
+
+
+def test_a_robot_that_backs_from_a_bend_hears_nothing_of_it(tmp_path: Path) -> None:
+    (said,) = told(tmp_path, (BACK, CLOSE))
+    assert said.endswith("the route has no further one behind the robot")
+
+    assert told(tmp_path, (BACK, CLOSE), pipe="mitre_90_backward") == []
+
+
+@pytest.mark.parametrize(
+    ("kind", "pipe"), [("elbow", "mitre_90"), ("tee", "mitre_90"), ("mitre", "elbow_90")]
+)
+def test_a_joint_is_of_a_kind_that_the_pipe_has(tmp_path: Path, kind: str, pipe: str) -> None:
+    (said,) = told(tmp_path, (GO, f"joint == {kind}"), pipe=pipe)
+
+    assert said.startswith("word.never: ")
+    assert told(tmp_path, (GO, f"'joint in ({kind}, end)'"), pipe=pipe) == []
+
+
+@pytest.mark.parametrize(("way", "fits"), [("200 mm", True), ("350 mm", True), ("700 mm", False)])
+def test_a_way_ends_at_a_mitre_into_which_nothing_bends(
+    tmp_path: Path, way: str, fits: bool
+) -> None:
+    for signal in ("odometry", "change(odometry)"):
+        said = told(tmp_path, (GO, f"{signal} >= {way}"))
+
+        assert [each.partition(":")[0] for each in said] == ([] if fits else ["condition.beyond"])
+
+
+def test_round_a_bend_the_way_leads_on_to_the_end(tmp_path: Path) -> None:
+    bent = (GO, CLOSE), (INTO, IN)
+
+    assert told(tmp_path, *bent, (ROUND, "change(odometry) >= 800 mm")) == []
+
+
+def test_a_way_is_as_long_as_it_is_backward(tmp_path: Path) -> None:
+    assert told(tmp_path, (BACK, "change(odometry) <= -400 mm")) == []
