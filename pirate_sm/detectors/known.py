@@ -10,12 +10,15 @@ GROUP = "pirate_sm.detectors"
 BY_CAMERA = "vision"
 """The detector whose argument is a camera."""
 
+BY_SOCKET = "socket"
+"""The detector that opens a socket, for programs that write to it."""
+
 ABOUT: Mapping[str, str] = {
     "sim": "the simulator, which knows where the robot is",
     "odometry": "dead reckoning by wheels and joints",
     "signals": "conditions on the robot's own signals",
     "operator": "a person with a key for each word",
-    "socket": "programs that write to a socket: socket, socket:/PATH or socket:HOST:PORT",
+    BY_SOCKET: "programs that write to a socket: socket, socket:/PATH or socket:HOST:PORT",
     BY_CAMERA: "a camera over the setup: vision:NAME",
 }
 """A line about each."""

@@ -263,7 +263,7 @@ SIM: Plugin[MakeDetector] = Plugin(known.ABOUT["sim"], _true_places)
 ODOMETRY: Plugin[MakeDetector] = Plugin(known.ABOUT["odometry"], _odometry)
 SIGNALS: Plugin[MakeDetector] = Plugin(known.ABOUT["signals"], _signals)
 OPERATOR: Plugin[MakeDetector] = Plugin(known.ABOUT["operator"], _operator)
-SOCKET: Plugin[MakeDetector] = Plugin(known.ABOUT["socket"], _socket)
+SOCKET: Plugin[MakeDetector] = Plugin(known.ABOUT[known.BY_SOCKET], _socket)
 
 _ELSEWHERE = {known.BY_CAMERA: "pirate_sm.wiring.vision:DETECTOR"}
 

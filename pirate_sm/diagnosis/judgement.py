@@ -35,13 +35,17 @@ _ERROR = 3
 
 def judged(facts: Facts, subject: Subject) -> Facts:
     """Return the facts with what is wrong with each sensor, and all findings, worst first."""
-    boards = tuple(judge_board(board, subject) for board in facts.boards)
-    facts = replace(facts, boards=boards)
+    facts = with_judged_boards(facts, subject)
     findings = [each for _, check in CHECKS.values() for each in check(facts, subject)]
     findings += _about_moving(facts, _advice(subject))
     order = ("no-go", "suspicious", "note")
     findings.sort(key=lambda finding: order.index(finding.level))
     return replace(facts, findings=tuple(findings))
+
+
+def with_judged_boards(facts: Facts, subject: Subject) -> Facts:
+    """Return the facts with what is wrong with each sensor, as the checks need them."""
+    return replace(facts, boards=tuple(judge_board(board, subject) for board in facts.boards))
 
 
 def _advice(subject: Subject) -> Advice:

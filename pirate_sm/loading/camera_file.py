@@ -5,8 +5,8 @@ from __future__ import annotations
 from math import asin, cos, degrees, sqrt
 from pathlib import Path
 
-from pirate_sm.detectors.known import BY_CAMERA
-from pirate_sm.loading import foreign, library
+from pirate_sm.detectors.known import BY_CAMERA, BY_SOCKET
+from pirate_sm.loading import library
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
@@ -48,7 +48,7 @@ def opened_by(detector: str, folder: Path) -> str:
     if kind == BY_CAMERA and name:
         camera, _ = load_camera(library.find_camera(name, folder))
         return "a live camera" if isinstance(camera.source, DeviceSource | UrlSource) else ""
-    return "a socket" if kind == foreign.LISTENS else ""
+    return "a socket" if kind == BY_SOCKET else ""
 
 
 def _check_numbers(camera: Camera, problems: Problems) -> None:

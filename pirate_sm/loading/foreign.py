@@ -15,9 +15,6 @@ from typing import Final
 SIMULATED: Final = ("bay", "physics", "sim", "trace")
 """Backends that reach nothing outside this program. [decided]"""
 
-LISTENS: Final = "socket"
-"""The detector that opens a socket; a live camera is refused as well."""
-
 _DEVICE: Final = re.compile(r"/dev/(serial/by-(id|path)/)?\w[\w.:+-]*|COM\d+|")
 
 _RUNS = """mission backend robot pipe settings states seed defects fidelity detector also adopt

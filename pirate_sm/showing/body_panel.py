@@ -69,9 +69,7 @@ def _with_age(snapshot: Snapshot, signal: str, written: str) -> str:
 def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> Text:
     signals = snapshot.signals
     value = signals.get(motor.value, nan)
-    written = "–"
-    if not isnan(value):
-        written = f"{degrees(value):z.1f}°" if unit else f"{value:z.2f} rad/s"
+    written = measured(value, angle=bool(unit))
     if not snapshot.is_fresh(motor.value):
         age = ago(snapshot.age_s(motor.value))
         since = f"no report for {age}" if age else "as last reported"
@@ -87,6 +85,13 @@ def _motor(snapshot: Snapshot, motor: MotorReadings, unit: str, width: int) -> T
     if room >= _LEAST_TREND:
         parts.append((f" {_trend(snapshot, motor, room - 1)}", ACCENT))
     return line(*parts)
+
+
+def measured(value: float, *, angle: bool) -> str:
+    """Return the angle or the speed of a motor as text; a dash for an unknown one."""
+    if isnan(value):
+        return "–"
+    return f"{degrees(value):z.1f}°" if angle else f"{value:z.2f} rad/s"
 
 
 def _centred(value: float, limit: float, *, marked: bool) -> list[Part]:

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import degrees, isnan, nan, tau
+from math import isnan, nan, tau
 
 from rich.text import Text
 
+from pirate_sm.showing.body_panel import measured
 from pirate_sm.showing.canvas import ACROSS, Canvas
 from pirate_sm.showing.effect_lines import setpoint
 from pirate_sm.showing.live_snapshots import TREND_EVERY_S, TREND_LENGTH, sent_name
@@ -66,18 +67,16 @@ def _numbers(snapshot: Snapshot, motor: MotorReadings, *, fresh: bool) -> Text:
     )
     value, amperes = (snapshot.signals.get(each, nan) for each in (motor.value, motor.current))
     angle = motor in (*snapshot.scene.anatomy.joints, *snapshot.scene.anatomy.rolls)
-    measured = (
-        "–" if isnan(value) else f"{degrees(value):z.1f}°" if angle else f"{value:z.2f} rad/s"
-    )
+    shown = measured(value, angle=angle)
     current = "" if isnan(amperes) else f"{amperes * 1e3:.0f} mA"
     if not fresh:
-        measured, current = f"{STALE}{measured}", ago(snapshot.age_s(motor.value))
+        shown, current = f"{STALE}{shown}", ago(snapshot.age_s(motor.value))
     style = "" if fresh else MUTED
     parts: list[Part] = [
         (f"{motor.name[:8]:<8}", MUTED),
         (f"{sent:>9} ", STRONG if fresh else MUTED),
     ]
-    return line(*parts, (f"{measured:>12} {current:>8} ", style))
+    return line(*parts, (f"{shown:>12} {current:>8} ", style))
 
 
 def _plot(values: Sequence[float], full: float, columns: int, rows: int, style: str) -> list[Text]:
