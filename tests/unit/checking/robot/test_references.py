@@ -79,6 +79,7 @@ EXCEPTIONS = {
     r"boards\.\d+\.channels\.\d+\.convert": "two scales of one unit differ in their numbers alone",
     r"boards\.\d+\.slots\.\d+\.motor": "motors of one kind differ in their numbers alone",
     r"derived\.\w+\.(norm_of|least_of)\.\d+": "the norm or least of any such signals has a meaning",
+    r"derived\.\w+\.speed": "slip is reckoned against the ruler or what falls back from it",
     r"aliases\.\w+": "any command may have a second name",
     r"detector\.words\.\w+\.\w+\.wheel": "a word may begin to hold wherever any wheel is",
     r"simulation\.defects\..*": "anything may break",
