@@ -43,7 +43,7 @@ OUR_NAME = re.compile(
     r"""\bpirate[_-]sm\b|\bPIRATE_SM_[A-Z]+\b|\bpirate-run\b|\bPirateError\b|\bpirate (?=[a-z])"""
     r"""|\bpirate:(?=\[| allow|")|\bpirate\.toml\b"""
 )
-OUR_COMMAND = re.compile(r"""["'`]pirate["'`]""")
+OUR_COMMAND = re.compile(r"""["'`]pirate["'`]|\bpirate (?=\{hint\})""")
 
 
 def _names(node: object) -> Iterator[str]:
