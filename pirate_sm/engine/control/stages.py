@@ -54,11 +54,10 @@ def stage_array(
         if not motion.blind:
             _write(robot, sensing, posture.writes, values, loops)
         return tuple(values), tuple(loops.values())
-    shares = dict.fromkeys(robot.safe_zero, motion.share)
     for region in regions:
         stages = state.stages(robot, region, target[region])
-        writes = stages[min(stage, len(stages) - 1)]
-        _write(robot, sensing, _slowed(writes, shares), values, loops)
+        writes = _slowed(robot, stages[min(stage, len(stages) - 1)], motion.share)
+        _write(robot, sensing, writes, values, loops)
     return tuple(values), tuple(loops.values())
 
 
@@ -103,21 +102,21 @@ def switched_array(
             for write in stage
             if write not in before or (write.how == "bear" and _let_go(robot, write.slot, loops))
         )
-        shares = _shares_in_force(robot, before, values, loops)
-        _write(robot, sensing, _slowed(changed, shares), values, loops)
+        share = _share_in_force(robot, before, values, loops)
+        _write(robot, sensing, _slowed(robot, changed, share), values, loops)
     return tuple(values), tuple(loops.values())
 
 
-def _shares_in_force(
+def _share_in_force(
     robot: RobotSpec, stage: StageSpec, values: Sequence[float], loops: Mapping[int, Loop]
-) -> Mapping[int, float]:
-    """Return by slot the share, 0 to 1, that wheels now have of what the stage writes to them.
+) -> float:
+    """Return the share, 0 to 1, that wheels now have of what the stage writes to them.
 
-    It is less than 1 for wheels that an operator drives by hand at a lower speed.
+    It is less than 1 while an operator drives by hand at a lower speed.
     """
-    full = {it.slot: it.value for it in stage if it.slot in robot.safe_zero and it.value}
-    asked = {slot: _asked(loops.get(slot), values[slot]) for slot in full}
-    return {slot: max(0.0, min(1.0, asked[slot] / value)) for slot, value in full.items()}
+    driven = (it for it in stage if it.slot in robot.safe_zero and it.value)
+    shares = [_asked(loops.get(it.slot), values[it.slot]) / it.value for it in driven]
+    return max(0.0, min(1.0, max(shares, default=1.0)))
 
 
 def _asked(loop: Loop | None, value: float) -> float:
@@ -216,9 +215,10 @@ def without_loops(state: RobotState) -> Numbers:
     return tuple(0.0 if slot in driven else value for slot, value in enumerate(state.latest))
 
 
-def _slowed(stage: StageSpec, shares: Mapping[int, float]) -> StageSpec:
-    """Return the stage with these shares of what it writes to slots."""
-    return tuple(it._replace(value=it.value * shares.get(it.slot, 1.0)) for it in stage)
+def _slowed(robot: RobotSpec, stage: StageSpec, share: float) -> StageSpec:
+    """Return the stage with this share of what it writes to wheels."""
+    slowed = robot.safe_zero
+    return tuple(it._replace(value=it.value * share) if it.slot in slowed else it for it in stage)
 
 
 def _write(
