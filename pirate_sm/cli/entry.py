@@ -97,7 +97,7 @@ class _Group(TyperGroup):
         if self.get_command(ctx, args[0]) is None:
             self.commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
             if not self.name and (hint := _meant(args[0], self.commands)):
-                ctx.fail(f"There is no command '{args[0]}'; did you mean: pirate {hint}?")
+                ctx.fail(f"There is no command '{args[0]}'; did you mean: {hint}?")
         return super().resolve_command(ctx, args)
 
 
@@ -107,12 +107,13 @@ def _meant(word: str, known: Iterable[str]) -> str | None:
     from pirate_sm.spelling import nearest
 
     if word.lower() in ("help", "version"):
-        return f"--{word.lower()}"
+        return " ".join(("pirate", f"--{word.lower()}"))
     if nearest(word, known):
         return None
     if "/" in word:
-        return f"run {word}"
-    for command, files in (("run", library.missions()), ("demo", library.scenes())):
+        return f"pirate run {word}"
+    files_of = {"pirate run": library.missions(), "pirate demo": library.scenes()}
+    for command, files in files_of.items():
         if name := nearest(word, [path.stem for path in files]):
             return f"{command} {name}"
     return None

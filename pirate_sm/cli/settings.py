@@ -16,6 +16,7 @@ from pirate_sm.on_disk import is_there
 
 if TYPE_CHECKING:
     from pirate_sm.errors import PirateError
+    from pirate_sm.loading.problems import Problem
 
 PROJECT_FILE = "pirate.toml"
 USER_FILE = "config.toml"
@@ -123,7 +124,13 @@ def refuse(names: Collection[str], found: Mapping[str, Value]) -> None:
     """
     from pirate_sm.loading.problems import LoadError
 
-    problems = [
+    if problems := refused(names, found):
+        raise LoadError(problems)
+
+
+def refused(names: Collection[str], found: Mapping[str, Value]) -> list[Problem]:
+    """Return the problems with settings that a project's file must not set."""
+    return [
         found[name].problem(
             "settings.untrusted",
             f"{name} = '{found[name].value}' {found[name].refused}, and this folder is not "
@@ -133,8 +140,6 @@ def refuse(names: Collection[str], found: Mapping[str, Value]) -> None:
         for name in names
         if found[name].refused
     ]
-    if problems:
-        raise LoadError(problems)
 
 
 def runs() -> Value:

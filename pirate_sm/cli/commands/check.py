@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Iterable
+from dataclasses import replace
 from pathlib import Path
 
 from pirate_sm.checking.findings import Finding, Severity, finding_of
@@ -25,6 +26,7 @@ from pirate_sm.gallery.scene_file import HERE, OUT, check_scene, words_of
 from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
+from pirate_sm.on_disk import is_folder
 from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.visible import visible
 
@@ -70,10 +72,19 @@ def run_check(options: CheckOptions) -> int:
             watch(done / total, f", {visible(name)}")
 
         report = check_paths(options.paths or (), asked, show)
+    if any(is_folder(Path(each)) for each in options.paths or (".",)):
+        report = replace(report, findings=(*_refused_settings(), *report.findings))
     print(writable(_written(report, options.format, fail_on)))
     if report.nothing:
         return NOTHING
     return FOUND if report.fails(fail_on) else CLEAN
+
+
+def _refused_settings() -> Iterable[Finding]:
+    """Yield warnings of the project's settings that runs will refuse."""
+    found = settings.values()
+    for problem in settings.refused(list(found), found):
+        yield replace(finding_of(problem), code="check.untrusted", severity=Severity.WARNING)
 
 
 def _form(document: Document, problems: Problems) -> tuple[list[Document], Iterable[Finding]]:

@@ -85,6 +85,8 @@ def _check_joints(body: Body, problems: Problems) -> None:
 
 
 def _check_motors(profile: model.Profile, problems: Problems) -> None:
+    for slot, at in _slots(profile):
+        _must_be(slot.motor, profile.motors, "motor", (*at, "motor"), problems)
     used = {slot.motor for slot in profile.slots}
     for name, motor in profile.motors.items():
         path: Path = ("motors", name)

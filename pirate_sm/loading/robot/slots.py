@@ -49,10 +49,7 @@ def resolve_slots(signals: Signals) -> Slots:
 
 def _slot(signals: Signals, slot: model.Slot, path: Path) -> SlotSpec:
     profile, problems = signals.profile, signals.problems
-    motor = profile.motors.get(slot.motor)
-    if motor is None:
-        problems.add_unknown("robot.motor", (*path, "motor"), "motor", slot.motor, profile.motors)
-        motor = Motor(kind="none")
+    motor = profile.motors[slot.motor]
     known = _check_targets(profile, slot, path, problems)
     link = profile.link
     if slot.unit == "angle":

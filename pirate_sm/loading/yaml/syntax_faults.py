@@ -24,7 +24,7 @@ _ADVICE: Final = (
     ("flow sequence", "a '[' is not closed, or a ',' is missing", "',' or ']'"),
     ("flow mapping", "a '{' is not closed, or a ',' is missing", "',' or '}'"),
     ("end of stream", "a quote is not closed", "the closing quote"),
-    ("expected ':'", "a ':' is missing after a key", "'key: value'"),
+    ("expected ':'", "a ':' is missing after a key", "'key: value', with a blank after the ':'"),
     (
         "block mapping",
         "this does not continue the mapping",
@@ -38,7 +38,7 @@ def syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> YamlFau
     """Return a syntax error as a fault with a helpful message."""
     said = f"{error.context or ''} {error.problem or ''}"
     mark, opening = error.problem_mark or error.context_mark, error.context_mark
-    if "end of stream" in said and opening is not None:
+    if ("end of stream" in said or "expected ':'" in said) and opening is not None:
         mark = opening
     line, column = (mark.line + 1, mark.column + 1) if mark else (1, 1)
     if "flow" in said and innermost is not None and line > innermost.line:

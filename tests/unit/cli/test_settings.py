@@ -97,10 +97,14 @@ def test_a_project_reaches_no_robot_and_writes_nowhere_else_unless_it_is_trusted
     assert result.exit_code == 2
     assert why in result.stderr
     assert "add the folder to `trusted`" in result.stderr
+    checked = pirate("check", "--format", "json")
+    assert "check.untrusted" in checked.stdout
+    assert "check.untrusted" not in pirate("check", str(NEWT / "patrol.yaml")).stdout
     user.write_text(f'trusted = ["{tmp_path}"]', "utf-8")
     assert {each["refused"] for each in shown(pirate).values()} == {None}
     result = pirate("run", str(NEWT / "patrol.yaml"))
     assert "add the folder to `trusted`" not in result.stderr
+    assert "check.untrusted" not in pirate("check", "--format", "json").stdout
 
 
 def test_a_projects_port_and_robot_are_not_used_for_a_real_robot(

@@ -272,6 +272,8 @@ FAULTS = [
     ("    hold_torque: 160 mNm\n", "", "track:", "a motor of the kind geared needs `hold_torque`"),
     ("    dead_drag: 30 mNm\n", "", "track:", "a motor of the kind geared needs `dead_drag`"),
     ("motor: bulb", "motor: bulp", "bulp", "there is no motor 'bulp'"),
+    ("motor: track, wheel", "motor: tracks, wheel", "tracks", "there is no motor 'tracks'"),
+    ("motor: fold, joint", "motor: folds, joint", "folds", "there is no motor 'folds'"),
     ("{name: drive_b", "{name: drive_a", "drive_a", "'drive_a' is listed twice"),
     (
         "wheel: right_fore, mirrors",

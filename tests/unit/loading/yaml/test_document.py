@@ -169,6 +169,8 @@ def test_a_byte_order_mark_and_wide_characters_move_no_place() -> None:
         ("a: {b: [}", [("syntax", 1, 9)]),
         ("a: ]", [("syntax", 1, 4)]),
         ("a: b: c", [("syntax", 1, 5)]),
+        ("a: 1\nb c\nd: 2", [("syntax", 2, 1)]),
+        ("a: 1\nb:c\n\n\nd: 2", [("syntax", 2, 1)]),
         ("a: %b", [("syntax", 1, 4)]),
         ("a: - b", [("syntax", 1, 4)]),
         ("- a\nb: 1", [("syntax", 2, 1)]),
