@@ -35,17 +35,13 @@ _ERROR = 3
 
 def judged(facts: Facts, subject: Subject) -> Facts:
     """Return the facts with what is wrong with each sensor, and all findings, worst first."""
-    facts = with_judged_boards(facts, subject)
+    boards = tuple(judge_board(board, subject) for board in facts.boards)
+    facts = replace(facts, boards=boards)
     findings = [each for _, check in CHECKS.values() for each in check(facts, subject)]
     findings += _about_moving(facts, _advice(subject))
     order = ("no-go", "suspicious", "note")
     findings.sort(key=lambda finding: order.index(finding.level))
     return replace(facts, findings=tuple(findings))
-
-
-def with_judged_boards(facts: Facts, subject: Subject) -> Facts:
-    """Return the facts with what is wrong with each sensor, as the checks need them."""
-    return replace(facts, boards=tuple(judge_board(board, subject) for board in facts.boards))
 
 
 def _advice(subject: Subject) -> Advice:

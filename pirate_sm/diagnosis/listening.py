@@ -16,7 +16,7 @@ from pirate_sm.backends.serial.link.link_plan import STATE
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import Port
 from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
-from pirate_sm.diagnosis.judgement import with_judged_boards
+from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
 from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
@@ -304,7 +304,7 @@ class OpenLink(Listening):
         backend: The link, which must be open when this is entered.
 
     Attributes:
-        found: What the last complete time of listening has shown, its sensors judged; None before.
+        found: What the last complete time of listening has shown, judged; None before.
     """
 
     def __init__(self, subject: Subject, backend: SerialBackend) -> None:
@@ -332,5 +332,5 @@ class OpenLink(Listening):
         self._served_s = now
         self._digest(events, now)
         if now >= self._began_s + CHECKED_EVERY_S:
-            self.found = with_judged_boards(self.facts(), self.subject)
+            self.found = judged(self.facts(), self.subject)
             self._restart(now)

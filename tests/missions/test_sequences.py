@@ -12,7 +12,7 @@ import pytest
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.model.effects import CommandStatus, Fault, StateChange
+from pirate_sm.model.effects import CommandStatus, Fault, Setpoints, StateChange
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = library.missions()
@@ -213,13 +213,23 @@ def test_a_stuck_robot_that_opens_to_118_deg_has_not_lost_its_clamp(run, tmp_pat
     assert {fault.code for fault in record.of(Fault)} == {"robot.stuck"}
 
 
-def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
+def test_a_falling_robot_is_noticed_and_its_clamps_are_left_as_they_are(run, tmp_path):
     pipe = _changed(
-        tmp_path, "vertical", patches="[{from: 500 mm, to: 2 m, static: 0.04, kinetic: 0.02}]"
+        tmp_path, "vertical", patches="[{from: 0 m, to: 2 m, static: 0.15, kinetic: 0.02}]"
     )
     record = run("climb", backend="sim", pipe=pipe)
     assert record.ended.outcome == "fault"
     assert "robot.fallen" in record.ended.message
+    assert record.of(Setpoints) == []  # it falls before anything is sent
+
+
+def test_a_robot_whose_wheels_spin_at_the_edge_of_a_slippery_stretch_does_not_fall(run, tmp_path):
+    pipe = _changed(
+        tmp_path, "vertical", patches="[{from: 500 mm, to: 2 m, static: 0.04, kinetic: 0.02}]"
+    )
+    record = run("climb", backend="sim", pipe=pipe)
+    assert "robot.fallen" not in {fault.code for fault in record.of(Fault)}
+    assert record.ended.outcome == "fault"  # down again, it leaves the pipe's lower end
     clamps = [record.last_setpoints[f"bend_{number}"] for number in range(1, 5)]
     assert [clamp > 0 for clamp in clamps] == [False, True, False, True]
 

@@ -169,7 +169,7 @@ def test_a_reward_of_ones_own() -> None:
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"reward": "most_slip"}, "there is no reward 'most_slip': did you mean 'least_slip'?"),
+        ({"reward": "leest_slip"}, "there is no reward 'leest_slip': did you mean 'least_slip'?"),
         ({"missoin": "climb"}, "there is no option 'missoin': did you mean 'mission'?"),
         ({"mission": "mitre_bendd"}, "mitre_bend"),
         ({"defects": "weels_3_4_dead"}, "wheels_3_4_dead"),

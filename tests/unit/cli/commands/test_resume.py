@@ -121,7 +121,7 @@ def test_a_mission_that_was_edited_since_is_asked_about(
     assert "mine.yaml is not there any more; the mission of the recording counts" in gone.stderr
 
 
-def test_a_recording_that_was_damaged_and_repaired_is_asked_about(
+def test_a_recording_with_damage_that_no_checkpoint_follows_is_not_gone_on_from(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
@@ -135,8 +135,8 @@ def test_a_recording_that_was_damaged_and_repaired_is_asked_about(
     result = resume("again.mcap", "--accept")
 
     assert result.exit_code == 2
-    assert "--accept is not enough: the recording was damaged at byte" in result.stderr
-    assert "what the robot did after" in result.stderr
+    assert "nothing to go on from: again.mcap was damaged from" in result.stderr
+    assert "so what the mission knew at its end is unknown" in result.stderr
 
 
 def test_a_recording_that_was_only_cut_off_and_repaired_is_resumed_as_before(cut: Path) -> None:
