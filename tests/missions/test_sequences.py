@@ -12,7 +12,7 @@ import pytest
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.problems import LoadError
-from pirate_sm.model.effects import CommandStatus, Fault, Setpoints, StateChange
+from pirate_sm.model.effects import CommandStatus, Fault, StateChange
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = library.missions()
@@ -213,14 +213,38 @@ def test_a_stuck_robot_that_opens_to_118_deg_has_not_lost_its_clamp(run, tmp_pat
     assert {fault.code for fault in record.of(Fault)} == {"robot.stuck"}
 
 
-def test_a_falling_robot_is_noticed_and_its_clamps_are_left_as_they_are(run, tmp_path):
-    pipe = _changed(
-        tmp_path, "vertical", patches="[{from: 0 m, to: 2 m, static: 0.15, kinetic: 0.02}]"
+DOWN = """
+format: 1
+mission: down
+robot: pirate_ii
+pipe: vertical
+starts_in: {BendingState: DoubleClamped, FrontWheelsState: Fixed, RearWheelsState: Fixed}
+start: down
+phases:
+  down:
+    do: [DriveBackward]
+    wait: [{when: odometry <= -1 m, go: halt}]
+    within: {time: 60 s, go: halt}
+  halt: {do: [Brake], go: there}
+ends:
+  there: {succeed: Driven down}
+"""
+
+
+def test_a_falling_robot_is_noticed_and_keeps_its_clamps(run, tmp_path):
+    pipe = Path(
+        _changed(
+            tmp_path, "vertical", patches="[{from: 0 m, to: 1.1 m, static: 0.04, kinetic: 0.02}]"
+        )
     )
-    record = run("climb", backend="sim", pipe=pipe)
+    pipe.write_text(pipe.read_text("utf-8").replace("at: 600 mm", "at: 1.5 m"), "utf-8")
+    mission = tmp_path / "down.yaml"
+    mission.write_text(DOWN, "utf-8")
+    record = run(mission, backend="sim", pipe=str(pipe))
     assert record.ended.outcome == "fault"
     assert "robot.fallen" in record.ended.message
-    assert record.of(Setpoints) == []  # it falls before anything is sent
+    clamps = [record.last_setpoints[f"bend_{number}"] for number in range(1, 5)]
+    assert [clamp > 0 for clamp in clamps] == [False, True, False, True]
 
 
 def test_a_robot_whose_wheels_spin_at_the_edge_of_a_slippery_stretch_does_not_fall(run, tmp_path):

@@ -20,10 +20,12 @@ from pathlib import Path
 from typing import Any, Protocol, TypeAlias
 
 import mcap
+from mcap.opcode import Opcode
 from mcap.writer import CompressionType, Writer
 
 from pirate_sm import __version__
 from pirate_sm.recording.format.header import CHECKPOINT, PROFILE, RUN, RunHeader
+from pirate_sm.recording.read.mcap_records import FRAME
 
 NS_PER_S = 1_000_000_000
 
@@ -122,6 +124,7 @@ class Pieces:
     def __init__(self, sink: Sink) -> None:
         self._sink = sink
         self._gathered = _Gathered()
+        self._index = b""
         # Only a cut ends a chunk.
         self._writer = Writer(
             self._gathered,
@@ -148,9 +151,16 @@ class Pieces:
         self._writer.add_message(topic, time_ns, data, time_ns)
 
     def cut(self) -> bytes:
-        """Return everything since the last cut, as one complete piece of the file."""
+        """Return everything since the last cut, up to the end of its chunk of messages.
+
+        What is after the chunk, its index, comes with the next piece. So a piece of which the end
+        could not be written has no whole chunk, and what is said to be recorded is what is read.
+        """
         self._writer.flush()  # type: ignore[no-untyped-call]
-        return self._gathered.take()
+        data = self._index + self._gathered.take()
+        end = _end_of_chunk(data)
+        self._index = data[end:]
+        return data[:end]
 
     def write(self, data: bytes) -> None:
         """Write pieces to the file, in the order of their cuts.
@@ -168,11 +178,22 @@ class Pieces:
             OSError: The index could not be written.
         """
         self._writer.finish()  # type: ignore[no-untyped-call]
-        self.write(self._gathered.take())
+        self.write(self._index + self._gathered.take())
 
     def close(self) -> None:
         """Close the sink; write no more."""
         self._sink.close()
+
+
+def _end_of_chunk(data: bytes) -> int:
+    """Return where the chunk ends among these records; 0 if there is none."""
+    at = 0
+    while at < len(data):
+        opcode, length = FRAME.unpack_from(data, at)
+        at += FRAME.size + int(length)
+        if opcode == Opcode.CHUNK:
+            return at
+    return 0
 
 
 class RecordingFile(Pieces):
