@@ -16,8 +16,12 @@ from pirate_sm.model.camera_source import DeviceSource, UrlSource
 _NUMBERS: dict[TagFamily, int] = {"aruco_4x4_50": 50, "apriltag_36h11": 587}
 
 
-def load_camera(path: Path) -> tuple[Camera, Document]:
+def load_camera(path: Path, *, posed: bool = True) -> tuple[Camera, Document]:
     """Return the camera in a file, and the file's document.
+
+    Args:
+        path: The file.
+        posed: Whether the pose is used; one that is to be surveyed may still be wrong.
 
     Raises:
         LoadError: The file has faults; holds all of them.
@@ -27,7 +31,8 @@ def load_camera(path: Path) -> tuple[Camera, Document]:
     problems = Problems(document)
     _check_numbers(camera, problems)
     _check_points(camera, problems)
-    _check_pose(camera, problems)
+    if posed:
+        _check_pose(camera, problems)
     _check_colours(camera, problems)
     problems.raise_errors()
     return camera, document

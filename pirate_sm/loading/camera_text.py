@@ -64,7 +64,7 @@ def with_pose(path: Path, pose: CameraPose) -> str:
 
 
 def _text(path: Path) -> str:
-    text = load_camera(path)[1].text
+    text = load_camera(path, posed=False)[1].text
     return text if text.endswith("\n") else f"{text}\n"
 
 

@@ -10,7 +10,7 @@ from pirate_sm.checking.robot.robot_view import RobotView, Written
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
-def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
+def _apex_references(view: RobotView) -> Iterator[tuple[int, int, int]]:
     """Yield for each part its index, the slot of its apex and the index of its apex wheel."""
     body = view.profile.body
     wheels = [wheel.name for wheel in body.wheels]
@@ -36,7 +36,7 @@ def _directions(view: RobotView) -> Iterator[Finding]:
     """Yield adjacent wheels of a V that do not touch opposite walls."""
     wheels = view.profile.body.wheels
     said: set[int] = set()
-    for _, _, apex in _apexes(view):
+    for _, _, apex in _apex_references(view):
         for other in (apex - 1, apex + 1):
             if wheels[other].part != wheels[apex].part or other in said:
                 continue
@@ -83,7 +83,7 @@ def _sides(view: RobotView) -> Iterator[Finding]:
     A negative angle turns the body on both sides of a joint towards side A, so a negative duty
     cycle pushes the apex to side B, where wheels have the direction -1.
     """
-    for part, slot, apex in _apexes(view):
+    for part, slot, apex in _apex_references(view):
         direction = view.profile.body.wheels[apex].direction
         name = view.profile.body.wheels[apex].name
         told: set[tuple[int, str]] = set()  # a control turns a motor the same way as usual
@@ -102,15 +102,23 @@ def _sides(view: RobotView) -> Iterator[Finding]:
 
 
 def _slack(view: RobotView) -> Iterator[Finding]:
-    """Yield states in which a part is to hold and nothing drives its apex."""
-    for part, slot, _ in _apexes(view):
+    """Yield states in which a part is to hold and no stage drives its apex.
+
+    One stage is enough: a part may settle before it is pressed, and a worm keeps what it has wound.
+    """
+    for part, slot, apex in _apex_references(view):
+        stages: dict[tuple[int, str], list[Written]] = {}
         for each in view.written:
-            write = each.write
-            idle = write.how == "set" and not write.turns and not each.control
-            if write.slot == slot and idle and _holding(view, part, each):
-                name = view.loaded.normal.parts[part]
-                message = f"'{name}' holds in {each.state}, and nothing presses it to the wall"
-                yield view.at(each.path, "robot.clamp_side", message)
+            if each.write.slot == slot and not each.control:
+                stages.setdefault((each.region, each.state), []).append(each)
+        for first, *more in stages.values():
+            idle = all(w.write.how == "set" and not w.write.turns for w in (first, *more))
+            if idle and _holding(view, part, first):
+                name, wheel = view.loaded.normal.parts[part], view.profile.body.wheels[apex]
+                message = f"'{name}' holds in {first.state}, and nothing presses it to the wall"
+                sign = "positive" if wheel.direction > 0 else "negative"
+                mend = f"give it a {sign} value in one of the stages, which presses '{wheel.name}'"
+                yield view.at(first.path, "robot.clamp_side", message, mend=f"{mend} to its wall")
 
 
 def _fights(view: RobotView) -> Iterator[Finding]:

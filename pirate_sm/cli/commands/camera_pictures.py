@@ -24,14 +24,14 @@ _WARM_UP = 15
 
 
 def find_camera(name: str) -> tuple[Camera, Path]:
-    """Return the camera of this name or path, and its file.
+    """Return the camera of this name or path, and its file; its pose may still be wrong.
 
     Raises:
         LoadError: The file has faults.
         UsageError: There is none.
     """
     path = library.find_camera(name, Path.cwd())
-    return load_camera(path)[0], path
+    return load_camera(path, posed=False)[0], path
 
 
 def refuse_shipped(path: Path) -> None:

@@ -123,6 +123,15 @@ def test_a_camera_looks_down(tmp_path: Path, turn: str, up: bool) -> None:
     ] * up
 
 
+def test_a_pose_that_is_not_used_is_not_judged(tmp_path: Path) -> None:
+    pose = ", pose: {at: [0 mm, 0 mm, 550 mm], turn: [0 deg, 0 deg, 0 deg]}"
+    assert faults(tmp_path, (POSE, POSE + pose)) != []
+
+    camera, _ = load_camera(tmp_path / "mine.yaml", posed=False)
+
+    assert camera.setup.pose is not None
+
+
 @pytest.mark.parametrize(("height", "told"), [("76 mm", False), ("75 mm", True), ("-1 m", True)])
 def test_a_camera_hangs_above_the_robot(tmp_path: Path, height: str, told: bool) -> None:
     pose = f", pose: {{at: [0 mm, 0 mm, {height}], turn: [180 deg, 0 deg, 0 deg]}}"

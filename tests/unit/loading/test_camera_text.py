@@ -53,8 +53,8 @@ def test_the_lens_takes_the_place_of_the_old_one(tmp_path: Path, old: str) -> No
     "old",
     [
         "",
-        "  pose: {at: [0 m, 0 m, 1 m], turn: [180 deg, 0 deg, 0 deg]}\n",
-        "  pose:\n    at: [0 m, 0 m, 1 m]\n    turn: [180 deg, 0 deg, 0 deg]\n",
+        "  pose: {at: [0 m, 0 m, 1 m], turn: [0 deg, 0 deg, 0 deg]}\n",
+        "  pose:\n    at: [0 m, 0 m, 1 m]\n    turn: [0 deg, 0 deg, 0 deg]\n",
     ],
     ids=["none", "line", "block"],
 )
@@ -73,7 +73,7 @@ def test_the_pose_takes_the_place_of_the_old_one(tmp_path: Path, old: str) -> No
 
 
 def test_a_setup_in_braces_is_left_to_people(tmp_path: Path) -> None:
-    setup = "setup: {pose: {at: [0 m, 0 m, 1 m], turn: [180 deg, 0 deg, 0 deg]}}\n"
+    setup = "setup: {pose: {at: [0 m, 0 m, 1 m], turn: [0 deg, 0 deg, 0 deg]}}\n"
     path = written(tmp_path, HEAD + setup + TAIL)
 
     with pytest.raises(UsageError, match=r"in braces: put in by hand pose: \{at:"):

@@ -180,6 +180,26 @@ def test_a_fault_is_told_once_and_at_its_place(
     assert found[0][1].startswith(at)
 
 
+@pytest.mark.parametrize(
+    ("first", "second", "held"),
+    [("0 %", "-50 %", True), ("-50 %", "0 %", True), ("0 %", "0 %", False)],
+    ids=["settles and presses", "keeps what its worm has wound", "never presses"],
+)
+def test_a_clamp_is_pressed_in_one_of_its_stages(
+    tmp_path: Path, first: str, second: str, held: bool
+) -> None:
+    stages = f"[{{fold_neck: {first}, fold_hip: 0 %}}, {{fold_neck: {second}, fold_hip: 0 %}}]"
+    swap = "NoseHeld: {fold_neck: -50 %, fold_hip: 0 %}", f"NoseHeld: {stages}"
+
+    found = check_robot(changed(NEWT, tmp_path, "profile.yaml", swap)).findings
+
+    slack = [each for each in found if each.code == "robot.clamp_side"]
+    assert len(slack) == (not held), found
+    for each in slack:
+        assert "nothing presses it to the wall" in each.message
+        assert "negative value" in each.mend
+
+
 def test_a_clamp_whose_sensor_is_not_fitted_is_never_done(tmp_path: Path) -> None:
     swaps = [
         (

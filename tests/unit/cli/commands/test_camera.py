@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -73,9 +74,14 @@ def test_a_survey_is_written_into_the_file_and_then_used(
 ) -> None:
     seen(mine.parent, picture)
     before = pirate("camera", "look", "mine")
+    good = mine.read_text("utf-8")
+    mine.write_text(re.sub(r"turn: \[.*?\]", "turn: [0 deg, 0 deg, 0 deg]", good), "utf-8")
+    assert mine.read_text("utf-8") != good
+    up = pirate("camera", "look", "mine")
     surveyed = pirate("camera", "survey", "mine")
     after = pirate("camera", "look", "mine")
 
+    assert (up.exit_code, up.stderr) == (1, "")
     assert surveyed.exit_code == 0, surveyed.output
     assert "8 known places, off by 0." in surveyed.stdout
     assert load_camera(mine)[0].setup.pose.at == pytest.approx((-0.18, 0.18, 0.55), abs=2e-3)
