@@ -18,7 +18,7 @@ from textual.widgets import Footer
 from pirate_sm.console import availability, hand_back_plan
 from pirate_sm.console.check_process import Ask, ask_here
 from pirate_sm.console.checklist import Checklist
-from pirate_sm.console.dialogs import Help, Say
+from pirate_sm.console.dialogs import Dialog, Help, Say
 from pirate_sm.console.hand_driving import is_still
 from pirate_sm.console.help_page import help_lines
 from pirate_sm.console.key_bindings import (
@@ -231,6 +231,8 @@ class Console(PanelActions, App[None]):
             self.show_words(snapshot)
         self.heed_panel()
         self.keep_up(snapshot)
+        if isinstance(self.screen, Dialog) and self.is_outdated(self.screen):
+            self.screen.dismiss(None)
         if isinstance(self.screen, Checklist):
             self.screen.dismiss(None) if snapshot.over else self.screen.renew()
         if isinstance(self.screen, Say) and not is_still(snapshot):

@@ -184,6 +184,8 @@ def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None)
 def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
     if not state.mission.paused:
         return ""  # it pauses after the step under way
+    if stopped_in(snapshot):
+        return f"choose a phase first: {CONTROLS['go']}"
     return _why_not_go(snapshot, state, entries)
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 from pirate_sm.console.dialogs import READ_AFTER_S, Confirm, Dialog
 from pirate_sm.model.events import Event
@@ -17,6 +17,8 @@ if TYPE_CHECKING:
     _Base = App[None]
 else:
     _Base = object
+
+_R = TypeVar("_R")
 
 
 class ConfirmedActions(_Base):
@@ -35,10 +37,20 @@ class ConfirmedActions(_Base):
         dialog = self.screen_stack[-1] if self.screen_stack else None
         return isinstance(dialog, Dialog) and acted_s < dialog.drawn_s + self.read_after_s
 
+    def is_outdated(self, dialog: Dialog[_R]) -> bool:
+        """Return whether the run that its answer would move was stopped, or has ended."""
+        run = dialog.run
+        return run is not None and (run.stop is not None or run is not self.session.quitting.run)
+
+    def _open(self, dialog: Dialog[_R], then: Callable[[_R | None], None]) -> None:
+        """Open a dialog that can move the robot; its answer does not count once it is outdated."""
+        dialog.run = self.session.quitting.run
+        self.push_screen(dialog, lambda said: then(None if self.is_outdated(dialog) else said))
+
     def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
         """Act once the operator has said yes; at once if there is no question."""
         if question:
-            self.push_screen(Confirm(question, yes), lambda said: then() if said else None)
+            self._open(Confirm(question, yes), lambda said: then() if said else None)
         else:
             then()
 
@@ -62,7 +74,7 @@ class ConfirmedActions(_Base):
             if yes:
                 move()
 
-        self.push_screen(Confirm(f"{question}. Is it free to?", "It is free"), answered)
+        self._open(Confirm(f"{question}. Is it free to?", "It is free"), answered)
 
     def _refuse(self, what: str, reason: str) -> None:
         self.notify(f"{what}: {reason}", severity="warning", timeout=4, markup=False)

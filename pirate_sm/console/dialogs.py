@@ -23,6 +23,7 @@ from pirate_sm.console.key_bindings import LEAVE, NO, YES, both_cases
 from pirate_sm.console.terminal_driver import STOP_KEY
 from pirate_sm.console.themed_lines import line
 from pirate_sm.model.events import Observation
+from pirate_sm.runtime.stop_requests import StopRequests
 from pirate_sm.showing.text_styles import MUTED
 from pirate_sm.units import LENGTH, QuantityError, read_quantity
 
@@ -54,9 +55,11 @@ class Dialog(ModalScreen[_R]):
 
     Attributes:
         drawn_s: When it was drawn, by the monotonic clock; infinite before.
+        run: The requests of the run that its answer can move; None if it moves nothing.
     """
 
     drawn_s = inf
+    run: StopRequests | None = None
 
     def on_screen_resume(self) -> None:
         """Note when it has been drawn."""

@@ -33,7 +33,7 @@ class HandBackActions(ConfirmedActions):
         wide, at = max(map(len, names)), names.index(left) if left in names else 0
         pick = Pick(title, choices, wide, at)
         self._picking = pick
-        self.push_screen(pick, self._hand_back)
+        self._open(pick, self._hand_back)
 
     def _phase_choices(self, snapshot: Snapshot) -> list[Choice]:
         entries, phases = self.entries(snapshot), snapshot.scene.loaded.mission.phases

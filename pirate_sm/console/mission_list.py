@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Sequence
-from dataclasses import replace
 from pathlib import Path
 from typing import NamedTuple
 
@@ -18,7 +17,7 @@ from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot, with_fitted
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.model.simulation import SIMULATORS
-from pirate_sm.wiring import Order, fit_of, load
+from pirate_sm.wiring import Order, chosen, fit_of, load
 
 
 class ListedMission(NamedTuple):
@@ -58,7 +57,7 @@ def load_listed(order: Order, path: Path) -> LoadedMission:
         UsageError: An argument does not fit the mission.
         CheckError: The mission is refused.
     """
-    loaded = load(replace(order, mission=str(path), settings={}, start_phase=None, states=None))
+    loaded = load(chosen(order, str(path)))
     if order.check:
         pass_or_raise(loaded, words_of_bends=speaks_of_bends(order.detector))
     return loaded

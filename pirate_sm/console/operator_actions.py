@@ -15,7 +15,7 @@ from textual.worker import Worker, WorkerState
 from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.checklist import Checklist
-from pirate_sm.console.dialogs import Confirm, Say
+from pirate_sm.console.dialogs import Say
 from pirate_sm.console.hand_back_actions import HandBackActions
 from pirate_sm.console.hand_driving import (
     FIRST_REPEAT_S,
@@ -68,10 +68,8 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         self.session.quit(BY_SIGNAL[SIGHUP])
 
     def action_stop(self) -> None:
-        """Send the robot to its safe state; a question about a motion is not open after it."""
+        """Send the robot to its safe state."""
         self.stop_now()
-        if isinstance(self.screen_stack[-1], Confirm):
-            self.screen_stack[-1].dismiss(False)
 
     def action_leave(self) -> None:
         """Go to the safe state and leave; at the second request leave at once."""

@@ -5,7 +5,9 @@ from __future__ import annotations
 from time import monotonic
 from typing import assert_never
 
+from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.key_bindings import CONTROLS
 from pirate_sm.console.operator_actions import OperatorActions
 from pirate_sm.control_panel.panel_reader import Connection, PanelReader
 from pirate_sm.control_panel.presses import TWICE_WITHIN_S, Press, action_text
@@ -48,6 +50,11 @@ class PanelActions(OperatorActions):
             self._refuse(action_text(button), "a dialog is open")
             return
         match button:
+            case RunButton(do="go") if availability.stopped_in(self.session.latest):
+                self.session.giver.stop()
+                key = CONTROLS["go"]
+                reason = f"it was stopped: choose the phase with {key} at the keyboard"
+                self._refuse(action_text(button), reason)
             case RunButton(do=control):
                 self.action_control(control)
             case CommandButton(command=command):

@@ -74,7 +74,7 @@ class OperatorSession:
         self._clock = clock
         self._keep = keep
         self._resuming = resuming
-        self._next = then
+        self._next = (then, False) if then is not None else None
         self._short = 0
         self._thread = Thread(target=self._work, name="run", daemon=True)
         self._bridge = RunBridge(scene_of(prepared), prepared, clock or WallClock())
@@ -120,8 +120,8 @@ class OperatorSession:
         Raises:
             UsageError: The mission is for another robot.
         """
-        again(self.prepared, loaded)
-        self._next = loaded
+        again(self.prepared, loaded, other=True)
+        self._next = loaded, True
         self.quitting.run.ask(CHANGED)
 
     def quit(self, stop: Stop = LEFT) -> None:
@@ -156,8 +156,8 @@ class OperatorSession:
             stopped = self.quitting.stop is not None or not run.open
             if stopped or run.state is None or self._hopeless(self.result, run):
                 return
-            loaded, self._next = self._next or self.prepared.loaded, None
-            self.prepared = again(self.prepared, loaded)
+            (loaded, other), self._next = self._next or (self.prepared.loaded, False), None
+            self.prepared = again(self.prepared, loaded, other=other)
 
     def _run(self, kept: RunKeeper, before: MissionRun | None) -> MissionRun:
         self.giver.stop(RUN_OVER)

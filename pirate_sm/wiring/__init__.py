@@ -34,6 +34,7 @@ __all__ = [
     "Prepared",
     "again",
     "answers",
+    "chosen",
     "fit_of",
     "load",
     "placed",
@@ -228,8 +229,18 @@ def placed(prepared: Prepared, start_at_m: float) -> Prepared:
     )
 
 
-def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
-    """Return another mission on the same open backend, with the robot where the last one left it.
+def chosen(order: Order, mission: str) -> Order:
+    """Return the order with another mission, and without what was ordered for the one before."""
+    return replace(order, mission=mission, settings={}, start_phase=None, states=None)
+
+
+def again(prepared: Prepared, loaded: LoadedMission, *, other: bool = False) -> Prepared:
+    """Return another run on the same open backend, with the robot where the last one left it.
+
+    Args:
+        prepared: The run before.
+        loaded: The mission.
+        other: Whether the mission was chosen in place of the ordered one.
 
     Raises:
         UsageError: The mission is for another robot.
@@ -238,7 +249,7 @@ def again(prepared: Prepared, loaded: LoadedMission) -> Prepared:
     if loaded.loaded_robot.folder != before.loaded_robot.folder:
         name = before.loaded_robot.profile.robot
         raise UsageError(f"{loaded.mission.mission} is for {loaded.robot.name}, this is {name}")
-    order = replace(prepared.order, mission=loaded.mission.mission)
+    order = chosen(prepared.order, loaded.mission.mission) if other else prepared.order
     # The robot stays in the same pipe, whatever pipe the mission names.
     own = loaded.loaded_robot
     robot = holding_in(own.oriented(loaded.robot.polarity), own.profile, before.pipe)

@@ -176,6 +176,40 @@ def test_viewers_see_a_later_run_when_it_was(later: Path) -> None:
     assert recording.content.pieces[0].start_ns == began_ns
 
 
+def test_a_mission_that_is_chosen_is_not_recorded_with_the_options_of_the_one_before(
+    runs: Path,
+) -> None:
+    async def story() -> None:
+        driving = dict.fromkeys(("FrontWheelsState", "RearWheelsState"), "DrivingForward")
+        states = {"BendingState": "DoubleClamped", **driving}
+        first = with_mission("mitre_bend", "trace", start_phase="prepare", states=states)
+        async with operator(first, keep=keep) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.latest.story.spent_s)
+            assert next(iter(me.latest.story.spent_s)) == "prepare"
+            me.wait(1.0)
+            await me.press("M")
+            await me.look()
+            await me.choose("enter_2d")
+            assert me.latest.scene.mission == "enter_2d"
+            me.session.give_event(OperatorCommand("ToggleLighting"))
+            me.wait(1.0)
+            await leave(me)
+
+    played(story)
+    for each in sorted(runs.glob("*.mcap")):
+        recording = read_recording(each)
+        asked = "prepare" if recording.header.mission == "mitre_bend" else None
+        assert recording.header.options.get("start_phase") == asked
+        with recorded_mission(recording.header) as loaded:
+            assert replay(recording, loaded).difference is None
+    assert {read_recording(each).header.mission for each in runs.glob("*.mcap")} == {
+        "mitre_bend",
+        "enter_2d",
+    }
+
+
 def test_a_series_of_commands_is_something_that_was_asked_for(runs: Path) -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace"), keep=keep) as me:

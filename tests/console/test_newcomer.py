@@ -134,6 +134,30 @@ def test_a_question_is_answered_by_a_number(tmp_path: Path) -> None:
     played(story)
 
 
+def test_a_step_of_a_mission_that_was_stopped_needs_a_phase_first() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            await me.press("K")
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            await me.press("space")
+            me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
+            me.until(lambda: me.latest.state.look is None)
+            await me.look()
+            step = availability.controls(me.latest, me.app.starts(me.latest))[2]
+            assert step.reason == "choose a phase first: r"
+
+            await me.press("full_stop")
+            me.wait(1.0)
+            assert me.latest.state.mission.paused
+            assert not me.latest.state.mission.begun
+            assert availability.stopped_in(me.latest) == "prepare"
+
+    played(story)
+
+
 ASKS = """
 format: 1
 mission: asks

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.console.app import Console
-from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.control_panel.panel_reader import Connection, Happening, PanelReader
 from pirate_sm.control_panel.presses import Press
@@ -96,7 +96,31 @@ def test_the_mission_is_started_paused_and_led_by_steps() -> None:
     played(story)
 
 
-@pytest.mark.thorough
+def test_a_mission_that_was_stopped_is_not_begun_by_the_panel_which_stays_usable() -> None:
+    async def story() -> None:
+        desk = Desk()
+        prepared = with_mission("mitre_bend", "trace")
+        async with operator(prepared, size=SMALL, console=desk.console()) as me:
+            await me.look()
+            await desk.press(me, "PLAY")
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            me.session.stop()
+            me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
+            me.until(lambda: me.latest.state.look is None)
+            await desk.press(me, "PLAY")
+            asked = "it was stopped: choose the phase with r at the keyboard"
+            assert desk.notices == [f"go: {asked}"]
+            assert len(me.app.screen_stack) == 1
+
+            await desk.press(me, "S2")
+            assert desk.notices[1:] == ["ClampRear: unneeded: it is so already"]
+            await me.press("R")
+            await me.look()
+            assert isinstance(me.app.screen, Pick)
+
+    played(story)
+
+
 def test_letting_go_is_asked_and_answered_on_the_panel() -> None:
     async def story() -> None:
         desk = Desk()

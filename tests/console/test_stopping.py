@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import io
 import os
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from signal import SIGHUP, SIGINT, SIGTERM
 from threading import Event as Flag
@@ -24,7 +24,7 @@ from pirate_sm.console.session import LEFT, OperatorSession
 from pirate_sm.console.terminal_driver import Lossy, StopDriver
 from pirate_sm.engine.mission.pausing import why_not_to
 from pirate_sm.model.effects import Ended
-from pirate_sm.model.events import Event
+from pirate_sm.model.events import Event, FaultReport
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import Result
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
@@ -96,17 +96,77 @@ def test_the_stop_works_over_a_dialog() -> None:
     played(story)
 
 
-def test_a_question_about_a_motion_is_not_open_after_the_stop() -> None:
+Stops = Callable[[Operator], Any]
+
+
+async def by_key(me: Operator) -> None:
+    await me.press("space")
+
+
+async def by_the_key_of_a_terminal(me: Operator) -> None:
+    StopDriver(me.app).process_message(Key("space", " "))
+
+
+async def by_a_panel(me: Operator) -> None:
+    me.session.stop()
+
+
+async def by_a_fault(me: Operator) -> None:
+    me.session.give_event(FaultReport("link.lost", "the port is gone"))
+    me.until(lambda: any("ended fault: link.lost" in each for each in me.told()))
+    me.until(lambda: me.latest.state and me.latest.state.mission.paused)
+
+
+STOPS: list[Stops] = [by_key, by_the_key_of_a_terminal, by_a_panel, by_a_fault]
+
+
+@pytest.mark.parametrize("looks", [False, True])
+@pytest.mark.parametrize("stops", STOPS)
+def test_a_question_about_a_motion_is_not_open_after_the_stop(stops: Stops, looks: bool) -> None:
     async def story() -> None:
         async with operator(confirming(trace(), "a robot is about to move"), size=SMALL) as me:
             await me.press(me.app.letters["ClampFront"])
             assert isinstance(me.app.screen, Confirm)
-            await me.press("space")
-            await me.press("y")
+            await stops(me)
+            if looks:
+                await me.look()
+                assert not isinstance(me.app.screen, Confirm)
+            else:  # sooner than the console has shown anything
+                await me.press("y")
             me.wait(1.0)
 
             assert not isinstance(me.app.screen, Confirm)
             assert me.states[2] == "Unclamped"
+            await me.press(me.app.letters["ClampFront"])
+            assert isinstance(me.app.screen, Confirm)  # nobody has agreed
+            await me.press("y")
+            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+
+    played(story)
+
+
+@pytest.mark.parametrize("looks", [False, True])
+@pytest.mark.parametrize("stops", STOPS[1:])
+def test_the_list_of_phases_is_not_open_after_the_stop(stops: Stops, looks: bool) -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", "trace"), size=SMALL) as me:
+            await me.look()
+            await me.press("H")
+            await me.look()
+            assert isinstance(me.app.screen, Pick)
+            await stops(me)
+            if looks:
+                await me.look()
+            else:
+                await me.press("enter")
+            me.wait(1.0)
+
+            assert not isinstance(me.app.screen, Pick)
+            assert me.states[2] == "Unclamped"
+            assert me.latest.state.mission.paused
+            await me.look()
+            await me.press("H")
+            assert isinstance(me.app.screen, Pick)
 
     played(story)
 
