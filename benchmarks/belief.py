@@ -77,6 +77,10 @@ class Claim(NamedTuple):
         limit_m = NEAR_M if isnan(self.bound_m) else max(NEAR_M, self.bound_m)
         return abs(said_m - self.truth_m) <= limit_m
 
+    def reaches(self, asked_m: float) -> bool:
+        """Return whether it is where it was to be, or beyond that if it names its way."""
+        return self.allows(asked_m) or (self.said_m is not None and self.truth_m > asked_m)
+
 
 class Witness:
     """A companion that compares the robot's estimate with the truth whenever a claim is made."""
@@ -169,7 +173,7 @@ def _wrong(case: Case, outcome: Outcome, claims: Sequence[Claim], prepared: Prep
                 return _said(each.estimate_m, each)
             if each.said_m is not None and not each.allows(each.said_m):
                 return _said(each.said_m, each)
-        if succeeded and case.asked_m is not None and not claims[-1].allows(case.asked_m):
+        if succeeded and case.asked_m is not None and not claims[-1].reaches(case.asked_m):
             return _said(case.asked_m, claims[-1])
     by_word = case.way.ends == "word"
     verdict = judge(outcome, TrueEnd(at_word=by_word))

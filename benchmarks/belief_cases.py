@@ -57,7 +57,7 @@ _MITRES = ("mitre_90", "mitre_60", "mitre_45", "mitre_90_115mm")
 _QUICK = {"hold": "2 s"}
 _STATIONS = {"stay": "1 s", "stations": "2"}
 WAYS = (
-    Way("drive_on", parameter=("way", 100, 900), steps=True, slopes=(*_SLOPES, (60, 90))),
+    Way("drive_on", parameter=("way", 100, 900), asked=1, steps=True, slopes=(*_SLOPES, (60, 90))),
     Way("mitre_bend", _MITRES, "word"),
     Way("climb", parameter=("height", 150, 600), asked=0, path=2, steps=True, slopes=((30, 90),),
         settings=_QUICK),
@@ -74,7 +74,7 @@ WAYS = (
     Way("take_branch", ("tee_90",), "word"),
     Way("exp_1a_both", ("straight_113",), parameter=("far", 200, 500), path=6),
     Way("take_elbow_backward", ("elbow_90_backward",), "word"),
-    Way("drive_on", parameter=("way", 100, 900), steps=True, slopes=_SLOPES),
+    Way("drive_on", parameter=("way", 100, 900), asked=1, steps=True, slopes=_SLOPES),
     Way("take_branch_backward", ("tee_90_backward",), "word"),
 )  # fmt: skip
 """The shipped missions that end by a distance or by a word, but for those that only call others."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -35,6 +35,14 @@ class PositionLoop(Frozen):
     least_duty: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
     limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
     unmoved_limit: Annotated[Ratio, Field(gt=0, le=1)] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_its_name(cls, given: Any) -> Any:
+        """Take the name that the key has in some recordings."""
+        if isinstance(given, dict) and "held_limit" in given:
+            return {{"held_limit": "unmoved_limit"}.get(k, k): each for k, each in given.items()}
+        return given
 
 
 class VelocityLoop(Frozen):

@@ -79,7 +79,7 @@ class ChainBody:
         roll_link: Index of the link with the roll joint, -1 without.
         roll_rate_rad_s: No-load speed of the roll joint.
         roll_stall_nm: Stall torque of its motor.
-        felt_over_s: Time over which the accelerometer averages: that between two of its reports.
+        felt_over_s: Time constant of the accelerometer's smoothing: the time between its reports.
     """
 
     wheels: tuple[WheelBody, ...]
@@ -172,7 +172,7 @@ def chain_of(profile: Profile) -> ChainBody:
         next((m for m, link in enumerate(body.links) if link.roll is not None), -1),
         roll_rate or 1.0,
         roll_stall or 1.0,
-        profile.link.cycle * sum(board.channels_fitted for board in profile.boards if board.fitted),
+        profile.link.cycle * profile.messages_per_round,
     )
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from math import ceil, inf, isnan
 
 from pirate_sm.engine.mission.diverting import meet
-from pirate_sm.engine.mission.program import TriggerSpec
+from pirate_sm.engine.mission.program import DRIVEN, TriggerSpec
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.safety.faults import FoundFault
 from pirate_sm.engine.sensing.distance import BASE_M
@@ -50,32 +50,38 @@ def met_unknown(moment: Moment, state: EngineState, within_m: float = inf) -> En
         state: The state.
         within_m: The bound that the mission asks for.
     """
-    memory, claim = state.sensing.distance, state.mission.claim
-    if claim is None or memory.every_s == 0.0:  # a trace, or a recording of before
+    claim, bounded = state.mission.claim, state.sensing.distance.every_s > 0.0
+    if claim is None or not bounded:  # a trace, or a recording of before
         return None
-    limit_m = min(within_m, max(_LEAST_M, _SHARE * (memory.rolled_m - claim.rolled_m)))
-    bound_m = BASE_M + memory.width_m - claim.width_m
+    way_m, bound_m, limit_m = _driven(moment, state, claim)
+    limit_m = min(within_m, limit_m)
     if bound_m <= limit_m:
         return None
-    way_m = counted(moment, state).odometry_m - claim.odometry_m
     message = f"the wheels show {way_m * 1000:.0f} mm, but the robot may be {bound_m * 1000:.0f} mm"
     message += f" from there; this must be known within {limit_m * 1000:.0f} mm"
     met = meet(moment, state, FoundFault.built_in(BuiltInFault.DISTANCE_UNKNOWN, message))
     return None if met.mission is state.mission else met
 
 
-def in_words(moment: Moment, state: EngineState, text: str, no_cause: str = "") -> str:
+def with_measured(moment: Moment, state: EngineState, text: str, no_cause: str = "") -> str:
     """Return a text of the mission, with the last cause and what it has driven as measured.
 
     What was asked for is not what was measured: a brake that comes late adds to the way.
     """
     text = text.replace("{cause}", state.mission.cause or no_cause)
-    if "{driven}" not in text:
+    if DRIVEN not in text:
         return text
-    now, since = counted(moment, state), state.mission.claim or state.mission.counts_from
-    way_m = now.odometry_m - since.odometry_m
-    driven = "an unknown distance" if isnan(way_m) else f"{way_m * 1000:z.0f} mm"
-    if state.sensing.distance.every_s > 0.0 and not isnan(way_m):
-        bound_m = BASE_M + now.width_m - since.width_m
-        driven = f"{way_m * 1000:z.0f} ± {ceil(bound_m * 1000)} mm"
-    return text.replace("{driven}", driven)
+    since = state.mission.claim or state.mission.counts_from
+    way_m, bound_m, limit_m = _driven(moment, state, since)
+    bounded = state.sensing.distance.every_s > 0.0
+    driven = f"{way_m * 1000:z.0f} ± {ceil(bound_m * 1000)} mm" if bounded else ""
+    if isnan(way_m) or (bounded and bound_m > limit_m):
+        driven = "an unknown distance"
+    return text.replace(DRIVEN, driven or f"{way_m * 1000:z.0f} mm")
+
+
+def _driven(moment: Moment, state: EngineState, since: Counted) -> tuple[float, float, float]:
+    """Return the distance driven since then, its bound, and the largest bound of a success, m."""
+    now = counted(moment, state)
+    limit_m = max(_LEAST_M, _SHARE * (now.rolled_m - since.rolled_m))
+    return now.odometry_m - since.odometry_m, BASE_M + now.width_m - since.width_m, limit_m

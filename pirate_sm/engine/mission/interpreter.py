@@ -7,7 +7,7 @@ from typing import assert_never
 from pirate_sm.engine.control.stages import unsettled
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.mission import pausing
-from pirate_sm.engine.mission.claims import in_words, met_unknown
+from pirate_sm.engine.mission.claims import met_unknown, with_measured
 from pirate_sm.engine.mission.diverting import lapse_unheard
 from pirate_sm.engine.mission.ending import end, end_by_fault
 from pirate_sm.engine.mission.going_on import fail, go
@@ -231,16 +231,18 @@ def _lacks(moment: Moment, body: RobotState, it: Require) -> str:
 
 
 def _say(moment: Moment, state: EngineState, it: Say) -> EngineState:
-    moment.emit(Log(it.level, in_words(moment, state, it.message)))
+    moment.emit(Log(it.level, with_measured(moment, state, it.message)))
     return go(state, it.next)
 
 
 def _raise(moment: Moment, state: EngineState, it: Raise) -> EngineState:
-    return fail(moment, state, f"{in_words(moment, state, it.message)} ({it.place})", it.failed)
+    return fail(
+        moment, state, f"{with_measured(moment, state, it.message)} ({it.place})", it.failed
+    )
 
 
 def _finish(moment: Moment, state: EngineState, it: Finish) -> EngineState:
-    message = in_words(moment, state, it.message, "no failure")
+    message = with_measured(moment, state, it.message, "no failure")
     if it.outcome == "succeeded":
         met = met_unknown(moment, state)
         if met is not None:

@@ -26,6 +26,10 @@ HERE, NEVER = "here", "never"
 """What a phase says about going on in it after a crash, if it names no other phase."""
 
 
+DRIVEN = "{driven}"
+"""Where a text names the distance that was driven, as measured."""
+
+
 class Enter(NamedTuple):
     """Begins a phase.
 

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from math import isnan
 
 from pirate_sm.engine.mission.program import (
+    DRIVEN,
     Branch,
     Do,
     Enter,
@@ -23,9 +24,11 @@ from pirate_sm.engine.robot.criteria import BelowSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions import Expression
 
+_WITH_TEXT = (Finish, Raise, Say)
+
 
 def signals_read(robot: RobotSpec, program: Program) -> frozenset[int]:
-    """Return the number indexes of signals in conditions, fault rules, criteria and grips.
+    """Return the number indexes of signals in conditions, texts, fault rules, criteria and grips.
 
     Grips count that estimate the friction, which takes many rounds, where the mission uses their
     control; each run begins with the usual one. Grips that know the friction read slip while their
@@ -36,6 +39,8 @@ def signals_read(robot: RobotSpec, program: Program) -> frozenset[int]:
     count = len(robot.vocabulary.numbers)  # the changes of the signals come after them
     conditions = (*_conditions(program), *(rule.when for rule in robot.faults))
     named = {places[name] % count for each in conditions for name in each.names if name in places}
+    if any(DRIVEN in it.message for it in program.instructions if isinstance(it, _WITH_TEXT)):
+        named.add(robot.odometry)
     return frozenset((*named, *_in_criteria(robot), *_in_grips(robot, program)))
 
 

@@ -120,7 +120,7 @@ def decide(moment: Moment, state: EngineState, before: Before, result: LookResul
         message = f"after its controller was away, {'; '.join(against)}"
         found = FoundFault.built_in(BuiltInFault.STATE_CONTRADICTED, message)
         return meet(moment, state._replace(robot=body), found)
-    if before.resumes:
+    if before.resumes and state.mission.paused:
         return pausing.resume(moment, state, one_step=False)
     return state
 

@@ -148,7 +148,8 @@ def judge(
     begun_s = memory.begun_s if turns == memory.turns else sensing.asked.since_s
     # While it starts and stops, boards report different moments; a robot that slipped still may.
     stops = not sensing.asked.driving and not memory.slipped
-    changes = now_s - begun_s < _STARTING_S or stops
+    changed_s = max(begun_s, sensing.asked.since_s) if stops else begun_s
+    changes = now_s - changed_s < _STARTING_S
     ways_m = [abs(speed * elapsed_s - by.moved_m) for speed in grip.speeds]
     slipped_m = 0.0
     if grip.slips:

@@ -21,7 +21,7 @@ from typing import Any, Protocol, TypeAlias
 
 import mcap
 from mcap.opcode import Opcode
-from mcap.writer import CompressionType, Writer
+from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from pirate_sm import __version__
 from pirate_sm.recording.format.header import CHECKPOINT, PROFILE, RUN, RunHeader
@@ -186,8 +186,8 @@ class Pieces:
 
 
 def _end_of_chunk(data: bytes) -> int:
-    """Return where the chunk ends among these records; 0 if there is none."""
-    at = 0
+    """Return where the chunk ends in these bytes of a file; 0 if there is none."""
+    at = len(MCAP0_MAGIC) if data.startswith(MCAP0_MAGIC) else 0
     while at < len(data):
         opcode, length = FRAME.unpack_from(data, at)
         at += FRAME.size + int(length)

@@ -57,7 +57,7 @@ def test_a_run_with_nothing_wrong_claims_what_is_true(
     monkeypatch.chdir(tmp_path)
     found = judged(case_of(0, 0, Path(), ["drive_on"]))
     assert (found.verdict, found.case.trouble) == ("claimed", "nothing")
-    assert found.claim.truth_m == pytest.approx(found.claim.estimate_m, abs=0.02)
+    assert found.claim.truth_m == pytest.approx(found.case.asked_m, abs=0.02)
 
 
 def test_every_drawn_robot_can_be_simulated(

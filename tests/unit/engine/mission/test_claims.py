@@ -115,6 +115,16 @@ def test_a_success_names_the_distance_that_was_measured(drive) -> None:
     assert ended.message == "1001 ± 25 mm farther on"
 
 
+def test_a_text_names_no_distance_that_is_not_known(drive) -> None:
+    """A success by it would not be believed either."""
+    driver = driven(drive, width_m=3.0, handled="then: continue", said="At {driven}")
+
+    ended = finish(driver)
+
+    assert ended is not None
+    assert ended.message == "At an unknown distance"
+
+
 def test_what_was_uncertain_before_a_change_began_is_not_counted(drive) -> None:
     driver = driven(drive, before_m=0.5)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 import pytest
 from driving import IDLE, PIRATE
 
+from pirate_sm.engine.mission.program import DRIVEN
 from pirate_sm.engine.mission.signals_read import signals_read, slip_watched
 from pirate_sm.engine.robot.criteria import BelowSpec
 from pirate_sm.expressions import compile_condition
@@ -32,6 +33,11 @@ def waiting(condition: str) -> str:
 def test_what_a_mission_waits_for_is_read(read):
     assert "mu_used_3" not in read()
     assert "mu_used_3" in read(waiting("mu_used_3 > 0.3"))
+
+
+def test_a_text_that_names_the_distance_reads_it(read):
+    assert "odometry" not in read()
+    assert "odometry" in read(IDLE.replace(WAITS, f'do: [{{log: "{DRIVEN}"}}]\n    {WAITS}'))
 
 
 def test_the_change_of_a_signal_is_read_as_the_signal(read):

@@ -296,6 +296,18 @@ def test_a_stop_that_boards_report_one_after_the_other_is_no_slip(slipped: bool)
     assert grown_m == pytest.approx((1.006 if slipped else 0.006) * rolled_m)
 
 
+def test_belief_in_a_stop_ends_where_wheels_are_driven_and_slip_long_after_it_was_asked_for() -> (
+    None
+):
+    """The array that stops them was lost, or comes late."""
+    world = World()
+    world.drive(6)
+    world.sensing = world.sensing._replace(asked=MotorRequest(setpoints(0.0), world.now_s, False))
+    world.force, world.speeds = 0.6, [SPEED, 0.6] * 3
+
+    assert world.drive(20) > 0.5 * way_m(10, (SPEED + 0.6) / 2)
+
+
 def test_a_part_that_spanned_the_wide_pipe_is_in_the_narrow_one_when_it_spans_less() -> None:
     world = World()
     world.bores_m = (0.12, 0.11)

@@ -118,3 +118,20 @@ def test_a_fault_of_an_inherited_grip_is_told_once_where_the_grip_stands(tmp_pat
         .splitlines()
         .index("    grip: {safety: 2, friction: {front: 0.3, rear: 0.4}, at_most: 900 mNm}")
     }
+
+
+def test_a_profile_of_a_recording_may_name_the_limit_of_unmoved_joints_as_it_did(
+    tmp_path: Path,
+) -> None:
+    robot = tmp_path / "pirate_ii"
+    shutil.copytree(PIRATE, robot)
+    profile = robot / "profile.yaml"
+    before = profile.read_text("utf-8")
+    profile.write_text(before.replace("unmoved_limit", "held_limit"), "utf-8")
+
+    assert profile.read_text("utf-8") != before
+    loops = [
+        {slot.position for slot in load_robot(folder).normal.slots} for folder in (PIRATE, robot)
+    ]
+    assert loops[0] == loops[1]
+    assert any(loop is not None and loop.unmoved_limit == 1.0 for loop in loops[1])

@@ -71,6 +71,26 @@ def test_wherever_it_was_cut_off_everything_that_can_be_read_is_kept(
         assert not is_whole(torn)
 
 
+def test_a_repaired_file_is_written_piece_by_piece(
+    whole: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Otherwise the whole of a long recording would be in memory."""
+    written: list[int] = []
+    right = DiskFile.write
+
+    def write(self: DiskFile, data: bytes, /) -> None:
+        written.append(len(data))
+        right(self, data)
+
+    monkeypatch.setattr(DiskFile, "write", write)
+    monkeypatch.setattr(module, "_LEAST_BYTES", 1_000)
+    path = tmp_path / "torn.mcap"
+    path.write_bytes(whole[:-1])
+    repair(read_recording(path), tmp_path / "again.mcap")
+
+    assert len(written) > 5
+
+
 def read_content_begins(whole: bytes, folder: Path) -> int:
     """Where the first piece begins, with its frame."""
     return cut(whole, folder, len(whole)).content.pieces[0].at - 9
