@@ -18,7 +18,7 @@ from pirate_sm.model.effects import Ended
 from pirate_sm.on_disk import is_file
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import Gap, Step
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import engine_of, rerun_steps
 from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
@@ -73,6 +73,7 @@ class Run:
         header: What was run, and with which options.
         steps: Returns what the engine was given and what came of it, in order.
         poses: Returns where the wheels really were; None where nobody knew.
+        gaps: Where steps of a repaired recording are lost.
         notices: What a reader must know, such as that a recording ends early.
         sha256: Hash of the recording that it was read from; empty without one.
         origin_s: When the run began, by the engine's clock; its own times count from there.
@@ -82,6 +83,7 @@ class Run:
     header: RunHeader = field(repr=False)
     steps: Callable[[], Iterable[Step]] = field(repr=False)
     poses: Callable[[], Poses | None] = field(repr=False)
+    gaps: tuple[Gap, ...]
     notices: tuple[str, ...] = ()
     sha256: str = ""
     origin_s: float = 0.0
@@ -150,7 +152,7 @@ class Run:
         from pirate_sm.report.report_page import html
 
         about = about_run(self.header, self.loaded, self.notices)
-        again = rerun_steps(self._engine, self.steps(), origin_s=self.origin_s)
+        again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)
         report = gather(self.loaded, about, again, self.poses())
         return Page(html(replace(report, recording=self.sha256)))
 
@@ -207,7 +209,7 @@ class Run:
         robot = self.loaded.robot
         named = headers(robot).items()
         tables: dict[str, Columns] = {table: {name: [] for name in names} for table, names in named}
-        again = rerun_steps(self._engine, self.steps(), origin_s=self.origin_s)
+        again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)
         for row in rows_of(robot, again, self.origin_s):
             for column, value in zip(tables[row.table].values(), row.values, strict=True):
                 column.append(value)
@@ -233,6 +235,7 @@ def read(recording: str | PathLike[str]) -> Run:
             found.header,
             steps=found.steps,
             poses=partial(known_poses, found, loaded),
+            gaps=found.gaps,
             notices=found.notices,
             sha256=found.sha256,
             origin_s=found.origin_s,

@@ -124,6 +124,7 @@ class Notes:
             self._header,
             steps=_Same(tuple(self._steps)),
             poses=_Same(poses if poses.times_s else None),
+            gaps=(),
             notices=tuple(text for text in (early, *notices) if text),
         )
 

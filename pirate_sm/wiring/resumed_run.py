@@ -88,7 +88,7 @@ def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> 
         order = replace(order, put_back=_put_back(end, header))
     elif order.backend != "serial":
         raise RecordingError(
-            f"nothing to go on from: a robot of the backend {order.backend} is gone with its "
+            f"cannot resume: a robot of the backend {order.backend} is gone with its "
             "program; run the mission again"
         )
     if (asked.detector or header.detector).partition(":")[0] in COUNTING:
@@ -217,13 +217,11 @@ def with_folder(loaded: LoadedMission, header: RunHeader) -> LoadedMission:
 
 def lost(recording: Recording) -> tuple[str, ...]:
     """Return a notice about what a repaired recording lacks; none if that is what a crash costs."""
-    if not recording.lost:
-        return ()
-    until_s = recording.until_s
-    return (
-        f"the recording was damaged {recording.lost} and has been repaired: what the robot did "
-        f"after {until_s:.3f} s is unknown",
-    )
+    when = [f"from {gap.from_s:.3f} s to {gap.until_s:.3f} s" for gap in recording.gaps]
+    if recording.lost_end:
+        when.append(f"after {recording.until_s:.3f} s")
+    said = "the recording was damaged and has been repaired: what the robot did"
+    return (f"{said} {' and '.join(when)} is unknown",) if when else ()
 
 
 def edited(header: RunHeader) -> tuple[str, ...]:

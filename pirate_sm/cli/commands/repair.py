@@ -9,7 +9,7 @@ from pirate_sm.cli.options.recordings import RepairOptions
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading.file_names import shown
-from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.repair import Repaired, is_whole, repair
 from pirate_sm.visible import visible
 
@@ -41,17 +41,17 @@ def run_repair(options: RepairOptions) -> int:
     print(visible(f"{shown(place)} holds {done.steps} inputs, until {done.until_s:.3f} s"))
     if done.complete:
         print("nothing is lost: only the index at the end of the file was missing or wrong")
-    for line in _lost(done):
+    for line in _lost(done, found):
         print(visible(f"lost: {line}"))
     return 0
 
 
-def _lost(done: Repaired) -> Iterator[str]:
+def _lost(done: Repaired, of: Recording) -> Iterator[str]:
     for gap in done.gaps:
         yield f"what came from {gap.from_s:.3f} s to {gap.until_s:.3f} s"
     if done.damage:
         yield f"what is damaged {done.damage}"
-    elif not done.complete:
+    elif not (of.complete or of.gaps):
         yield "whatever came after that: it is not in the file"
     if done.torn_bytes:
         why = "nothing after damage can be used" if done.damage else "which are not whole"

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 from bisect import bisect_right
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
@@ -83,15 +83,25 @@ class Recording:
         return self.content.complete and REPAIRED not in self.content.metadata
 
     @property
+    def repaired(self) -> Mapping[str, str]:
+        """Return what a repair has noted; empty without one that has left something out."""
+        return self.content.metadata.get(REPAIRED, {})
+
+    @property
     def lost(self) -> str:
         """Return the damage for which a repair has left something out; empty if there was none."""
-        return self.content.metadata.get(REPAIRED, {}).get("damage", "")
+        return self.repaired.get("damage", "")
+
+    @property
+    def lost_end(self) -> bool:
+        """Whether a repair has left out damaged steps that no others follow."""
+        return self.repaired.get("end") == "damaged"
 
     @cached_property
     def gaps(self) -> tuple[Gap, ...]:
         """Return where a repair has left out damaged steps that others follow, in order."""
         try:
-            found = json.loads(self.content.metadata.get(REPAIRED, {}).get("gaps", "[]"))
+            found = json.loads(self.repaired.get("gaps", "[]"))
             return tuple(Gap(int(step), float(one), float(other)) for step, one, other in found)
         except (ValueError, TypeError):
             return ()
@@ -101,19 +111,14 @@ class Recording:
         """Return notices about a recording that is incomplete or has no index."""
         if self.complete:
             return () if self.content.indexed else (_NO_INDEX,)
-        if self.gaps:
-            return tuple(map(_gap_notice, self.gaps)) + self._end_notices
-        return self._end_notices
-
-    @property
-    def _end_notices(self) -> tuple[str, ...]:
+        found, at = [_gap_notice(gap) for gap in self.gaps], f"at {self.until_s:.3f} s"
         if not self.until_s:
-            return ("the recording ends early, as the run began",)
-        if self.gaps and self._ended:
-            return ()
-        if self._ended:
-            return (f"the end of the file is lost, but the run had ended, at {self.until_s:.3f} s",)
-        return (f"the recording ends early, at {self.until_s:.3f} s: nothing after that is in it",)
+            found.append("the recording ends early, as the run began")
+        elif not self._ended:
+            found.append(f"the recording ends early, {at}: nothing after that is in it")
+        elif not self.gaps:
+            found.append(f"the end of the file is lost, but the run had ended, {at}")
+        return tuple(found)
 
     @cached_property
     def origin_s(self) -> float:
@@ -214,9 +219,10 @@ class Recording:
         first, number = (after.place, after.step + 1) if after is not None else (0, 0)
         for place, messages in self._pieces(first):
             expected = number if place > first or after is None else None
-            begins = self._reader.first_step(messages)
-            if expected is not None and any(each.step == begins for each in self.gaps):
-                expected = number = max(begins, number)
+            if self.gaps and expected is not None:
+                begins = self._reader.first_step(messages)
+                if any(each.step == begins for each in self.gaps):
+                    expected = number = max(begins, number)
             rows = self._reader.steps(messages, expected)
             steps = [step for step in rows if step.number >= number]
             number += len(steps)

@@ -83,15 +83,18 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
         try:
             copy.take(place, recording.steps_in(place))
         except DamagedInsideError as error:
+            copy.lost_end = True
             damages.insert(-1 if content.damage else len(damages), error.how)
     file.write(file.cut())
     torn_bytes = content.size - content.whole
     damage = " and ".join(damages)
     gaps = (*recording.gaps, *copy.gaps)
-    complete = recording.complete and not damage
+    complete = recording.complete and not damage and not gaps
     if not complete:
+        lost_end = copy.lost_end or recording.lost_end or content.damage
         said = {"until_s": repr(copy.until_s), "torn_bytes": str(torn_bytes), "damage": damage}
-        file.note(REPAIRED, {**said, "gaps": json.dumps(gaps)})
+        end = "damaged" if lost_end else ""
+        file.note(REPAIRED, {**said, "gaps": json.dumps(gaps), "end": end})
     file.finish()
     until_s = copy.until_s - copy.origin_s if copy.steps else 0.0
     return Repaired(copy.steps, until_s, torn_bytes, damage, gaps, complete)
@@ -103,6 +106,7 @@ class _Copy:
     def __init__(self, recording: Recording, file: Pieces) -> None:
         self.steps, self.until_s, self.origin_s = 0, 0.0, 0.0
         self.gaps: list[Gap] = []
+        self.lost_end = False  # whether damage has come since the last steps
         self._next = 0
         self._known = {gap.step for gap in recording.gaps}
         self._chunks = Chunks(recording.path, recording.content.pieces)
@@ -115,6 +119,7 @@ class _Copy:
         file, topics = self._file, self._topics
         if steps:
             self._follow(steps)
+            self.lost_end = False
         for number, time_ns, data in self._chunks.entries(place):
             if number not in topics:
                 topics[number] = file.topic(*self._chunks.topics.described(number))

@@ -72,7 +72,7 @@ def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
     known = after.step if after is not None else -1
     if gap := next((each for each in recording.gaps if each.step > known), None):
         raise RecordingError(
-            f"nothing to go on from: {name} was damaged from {gap.from_s:.3f} s to "
+            f"cannot resume: {name} was damaged from {gap.from_s:.3f} s to "
             f"{gap.until_s:.3f} s, so what the mission knew at its end is unknown"
         )
     last, ended = after.state if after is not None else None, False
@@ -81,10 +81,10 @@ def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
         last = again.state
         ended = any(isinstance(effect, Ended) for effect in again.step.effects)
     if last is None:
-        raise RecordingError(f"nothing to go on from: {name} ends before its mission began")
+        raise RecordingError(f"cannot resume: {name} ends before its mission began")
     if ended or last.mission.ended:
         raise RecordingError(
-            f"nothing to go on from: the mission of {name} has come to its end; "
+            f"cannot resume: the mission of {name} has come to its end; "
             "run it again, with --from to begin with a phase"
         )
     step, since_s = recording.last_step, recording.until_s - _SLOW_WITHIN_S

@@ -112,16 +112,15 @@ def rerun(
     state = after.state if after is not None else None
     steps = recording.steps(after)
     engine = engine_of(recording.header, loaded, every_signal=every_signal)
-    gaps = [gap.step for gap in recording.gaps]
-    return rerun_steps(engine, steps, state, recording.origin_s, gaps)
+    return rerun_steps(engine, steps, recording.gaps, state, recording.origin_s)
 
 
 def rerun_steps(
     engine: Engine,
     steps: Iterable[Step],
+    gaps: Iterable[Gap],
     state: EngineState | None = None,
     origin_s: float = 0.0,
-    gaps: Sequence[int] = (),
 ) -> Iterator[Rerun]:
     """Yield every step, replayed, in order.
 
@@ -131,15 +130,15 @@ def rerun_steps(
     Args:
         engine: The engine as in the run.
         steps: The recorded steps.
+        gaps: The gaps between them.
         state: The engine's state before the first of them.
         origin_s: When the run began, by the engine's clock.
-        gaps: Numbers of the first steps after a gap.
     """
-    is_lost = False
+    after_gaps, is_lost = {gap.step for gap in gaps}, False
     seen: list[SensorFrame | SignalReport] = []
     for step in steps:
         effects = step.effects
-        if step.number in gaps:
+        if step.number in after_gaps:
             is_lost, state = True, _knowing_nothing(state, engine.robot)
         if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)

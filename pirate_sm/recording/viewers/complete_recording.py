@@ -6,7 +6,6 @@ be made again is taken from the recording: positions of wheels, and what a camer
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Iterable, Iterator
 from contextlib import closing, suppress
@@ -98,8 +97,8 @@ class _Completed:
             raise RecordingError(f"messages for viewers cannot be made: {self._side.failure}")
         if not recording.complete:
             torn = recording.content.size - recording.content.whole
-            note = {"damage": recording.lost, "gaps": json.dumps(recording.gaps)}
-            file.note(REPAIRED, {"until_s": repr(until_s), "torn_bytes": str(torn), **note})
+            now = {"until_s": repr(until_s), "torn_bytes": str(torn)}
+            file.note(REPAIRED, {**recording.repaired, **now})
         file.finish()
 
     def _put(self, pieces: PieceMaker, noted: Gathered) -> None:

@@ -1,7 +1,9 @@
 from __future__ import annotations
 
 import sys
+from bisect import bisect_left
 from concurrent.futures import ProcessPoolExecutor
+from math import isnan
 from multiprocessing import get_context
 from pathlib import Path
 from pickle import HIGHEST_PROTOCOL, dumps, loads
@@ -11,6 +13,8 @@ import pandas as pd
 import pytest
 
 import pirate_sm
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.repair import repair
 
 from .conftest import PATROL
 
@@ -136,6 +140,26 @@ def test_a_recording_says_the_same_as_the_run(
     assert read.tables == run.tables
     for name in run.tables:
         assert repr(read.table(name)) == repr(run.table(name)), name
+
+
+def test_the_mission_is_not_executed_across_the_gap_of_a_repaired_recording(tmp_path: Path) -> None:
+    file = tmp_path / "patrol.mcap"
+    pirate_sm.run(PATROL, seed=2, record=file)
+    pieces = read_recording(file).content.pieces
+    hit = pieces[len(pieces) // 2]
+    data = bytearray(file.read_bytes())
+    data[hit.at + hit.size // 2] ^= 1
+    file.write_bytes(data)
+    repaired = tmp_path / "repaired.mcap"
+    repair(read_recording(file, damaged=True), repaired)
+    (gap,) = read_recording(repaired).gaps
+
+    signals = pirate_sm.read(repaired).signals
+    after = bisect_left(signals["time_s"], gap.until_s)
+
+    assert not any(map(isnan, signals["way_m"][:after]))
+    assert all(map(isnan, signals["way_m"][after:]))
+    assert "othing is known" in pirate_sm.read(repaired).report().html
 
 
 def test_a_recording_of_a_run_from_another_phase_begins_there_too(tmp_path: Path) -> None:

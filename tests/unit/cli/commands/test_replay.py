@@ -196,6 +196,19 @@ def test_damage_leaves_a_gap_that_every_command_says(
     assert all(row["gamma_1_rad"] for row in after[20:])  # each board has reported
 
 
+def test_what_came_after_the_end_is_not_called_lost_where_a_piece_is_missing_before_it(
+    pirate: Any, run: Path, recorded: bytes
+) -> None:
+    begins, ends = chunks_in(recorded)[4]
+    Path("gap.mcap").write_bytes(recorded[:begins] + recorded[ends:])
+    result = pirate("repair", "gap.mcap")
+
+    ((_, from_s, until_s),) = read_recording(Path("gap.repaired.mcap")).gaps
+    assert result.stdout.splitlines()[1:] == [
+        f"lost: what came from {from_s:.3f} s to {until_s:.3f} s"
+    ]
+
+
 def test_a_file_is_not_repaired_where_nothing_could_use_it(
     pirate: Any, run: Path, recorded: bytes
 ) -> None:

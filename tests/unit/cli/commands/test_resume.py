@@ -17,7 +17,8 @@ from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.cli.commands.resume import ResumeDialog, _Wishes
 from pirate_sm.cli.entry import commands, only_run
 from pirate_sm.detectors.registry import Detecting
-from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.format.header import CHECKPOINT
+from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.replay.end_of_run import end_of_run
 from pirate_sm.recording.write import recorder
 from pirate_sm.runtime.stop_requests import StopRequests
@@ -121,22 +122,53 @@ def test_a_mission_that_was_edited_since_is_asked_about(
     assert "mine.yaml is not there any more; the mission of the recording counts" in gone.stderr
 
 
-def test_a_recording_with_damage_that_no_checkpoint_follows_is_not_gone_on_from(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def repaired_after_damage(piece: int, *, end_too: bool = False) -> tuple[Path, Recording]:
+    """A run that was cut off, with a wrong bit in this piece, and one near its end, repaired."""
     cut = Path("cut.mcap")
     record_cut_off(cut, Order("mitre_bend"), CUT_S, 1.0)
     damaged = bytearray(cut.read_bytes())
-    damaged[read_recording(cut).content.pieces[-2].at + 100] ^= 1
+    damaged[read_recording(cut).content.pieces[piece].at + 100] ^= 1
+    if end_too:
+        damaged[damaged.rindex(CHECKPOINT.encode()) - 1] ^= 0x40  # the length of its name
     cut.write_bytes(damaged)
-    assert CliRunner().invoke(commands, ["repair", str(cut), "-o", "again.mcap"]).exit_code == 0
+    again = Path("again.mcap")
+    assert CliRunner().invoke(commands, ["repair", str(cut), "-o", str(again)]).exit_code == 0
+    return again, read_recording(again)
+
+
+def test_a_recording_with_damage_that_no_checkpoint_follows_is_not_resumed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    repaired_after_damage(-2)
 
     result = resume("again.mcap", "--accept")
 
     assert result.exit_code == 2
-    assert "nothing to go on from: again.mcap was damaged from" in result.stderr
+    assert "cannot resume: again.mcap was damaged from" in result.stderr
     assert "so what the mission knew at its end is unknown" in result.stderr
+
+
+@pytest.mark.parametrize("end_too", [False, True])
+def test_a_recording_with_damage_before_a_checkpoint_is_asked_about(
+    end_too: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(recorder, "CHECKPOINT_S", 2.0)
+    again, recording = repaired_after_damage(1, end_too=end_too)
+    ((_, from_s, until_s),) = recording.gaps
+    assert recording.checkpoint(recording.until_s) is not None
+
+    refused = resume(again, "--accept")
+    looked = resume(again, "--look")
+
+    assert refused.exit_code == 2
+    end = f" and after {recording.until_s:.3f} s" if end_too else ""
+    assert (
+        "--accept is not enough: the recording was damaged and has been repaired: what the robot "
+        f"did from {from_s:.3f} s to {until_s:.3f} s{end} is unknown"
+    ) in refused.stderr
+    assert looked.exit_code == 0, looked.stderr
 
 
 def test_a_recording_that_was_only_cut_off_and_repaired_is_resumed_as_before(cut: Path) -> None:

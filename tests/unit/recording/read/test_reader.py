@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import tracemalloc
+from collections.abc import Iterator
 from io import BytesIO
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import pytest
 from keeping import Memory, course, header, recorder, tell
@@ -15,6 +17,7 @@ from mcap.reader import make_reader
 from mcap.writer import MCAP0_MAGIC, Writer
 
 from pirate_sm.errors import RecordingError
+from pirate_sm.recording.format.engine_topics import Topic
 from pirate_sm.recording.read.mcap_content import read_content
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.write.recorder import Recorder
@@ -308,3 +311,21 @@ def test_a_run_without_a_step_is_a_recording(tmp_path: Path) -> None:
     one.close()
 
     assert steps_in(memory.data, tmp_path) == (1, ())
+
+
+def test_each_input_is_decoded_once(
+    whole: bytes, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    right, decoded = Topic.decode, list[bytes]()
+
+    def counted(topic: Topic, data: bytes) -> Iterator[tuple[int, float, int, Any]]:
+        decoded.append(data)
+        return right(topic, data)
+
+    path = tmp_path / "run.mcap"
+    path.write_bytes(whole)
+    recording = read_recording(path)
+    monkeypatch.setattr(Topic, "decode", counted)
+
+    assert len(list(recording.steps())) > STEPS
+    assert len(decoded) == len(set(decoded))

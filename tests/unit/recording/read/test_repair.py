@@ -16,6 +16,7 @@ from mcap.writer import MCAP0_MAGIC
 
 from pirate_sm.errors import RecordingError
 from pirate_sm.recording.read import repair as module
+from pirate_sm.recording.read.mcap_records import FRAME
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.repair import is_whole, repair
 from pirate_sm.recording.replay.end_of_run import end_of_run
@@ -237,7 +238,29 @@ def test_a_wrong_bit_costs_its_own_piece_only(
     assert again.lost == done.damage
     assert done.damage.count("at byte") == len(places)
     assert again.gaps == done.gaps
+    assert again.lost_end == (24 in places)
     assert is_whole(again)
+
+
+@pytest.mark.parametrize("place", [3, 20])
+def test_a_piece_that_is_missing_without_a_trace_is_a_gap_too(
+    place: int, whole: bytes, tmp_path: Path
+) -> None:
+    before = cut(whole, tmp_path, len(whole))
+    steps, hit = list(before.commits()), before.content.pieces[place]
+    without = tmp_path / "without.mcap"
+    without.write_bytes(whole[: hit.at - FRAME.size] + whole[hit.at + hit.size :])
+    recording = read_recording(without, damaged=True)
+    assert not is_whole(recording)
+
+    done = repair(recording, tmp_path / "good.mcap")
+
+    again = read_recording(tmp_path / "good.mcap")
+    assert [gap.step for gap in done.gaps] == [steps[place + 1][0].number]
+    assert not done.complete
+    assert again.gaps == done.gaps
+    assert again.notices
+    assert len(list(again.steps())) == done.steps == sum(map(len, steps)) - len(steps[place])
 
 
 def test_a_gap_is_between_the_last_step_before_and_the_first_after(tmp_path: Path) -> None:
