@@ -87,8 +87,8 @@ def _check_there(prepared: Prepared, table: VerdictTable) -> None:
     try:
         begun_there(prepared, table)
     except CheckError:
-        name = prepared.order.mission
-        say(f"it cannot begin there; a later phase can: pirate console {name} --adopt, then h")
+        advice = "`pirate console` with the same options shows at which phases it can (h)"
+        say(f"it cannot begin there; {advice}")
         raise
 
 

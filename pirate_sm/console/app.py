@@ -10,6 +10,7 @@ from rich.text import Text
 from textual.app import App, ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, ItemGrid, Vertical
+from textual.content import Content
 from textual.events import Event, Key, Resize
 from textual.screen import Screen
 from textual.widget import Widget
@@ -233,15 +234,15 @@ class Console(PanelActions, App[None]):
         self.keep_up(snapshot)
         if isinstance(self.screen, Dialog) and self.is_outdated(self.screen):
             self.screen.dismiss(None)
-        if isinstance(self.screen, Checklist):
-            self.screen.dismiss(None) if snapshot.over else self.screen.renew()
+        if isinstance(self.screen, Checklist) and snapshot.over:
+            self.screen.dismiss(None)
         if isinstance(self.screen, Say) and not is_still(snapshot):
             self.screen.dismiss(None)
         if snapshot.over and self.session.quitting.stop is not None:
             self.exit()
 
     def show_words(self, snapshot: Snapshot) -> None:
-        """Show everything but the picture."""
+        """Show everything but the picture, and what is open to be read."""
         self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
         self._show_bar("alarm", alarms.bar(snapshot, self.seen, self.size.width))
         self.on_base(Lines, "alarm").set_class(alarms.shows_success(snapshot, self.seen), "good")
@@ -260,6 +261,8 @@ class Console(PanelActions, App[None]):
         link.set_class(snapshot.link is not None, "on")
         link.show(panels.link(snapshot))
         self.on_base(EventLog, "log").show_snapshot(snapshot)
+        if isinstance(self.screen, Help):
+            self.screen.renew()
 
     def _show_rows(self, snapshot: Snapshot) -> None:
         """Show the requests that are possible, and the reasons for the others, each reason once."""
@@ -318,8 +321,11 @@ class Console(PanelActions, App[None]):
 
     def action_help(self) -> None:
         """Show the help page."""
+        self.push_screen(Help(self._help_lines))
+
+    def _help_lines(self) -> list[Content]:
         latest = self.session.latest
-        self.push_screen(Help(help_lines(self.letters, latest, self.starts(latest))))
+        return help_lines(self.letters, latest, self.starts(latest))
 
     def get_system_commands(self, screen: Screen[object]) -> Iterable[SystemCommand]:
         """Return the commands of the palette: everything that the keys do."""

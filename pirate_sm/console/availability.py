@@ -93,7 +93,7 @@ def command_reason(snapshot: Snapshot, command: str) -> str:
 
 
 def drive_doubt(snapshot: Snapshot, command: str) -> str:
-    """Return the fault that speaks against a drive now; empty if none does, or it is no drive."""
+    """Return the fault that makes a drive doubtful now; empty if none does, or it is no drive."""
     drives = command in ways(snapshot.scene.robot)
     return next(iter(snapshot.doubts.values()), "") if drives else ""
 
@@ -119,7 +119,7 @@ def untouched(snapshot: Snapshot) -> bool:
 
 def stopped_in(snapshot: Snapshot) -> str:
     """Return the phase in which the mission was stopped and has not gone on; empty if none."""
-    return snapshot.story.left if untouched(snapshot) else ""
+    return snapshot.story.stopped_in_phase if untouched(snapshot) else ""
 
 
 def hand_back(snapshot: Snapshot, phase: str) -> GoTo:

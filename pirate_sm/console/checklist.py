@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from functools import partial
+
 from textual.content import Content
-from textual.widgets import Static
 
 from pirate_sm.console.dialogs import Help
 from pirate_sm.console.help_page import row
@@ -22,18 +23,11 @@ class Checklist(Help):
 
     def __init__(self, link: OpenLink) -> None:
         self._link = link.__enter__()
-        self._shown = link.found
-        super().__init__(_lines(link))
+        super().__init__(partial(_lines, link))
 
     def on_unmount(self) -> None:
         """Check no longer."""
         self._link.__exit__()
-
-    def renew(self) -> None:
-        """Show what the checks have found since."""
-        if self._shown is not (found := self._link.found):
-            self._shown = found
-            self.query_one(Static).update(Content("\n").join(_lines(self._link)))
 
 
 def _lines(link: OpenLink) -> list[Content]:

@@ -5,7 +5,7 @@ A key that was pressed before a dialog could be read was meant for something els
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from math import inf, nan
 from textwrap import wrap
 from time import monotonic
@@ -235,6 +235,20 @@ class HelpDialog(Dialog[None]):
 
 
 class Help(HelpDialog):
-    """The help page with the stop key."""
+    """A page that follows what is so, with the stop key.
+
+    Args:
+        lines: Returns the lines of the page as they are now.
+    """
 
     BINDINGS: ClassVar[list[BindingType]] = [_STOP]
+
+    def __init__(self, lines: Callable[[], Sequence[Content]]) -> None:
+        super().__init__(lines())
+        self._now = lines
+
+    def renew(self) -> None:
+        """Show what has changed since."""
+        if self.is_mounted and (lines := self._now()) != self._lines:
+            self._lines = lines
+            self.query_one(Static).update(Content("\n").join(lines))

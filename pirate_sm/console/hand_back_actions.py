@@ -28,7 +28,7 @@ class HandBackActions(ConfirmedActions):
 
     def _choose_phase(self, snapshot: Snapshot) -> None:
         choices = self._phase_choices(snapshot)
-        names, left = [each.name for each in choices], snapshot.story.left
+        names, left = [each.name for each in choices], snapshot.story.stopped_in_phase
         title = f"Hand back at (it was stopped in {left})" if left else "Hand back at"
         wide, at = max(map(len, names)), names.index(left) if left in names else 0
         pick = Pick(title, choices, wide, at)

@@ -52,7 +52,7 @@ _SIGNS = (
     ("▶ ‖ ■ ◆", "running, paused, ending or over, no mission: by hand"),
     ("✓ ▶ ▷ ·", "a phase that was left, the present one, one that has called it, not entered"),
     ("● ○", "a state that has been confirmed; one that was only commanded"),
-    ("■ ?", "commanded and stopped: 0 is sent; shown by nothing now, or a fault is against it"),
+    ("■ ?", "commanded and stopped: 0 is sent; not shown now, or a fault contradicts it"),
     ("12s", "after a state: how long ago sensors, an echo or a person showed it"),
     ("┄1.2 3s", "what a value was when it was last reported, and how long ago"),
     (
@@ -65,7 +65,7 @@ _SIGNS = (
     ("full disc, ring", "a wheel that touches a wall, one that does not"),
     ("full, outline", "a part of the robot that is held, one that is not"),
     ("rays, dashes", "a light that is on; the robot as it was last heard"),
-    ("!", "near a limit; before a key: a fault speaks against it, so it asks first"),
+    ("!", "near a limit; before a key: a fault contradicts it, so it asks first"),
 )
 
 

@@ -106,7 +106,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self._ask(question, "Let go", give)
         else:
             doubt = availability.drive_doubt(snapshot, name)
-            self._ask(f"{doubt}. {name} all the same?" if doubt else "", "Drive", give)
+            self._ask(f"{doubt}. Give {name} anyway?" if doubt else "", "Drive", give)
 
     def action_drive(self, name: str) -> None:
         """Drive for as long as the key is held; act on each repeat of it."""

@@ -75,7 +75,7 @@ class RunBridge:
         came_m = self._snapshot(self.latest.now_s).odometry_m
         self._before_m += 0.0 if isnan(came_m) else came_m
         same = scene.loaded.documents == self._scene.loaded.documents
-        self._memory.begin(scene.robot, again=same)
+        self._memory.begin(scene.robot, same_mission=same)
         self._scene, self._prepared, self._run = scene, prepared, run
         self._due_s, self.asked = -inf, 0
         for notice in prepared.notices:

@@ -8,6 +8,7 @@ from __future__ import annotations
 import os
 import select
 import sys
+import termios
 from codecs import getincrementaldecoder
 from collections.abc import Callable
 from contextlib import suppress
@@ -67,6 +68,8 @@ class StopDriver(LinuxDriver):
         # of its own that thread keeps no lock that the rest of the program needs.
         own = os.fdopen(os.dup(self._file.fileno()), "w", encoding="utf-8", newline="")
         self._file: TextIO = Lossy(own, self._gone)  # type: ignore[assignment]
+        with suppress(termios.error):  # what was typed before is for nothing on the screen
+            termios.tcflush(self.fileno, termios.TCIFLUSH)
         super().start_application_mode()  # type: ignore[no-untyped-call]
 
     @property

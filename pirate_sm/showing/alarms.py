@@ -10,7 +10,7 @@ from typing import NamedTuple
 from rich.text import Text
 
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.showing.effect_lines import UNCONFIRMED, away
+from pirate_sm.showing.effect_lines import UNCONFIRMED, Line, away
 from pirate_sm.showing.run_history import ENDED, NumberedLine
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import fitted, line
@@ -20,6 +20,8 @@ _CASCADE_S = 10.0
 
 _MOST_LINES = 2
 """Lines of the bar for the link; as many follow for a cascade."""
+
+_GRAVE = 3
 
 _UNHEARD = {BuiltInFault.SENSOR_SILENT.code, BuiltInFault.LINK_SILENT.code}
 
@@ -80,25 +82,34 @@ def pending(snapshot: Snapshot, seen: Container[int]) -> list[Alarm]:
 
     What was acknowledged, or is over, is left out. A mere warning hides nothing else.
     """
+    found = alarms(snapshot, seen)
     newest: list[Alarm] = []
     cascade: list[Alarm] = []
-    for each in alarms(snapshot, seen):
+    for each in found:
         cascade = [] if each.first else cascade
         if not (each.seen or each.over):
             cascade.append(each)
-        if cascade and (_is_grave(cascade) or not _is_grave(newest)):
+        if cascade and _gravity(cascade) >= _gravity(newest):
             newest = cascade
-    newest = [each for each in newest if _is_grave([each])] or newest
-    ends = [each for each in newest[1:] if each.entry.line.topic == ENDED][-1:]
+    if _gravity(newest) == _GRAVE:
+        newest = [each for each in newest if each.entry.line.topic != "warning"]
+    since = newest[0].entry.number if newest else 0
+    after = [each for each in found if each.entry.number > since]
+    ends = [each for each in after if each.entry.line.topic == ENDED and not each.seen][:1]
     if ends and newest[0].entry.line.text.partition(" (")[0] in ends[0].text:
         return ends  # it says why itself
     return newest[:1] + ends
 
 
-def _is_grave(cascade: Sequence[Alarm]) -> bool:
-    """Return whether one of them is more than a warning or a success."""
+def _gravity(cascade: Sequence[Alarm]) -> int:
+    """Return 3 if one of them is a fault or a bad end, 2 for a success, 1 for warnings only."""
     lines = [each.entry.line for each in cascade]
-    return any(each.topic != "warning" and not each.text.startswith("succeeded") for each in lines)
+    grave = (1 if each.topic == "warning" else 2 + (not _succeeded(each)) for each in lines)
+    return max(grave, default=0)
+
+
+def _succeeded(line: Line) -> bool:
+    return line.topic == ENDED and line.text.startswith("succeeded")
 
 
 def bar(snapshot: Snapshot, seen: Container[int], width: int, *, keys: bool = True) -> list[Text]:
@@ -155,4 +166,4 @@ def shows_success(snapshot: Snapshot, seen: Container[int]) -> bool:
     shown = pending(snapshot, seen)
     if len(shown) != 1 or trouble(snapshot, 80):
         return False
-    return shown[0].entry.line.topic == ENDED and shown[0].entry.line.text.startswith("succeeded")
+    return _succeeded(shown[0].entry.line)

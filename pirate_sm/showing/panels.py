@@ -46,7 +46,7 @@ TOPICS = {
 OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
 """Styles of how a run has ended; any other end is bad."""
 
-_PAUSED = "paused: drive by hand, or go on"
+_PAUSED = "paused: drive by hand, or resume (r)"
 
 _TWO_COLUMNS = 70
 
@@ -212,9 +212,9 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
     if snapshot.unheard_s:
         lines.append(line(("? ", BAD), "no word: mission time stands still"))
     if state.mission.paused and snapshot.scene.mission:
-        left = snapshot.story.left
+        left = snapshot.story.stopped_in_phase
         lines.append(line(("‖ ", WARN), f"stopped in {left}" if left else _PAUSED))
-        lines += [line(("  r: go on there, or at another phase", MUTED))] if left else []
+        lines += [line(("  r: choose the phase to resume at", MUTED))] if left else []
     return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
         line((idle(snapshot), MUTED))
     ]
@@ -227,7 +227,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
         return [line(("No mission is chosen.", MUTED)), line(("Press m for the list.", MUTED))]
     current = program.phase_of[state.mission.pc] if state is not None else ""
     begun = state is not None and (state.mission.begun or state.mission.pc != program.start)
-    current = current if begun else story.left or current
+    current = current if begun else story.stopped_in_phase or current
     names = program.phases
     if len(names) > rows:  # those of missions that are called are left out, but for the present one
         names = tuple(each for each in names if current.startswith(each[: each.rfind("/") + 1]))
@@ -247,7 +247,7 @@ def phases(snapshot: Snapshot, width: int, rows: int) -> list[Text]:
         elif current.startswith(f"{name}/") and present:
             mark, style = "▷", ""
         elif name in story.spent_s:
-            mark, style = ("■", WARN) if name == story.left else ("✓", GOOD)
+            mark, style = ("■", WARN) if name == story.stopped_in_phase else ("✓", GOOD)
         if mark in "▶?" and state is not None:
             own += program.round_note(state.mission.pc)
         room = max(width - len(time) - 3, 4)

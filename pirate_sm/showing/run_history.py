@@ -50,7 +50,7 @@ class Story(NamedTuple):
     alarms: tuple[NumberedLine, ...] = ()
     stopped: bool = False
     faults: Mapping[tuple[str, str], float] = {}
-    left: str = ""
+    stopped_in_phase: str = ""
 
 
 class Memory:
@@ -70,7 +70,7 @@ class Memory:
         alarms: The last lines that tell of something wrong or how a mission ended, oldest first.
         stopped: Whether a run was stopped, and no command has been accepted since.
         faults: When each fault was last found, by its code and message; replaced, never changed.
-        left: The phase in which the mission was when it was stopped or failed; empty once it runs.
+        stopped_in_phase: Where the mission was when it was stopped or failed; empty once it runs.
     """
 
     def __init__(
@@ -100,19 +100,19 @@ class Memory:
         self.alarms: tuple[NumberedLine, ...] = ()
         self.stopped = False
         self.faults: Mapping[tuple[str, str], float] = {}
-        self.left = ""
+        self.stopped_in_phase = ""
         self._told = 0
 
-    def begin(self, robot: RobotSpec, *, again: bool = False) -> None:
+    def begin(self, robot: RobotSpec, *, same_mission: bool = False) -> None:
         """Begin another mission; the lines and alarms so far stay, and how the last one ended.
 
         Args:
             robot: Whose run it is.
-            again: Whether it is the mission of the run before, whose phases stay too.
+            same_mission: Whether it is that of the run before, whose phases and waits stay too.
         """
         fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
-        undone = again and self.ended is not None and self.ended.outcome != "succeeded"
-        phases = ("spent_s", "left") if undone else ()
+        undone = same_mission and self.ended is not None and self.ended.outcome != "succeeded"
+        phases = ("spent_s", "stopped_in_phase", "passed") if undone else ()
         for name in ("recent", "_told", "banner", "alarms", "stopped", "faults", *phases):
             setattr(fresh, name, getattr(self, name))
         self.__dict__.update(fresh.__dict__)
@@ -180,17 +180,17 @@ class Memory:
                 self.changed = frozenset(i for i, (old, new) in enumerate(pairs) if old != new)
                 self.setpoints = effect.values
             case fx.Ended():
-                self.left = self.phase.phase or self.left
+                self.stopped_in_phase = self.phase.phase or self.stopped_in_phase
                 self._leave(now_s)
                 self.ended, self.wait, self.question = effect, None, None
             case _:
                 pass
 
     def _enter(self, phase: str, now_s: float) -> None:
-        if self.left and phase == next(iter(self.spent_s), ""):  # from the start
-            self.spent_s = {}
+        if self.stopped_in_phase and phase == next(iter(self.spent_s), ""):  # from the start
+            self.spent_s, self.passed = {}, frozenset()
         self._leave(now_s)
-        self.phase, self.left = Visit(phase, now_s), ""
+        self.phase, self.stopped_in_phase = Visit(phase, now_s), ""
 
     def _leave(self, now_s: float) -> None:
         name, since_s = self.phase

@@ -146,7 +146,7 @@ class Snapshot:
     def doubts(self) -> Mapping[str, str]:
         """Return the faults against states that nothing has shown since, by region.
 
-        A rule of the robot speaks against the states that its condition names.
+        A rule of the robot contradicts the states that its condition names.
         """
         found: dict[str, str] = {}
         for rule in self.scene.robot.faults:

@@ -7,6 +7,7 @@ from types import SimpleNamespace
 
 import pytest
 from textual.events import AppBlur
+from textual.widgets import Static
 
 from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
@@ -22,6 +23,7 @@ from pirate_sm.console.hand_driving import (
     on_stops,
 )
 from pirate_sm.engine.state import EngineState
+from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Order
 
 from .driving import Operator, by_hand, confirming, operator, played
@@ -142,7 +144,6 @@ def test_a_drive_has_the_speed_that_is_chosen_and_shown() -> None:
     played(story)
 
 
-@pytest.mark.thorough
 def test_a_drive_stops_at_its_limit_and_a_key_that_is_still_held_does_not_begin_another() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand"))) as me:
@@ -164,7 +165,6 @@ def test_a_drive_stops_at_its_limit_and_a_key_that_is_still_held_does_not_begin_
     played(story)
 
 
-@pytest.mark.thorough
 def test_a_drive_that_is_to_stop_before_the_joint_does_not_begin_where_its_place_is_unknown() -> (
     None
 ):
@@ -182,7 +182,6 @@ def test_a_drive_that_is_to_stop_before_the_joint_does_not_begin_where_its_place
     played(story)
 
 
-@pytest.mark.thorough
 def test_the_answer_that_a_real_robot_may_move_begins_no_drive() -> None:
     async def story() -> None:
         prepared = confirming(by_hand(Order("by_hand", backend="trace")), "it may move")
@@ -201,6 +200,41 @@ def test_the_answer_that_a_real_robot_may_move_begins_no_drive() -> None:
     played(story)
 
 
+def test_a_drive_that_a_fault_makes_doubtful_is_asked_about_and_no_arrow_begins_it(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    def doubt(snapshot: Snapshot, name: str) -> str:
+        return "wheel.dead: it does not turn" if name.startswith("Drive") else ""
+
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            monkeypatch.setattr(availability, "drive_doubt", doubt)
+            await clamped(me)  # what does not drive is not asked about
+            letter = me.app.letters["DriveForward"]
+            await me.press("up")
+            me.wait(0.2)
+            assert me.wheels_stand()
+            assert not isinstance(me.app.screen, Confirm)
+            refused = [each.message for each in me.app._notifications]
+            assert (
+                f"DriveForward: wheel.dead: it does not turn ({letter} asks and drives)" in refused
+            )
+
+            await me.press(letter)
+            assert isinstance(me.app.screen, Confirm)
+            asked = str(me.app.screen.query_one(".question", Static).content)
+            assert asked == "wheel.dead: it does not turn. Give DriveForward anyway?"
+            await me.press("n")
+            me.wait(0.2)
+            assert me.wheels_stand()
+            await me.press(letter)
+            await me.press("y")
+            me.wait(0.2)
+            assert not me.wheels_stand()
+
+    played(story)
+
+
 def test_limits_come_round() -> None:
     driving = HandDriving(lambda: pytest.fail("no snapshot is needed"))
     for _ in LIMITS_M:
@@ -210,7 +244,6 @@ def test_limits_come_round() -> None:
     assert driving.speed == 0.2
 
 
-@pytest.mark.thorough
 def test_a_drive_stops_before_the_joint_of_the_pipe_which_is_a_warning_before() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand"))) as me:

@@ -6,6 +6,7 @@ from math import inf
 from pathlib import Path
 
 import pytest
+from textual.widgets import Static
 
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm
@@ -18,6 +19,7 @@ from pirate_sm.console.key_bindings import (
     letters_for,
 )
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.events import OperatorCommand
 from pirate_sm.showing import panels
 from pirate_sm.showing.alarms import shows_success
 from pirate_sm.wiring import Order
@@ -196,6 +198,29 @@ def test_the_stop_key_stops_in_a_dialog_that_nobody_has_read() -> None:
             await me.press("space")
             me.wait(0.5)
             assert me.wheels_stand()
+
+    played(story)
+
+
+def test_the_help_page_says_what_cannot_be_done_now_and_not_what_could_not_when_it_opened() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 90)) as me:
+            await me.press("question_mark")
+            await me.look()
+
+            def page() -> str:
+                return " ".join(str(me.app.screen.query_one(Static).content).split())
+
+            commands = me.latest.scene.loaded.loaded_robot.profile.commands
+            about = " ".join(f"ClampFront {commands['ClampFront'].description}".split())
+            refused = f"{about}. Not now: unneeded: it is so already"
+            assert about in page()
+            assert refused not in page()
+            me.session.give_event(OperatorCommand("ClampFront"))  # as from a panel
+            me.until(lambda: me.states[2] == "FrontClampedRearRelaxed")
+            me.until(lambda: me.latest.state.robot.motion is None)
+            await me.look()
+            assert refused in page()
 
     played(story)
 

@@ -11,6 +11,7 @@ from textual.widgets import OptionList
 
 from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
+from pirate_sm.console.waits_before import not_passed
 from pirate_sm.showing import panels
 
 from .driving import by_hand, operator, played, with_mission
@@ -158,6 +159,26 @@ def test_a_step_of_a_mission_that_was_stopped_needs_a_phase_first() -> None:
     played(story)
 
 
+def test_a_wait_that_was_passed_before_the_stop_is_not_asked_about_as_its_phase_is_done() -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await me.look()
+            await me.press("R")
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            await me.press("K")
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            passed = me.latest.story.passed
+            assert passed
+            await me.press("space")
+            me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
+            await me.look()
+            assert re.search(r"✓ enter +\d", text_of(me))
+            program = me.latest.scene.loaded.program
+            assert not_passed(program, "pass", me.latest.story.passed) == "its wait of prepare"
+
+    played(story)
+
+
 ASKS = """
 format: 1
 mission: asks
@@ -185,10 +206,10 @@ def test_a_mission_that_was_stopped_says_where_and_is_handed_back_there() -> Non
             me.until(lambda: me.latest.story.phase.phase.startswith("prepare"))
             await me.press("space")
             me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
-            assert me.latest.story.left.startswith("prepare/prepare_bend.")
+            assert me.latest.story.stopped_in_phase.startswith("prepare/prepare_bend.")
             await me.look()
             shown = text_of(me)
-            left = me.latest.story.left
+            left = me.latest.story.stopped_in_phase
             assert f"stopped in {left}" in shown
             assert re.search(rf"■ +{left.rpartition('/')[2]} +\d", shown)  # how long it was there
             assert re.search(r"✓ enter +\d", shown)
@@ -203,6 +224,6 @@ def test_a_mission_that_was_stopped_says_where_and_is_handed_back_there() -> Non
             if isinstance(me.app.screen, Confirm):  # its waits, or the drive that was stopped
                 await me.press("y")
             me.until(lambda: me.latest.story.phase.phase.startswith("pass"))
-            assert not me.latest.story.left
+            assert not me.latest.story.stopped_in_phase
 
     played(story)

@@ -242,7 +242,6 @@ def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
     played(story)
 
 
-@pytest.mark.thorough
 def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -263,7 +262,6 @@ def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
     played(story)
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("key", ["escape", "brake"])
 def test_the_operator_stops_them_by_any_other_wish(key: str) -> None:
     async def story() -> None:

@@ -32,15 +32,20 @@ class Terminal:
         folder: The working directory.
         shows: The mission or the recording.
         deaf: Whether nobody tells the console of a lost terminal.
+        program: Starts the console in another way than its command does.
     """
 
-    def __init__(self, folder: Path, shows: str = "mitre_bend", *, deaf: bool = False) -> None:
+    def __init__(
+        self, folder: Path, shows: str = "mitre_bend", *, deaf: bool = False, program: str = ""
+    ) -> None:
         self.pid, self.fd = pty.fork()
         if self.pid == 0:
             os.chdir(folder)
             os.environ.update(TERM="xterm-256color", PIRATE_SM_RUNS="runs")
             if deaf:
                 signal.signal(signal.SIGHUP, signal.SIG_IGN)
+            if program:
+                os.execv(sys.executable, [sys.executable, "-c", program, "console", shows])
             os.execv(PIRATE, ["pirate", "console", shows])
         fcntl.ioctl(self.fd, termios.TIOCSWINSZ, struct.pack("HHHH", 48, 160, 0, 0))
         self.shown = ""
@@ -92,6 +97,43 @@ def test_every_way_out_ends_in_the_safe_state_with_the_terminal_as_it_was(
     assert CURSOR in last
     assert f"{sentence}: safe state, wheels stopped and clamps held" in last
     assert list((tmp_path / "runs").glob("*.mcap"))
+
+
+SLOWLY_STARTED = """
+import time
+
+from pirate_sm.cli.entry import main
+from pirate_sm.console.check_process import CheckProcess
+
+right = CheckProcess.__enter__
+
+
+def slow(self):
+    print("being started", flush=True)
+    time.sleep(1.0)
+    return right(self)
+
+
+CheckProcess.__enter__ = slow
+main()
+"""
+
+
+def test_a_key_that_is_typed_before_anything_is_shown_does_nothing(tmp_path: Path) -> None:
+    there = Terminal(tmp_path, program=SLOWLY_STARTED)
+    there.read_until("being started")
+    there.press("?")
+    there.read_until(LOOKED_AT)
+    until_s = time.monotonic() + 2.0
+    while time.monotonic() < until_s:
+        if select.select([there.fd], [], [], 0.05)[0]:
+            there.shown += os.read(there.fd, 65536).decode("utf-8", "replace")
+    assert "Esc leaves" not in there.shown
+
+    there.press("?")
+    there.read_until("Esc leaves")
+    os.kill(there.pid, signal.SIGTERM)
+    assert there.code() == 143
 
 
 STATES: dict[str, tuple[str, str]] = {

@@ -5,7 +5,6 @@ from __future__ import annotations
 import sys
 from contextlib import AbstractContextManager, ExitStack
 from dataclasses import replace
-from termios import TCIFLUSH, tcflush
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say, say_bug
@@ -87,7 +86,6 @@ def open_console(options: ConsoleOptions) -> int:
     from pirate_sm.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
-    tcflush(sys.stdin, TCIFLUSH)  # what was typed before is for nothing on the screen
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
         Watchdog(session.quitting, ender()).start()
         checking = CheckProcess(lambda: session.quitting.stop is not None)

@@ -182,7 +182,6 @@ def test_a_request_to_stop_ends_the_question(clamped: World, says: Says) -> None
     assert not sent(clamped)
 
 
-@pytest.mark.thorough
 def test_what_no_sensor_can_tell_apart_is_left_to_a_person(
     says: Says, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -261,12 +260,19 @@ def test_belief_an_adopted_robot_is_where_somebody_says(clamped: World, says: Sa
     assert "600 mm" in found.notices[-1]
 
 
-def test_a_mission_that_cannot_run_from_there_is_refused_and_nothing_is_sent() -> None:
+def test_a_mission_that_cannot_run_from_there_is_refused_before_anything_is_asked_or_sent(
+    says: Says, capsys: pytest.CaptureFixture[str]
+) -> None:
     it, clamped = world("mitre_bend", 0), world("drive_on", 0)
     it = it._replace(bay=clamped.bay, port=clamped.port)  # its first step clamps
 
     prepared = prepared_on(it, it.port)
     prepared = replace(prepared, order=replace(prepared.order, check=True))
+    says(prepared)  # whatever was asked would have no answer
     with pytest.raises(CheckError, match="ClampFront is refused as unneeded"):
-        take_over(prepared, ADOPT, StopRequests())
+        take_over(prepared, RunOptions(), StopRequests())
     assert not sent(it)
+    shown = capsys.readouterr().err
+    advice = "`pirate console` with the same options shows at which phases it can (h)"
+    assert f"it cannot begin there; {advice}" in shown
+    assert "adopt it so" not in shown

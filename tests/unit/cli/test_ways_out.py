@@ -61,7 +61,6 @@ def test_a_signal_stops_the_wheels_and_holds_the_clamps(start: Start, number: in
     assert err == ""
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("signals", [1, 2])
 def test_the_last_line_says_in_what_state_the_robot_is_left(start: Start, signals: int) -> None:
     process = start(*DRIVES, "--plain")
@@ -94,7 +93,6 @@ def test_a_quiet_run_that_failed_says_how_it_ended_and_in_what_state_the_robot_i
     assert succeeded.stdout.count("\n") == 1
 
 
-@pytest.mark.thorough
 def test_two_signals_end_it_as_well(start: Start) -> None:
     process = start(*DRIVES, "--json")
     read_until_it_drives(process)
@@ -108,7 +106,6 @@ def test_two_signals_end_it_as_well(start: Start) -> None:
     assert (process.returncode, err) == (130, "")
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize("form", [(), ("--json",)])
 def test_a_closed_pipe_behind_the_output_stops_the_mission(
     start: Start, form: tuple[str, ...]

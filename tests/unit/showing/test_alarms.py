@@ -108,6 +108,39 @@ def test_a_warning_hides_no_fault(snapshot: Snapshot, at_s: float) -> None:
     assert "firmware.reset" in line
 
 
+@pytest.mark.parametrize("ended_s", [1.4, 30.0])
+def test_a_fault_that_the_mission_has_handled_stays_and_its_success_is_shown_below(
+    snapshot: Snapshot, ended_s: float
+) -> None:
+    warned = Log("warning", "a consequence")
+    told = story(
+        snapshot, (1.0, FAULT), (1.2, warned), (ended_s, Ended("succeeded", "It is there"))
+    )
+
+    fault, success = said(told)
+    assert "⚠ 1.0 s  fault: firmware.reset" in fault
+    assert "SUCCEEDED: It is there" in success
+    assert not alarms.shows_success(told, ())
+
+
+def test_a_success_of_an_older_run_is_not_how_a_fault_has_ended(snapshot: Snapshot) -> None:
+    succeeded = Ended("succeeded", "It is there")
+    told = story(snapshot, (1.0, succeeded), (1.4, FAULT))
+    (line,) = said(told)
+    assert "firmware.reset" in line
+
+    told = story(snapshot, (1.0, FAULT), (1.4, Ended("failed", "so")), (1.8, succeeded))
+    assert "FAILED: so" in said(told)[1]
+
+
+@pytest.mark.parametrize("warned_s", [0.5, 1.5, 30.0])
+def test_a_warning_hides_no_success(snapshot: Snapshot, warned_s: float) -> None:
+    lines = [(1.0, Ended("succeeded", "It is there")), (warned_s, Log("warning", "a warning"))]
+    told = story(snapshot, *sorted(lines, key=lambda each: each[0]))
+
+    assert "SUCCEEDED: It is there" in said(told)[-1]
+
+
 def test_an_end_that_says_its_cause_is_enough(snapshot: Snapshot) -> None:
     ended = Ended("fault", "firmware.reset: the controller was reset")
     (line,) = said(story(snapshot, (1.0, FAULT), (1.5, ended)))

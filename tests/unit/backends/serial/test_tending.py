@@ -113,7 +113,6 @@ def test_a_robot_that_may_be_moving_is_not_served_unwatched(plan: LinkPlan) -> N
     assert port.now() > before_s
 
 
-@pytest.mark.thorough
 def test_a_thread_serves_the_link_while_nobody_calls(plan: LinkPlan) -> None:
     passed = Event()
 

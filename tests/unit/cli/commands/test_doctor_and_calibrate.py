@@ -100,7 +100,6 @@ def test_a_robot_is_looked_at_moved_calibrated_and_run_over_a_real_port(
         Draft202012Validator(schema).validate(line)
 
 
-@pytest.mark.thorough
 def test_a_run_that_leaves_a_guardian_behind_says_what_to_do(
     pirate_run: Call, port: str, robot: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -279,7 +279,6 @@ def test_a_robot_of_another_physics_is_not_put_back_in_a_round_pipe(
     assert "a robot of the backend physics cannot be put back in a round pipe" in result.stderr
 
 
-@pytest.mark.thorough
 @pytest.mark.parametrize(("key", "code"), [("\x03", 130), ("\r", 2), ("\x04", 2)])
 def test_a_person_leaves_the_robot_as_it_is(cut: Path, key: str, code: int) -> None:
     ended, shown, same = on_a_terminal(
@@ -452,7 +451,6 @@ def test_belief_an_unknown_place_is_not_passed_over_by_a_key(
         assert not chosen[1].resumption.adrift
 
 
-@pytest.mark.thorough
 def test_a_robot_that_has_changed_while_somebody_thought_is_shown_again(
     tmp_path: Path, operator: Callable[..., Operator], capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -5,7 +5,6 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
-import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -201,8 +200,6 @@ HAPPENINGS = st.builds(
 )
 
 
-@pytest.mark.thorough
-@settings(max_examples=150)
 @given(schedule=st.lists(HAPPENINGS, max_size=12), resets=st.booleans())
 def test_once_the_line_is_back_nothing_is_driven_and_nobody_leaves_before(
     schedule: list[Happening], resets: bool

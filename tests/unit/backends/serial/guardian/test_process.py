@@ -313,7 +313,6 @@ def test_a_cable_that_is_back_only_when_nobody_but_the_guardian_is_there(
     assert _gone(guardian)
 
 
-@pytest.mark.thorough
 def test_a_port_that_returns_after_the_runner_has_died_is_opened_by_the_guardian(
     bench: Bench, runner: subprocess.Popen[str]
 ) -> None:
@@ -327,7 +326,6 @@ def test_a_port_that_returns_after_the_runner_has_died_is_opened_by_the_guardian
     assert bench.asked
 
 
-@pytest.mark.thorough
 def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) -> None:
     port = _driving(bench, INSTRUCTIONS)
     bench.unplug()
@@ -345,7 +343,6 @@ def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) ->
     assert _gone(guardian)
 
 
-@pytest.mark.thorough
 def test_a_guardian_that_hangs_when_the_runner_leaves_is_replaced_by_one_that_stops_the_robot(
     bench: Bench,
 ) -> None:
@@ -376,7 +373,6 @@ def test_a_new_run_gets_the_port_from_the_guardian_and_the_stop_comes_first(
     port.close(stopped=True)
 
 
-@pytest.mark.thorough
 def test_a_new_run_does_not_begin_while_the_robot_of_the_old_one_confirms_nothing(
     bench: Bench, runner: subprocess.Popen[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -391,7 +387,6 @@ def test_a_new_run_does_not_begin_while_the_robot_of_the_old_one_confirms_nothin
     assert _gone(int(_await_file().stem.partition("-")[2]))
 
 
-@pytest.mark.thorough
 def test_a_new_run_that_finds_no_port_leaves_a_guardian_as_the_old_one_did(
     bench: Bench, runner: subprocess.Popen[str]
 ) -> None:
