@@ -37,7 +37,7 @@ SOUGHT = 0.94
 
 
 @dataclass(frozen=True)
-class Case:
+class Mistake:
     """One file with one mistake, or an odd one without.
 
     Attributes:
@@ -56,10 +56,10 @@ class Case:
 
 
 @dataclass(frozen=True)
-class Outcome:
+class CheckedCase:
     """What the check says of a case: errors and warnings as (file, line, text)."""
 
-    case: Case
+    case: Mistake
     found: Sequence[tuple[str, int, str]]
 
     @property
@@ -80,7 +80,7 @@ class Outcome:
         return "on its line" if self.on_line else "elsewhere" if self.found else "missed"
 
 
-def cases(which: Sequence[str] = ("missions", "robots", "pipes", "projects")) -> Iterator[Case]:
+def cases(which: Sequence[str] = ("missions", "robots", "pipes", "projects")) -> Iterator[Mistake]:
     """Read the cases of these files of `tests/mistakes`."""
     for file in which:
         groups = yaml.safe_load((HERE / f"{file}.yaml").read_text("utf-8"))
@@ -89,16 +89,16 @@ def cases(which: Sequence[str] = ("missions", "robots", "pipes", "projects")) ->
                 yield _case(f"{file}.{group}", name, content, edit)
 
 
-def checked(case: Case) -> Outcome:
+def checked(case: Mistake) -> CheckedCase:
     """Write the files of a case into a folder of their own and check it."""
     with TemporaryDirectory() as folder, chdir(folder):
         for path, content in case.files.items():
             Path(path).parent.mkdir(parents=True, exist_ok=True)
             Path(path).write_bytes(content)
-        return Outcome(case, list(_findings(case)))
+        return CheckedCase(case, list(_findings(case)))
 
 
-def _findings(case: Case) -> Iterator[tuple[str, int, str]]:
+def _findings(case: Mistake) -> Iterator[tuple[str, int, str]]:
     whole = "." if "profile.yaml" in case.files or case.path == "pirate.toml" else case.path
     out = StringIO()
     try:
@@ -113,7 +113,7 @@ def _findings(case: Case) -> Iterator[tuple[str, int, str]]:
             yield os.path.relpath(each["file"]), each["line"], f"[{each['code']}] {each['message']}"
 
 
-def _case(kind: str, name: str, group: Mapping[str, Any], edit: Mapping[str, Any]) -> Case:
+def _case(kind: str, name: str, group: Mapping[str, Any], edit: Mapping[str, Any]) -> Mistake:
     files, path = _base(group["base"])
     path = group.get("path", path)
     text = files.pop(next(iter(files)))
@@ -127,7 +127,7 @@ def _case(kind: str, name: str, group: Mapping[str, Any], edit: Mapping[str, Any
     encoded = {each: content.encode() for each, content in texts.items()}
     if edit.get("bom"):
         encoded[path] = b"\xef\xbb\xbf" + encoded[path]
-    return Case(kind, name, path, encoded, lines, edit.get("why", ""))
+    return Mistake(kind, name, path, encoded, lines, edit.get("why", ""))
 
 
 def _base(base: str) -> tuple[dict[str, str], str]:
@@ -175,7 +175,7 @@ def _lines(before: str, after: str, edit: Mapping[str, Any]) -> frozenset[int]:
     return frozenset(found)
 
 
-def table(outcomes: Sequence[Outcome]) -> str:
+def table(outcomes: Sequence[CheckedCase]) -> str:
     """Return the shares by kind of file and mistake."""
     kinds = dict.fromkeys(each.case.kind for each in outcomes)
     rows = [f"{'kind':24} {'mistakes':>8} {'on line':>8} {'elsewhere':>9} {'missed':>7}"]

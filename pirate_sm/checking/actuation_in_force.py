@@ -6,12 +6,15 @@ exploration and the course of a mission know which control is in force at each o
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Set
 from dataclasses import dataclass
+from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.command_spec import Write
+from pirate_sm.engine.robot.criteria import AcceptedSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile
@@ -67,6 +70,35 @@ class InForce:
     def last_of(self, at: Actuated, slot: int) -> Write | None:
         """Return what the last stages write to a slot; None if nothing."""
         return next((write for write in self.last_writes(at) if write.slot == slot), None)
+
+    def may_follow(self, at: Actuated, slot: int) -> set[Write | None]:
+        """Return what a slot may still follow: its last write, or those of states before it.
+
+        A command that counts as done when it is accepted does not wait until the slot has come to
+        what the command asks for; neither does one that asks the slot for nothing new.
+        """
+        found, waiting, seen = set[Write | None](), [at], {at}
+        while waiting:
+            here = waiting.pop()
+            now = self.last_of(here, slot)
+            found.add(now)
+            for before, waits in self._before[here.configuration]:
+                was = here._replace(configuration=before)
+                if was not in seen and not (waits and self.last_of(was, slot) != now):
+                    seen.add(was)
+                    waiting.append(was)
+        return found
+
+    @cached_property
+    def _before(self) -> Mapping[int, Set[tuple[int, bool]]]:
+        """The configurations before each one, and whether the command waits for what it asks."""
+        found = defaultdict[int, set[tuple[int, bool]]](set)
+        waits = [not isinstance(each.done, AcceptedSpec) for each in self.robot.commands]
+        for before, row in enumerate(self.robot.table.following):
+            for command, after in enumerate(row):
+                if after != before:
+                    found[after].add((before, waits[command]))
+        return found
 
     def most_nm(self, at: Actuated, slot: int) -> float:
         """Return the largest torque that a slot's motor gives; infinite where that is not known.

@@ -96,14 +96,17 @@ class _Group(TyperGroup):
         """Return the requested command; suggest a similar name for a mistyped one."""
         if self.get_command(ctx, args[0]) is None:
             self.commands = {name: self.get_command(ctx, name) for name in self.list_commands(ctx)}
-            if not self.name and (hint := _meant(args[0], self.commands)):
+            if not self.name and (hint := _suggested_line(args[0], self.commands)):
                 ctx.fail(f"There is no command '{args[0]}'; did you mean: {hint}?")
         return super().resolve_command(ctx, args)
 
 
-def _meant(word: str, known: Iterable[str]) -> str | None:
+def _suggested_line(word: str, known: Iterable[str]) -> str | None:
     """Return the command line that a word in place of a command is short for, None if unknown."""
+    import shlex
+
     from pirate_sm.loading import library
+    from pirate_sm.loading.file_names import PROFILE_FILE
     from pirate_sm.spelling import nearest
 
     if word.lower() in ("help", "version"):
@@ -111,7 +114,8 @@ def _meant(word: str, known: Iterable[str]) -> str | None:
     if nearest(word, known):
         return None
     if "/" in word:
-        return f"pirate run {word}"
+        command = "check" if word.endswith(f"/{PROFILE_FILE}") else "run"
+        return shlex.join(("pirate", command, word)) if word.endswith(".yaml") else None
     files_of = {"pirate run": library.missions(), "pirate demo": library.scenes()}
     for command, files in files_of.items():
         if name := nearest(word, [path.stem for path in files]):

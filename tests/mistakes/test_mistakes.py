@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from benchmarks.mistakes import ODD, Case, cases, checked, table
+from benchmarks.mistakes import ODD, Mistake, cases, checked, table
 
 MISTAKES = {f"{case.kind}.{case.name}": case for case in cases()}
 CORRECT = {f"{case.kind}.{case.name}": case for case in cases([ODD])}
@@ -40,7 +40,7 @@ def test_nothing_is_said_of_an_odd_but_correct_file(name: str) -> None:
 
 def test_a_finding_on_another_line_or_in_no_file_is_not_on_the_line_of_the_mistake() -> None:
     [go] = [MISTAKES["missions.structure.go"]]
-    elsewhere = Case(go.kind, go.name, go.path, go.files, frozenset({1}), go.why)
+    elsewhere = Mistake(go.kind, go.name, go.path, go.files, frozenset({1}), go.why)
 
     outcomes = [checked(go), checked(elsewhere)]
 

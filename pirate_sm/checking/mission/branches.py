@@ -26,13 +26,13 @@ def branches(view: MissionView) -> Iterator[Finding]:
     A condition that repeats what a trigger has just tested is not reported either.
     """
     seen, loaded, places = view.seen, view.loaded, view.places
-    told = set[Place]()
+    reported = set[Place]()
     for finding in _arms(loaded, places):
-        told.add(finding.place)
+        reported.add(finding.place)
         yield finding
     if view.complete:
         found = _decided(seen, loaded, places)
-        yield from (each for each in found if each.place not in told)
+        yield from (each for each in found if each.place not in reported)
 
 
 def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:

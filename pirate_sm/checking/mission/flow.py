@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
 from math import asin, atan, inf, isinf
 
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
+from pirate_sm.checking.exploring.explore import MOST_WORK
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView
@@ -21,7 +23,7 @@ from pirate_sm.loading.problems import Path, Place
 from pirate_sm.model.mission import Mission, Phase, WaitStep, every_step
 
 _MOST_BODIES = 4
-"""In how many states of a phase its `resume` is tried; each takes an exploration [decided]."""
+"""In how many states of a phase its `resume` is tried [decided]; all share one limit of work."""
 
 
 def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
@@ -31,7 +33,7 @@ def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
     if isinf(limit_s):
         return
     withins = _withins(loaded.mission, places)
-    told = set[Place]()
+    reported = set[Place]()
     for it in loaded.program.instructions:
         found = list[tuple[Place, str, float]]()
         if isinstance(it, Wait):
@@ -41,9 +43,9 @@ def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
         elif isinstance(it, Do | Question) and it.place:
             found += [(places.read(it.place), "this timeout", it.timeout_s or 0.0)]
         for place, what, time_s in found:
-            own = place.file == loaded.documents[0].name and place not in told
+            own = place.file == loaded.documents[0].name and place not in reported
             if own and limit_s < time_s < inf:
-                told.add(place)
+                reported.add(place)
                 message = f"{what} of {time_s:g} s is never over: the mission lasts {limit_s:g} s"
                 yield places.finding(place, "limit.beyond", message)
 
@@ -70,12 +72,11 @@ def counts_what_was_counted(view: MissionView) -> Iterator[Finding]:
     waits = {n: it for n, it in enumerate(loaded.program.instructions) if isinstance(it, Wait)}
     changes = loaded.robot.vocabulary.with_changes.numbers[len(loaded.robot.vocabulary.numbers) :]
     used = {number: _used(it, set(changes)) for number, it in waits.items()}
+    known = _counted_before(loaded.program, used)
     for number, it in waits.items():
-        place = places.read(it.place)
+        place, counted = places.read(it.place), known[number]
         if not it.counts_on or place.file != loaded.documents[0].name:
             continue
-        before = (used[n] for n in waits if number in _after(loaded.program, n))
-        counted = {name for each in before for name in each}
         for name in sorted(used[number] - counted) if counted else ():  # else from its beginning
             others = " and ".join(sorted(counted))
             message = f"it counts on {name}, and the waits before it have counted {others}"
@@ -87,35 +88,54 @@ def _used(it: Wait, names: set[str]) -> set[str]:
     return {e.name for node in nodes for e in tree.walk(node) if isinstance(e, tree.Signal)} & names
 
 
-def _after(program: Program, at: int) -> set[int]:
-    """Return the instructions to which one can lead."""
-    found, waiting = set[int](), [at]
+def _counted_before(program: Program, used: Mapping[int, set[str]]) -> Mapping[int, set[str]]:
+    """Return for each instruction the changes that waits count which can lead to it."""
+    found = defaultdict[int, set[str]](set)
+    waiting = [at for at, names in used.items() if names]
     while waiting:
-        for target in successors(program, waiting.pop()):
-            if target >= 0 and target not in found:
-                found.add(target)
+        at = waiting.pop()
+        counted = found[at] | used.get(at, set())
+        for target in successors(program, at):
+            if target >= 0 and not counted <= found[target]:
+                found[target] |= counted
                 waiting.append(target)
     return found
 
 
 def resumes_in_vain(view: MissionView) -> Iterator[Finding]:
     """Yield phases that resume in a phase whose commands are refused then."""
-    loaded, program = view.loaded, view.loaded.program
-    for name, phase in loaded.mission.phases.items():
-        if phase.resume in ("here", "never", name):
-            continue
-        bodies = dict[tuple[int, int], RobotState]()
-        for node in view.explored[0].found.nodes:
-            body, at = node.state.robot, node.state.mission.pc
-            rests = body.flight is None and body.motion is None
-            if rests and 0 <= at < len(program.phase_of) and program.phase_of[at] == name:
-                bodies.setdefault((body.configuration, body.control), body)
-        tried = list(bodies.values())[:_MOST_BODIES]
-        why = [refused_from(loaded, phase.resume, each) for each in tried]
-        if why and all(why):
-            message = f"'{phase.resume}' cannot go on from here: {why[0]}"
+    loaded, left = view.loaded, float(MOST_WORK)
+    phases = loaded.mission.phases.items()
+    elsewhere = {n: p.resume for n, p in phases if p.resume not in ("here", "never", n)}
+    bodies = _resting(view) if elsewhere else {}
+    known = dict[tuple[str, RobotState], str]()
+    for name, resume in elsewhere.items():
+        why = ""
+        for body in bodies.get(name, {}).values():
+            if (resume, body) not in known:
+                known[resume, body], work = refused_from(loaded, resume, body, left)
+                left -= work
+            why = known[resume, body]
+            if not why:
+                break
+        if why:
+            message = f"'{resume}' cannot continue from here: {why}"
             place = view.places.of(("phases", name, "resume"))
             yield view.places.finding(place, "resume.refused", message)
+
+
+def _resting(view: MissionView) -> Mapping[str, Mapping[tuple[int, int], RobotState]]:
+    """Return for each phase some states of the robot in it, with nothing under way."""
+    found = defaultdict[str, dict[tuple[int, int], RobotState]](dict)
+    phase_of = view.loaded.program.phase_of
+    for node in view.explored[0].found.nodes:
+        body, at = node.state.robot, node.state.mission.pc
+        if body.flight is None and body.motion is None and 0 <= at < len(phase_of):
+            bodies, key = found[phase_of[at]], (body.configuration, body.control)
+            if len(bodies) < _MOST_BODIES and key not in bodies:
+                rest = body.at_rest()._replace(control=body.control, next_id=1)
+                bodies[key] = rest
+    return found
 
 
 def faults_again(view: MissionView) -> Iterator[Finding]:
@@ -170,7 +190,7 @@ def _drives_on(
         if body.motion is not None and body.motion.command not in drives:
             return False
         if mission.diverting is None and found.program.phase_of[mission.pc] != phase:
-            continue  # behind the phase that handles it
+            continue  # after the phase that handles it
         if mission.begun and isinstance(found.program.instructions[mission.pc], Wait):
             same = (body.configuration, body.control) == (was.configuration, was.control)
             if not same or not found.robot.driven[body.configuration]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
+from collections.abc import Collection, Iterator
 from math import degrees, inf, radians
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
@@ -47,7 +47,7 @@ def kept_ranges(
         writes = [write for each in at if (write := force.last_of(each, number)) is not None]
         if len(writes) < len(at):
             continue
-        if (angle := _angle(slot, writes)) is not None:
+        if (angle := _angle(slot, force, at, number)) is not None:
             yield numbers[slot.angle], *angle
         if slot.torque >= 0 and all(write.how == "bear" for write in writes):
             loops = (w for each in at for w in force.last_writes(each) if w.how == "bear")
@@ -55,15 +55,17 @@ def kept_ranges(
             yield numbers[slot.torque], about(most * WOUND), f"a loop keeps {most:.3g} Nm at most"
 
 
-def _angle(slot: SlotSpec, writes: Sequence[Write]) -> tuple[Range, str] | None:
+def _angle(
+    slot: SlotSpec, force: InForce, at: Collection[Actuated], number: int
+) -> tuple[Range, str] | None:
     """Return the range of an angle that a board has brought to other angles than 0."""
-    if (
-        slot.unit != "angle"
-        or slot.angle < 0
-        or not all(write.how == "set" and write.share_of < 0 for write in writes)
-    ):
+    if slot.unit != "angle" or slot.angle < 0:
         return None
-    asked = {write.value for write in writes}
+    asked = set[float]()
+    for write in {write for each in at for write in force.may_follow(each, number)}:
+        if write is None or write.how != "set" or write.share_of >= 0:
+            return None
+        asked.add(write.value)
     if asked == {0.0}:
         return None
     span = Range(min(*asked, 0.0) - ANGLE_OFF_RAD, max(*asked, 0.0) + ANGLE_OFF_RAD)

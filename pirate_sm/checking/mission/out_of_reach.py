@@ -35,29 +35,33 @@ def out_of_reach(view: MissionView) -> Iterator[Finding]:
     seen, loaded, places = view.seen, view.loaded, view.places
     route = AtWaits(view.in_pipe) if view.in_pipe is not None else None
     check = _Reach(seen, loaded, route)
-    told: set[str] = set()
+    reported: set[str] = set()
     for at, wait in enumerate(loaded.program.instructions):
         if not isinstance(wait, Wait) or not check.states(wait):
             continue
         for trigger in wait.triggers:
-            if trigger.place in told:
+            if trigger.place in reported:
                 continue
             place = places.read(trigger.place)
             if place.file == loaded.documents[0].name:
                 found = check.judge(at, wait, trigger)
-            else:
-                place = view.in_pipe.own_place(at, trigger.place) if view.in_pipe else place
-                found = check.too_far(at, wait, trigger)
+            elif (found := check.too_far(at, wait, trigger)) and view.in_pipe is not None:
+                place = view.in_pipe.own_place(at, trigger.place)
             if found is not None:
-                told.add(trigger.place)
+                reported.add(trigger.place)
                 code, message = found
                 yield places.finding(place, code, message)
-    for branch in loaded.program.instructions:
-        if isinstance(branch, Branch) and branch.place not in told:
-            place, message = places.read(branch.place), check.asked(branch.condition)
-            if message and place.file == loaded.documents[0].name:
-                told.add(branch.place)
-                yield places.finding(place, "condition.beyond", message)
+    yield from _branches(view, check, reported)
+
+
+def _branches(view: MissionView, check: _Reach, reported: set[str]) -> Iterator[Finding]:
+    """Yield conditions of steps that cannot become true."""
+    for branch in view.loaded.program.instructions:
+        if isinstance(branch, Branch) and branch.place not in reported:
+            place, message = view.places.read(branch.place), check.asked(branch.condition)
+            if message and place.file == view.loaded.documents[0].name:
+                reported.add(branch.place)
+                yield view.places.finding(place, "condition.beyond", message)
 
 
 _Said = tuple[str, str]
@@ -119,7 +123,7 @@ class _Reach:
         """Return why the condition of a step is out of reach; empty if it is not."""
         every = self._robot.table.configurations
         for name, span, why in self._lasting(self._no_load, ""):
-            if not self._isabout(condition, name, span):
+            if not self._is_about(condition, name, span):
                 continue
             narrower = self._with({name: span})
             for facts, said in _decided(condition):
@@ -127,7 +131,7 @@ class _Reach:
                     return f"'{condition.text}' is {said}: {why}"
         return ""
 
-    def _isabout(self, condition: Expression, name: str, span: Range) -> bool:
+    def _is_about(self, condition: Expression, name: str, span: Range) -> bool:
         return bool(name) and span != ANYTHING and name in self._usual.free(condition.tree)
 
     def _possible(self, wait: Wait, facts: Sequence[Fact], conditions: Conditions) -> bool:
@@ -196,7 +200,7 @@ class _Reach:
     def _beyond(self, wait: Wait, condition: Expression, limits: Iterable[Limit]) -> _Said | None:
         never, always = _decided(condition)
         for name, span, why in limits:
-            if not self._isabout(condition, name, span):
+            if not self._is_about(condition, name, span):
                 continue
             narrower = self._with({name: span})
             # What changes in a wait is 0 at its beginning, which is judged elsewhere.

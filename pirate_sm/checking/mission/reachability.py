@@ -132,12 +132,12 @@ def _round_and_round(
 
 
 def _rules(books: Sequence[Explored], places: Places) -> Iterator[Finding]:
-    told: set[str] = set()
+    reported: set[str] = set()
     for book in books:
         for message, number in book.broken.items():
-            if message in told:
+            if message in reported:
                 continue
-            told.add(message)
+            reported.add(message)
             state = book.found.nodes[book.found.steps[number].target].state.mission
             at = getattr(book.found.program.instructions[state.pc], "place", "")
             yield places.finding(

@@ -15,19 +15,20 @@ from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Do, Question, SwitchControl
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.mission import CONTROL_WITHIN_S
 
 
 def time_limits(view: MissionView) -> Iterator[Finding]:
     """Yield findings about the times in a mission's own file."""
     books, loaded, places = view.explored, view.loaded, view.places
     force = InForce(loaded.loaded_robot.profile, loaded.robot)
-    told: set[str] = set()
+    reported: set[str] = set()
     for each in loaded.program.instructions:
-        if not isinstance(each, Do | Question | SwitchControl) or each.place in told:
+        if not isinstance(each, Do | Question | SwitchControl) or each.place in reported:
             continue
         if places.read(each.place).file != loaded.documents[0].name:
             continue
-        told.add(each.place)
+        reported.add(each.place)
         place = places.read(each.place)
         if isinstance(each, Do):
             severity, message = _timeout(each, loaded)
@@ -38,7 +39,8 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
         elif isinstance(each, SwitchControl):
             if each.timeout_s < (least_s := force.winds_s(each.control)):
                 took = f"a motor takes {least_s:.2g} s to wind its spring to the torque"
-                message = f"{took}, and the timeout here is {each.timeout_s:g} s"
+                which = "usual timeout" if each.timeout_s == CONTROL_WITHIN_S else "timeout here"
+                message = f"{took}, and the {which} is {each.timeout_s:g} s"
                 yield places.finding(place, "step.timeout", message)
         elif isinf(each.timeout_s) and isinf(loaded.program.time_limit_s):
             message = "neither the question nor the mission has a time limit"

@@ -20,14 +20,14 @@ def wait_triggers(view: MissionView) -> Iterator[Finding]:
     """Yield findings about triggers and about conditions of steps."""
     loaded, places = view.loaded, view.places
     judge = _Judge(view)
-    told: set[str] = set()
+    reported: set[str] = set()
     if view.complete:
         for place, (code, message, mend) in judge.triggers().items():
-            told.add(place)
+            reported.add(place)
             yield places.finding(places.read(place), code, message, mend=mend)
     for place, condition, if_false in _conditions(loaded.program):
         said = judge.constant(condition)
-        if said and place not in told:
+        if said and place not in reported:
             message = f"'{condition.text}' is always {said}"
             mend = "leave the condition out" if said.startswith("true") else if_false
             yield places.finding(places.read(place), "condition.constant", message, mend=mend)

@@ -49,7 +49,7 @@ class AtWaits:
         anywhere = {each.word for each in robot.word_conditions}
         words = profile.detector.words
         self._words = {w: it for w, it in words.items() if it.forward and w not in anywhere}
-        self._joint = () if anywhere else (_JOINT,)
+        self._anywhere = bool(anywhere)
 
     # --- distances --------------------------------------------------------------------------
 
@@ -87,10 +87,13 @@ class AtWaits:
         if not self._view.bends:
             why = "waits for a bend, and the pipe has none"
             yield Silent("detector", frozenset(self._words), why)
-            yield Silent("segment", frozenset(self._joint), why)
+            if not self._anywhere:
+                yield Silent("segment", frozenset({_JOINT}), why)
         kinds = {"mitre", "elbow", "tee", "reducer"} - {each.kind for each in route.joints}
         said = {it.joint for it in self._view.fit.profile.detector.words.values()}
-        yield Silent("joint", frozenset(kinds), "waits for a joint of a kind that the pipe has not")
+        if not self._anywhere:
+            why = "waits for a joint of a kind that the pipe has not"
+            yield Silent("joint", frozenset(kinds), why)
         of_kinds = {w for w, it in self._words.items() if it.joint in kinds & said}
         yield Silent("detector", frozenset(of_kinds), "waits for a joint that the pipe has not")
         if not points or not all(each.way for each in points):
@@ -99,7 +102,7 @@ class AtWaits:
             of_bends = [w for w, it in self._words.items() if it.joint in (None, "mitre", "elbow")]
             never = {word for word in of_bends if not any(self._said(word, p) for p in points)}
             yield Silent("detector", frozenset(never), self._why(never, points), here=True)
-        if all(_capped(self._view, each.way) for each in points):
+        if not self._anywhere and all(_capped(self._view, each.way) for each in points):
             yield Silent("segment", frozenset({_OUT}), "waits to leave a pipe that ends in a cap")
 
     def _said(self, word: str, point: CoursePoint) -> bool:
@@ -136,9 +139,8 @@ class AtWaits:
         if not point.bent and view.bend(point.passed - (point.way < 0)) is not None:
             return "is said in a bend, and no part of the robot has bent into one before"
         if len(point.bent) < len(view.fit.robot.parts) and lead == point.way:
-            return "is said behind the bend, and only a part of the robot has bent into it"
-        way = "ahead of" if point.way > 0 else "behind"
-        return f"waits for a bend, and the route has no further one {way} the robot"
+            return "is said after the bend, and only a part of the robot has bent into it"
+        return "waits for a bend, and the route has no other bend in that direction"
 
 
 def _stops(joint: Joint) -> bool:

@@ -55,11 +55,11 @@ def bends_in_the_plane(view: PipeView) -> Iterator[Finding]:
     """Report for each bend the first part that is never bent in its plane, to its inner wall."""
     if view.pipe.section != "round":
         return
-    told = set[tuple[int, int]]()
+    reported = set[tuple[int, int]]()
     for each in _missed(view):
-        if each.passage in told:
+        if each.passage in reported:
             continue
-        told.add(each.passage)
+        reported.add(each.passage)
         away = abs(each.quarters) == 2 and not each.askew
         yield _away(view, each) if away else _aside(view, each)
 

@@ -4,29 +4,29 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator
-from math import pi
+from math import degrees, pi
 
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import Bending, Change
 from pirate_sm.checking.pipe.course_story import story_of
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
-from pirate_sm.model.travel import Travel
+from pirate_sm.model.travel import PassedBy, Travel
 
 
 def takes_bends_that_are_there(view: PipeView) -> Iterator[Finding]:
     """Report steps that always bend into a bend that is not there, or is not of their kind."""
     if not view.bends or view.course.situations[0].bent:
-        return  # reported elsewhere; it begins in a bend, before or behind the middle of the robot
+        return  # reported elsewhere; it begins in a bend, before or after the middle of the robot
     made: dict[tuple[int, int], list[Bending]] = defaultdict(list)
     for each in view.course.bends:
         made[each.point.at, each.bend.part].append(each)
-    told = set[tuple[object, str]]()
+    reported = set[tuple[object, str]]()
     for (number, _), bendings in made.items():
         place = view.own_place(number - 1, bendings[0].point.place)
         for found in (_not_there(view, bendings), _not_passed(view, number - 1, bendings)):
-            if found is not None and (place, found[0]) not in told:
-                told.add((place, found[0]))
+            if found is not None and (place, found[0]) not in reported:
+                reported.add((place, found[0]))
                 code, message, mend = found
                 finding = at(view.document(place.file), place, code, message, mend=mend)
                 yield story_of(finding, view, bendings[0].point)
@@ -45,7 +45,7 @@ def _not_there(view: PipeView, bendings: list[Bending]) -> _Said | None:
         return None
     back = bendings[0].joint < 0
     way, name = "behind" if back else "ahead of", view.fit.robot.parts[bendings[0].bend.part]
-    message = f"this bends '{name}' into another bend {way} the robot, and the route has none"
+    message = f"this bends '{name}' into another bend {way} the robot, but the route has none"
     mend = "leave it out, or take a pipe or a route with one more bend"
     return "geometry.no_bend", message, mend
 
@@ -53,18 +53,22 @@ def _not_there(view: PipeView, bendings: list[Bending]) -> _Said | None:
 def _not_passed(view: PipeView, number: int, bendings: list[Bending]) -> _Said | None:
     """Return the finding about a called mission that is for other joints than this bend."""
     travel, bend = view.fit.profile.travel, view.bend(bendings[0].joint)
-    names = [_name(each.what) for each in view.calls(number)]
     if travel is None or bend is None:
         return None
-    for name in names:
-        kinds = {k for each in travel.passages if name in each.calls for k in each.joints}
-        if kinds and all(
-            (joint := view.bend(each.joint)) is not None and joint.kind not in kinds
-            for each in bendings
+    joints = [view.bend(each.joint) for each in bendings]
+    for name in (each.call for each in view.calls(number)):
+        own = [each for each in travel.passages if name in each.calls]
+        if own and not any(
+            joint is None or each.suits(joint.kind, joint.turn_rad)
+            for joint in joints
+            for each in own
         ):
-            wanted = " or ".join(map(_a, sorted(kinds)))
-            message = f"'{name}' is for {wanted}, and the next bend of the route is {_a(bend.kind)}"
-            fits = [call for each in travel.passages if bend.kind in each.joints and each.turns
+            wanted = " or ".join(dict.fromkeys(map(_described, own)))
+            here = _a(bend.kind)
+            if any(bend.kind in each.joints for each in own):
+                here += f" that turns by {degrees(abs(bend.turn_rad)):.4g} deg"
+            message = f"'{name}' is for {wanted}, and the next bend of the route is {here}"
+            fits = [call for each in travel.passages if each.suits(bend.kind, bend.turn_rad)
                     for call in each.calls]  # fmt: skip
             return "route.passage", message, f"call '{fits[0]}'" if fits else ""
     return None
@@ -74,23 +78,28 @@ def _a(kind: str) -> str:
     return f"an {kind}" if kind == "elbow" else f"a {kind}"
 
 
-def _name(what: str) -> str:
-    return what.removeprefix("mission ")
+def _described(passage: PassedBy) -> str:
+    """Return which joints a passage is for."""
+    joints = " or ".join(map(_a, sorted(passage.joints)))
+    if passage.turns is False:
+        return f"{joints} that is passed straight on"
+    sharpest = passage.up_to
+    return joints if sharpest is None else f"{joints} of at most {degrees(sharpest):.4g} deg"
 
 
 def turns_where_it_can(view: PipeView) -> Iterator[Finding]:
     """Report calls that turn the robot where the profile's `travel` says that they fail."""
-    travel, told = view.fit.profile.travel, set[object]()
+    travel, reported = view.fit.profile.travel, set[object]()
     if view.pipe.section != "round" or travel is None:
         return
     for change in view.course.turns:
         number = change.after.at - 1
-        names = [_name(each.what) for each in view.calls(number)]
+        names = [each.call for each in view.calls(number)]
         name = next((each for each in names if any(t.call == each for t in travel.turns)), None)
         place = view.own_place(number, change.after.place)
-        if name is None or place in told or _can_turn(view, travel, name, change):
+        if name is None or place in reported or _can_turn(view, travel, name, change):
             continue
-        told.add(place)
+        reported.add(place)
         fits = [each.call for each in travel.turns if _can_turn(view, travel, each.call, change)]
         message = f"'{name}' does not turn the robot as it lies here, says `travel` of its profile"
         mend = f"here {' or '.join(fits)} turns it" if fits else ""

@@ -160,7 +160,7 @@ class PipeView:
         inside, wanted = program.phase_of[at], program.phase_of[at].partition("/")[0]
         for number in range(at - 1, -1, -1):
             it, phase = program.instructions[number], program.phase_of[number]
-            if isinstance(it, Require) and inside.startswith(f"{phase}/") and it.what:
+            if isinstance(it, Require) and inside.startswith(f"{phase}/") and it.call:
                 found.append(it)
                 inside = phase
                 if phase == wanted:

@@ -24,15 +24,15 @@ a part runs into the wall in a pipe of 120 mm."""
 
 def turns_what_is_slack(view: PipeView) -> Iterator[Finding]:
     """Report commands that turn a part that presses on the walls, or about an oblique module."""
-    told = set[str]()
+    reported = set[str]()
     for change in view.course.turns:
         turning = view.roll_joint.turning(change.after.configuration)
         command = view.fit.robot.commands[change.command]
         if not turning or command.posture(change.after.configuration) is not None:
             continue  # the posture slackens it, or refuses
         found = _wound(view, change, turning) or _oblique(view, change, turning)
-        if found is not None and change.after.place not in told:
-            told.add(change.after.place)
+        if found is not None and change.after.place not in reported:
+            reported.add(change.after.place)
             yield found
 
 

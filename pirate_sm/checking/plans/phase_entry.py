@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
-from pirate_sm.checking.exploring.explore import explore
+from pirate_sm.checking.exploring.explore import MOST_WORK, explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.engine.mission.program import Do, Require
 from pirate_sm.engine.robot.robot_state import RobotState
@@ -29,20 +29,36 @@ def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
     return refused
 
 
-def refused_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:
-    """Return which command is refused, or which rule broken, from a phase on; empty if none."""
-    book = _from(loaded, phase, body)
-    return _broken(book) if book is not None else ""
+def refused_from(
+    loaded: LoadedMission, phase: str, body: RobotState, most_work: float
+) -> tuple[str, float]:
+    """Return which command is refused, or which rule broken, from a phase on; empty if none.
+
+    Args:
+        loaded: The mission.
+        phase: One of its phases.
+        body: As for :func:`why_not_from`.
+        most_work: The limit of the exploration; without any left nothing is found.
+
+    Returns:
+        The refusal, and the work that it has taken.
+    """
+    book = _from(loaded, phase, body, most_work) if most_work > 0 else None
+    return (_broken(book), book.found.work) if book is not None else ("", 0.0)
 
 
-def _from(loaded: LoadedMission, phase: str, body: RobotState) -> Explored | None:
+def _from(
+    loaded: LoadedMission, phase: str, body: RobotState, most_work: float = MOST_WORK
+) -> Explored | None:
     """Return what can happen from a phase on; None if the mission does not have it."""
     begin = loaded.program.beginning(phase, body.control)
     if begin is None:
         return None
     body = body.at_rest()._replace(control=body.control)
     program = replace(loaded.program, start=begin)
-    return index_exploration(explore(loaded.robot, program, conditions_of(loaded), body=body))
+    conditions = conditions_of(loaded)
+    found = explore(loaded.robot, program, conditions, body=body, most_work=most_work)
+    return index_exploration(found)
 
 
 def _broken(book: Explored) -> str:

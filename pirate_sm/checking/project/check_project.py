@@ -55,7 +55,7 @@ def check_paths(
     wishes = wishes or Wishes()
     check = _Check(wishes)
     found = find_targets(paths)
-    check.findings += found.findings
+    check.findings += (*wishes.besides, *found.findings)
     with references.kept_inside(wanted=not wishes.outside):
         for number, target in enumerate(found.targets):
             if progress is not None:

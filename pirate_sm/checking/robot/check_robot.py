@@ -69,33 +69,39 @@ def check_robot(folder: Path) -> RobotCheck:
     return RobotCheck(tuple(findings), loaded.documents, loaded)
 
 
-RULES = (
+ERROR_RULES = (
     references,
+    never_done,
+    link_times,
+    end_stops,
+    wheel_directions,
+    mirrored_slots,
+    safe_clamps,
+    impossible_signs,
+)
+"""The rules about robots, except their charts, that report errors, for which runs are refused."""
+
+RULES = (
+    *ERROR_RULES,
     command_targets,
     fault_conditions,
     rule_conditions,
     impossible_bodies,
-    never_done,
     nominal_times,
-    link_times,
     position_loops,
-    end_stops,
     hidden_motors,
     hidden_words,
-    wheel_directions,
-    mirrored_slots,
-    safe_clamps,
     unconfirmed_clamps,
     unseen_states,
-    impossible_signs,
 )
-"""All rules about robots except their charts; each yields the findings of a `RobotView`."""
+"""These and those that only warn; each yields the findings of a `RobotView`."""
 
 
 @lru_cache(maxsize=8)
 def robot_errors(loaded: LoadedRobot) -> tuple[Finding, ...]:
     """Return the errors of a loaded robot, for which a run is refused."""
-    found = (*check_chart(loaded), *robot_findings(loaded))
+    view = RobotView(loaded)
+    found = (*check_chart(loaded), *(each for rule in ERROR_RULES for each in rule(view)))
     return tuple(each for each in found if each.severity is Severity.ERROR)
 
 

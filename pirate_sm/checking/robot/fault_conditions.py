@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from itertools import product
 
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.conditions import Conditions
@@ -35,10 +36,11 @@ def rule_conditions(view: RobotView) -> Iterator[Finding]:
 
     The chart alone keeps them, or their condition can never be anything else.
     """
+    moments = tuple(_moments(view)) if view.loaded.rules else ()
     for number, rule in enumerate(view.loaded.rules):
         after, must, given = rule.after, rule.must, view.profile.rules[number]
-        begins = not after or any(after.evaluate(*each) is True for each in _moments(view))
-        if not begins or all(must.evaluate(*each) is not False for each in _moments(view)):
+        begins = not after or any(after.evaluate(*each) is True for each in moments)
+        if not begins or all(must.evaluate(*each) is not False for each in moments):
             spoken = "is kept by every command" if begins else "never applies"
             keys = ("always", "never", "expect") if begins else ("after",)
             path = ("rules", number, next(key for key in keys if getattr(given, key)))
@@ -49,18 +51,25 @@ def rule_conditions(view: RobotView) -> Iterator[Finding]:
 def _moments(view: RobotView) -> Iterator[tuple[tuple[float, ...], tuple[str | None, ...]]]:
     """Yield the numbers and words that rules may see: after no command, and after each."""
     robot, table = view.loaded.normal, view.loaded.table
-    driven = {
-        (each.region, each.state, each.write.slot) for each in view.written if each.write.turns
-    }
+    driven, idle = set[tuple[int, str, int]](), set[tuple[int, str, int]]()
+    staged = {(each.region, each.state) for each in view.written if each.stage}
+    for each in view.written:
+        if each.write.slot in robot.safe_zero:
+            key = each.region, each.state, each.write.slot
+            if each.write.turns or each.write.how == "keep":
+                driven.add(key)
+            if not each.write.turns or key[:2] in staged:  # perhaps in another stage
+                idle.add(key)
     commands: dict[int, set[str | None]] = {}
     for number, name in enumerate(table.commands):
         for _, after in view.moves(number):
             commands.setdefault(after, {None}).add(name)
     for index, states in enumerate(table.configurations):
-        turning = {slot for region, state, slot in driven if states[region] == state}
+        most = sum(states[region] == state for region, state, _ in driven)
+        least = sum(states[region] == state for region, state, _ in driven - idle)
         clamps = len(robot.held[index])
-        for confirmed in range(clamps + 1):
-            numbers = float(clamps), float(confirmed), float(len(turning & set(robot.safe_zero)))
+        for confirmed, turning in product(range(clamps + 1), range(least, most + 1)):
+            numbers = float(clamps), float(confirmed), float(turning)
             for command in commands.get(index, {None}):
                 yield numbers, (*states, command)
 

@@ -51,15 +51,15 @@ def _never_done_under_controls(
     view: RobotView, number: int, name: str, done: CriterionSpec
 ) -> Iterator[Finding]:
     """Yield controls under which a command can never be done; once for those that extend one."""
-    told: set[str | None] = set()
+    reported: set[str | None] = set()
     for control, (own, settings) in enumerate(view.profile.controls.items(), start=1):
         led = view.led(number, control)
         why = too_strong(view.in_force, done, led) or too_slow(view.in_force, done, led)
-        if why and settings.extends not in told:
+        if why and settings.extends not in reported:
             message = f"{name} can never be done: {why}"
             yield view.at(("controls", own), "robot.never_done", message, key=True)
         if why:
-            told.add(own)
+            reported.add(own)
 
 
 def _too_long(done: CriterionSpec, timeout_s: float) -> str:

@@ -62,7 +62,6 @@ def _chain(view: RobotView) -> Iterator[_Wrong]:
     """Yield parts and joints without a place in the chain, or without a slot."""
     body = view.profile.body
     wheels = {wheel.name: wheel for wheel in body.wheels}
-    driven = {slot.drives for slot, _ in view.slots}
     for number, wheel in enumerate(body.wheels[1:], start=1):
         before = [each.part for each in body.wheels[:number]]
         if wheel.part in before and before[-1] != wheel.part:
@@ -81,10 +80,11 @@ def _chain(view: RobotView) -> Iterator[_Wrong]:
             message = f"'{joint.name}' sits at '{joint.wheel}', which is of the part '{own}'"
             yield _Wrong((*path, "part"), message, f"write `part: {own}`")
         sat.setdefault(joint.wheel, joint.name)
-        if joint.name not in driven:
+        if joint.name not in view.slot_of:
             mend = f"give a board a slot with `joint: {joint.name}`; a node that nothing bends has"
             message = f"no slot drives '{joint.name}'"
-            yield _Wrong((*path, "name"), message, f"{mend} no joint")
+            severity = _passive(view, joint.name)
+            yield _Wrong((*path, "name"), message, f"{mend} no joint", severity)
     modules = [link.module for link in body.links]
     for number, link in enumerate(body.links):
         path = ("body", "links", number)
@@ -92,12 +92,18 @@ def _chain(view: RobotView) -> Iterator[_Wrong]:
             message = f"the module '{link.module}' is a link already"
             mend = "each link is a module of its own: give it another name"
             yield _Wrong((*path, "module"), message, mend)
-        if link.roll and link.roll not in driven:
+        if link.roll and link.roll not in view.slot_of:
             mend = f"give a board a slot with `roll: {link.roll}`"
-            yield _Wrong((*path, "roll"), f"no slot drives '{link.roll}'", mend)
+            message = f"no slot drives '{link.roll}'"
+            yield _Wrong((*path, "roll"), message, mend, _passive(view, link.roll))
 
 
-def _apexes(view: RobotView) -> Iterator[_Wrong]:
+def _passive(view: RobotView, angle: str) -> Severity | None:
+    """Return how bad it is that nothing drives a joint: one that is measured may be passive."""
+    return Severity.WARNING if angle in view.channels else None
+
+
+def _apex_references(view: RobotView) -> Iterator[_Wrong]:
     """Yield parts whose V is at a joint of another part, or where one of its legs is not theirs."""
     body = view.profile.body
     names = [wheel.name for wheel in body.wheels]
@@ -137,25 +143,23 @@ def _needed(view: RobotView) -> Iterator[_Measured]:
 
 def _measured(view: RobotView) -> Iterator[_Wrong]:
     """Yield signals of the body that are measured at something else, or shared."""
-    needed = list(_needed(view))
-    drives = {slot.name: slot.drives for slot, _ in view.slots}
-    slots = {slot.drives: slot.name for slot, _ in view.slots}
+    needed, drives, slots = list(_needed(view)), view.drives, view.slot_of
     owners: dict[str, str] = {}
     for each in needed:
         other = owners.setdefault(each.signal, each.thing)
         channel, at = view.channels.get(each.signal, (None, ()))
         if channel is None:
-            if fault := _not_measured(view, each, drives):
-                yield _Wrong(each.path, fault, _own(view, each, slots))
+            if fault := _not_measured(view, each):
+                yield _Wrong(each.path, fault, _own(view, each))
             continue
         of = drives.get(channel.slot or "", each.thing)
         if channel.senses not in (each.sense, None):
             message = f"'{each.signal}' is the {channel.senses} of '{of}'"
             message += f", not the {each.sense} of '{each.thing}'"
-            yield _Wrong(each.path, message, _own(view, each, slots))
+            yield _Wrong(each.path, message, _own(view, each))
         elif of != each.thing and any((of, each.signal) == (n.thing, n.signal) for n in needed):
             message = f"'{each.signal}' is the {each.sense} of '{of}', not of '{each.thing}'"
-            yield _Wrong(each.path, message, _own(view, each, slots))
+            yield _Wrong(each.path, message, _own(view, each))
         elif of != each.thing:
             message = f"'{each.signal}' is the {each.sense} of '{each.thing}', and '{channel.slot}'"
             message += f" drives '{of}'" if of else " drives nothing that has one"
@@ -163,21 +167,21 @@ def _measured(view: RobotView) -> Iterator[_Wrong]:
             yield _Wrong((*at, "slot"), message, mend)
         elif other != each.thing:
             message = f"'{each.signal}' is the {each.sense} of '{other}' already"
-            yield _Wrong(each.path, message, _own(view, each, slots))
+            yield _Wrong(each.path, message, _own(view, each))
 
 
-def _not_measured(view: RobotView, each: _Measured, drives: dict[str, str]) -> str:
+def _not_measured(view: RobotView, each: _Measured) -> str:
     """Return why a signal that no channel has is not the one that the body needs."""
     derived = view.profile.derived.get(each.signal)
     if each.sense == "torque" and isinstance(derived, kinds.TorqueOf):
-        of = drives[derived.slot]
+        of = view.drives[derived.slot]
         return f"'{each.signal}' is the torque of '{of}'" if of != each.thing else ""
     return f"no board measures '{each.signal}', the {each.sense} of '{each.thing}'"
 
 
-def _own(view: RobotView, each: _Measured, slots: dict[str, str]) -> str:
+def _own(view: RobotView, each: _Measured) -> str:
     """Return what to write for the signal of a thing: its own one, or a channel to be added."""
-    slot, key = slots.get(each.thing, ""), each.path[-1]
+    slot, key = view.slot_of.get(each.thing, ""), each.path[-1]
     for signal, (channel, _) in view.channels.items():
         if slot and (channel.slot, channel.senses) == (slot, each.sense):
             return f"write `{key}: {signal}`"
@@ -186,8 +190,7 @@ def _own(view: RobotView, each: _Measured, slots: dict[str, str]) -> str:
 
 def _speeds(view: RobotView) -> Iterator[_Wrong]:
     """Yield speeds of wheels that are those of other wheels."""
-    derived = view.profile.derived
-    drives = {slot.name: slot.drives for slot, _ in view.slots}
+    derived, drives = view.profile.derived, view.drives
     rates = {own.rate_of: name for name, own in derived.items() if isinstance(own, kinds.RateOf)}
     for number, wheel in enumerate(view.profile.body.wheels):
         own, path = derived.get(wheel.speed), ("body", "wheels", number, "speed")
@@ -206,8 +209,7 @@ def _speeds(view: RobotView) -> Iterator[_Wrong]:
             yield _Wrong(path, message, f"name a signal of '{wheel.name}'")
         elif not isinstance(own, kinds.RateOf) and not channel:
             message = f"'{wheel.speed}' is not the speed of a wheel"
-            mend = f"derive one, `{{rate_of: {wheel.angle}}}`"
-            yield _Wrong(path, message, mend)
+            yield _Wrong(path, message, f"derive one, `{{rate_of: {wheel.angle}}}`")
 
 
 def _derived(view: RobotView) -> Iterator[_Wrong]:
@@ -293,27 +295,30 @@ def _motors(view: RobotView) -> Iterator[_Wrong]:
             mend = f"write `motor: {names[0]}`" if names else "name a motor of another kind"
             if not thing:
                 mend = "name the `wheel`, `joint` or `roll` that it drives, or another motor"
-            where = (*path, "motor")
-            yield _Wrong(where, message, mend, severity=Severity.WARNING)
+            yield _Wrong((*path, "motor"), message, mend, severity=Severity.WARNING)
+
+
+_NAMES = {"odometry_of", "speed_of", "robot_speed_of", "roll_of", "pitch_of", "norm_of", "least_of"}
+_NAMES |= {"joints", "loaded", "slots", "signals", "zero", "denies"}
+"""The keys of lists of wheels, signals, joints, slots and parts, in which each is once."""
 
 
 def _lists(view: RobotView) -> Iterator[_Wrong]:
-    """Yield names that a list has twice; a list of missions may."""
-    data = view.loaded.documents[0].data
-    stack: list[tuple[Path, object]] = [
-        ((key,), value) for key, value in data.items() if key != "travel"
-    ]
+    """Yield names that a list has twice."""
+    stack: list[tuple[Path, object]] = [((), view.loaded.documents[0].data)]
     while stack:
         path, value = stack.pop()
         if isinstance(value, dict):
             stack += [((*path, key), each) for key, each in value.items()]
         elif isinstance(value, list):
             stack += [((*path, place), each) for place, each in enumerate(value)]
-            for place, each in enumerate(value):
-                if isinstance(each, str) and each in value[:place]:
-                    mend = "write each name once"
-                    message = f"'{each}' is listed twice"
-                    yield _Wrong((*path, place), message, mend)
+            seen = set[str]()
+            for place, each in enumerate(value if path[-1] in _NAMES else ()):
+                if isinstance(each, str):
+                    if each in seen:
+                        message, mend = f"'{each}' is listed twice", "write each name once"
+                        yield _Wrong((*path, place), message, mend, Severity.WARNING)
+                    seen.add(each)
 
 
 def _loads(view: RobotView) -> Iterator[_Wrong]:
@@ -360,7 +365,7 @@ def _parts_of_signals(view: RobotView) -> dict[str, str]:
     body = view.profile.body
     things = {wheel.name: wheel.part for wheel in body.wheels}
     things |= {joint.name: joint.part for joint in body.joints}
-    drives = {slot.name: slot.drives for slot, _ in view.slots}
+    drives = view.drives
     found = {
         signal: things[drives[channel.slot]]
         for signal, (channel, _) in view.channels.items()
@@ -380,7 +385,7 @@ def _parts_of_signals(view: RobotView) -> dict[str, str]:
 
 _RULES = (
     _chain,
-    _apexes,
+    _apex_references,
     _measured,
     _speeds,
     _derived,

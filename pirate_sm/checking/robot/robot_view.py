@@ -53,6 +53,16 @@ class RobotView:
         )
 
     @cached_property
+    def drives(self) -> dict[str, str]:
+        """Return what each slot drives, by their names; empty for one that drives nothing."""
+        return {slot.name: slot.drives for slot, _ in self.slots}
+
+    @cached_property
+    def slot_of(self) -> dict[str, str]:
+        """Return the slot that drives each thing, by their names."""
+        return {thing: name for name, thing in self.drives.items()}
+
+    @cached_property
     def channels(self) -> dict[str, tuple[Channel, Path]]:
         """Return the channel of each measured signal, with its path."""
         return {

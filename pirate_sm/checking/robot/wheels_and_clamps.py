@@ -10,7 +10,7 @@ from pirate_sm.checking.robot.robot_view import RobotView, Written
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
-def _apex_references(view: RobotView) -> Iterator[tuple[int, int, int]]:
+def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:
     """Yield for each part its index, the slot of its apex and the index of its apex wheel."""
     body = view.profile.body
     wheels = [wheel.name for wheel in body.wheels]
@@ -36,7 +36,7 @@ def _directions(view: RobotView) -> Iterator[Finding]:
     """Yield adjacent wheels of a V that do not touch opposite walls."""
     wheels = view.profile.body.wheels
     said: set[int] = set()
-    for _, _, apex in _apex_references(view):
+    for _, _, apex in _apexes(view):
         for other in (apex - 1, apex + 1):
             if wheels[other].part != wheels[apex].part or other in said:
                 continue
@@ -83,16 +83,16 @@ def _sides(view: RobotView) -> Iterator[Finding]:
     A negative angle turns the body on both sides of a joint towards side A, so a negative duty
     cycle pushes the apex to side B, where wheels have the direction -1.
     """
-    for part, slot, apex in _apex_references(view):
+    for part, slot, apex in _apexes(view):
         direction = view.profile.body.wheels[apex].direction
         name = view.profile.body.wheels[apex].name
-        told: set[tuple[int, str]] = set()  # a control turns a motor the same way as usual
+        reported: set[tuple[int, str]] = set()  # a control turns a motor the same way as usual
         for each in view.written:
             value, state = each.write.value, (each.region, each.state)
-            if each.write.slot != slot or not each.write.turns or state in told:
+            if each.write.slot != slot or not each.write.turns or state in reported:
                 continue
             if copysign(1, value) != direction and _holding(view, part, each):
-                told.add(state)
+                reported.add(state)
                 side = "A" if value > 0 else "B"
                 message = (
                     f"this presses '{name}' to side {side}, and its direction of {direction}"
@@ -106,7 +106,7 @@ def _slack(view: RobotView) -> Iterator[Finding]:
 
     One stage is enough: a part may settle before it is pressed, and a worm keeps what it has wound.
     """
-    for part, slot, apex in _apex_references(view):
+    for part, slot, apex in _apexes(view):
         stages: dict[tuple[int, str], list[Written]] = {}
         for each in view.written:
             if each.write.slot == slot and not each.control:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -24,9 +24,9 @@ from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
 from pirate_sm.gallery.scene_file import HERE, OUT, check_scene, words_of
 from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
-from pirate_sm.on_disk import is_folder
 from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.visible import visible
 
@@ -65,6 +65,7 @@ def run_check(options: CheckOptions) -> int:
             Kind.CAMPAIGN: _check_campaign,
             Kind.SCENE: _check_scene,
         },
+        besides=tuple(_refused_settings(options.paths)),
     )
     with progress("checking") as watch:
 
@@ -72,17 +73,17 @@ def run_check(options: CheckOptions) -> int:
             watch(done / total, f", {visible(name)}")
 
         report = check_paths(options.paths or (), asked, show)
-    if any(is_folder(Path(each)) for each in options.paths or (".",)):
-        report = replace(report, findings=(*_refused_settings(), *report.findings))
     print(writable(_written(report, options.format, fail_on)))
     if report.nothing:
         return NOTHING
     return FOUND if report.fails(fail_on) else CLEAN
 
 
-def _refused_settings() -> Iterable[Finding]:
-    """Yield warnings of the project's settings that runs will refuse."""
-    found = settings.values()
+def _refused_settings(paths: Sequence[str] | None) -> Iterator[Finding]:
+    """Yield warnings of the project's settings that runs will refuse, if its file is checked."""
+    file, found = settings.project_file(), settings.values()
+    if file is None or (paths and not any(is_below(file, Path(each)) for each in paths)):
+        return
     for problem in settings.refused(list(found), found):
         yield replace(finding_of(problem), code="check.untrusted", severity=Severity.WARNING)
 

@@ -96,7 +96,8 @@ class Branch(NamedTuple):
 class Require(NamedTuple):
     """Fails unless the robot is confirmed to be in these states: (region, state name).
 
-    ``expected`` and ``handled`` are those of :class:`Do`.
+    ``expected`` and ``handled`` are those of :class:`Do`; ``call`` is the mission that is called
+    in these states, empty if none is.
     """
 
     states: tuple[tuple[int, str], ...]
@@ -106,6 +107,7 @@ class Require(NamedTuple):
     place: str
     expected: bool = False
     handled: bool = False
+    call: str = ""
 
 
 class TriggerSpec(NamedTuple):

@@ -315,6 +315,7 @@ class _PhaseWriter:
             place=scope.place(path),
             expected=step.on_failure is not None,
             handled=scope.handles_failures,
+            call=source.mission.mission,
         )
         self.compiler.begin(inside, source.mission.start, begin)
         for name, end in source.mission.ends.items():

@@ -21,10 +21,18 @@ from pirate_sm.spelling import nearest
 
 _LONGEST: Final = 100
 _MOST_TRIED: Final = 30
-_ANY_KEY: Final = "NAME"
+_MOST_TEXT: Final = 1_000_000
+"""Characters that are validated in search of forms [decided]: about a second."""
 
 
-def form_of(data: Any, path: Path, schema: Schema | None, model: type[BaseModel]) -> str:
+def tries(length: int) -> Iterator[int]:
+    """Yield once for each form that may be tried in a document of so many characters."""
+    return iter(range(max(1, min(100, _MOST_TEXT // max(length, 1)))))
+
+
+def form_of(
+    data: Any, path: Path, schema: Schema | None, model: type[BaseModel], left: Iterator[int]
+) -> str:
     """Return the value at a path, with its key, as it is to be written; empty if none is sure.
 
     Args:
@@ -32,12 +40,13 @@ def form_of(data: Any, path: Path, schema: Schema | None, model: type[BaseModel]
         path: Path of a value that is of the wrong kind.
         schema: The model's schema of this value.
         model: The model of the document.
+        left: The tries that are left for this document.
     """
     if schema is None or not path:
         return ""
     walk = SchemaWalk(model)
     key = path[-1]
-    for form in _forms(schema, _at(data, path), walk):
+    for form, _ in zip(_forms(schema, _at(data, path), walk), left, strict=False):
         missing = _missing(model, walk, _with(data, path, form), path)
         if missing is not None:
             whole = {**form, **dict.fromkeys(missing, "…")} if isinstance(form, dict) else form
@@ -49,6 +58,8 @@ def form_of(data: Any, path: Path, schema: Schema | None, model: type[BaseModel]
 def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:
     """Yield what may have been meant by a value, the likelier first."""
     kind = schema["type"]
+    if value in ({}, []):
+        return  # which says nothing of what was meant
     if kind in ("list", "tuple") and not isinstance(value, list):
         if isinstance(value, dict):
             entries = [_pairs(walk.item(schema), *entry, walk) for entry in value.items()]
@@ -59,8 +70,6 @@ def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:
             yield {"type": type_of(value), "default": value}
         close = nearest(str(value), walk.fields(schema))
         yield from ({name: value} for name in walk.required(schema) or filter(None, [close]))
-    elif kind == "dict" and not isinstance(value, list | dict):
-        yield {_ANY_KEY: value}
     elif isinstance(value, list) and len(value) == 1:
         yield value[0]
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any, TypeVar
 
@@ -11,7 +12,7 @@ from pydantic_core import ErrorDetails
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.error_wording import Wording, merged, misspelt_kind, wanted_kind, word
-from pirate_sm.loading.yaml.right_kind import form_of
+from pirate_sm.loading.yaml.right_kind import form_of, tries
 from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import nearest, one_of
@@ -19,7 +20,6 @@ from pirate_sm.spelling import nearest, one_of
 M = TypeVar("M", bound=BaseModel)
 
 _MOST_ERRORS = 200
-_MOST_FORMS = 20  # each validates the document a few times
 _UNKNOWN_KEY = ("extra_forbidden", "unexpected_keyword_argument")
 _MISSING_KEY = ("missing", "missing_argument", "missing_keyword_only_argument")
 
@@ -56,22 +56,22 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
             _meant(error, walk) for error in relevant if error.detail["type"] in _UNKNOWN_KEY
         }
         about = problems.about(document)
-        for number, kept in enumerate(relevant):
+        left = tries(len(document.text))
+        for kept in relevant:
             # Do not report a misspelt key as missing too.
             if kept.detail["type"] not in _MISSING_KEY or kept.trail.path not in misspelt:
-                shown = _with_form(kept, data, model) if number < _MOST_FORMS else kept
-                _report(shown, walk, about, at)
+                _report(_with_form(kept, data, model, left), walk, about, at)
         if len(details) > _MOST_ERRORS:
             about.add("more", at, f"{len(details) - _MOST_ERRORS} more errors are not shown")
         return None
 
 
-def _with_form(error: _Error, data: Any, model: type[BaseModel]) -> _Error:
+def _with_form(error: _Error, data: Any, model: type[BaseModel], left: Iterator[int]) -> _Error:
     """Return an error about a wrong kind of value with the right form, if it is clear."""
     wording = error.worded()
     if wording.code != "kind" or wording.expected or wording.suggestion:
         return error
-    form = form_of(data, error.trail.path, error.trail.schema, model)
+    form = form_of(data, error.trail.path, error.trail.schema, model, left)
     return replace(error, wording=wording._replace(expected=form))
 
 

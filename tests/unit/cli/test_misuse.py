@@ -87,6 +87,8 @@ def test_the_nearest_of_some_fixed_words_is_suggested(pirate: Any) -> None:
         (["mitre_bend"], "did you mean: pirate run mitre_bend?"),
         (["mitre_bnd"], "did you mean: pirate run mitre_bend?"),
         (["mine/bend.yaml"], "did you mean: pirate run mine/bend.yaml?"),
+        (["mine/my bend.yaml"], "did you mean: pirate run 'mine/my bend.yaml'?"),
+        (["mine/profile.yaml"], "did you mean: pirate check mine/profile.yaml?"),
         (["help"], "did you mean: pirate --help?"),
         (["version"], "did you mean: pirate --version?"),
         (["rum"], "Did you mean 'run'"),
@@ -102,6 +104,11 @@ def test_a_command_line_that_is_nearly_right_is_shown_right(
     pirate: Any, words: list[str], message: str
 ) -> None:
     assert message in refused(pirate(*words))
+
+
+@pytest.mark.parametrize("word", ["/etc", "docs/missions.md", "mine/"])
+def test_a_path_that_is_no_mission_is_not_to_be_run(pirate: Any, word: str) -> None:
+    assert "did you mean" not in refused(pirate(word))
 
 
 def test_no_mission_at_all(pirate_run: Any) -> None:

@@ -100,6 +100,9 @@ def test_a_project_reaches_no_robot_and_writes_nowhere_else_unless_it_is_trusted
     checked = pirate("check", "--format", "json")
     assert "check.untrusted" in checked.stdout
     assert "check.untrusted" not in pirate("check", str(NEWT / "patrol.yaml")).stdout
+    Path("other").mkdir()
+    assert "check.untrusted" not in pirate("check", "other", "--format", "json").stdout
+    assert "check.untrusted" in pirate("check", "other", "..", "--format", "json").stdout
     user.write_text(f'trusted = ["{tmp_path}"]', "utf-8")
     assert {each["refused"] for each in shown(pirate).values()} == {None}
     result = pirate("run", str(NEWT / "patrol.yaml"))

@@ -2,11 +2,19 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
 
 import pytest
 
+from pirate_sm.checking.exploring.explore import MOST_WORK
+from pirate_sm.checking.mission import flow
 from pirate_sm.checking.mission.check_mission import check_mission
+from pirate_sm.checking.plans.phase_entry import refused_from
+from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.mission.successors import successors
+from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.loading.mission import LoadedMission
 
 CLAMP = "  a: {do: [ClampFront, ClampRear], go: b}\n"
 DRIVE = (
@@ -68,6 +76,70 @@ def test_only_what_was_counted_counts_on(tmp_path: Path, when: str, counted: boo
     found = told(tmp_path, CLAMP + DRIVE.replace("go: c", "go: on") + on + END)
 
     assert [each.partition(" ")[0] for each in found] == ["wait.counts_on"] * (not counted)
+
+
+def test_a_wait_counts_on_what_any_wait_before_it_has_counted(tmp_path: Path) -> None:
+    on = "  on: {wait: [{when: change(gamma_1) >= 10 deg, go: c}], counts_on: true, within: LATE}\n"
+    turn = "  b: {wait: [{when: change(gamma_1) >= 5 deg, go: d}], within: LATE}\n"
+    between = DRIVE.replace("  b: ", "  d: ").replace("go: c", "go: on")
+
+    assert told(tmp_path, CLAMP + turn + between + on + END) == []
+
+
+def test_a_way_of_many_waits_is_followed_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    asked = Counter[int]()
+
+    def counting(program: Program, at: int) -> tuple[int, ...]:
+        asked[at] += 1
+        return successors(program, at)
+
+    monkeypatch.setattr(flow, "successors", counting)
+    waits = "".join(
+        f"  w{n}: {{wait: [{{when: change(odometry) >= {n + 1} mm, go: w{n + 1}}}],"
+        f" counts_on: {str(n > 0).lower()}, within: LATE}}\n"
+        for n in range(30)
+    )
+    told(tmp_path, CLAMP.replace("go: b", "go: w0") + waits + "  w30: {go: c}\n" + END)
+
+    assert 1 <= max(asked.values()) <= 3
+
+
+def test_resuming_is_explored_once_for_each_phase_and_state(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    explored = list[tuple[str, float]]()
+
+    def counting(
+        loaded: LoadedMission, phase: str, body: RobotState, most_work: float
+    ) -> tuple[str, float]:
+        why, work = refused_from(loaded, phase, body, most_work)
+        explored.append((phase, most_work))
+        return why, work
+
+    monkeypatch.setattr(flow, "refused_from", counting)
+    let_go = "  b: {do: [RelaxFront], go: w0}\n"
+    waits = "".join(
+        f"  w{n}: {{wait: [{{after: 3 s, go: {f'w{n + 1}' if n < 4 else 'good'}}}], resume: a}}\n"
+        for n in range(5)
+    )
+
+    found = told(tmp_path, CLAMP + let_go + waits)
+
+    assert found == ["resume.refused a}"] * 5
+    limits = [limit for _, limit in explored]
+    assert len(limits) <= 2  # the mission is judged again where faults are mended
+    assert max(limits) == MOST_WORK
+
+
+def test_resuming_is_explored_within_one_limit(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(flow, "MOST_WORK", 0)
+    waits = "  b: {do: [RelaxFront], go: w}\n  w: {wait: [{after: 3 s, go: good}], resume: a}\n"
+
+    assert told(tmp_path, CLAMP + waits) == []
 
 
 @pytest.mark.parametrize(

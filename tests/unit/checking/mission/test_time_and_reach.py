@@ -48,6 +48,41 @@ def wait(condition: str, within: str = "10 s") -> str:
     return f"{{wait: [{{when: {condition}}}], within: {{time: {within}}}}}"
 
 
+ALIGNED = "    done: {kind: aligned, slots: [rotate], within: 3 deg}"
+
+
+@pytest.mark.parametrize(
+    ("done", "beyond"), [(ALIGNED, True), ("    done: {kind: accepted}", False)]
+)
+def test_a_joint_may_still_be_where_it_was_if_nothing_waits_for_it(
+    tmp_path: Path, done: str, beyond: bool
+) -> None:
+    text = (PIRATE / "profile.yaml").read_text("utf-8")
+    swaps = [(ALIGNED, done.replace("    done", "    #done")) for _ in range(text.count(ALIGNED))]
+    changed(PIRATE, tmp_path, "profile.yaml", *swaps, ("controls:\n", CREEPING))
+    file = tmp_path / PIRATE.name / "profile.yaml"
+    file.write_text(file.read_text("utf-8").replace("    #done", "    done"), "utf-8")
+
+    found = findings(tmp_path, f"RelaxFront, AlignLeft, AlignRight, {wait('phi < -30 deg')}")
+
+    assert [each.code for each in found if each.code == "condition.beyond"] == (
+        ["condition.beyond"] * beyond
+    )
+
+
+def test_the_usual_timeout_of_a_control_is_not_said_to_be_here(tmp_path: Path) -> None:
+    slow = ("    no_load_speed: ", "    no_load_speed: 0.0001 rad/s  # "), ("controls:\n", CREEPING)
+    changed(PIRATE, tmp_path, "profile.yaml", *slow)
+
+    usual, given = (
+        next(e.message for e in findings(tmp_path, do) if e.code == "step.timeout")
+        for do in ("{control: exp_3a}", "{control: exp_3a, timeout: 9 s}")
+    )
+
+    assert usual.endswith("and the usual timeout is 10 s")
+    assert given.endswith("and the timeout here is 9 s")
+
+
 @pytest.mark.parametrize(
     ("control", "condition", "beyond"),
     [

@@ -8,13 +8,17 @@ import pytest
 
 from pirate_sm.checking.mission.check_mission import check_mission
 
+from ..robots import PIRATE, changed
+
 GO = "[ClampFront, ClampRear, DriveForward]"
 BACK = GO.replace("Forward", "Backward")
 INTO = "[Brake, RelaxFront, BendInto, DriveForward]"
 ROUND = "[Brake, ClampFront, RelaxRear, BendBack, ClampRear, DriveForward]"
 
 
-def told(folder: Path, *waits: tuple[str, str], pipe: str = "mitre_90") -> list[str]:
+def told(
+    folder: Path, *waits: tuple[str, str], pipe: str = "mitre_90", robot: str = "pirate_ii"
+) -> list[str]:
     """The codes and messages about waits, each with the steps before it."""
     phases = "".join(
         f"  p{n}: {{do: {do}, wait: [{{when: {when}, go: p{n + 1}}}],"
@@ -22,7 +26,7 @@ def told(folder: Path, *waits: tuple[str, str], pipe: str = "mitre_90") -> list[
         for n, (do, when) in enumerate(waits)
     )
     text = (
-        f"format: 1\nmission: m\nrobot: pirate_ii\npipe: {pipe}\nstart: p0\nphases:\n{phases}"
+        f"format: 1\nmission: m\nrobot: {robot}\npipe: {pipe}\nstart: p0\nphases:\n{phases}"
         f"  p{len(waits)}: {{do: [Brake], go: good}}\n  late: {{do: [Brake], go: bad}}\n"
         "ends: {good: {succeed: Good}, bad: {fail: Bad}}\n"
     )
@@ -49,13 +53,13 @@ def test_no_part_is_round_a_bend_into_which_none_has_bent(tmp_path: Path, word: 
 def test_the_last_wheel_is_not_round_it_before_its_part_has_bent(tmp_path: Path) -> None:
     (said,) = told(tmp_path, (GO, CLOSE), (INTO, PAST))
 
-    assert said.endswith("is said behind the bend, and only a part of the robot has bent into it")
+    assert said.endswith("is said after the bend, and only a part of the robot has bent into it")
 
 
 def test_behind_the_last_bend_there_is_no_further_word(tmp_path: Path) -> None:
     round_it = (GO, CLOSE), (INTO, IN), (ROUND, PAST)
     (said,) = told(tmp_path, *round_it, ("[ToggleLighting]", CLOSE))
-    assert said.endswith("the route has no further one ahead of the robot")
+    assert said.endswith("the route has no other bend in that direction")
 
     two = "{diameter: 120 mm, segments: [{straight: 1 m}, {mitre: 90 deg}, {straight: 1 m},"
     two += " {mitre: 90 deg}, {straight: 1 m}], start: {at: 700 mm}}"
@@ -64,7 +68,7 @@ def test_behind_the_last_bend_there_is_no_further_word(tmp_path: Path) -> None:
 
 def test_a_robot_that_backs_from_a_bend_hears_nothing_of_it(tmp_path: Path) -> None:
     (said,) = told(tmp_path, (BACK, CLOSE))
-    assert said.endswith("the route has no further one behind the robot")
+    assert said.endswith("the route has no other bend in that direction")
 
     assert told(tmp_path, (BACK, CLOSE), pipe="mitre_90_backward") == []
 
@@ -77,6 +81,16 @@ def test_a_joint_is_of_a_kind_that_the_pipe_has(tmp_path: Path, kind: str, pipe:
 
     assert said.startswith("word.never: ")
     assert told(tmp_path, (GO, f"'joint in ({kind}, end)'"), pipe=pipe) == []
+
+
+def test_a_detector_whose_words_follow_from_signals_may_say_anything(tmp_path: Path) -> None:
+    wait = (GO, "joint == elbow")
+    (said,) = told(tmp_path, wait)
+    assert said.startswith("word.never: ")
+
+    felt = "  words:\n    felt: {when: abs(roll) > 30 deg}\n"
+    robot = changed(PIRATE, tmp_path, "profile.yaml", ("  words:\n", felt))
+    assert told(tmp_path, wait, robot=str(robot)) == []
 
 
 @pytest.mark.parametrize(("way", "fits"), [("200 mm", True), ("350 mm", True), ("700 mm", False)])

@@ -8,7 +8,14 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.findings import Severity
-from pirate_sm.checking.robot.check_robot import check_robot, robot_findings
+from pirate_sm.checking.robot.check_robot import (
+    ERROR_RULES,
+    RULES,
+    check_robot,
+    robot_errors,
+    robot_findings,
+)
+from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.loading.robot import load_robot
 
 from ..robots import NEWT, PIRATE, changed, told
@@ -180,6 +187,20 @@ def test_a_fault_is_told_once_and_at_its_place(
     assert found[0][1].startswith(at)
 
 
+@pytest.mark.parametrize(("swap", "code", "at"), FAULTS.values(), ids=FAULTS)
+def test_only_rules_without_errors_are_left_out_before_a_run(
+    tmp_path: Path, swap: tuple[str, str], code: str, at: str
+) -> None:
+    robot = changed(NEWT, tmp_path, "profile.yaml", swap)
+    found = check_robot(robot).findings
+
+    errors = [each for each in found if each.severity is Severity.ERROR]
+    assert list(robot_errors(load_robot(robot))) == errors
+    view = RobotView(load_robot(robot))
+    rest = [each for rule in RULES if rule not in ERROR_RULES for each in rule(view)]
+    assert all(each.severity is not Severity.ERROR for each in rest)
+
+
 @pytest.mark.parametrize(
     ("first", "second", "held"),
     [("0 %", "-50 %", True), ("-50 %", "0 %", True), ("0 %", "0 %", False)],
@@ -198,6 +219,28 @@ def test_a_clamp_is_pressed_in_one_of_its_stages(
     for each in slack:
         assert "nothing presses it to the wall" in each.message
         assert "negative value" in each.mend
+
+
+@pytest.mark.parametrize(
+    ("first", "breaks"),
+    [
+        ("{drive_a: 80 %, drive_b: 0 %, drive_c: 0 %, drive_d: 0 %}", True),
+        ("{drive_a: 80 %, drive_b: -80 %, drive_c: 80 %, drive_d: -80 %}", False),
+    ],
+    ids=["one wheel turns first", "all at once"],
+)
+def test_a_rule_may_be_broken_in_one_of_the_stages(
+    tmp_path: Path, first: str, breaks: bool
+) -> None:
+    whole = "{drive_a: 80 %, drive_b: -80 %, drive_c: 80 %, drive_d: -80 %}"
+    stages = f"Ahead: [{first}, {whole}]" if breaks else f"Ahead: {first}"
+    rule = "  - {rule: together, never: driven_wheels > 0 and driven_wheels < 4}\n"
+    swaps = (f"Ahead: {whole}", stages), ("rules:\n", f"rules:\n{rule}")
+    robot = changed(NEWT, tmp_path, "profile.yaml", *swaps)
+
+    found = [each.code for each in check_robot(robot).findings]
+
+    assert found.count("robot.rule_never") == (not breaks), found
 
 
 def test_a_clamp_whose_sensor_is_not_fitted_is_never_done(tmp_path: Path) -> None:

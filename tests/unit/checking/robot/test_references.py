@@ -13,6 +13,7 @@ from typing import Any
 import pytest
 import yaml
 
+from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.cli.commands.new import write_robot
 from pirate_sm.cli.options.files import NewRobotOptions
@@ -250,6 +251,52 @@ def test_the_finding_says_what_to_write(
     ), found
     if says:
         assert [each.code for each in found].count("robot.reference") == 1, found
+
+
+RUMP = "    - {module: rump, length: 80 mm, mass: 100 g}\n"
+WHEEL = "{name: last, part: tail, direction: 1, mass: 50 g, angle: roll_e, speed: spin_e}"
+SLOT = "{name: drive_e, unit: duty, motor: track, wheel: last, mirrors: true}"
+CHANNEL = "{name: wheel_e, signal: roll_e, convert: wheel_count, senses: angle, slot: drive_e}"
+LONGER = (
+    (RUMP, RUMP + RUMP.replace("rump", "tip")),
+    ("  links:\n", f"    - {WHEEL}\n  links:\n"),
+    ("  parts:\n    nose", "    - {name: wag, wheel: right_hind, part: tail, end_stop: 130 deg}\n"
+     "  parts:\n    nose"),
+    ("wheel: right_hind, mirrors: true}\n", "wheel: right_hind, mirrors: true}\n"
+     f"      - {SLOT}\n"),
+    ("senses: angle, slot: drive_d}\n", f"senses: angle, slot: drive_d}}\n      - {CHANNEL}\n"
+     "      - {name: wag, signal: wag, convert: fold_count}\n"),
+    ("  spin_a:", "  spin_e: {rate_of: roll_e}\n  spin_a:"),
+    ("drive_d: 0 %}", "drive_d: 0 %, drive_e: 0 %}"),
+    ("drive_d: -80 %}", "drive_d: -80 %, drive_e: 80 %}"),
+    ("drive_d: 80 %}", "drive_d: 80 %, drive_e: -80 %}"),
+    ("drive_d]}", "drive_d, drive_e]}"),
+)  # fmt: skip
+"""A fifth wheel for the newt, and before it a joint that a board measures and nothing drives."""
+
+
+def test_a_joint_that_is_measured_and_moves_freely_is_no_error(tmp_path: Path) -> None:
+    found = check_robot(changed(NEWT, tmp_path, "profile.yaml", *LONGER)).findings
+
+    (free,) = (each for each in found if each.message == "no slot drives 'wag'")
+    assert free.severity is Severity.WARNING
+
+
+def test_a_name_that_is_listed_twice_is_no_error(tmp_path: Path) -> None:
+    swap = "odometry_of: [left_fore, right_fore", "odometry_of: [left_fore, left_fore"
+    (found,) = check_robot(changed(NEWT, tmp_path, "profile.yaml", swap)).findings
+
+    assert found.severity is Severity.WARNING
+
+
+def test_only_lists_of_names_name_each_thing_once(tmp_path: Path) -> None:
+    swap = (
+        "robot: newt",
+        "travel: {last: a, passages: [{joints: [mitre], calls: [b, b]}]}\nrobot: newt",
+    )
+    found = check_robot(changed(NEWT, tmp_path, "profile.yaml", swap)).findings
+
+    assert [each.message for each in found if "twice" in each.message] == []
 
 
 def test_a_missing_signal_of_a_wheel_is_not_said_to_be_that_of_another(tmp_path: Path) -> None:
