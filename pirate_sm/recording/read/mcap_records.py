@@ -108,9 +108,9 @@ class FileTopics:
 
     def described(self, number: int) -> tuple[str, str, bytes]:
         """Return a topic, the name of its schema and the schema; empty without a schema."""
-        channel = self.channels[number]
-        schema = self.schemas.get(channel.schema_id)
-        return (channel.topic, schema.name, schema.data) if schema else (channel.topic, "", b"")
+        name, channel = self.names[number], self.channels.get(number)
+        schema = self.schemas.get(channel.schema_id) if channel else None
+        return (name, schema.name, schema.data) if schema else (name, "", b"")
 
 
 def messages_in(records: bytes) -> Iterator[RawMessage]:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from itertools import groupby
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from pirate_sm import __version__
 from pirate_sm.engine.state import EngineState
@@ -26,6 +26,19 @@ from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
 from pirate_sm.recording.read.mcap_records import ChunkPlace, DamagedError
 from pirate_sm.recording.read.steps import Message, Step, StepEffects
+
+
+class FirstInput(NamedTuple):
+    """The first input of a piece.
+
+    Attributes:
+        number: The number of its step.
+        at_s: Its time by the engine's clock; ``time_ns``: the same, ns since 1970.
+    """
+
+    number: int
+    at_s: float
+    time_ns: int
 
 
 class PieceReader:
@@ -63,9 +76,14 @@ class PieceReader:
         names = self._chunks.topics.names
         return [Message(names[number], time_ns, data) for number, time_ns, data in entries]
 
-    def first_input_s(self, messages: Sequence[Message]) -> float | None:
-        """Return the time of the first input by the engine's clock; None without inputs."""
-        return min((at_s for _, at_s, _, _ in self._rows(messages, inputs=True)), default=None)
+    def first_input(self, messages: Sequence[Message]) -> FirstInput | None:
+        """Return the first input of a piece; None without inputs."""
+        found = [
+            FirstInput(number, at_s, message.time_ns)
+            for message in messages
+            for number, at_s, _, _ in self._rows([message], inputs=True)
+        ]
+        return FirstInput(*map(min, zip(*found, strict=True))) if found else None
 
     def effects(self, messages: Sequence[Message], origin_s: float) -> Iterator[StepEffects]:
         """Yield the effects of each step in order, with times since ``origin_s``."""
@@ -87,10 +105,6 @@ class PieceReader:
                 for number, at_s, _, made in self._decoded(STATE, data):
                     with suppress(ValueError):
                         yield number, at_s, state_from_text(made.state)
-
-    def first_step(self, messages: Sequence[Message]) -> int:
-        """Return the number of the first input of a piece; -1 without inputs."""
-        return min((number for number, _, _, _ in self._rows(messages, inputs=True)), default=-1)
 
     def steps(self, messages: Sequence[Message], first: int | None) -> list[Step]:
         """Return the steps of a piece.

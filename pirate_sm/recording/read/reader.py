@@ -10,6 +10,7 @@ from __future__ import annotations
 import json
 from bisect import bisect_right
 from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from datetime import datetime
 from functools import cached_property
@@ -31,7 +32,7 @@ from pirate_sm.recording.read.mcap_content import (
     newest_checkpoints,
     read_content,
 )
-from pirate_sm.recording.read.piece_reader import PieceReader, unreadable
+from pirate_sm.recording.read.piece_reader import FirstInput, PieceReader, unreadable
 from pirate_sm.recording.read.steps import (
     Checkpoint,
     Gap,
@@ -126,11 +127,19 @@ class Recording:
 
         All times of a recording except those of its steps count from then.
         """
-        for _, messages in self._pieces(0):
-            first_s = self._reader.first_input_s(messages)
-            if first_s is not None:
-                return first_s
-        return 0.0
+        first = self._first_input
+        if first is None or not first.number:
+            return first.at_s if first else 0.0
+        return round(first.at_s - self._time_s(first.time_ns), 9)
+
+    @cached_property
+    def _first_input(self) -> FirstInput | None:
+        """Return the first input in a whole piece; its number is not 0 if those before are lost."""
+        for place in range(len(self.content.pieces)):
+            with suppress(DamagedInsideError):
+                if first := self._reader.first_input(self._reader.messages(place)):
+                    return first
+        return None
 
     @cached_property
     def until_s(self) -> float:
@@ -207,7 +216,7 @@ class Recording:
         started = after is not None
         for rows in self.commits(after):
             for step in rows:
-                started = started or step.by == "start"
+                started = started or step.by == "start" or step.state is not None
                 yield step if started or step.by != "engine" else step._replace(by="seen")
 
     def commits(self, after: Checkpoint | None = None) -> Iterator[list[Step]]:
@@ -220,9 +229,9 @@ class Recording:
         for place, messages in self._pieces(first):
             expected = number if place > first or after is None else None
             if self.gaps and expected is not None:
-                begins = self._reader.first_step(messages)
-                if any(each.step == begins for each in self.gaps):
-                    expected = number = max(begins, number)
+                begins = self._reader.first_input(messages)
+                if begins and any(each.step == begins.number for each in self.gaps):
+                    expected = number = max(begins.number, number)
             rows = self._reader.steps(messages, expected)
             steps = [step for step in rows if step.number >= number]
             number += len(steps)
@@ -266,9 +275,10 @@ class Recording:
         """Return the time at which the run began, ns since 1970.
 
         In old recordings, messages of later runs of a session counted from the session's first run.
-        So the header's time is used only if the file has no piece.
+        So the header's time is used only if the file has no piece, or its first steps are lost.
         """
-        if self.content.pieces:
+        first = self._first_input
+        if self.content.pieces and not (first and first.number):
             return self.content.pieces[0].start_ns
         return round(datetime.fromisoformat(self.header.began).timestamp() * NS_PER_S)
 

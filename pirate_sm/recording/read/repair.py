@@ -12,9 +12,12 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.errors import RecordingError
+from pirate_sm.on_disk import opened
+from pirate_sm.recording.format.engine_topics import STATE, UNLOGGED, Topics
 from pirate_sm.recording.format.header import REPAIRED
 from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
+from pirate_sm.recording.read.mcap_content import index_of
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.read.steps import Gap, Step
 from pirate_sm.recording.write.recording_file import DiskFile, Pieces
@@ -87,7 +90,7 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
             damages.insert(-1 if content.damage else len(damages), error.how)
     file.write(file.cut())
     torn_bytes = content.size - content.whole
-    damage = " and ".join(damages)
+    damage = " and ".join(dict.fromkeys(damages))
     gaps = (*recording.gaps, *copy.gaps)
     complete = recording.complete and not damage and not gaps
     if not complete:
@@ -96,7 +99,7 @@ def _write(recording: Recording, file: Pieces) -> Repaired:
         end = "damaged" if lost_end else ""
         file.note(REPAIRED, {**said, "gaps": json.dumps(gaps), "end": end})
     file.finish()
-    until_s = copy.until_s - copy.origin_s if copy.steps else 0.0
+    until_s = copy.until_s - recording.origin_s if copy.steps else 0.0
     return Repaired(copy.steps, until_s, torn_bytes, damage, gaps, complete)
 
 
@@ -104,12 +107,17 @@ class _Copy:
     """Copies piece after piece to the new file."""
 
     def __init__(self, recording: Recording, file: Pieces) -> None:
-        self.steps, self.until_s, self.origin_s = 0, 0.0, 0.0
+        self.steps, self.until_s, self._origin_s = 0, 0.0, recording.origin_s
         self.gaps: list[Gap] = []
         self.lost_end = False  # whether damage has come since the last steps
         self._next = 0
         self._known = {gap.step for gap in recording.gaps}
-        self._chunks = Chunks(recording.path, recording.content.pieces)
+        content = recording.content
+        self._chunks = Chunks(recording.path, content.pieces, content.topics)
+        with opened(recording.path) as old:
+            self._chunks.topics.learn(index_of(old))
+        known = Topics(recording.header.layout).by_name
+        self._ours = {**known, STATE.name: STATE, UNLOGGED.name: UNLOGGED}
         self._file = file
         self._topics: dict[int, int] = {}
         self._uncut = 0
@@ -122,7 +130,7 @@ class _Copy:
             self.lost_end = False
         for number, time_ns, data in self._chunks.entries(place):
             if number not in topics:
-                topics[number] = file.topic(*self._chunks.topics.described(number))
+                topics[number] = file.topic(*self._described(number))
             file.message(topics[number], time_ns, data)
             self._uncut += len(data)
         if self._uncut >= _LEAST_BYTES:
@@ -131,15 +139,19 @@ class _Copy:
         self.steps += len(steps)
         self.until_s = steps[-1].at_s if steps else self.until_s
 
+    def _described(self, number: int) -> tuple[str, str, bytes]:
+        """Return a topic, the name of its schema and the schema; empty if that is not known."""
+        name, schema_name, schema = self._chunks.topics.described(number)
+        ours = None if schema else self._ours.get(name)
+        return (name, ours.schema_name, ours.schema_json) if ours else (name, schema_name, schema)
+
     def _follow(self, steps: list[Step]) -> None:
         """Note a gap if these steps are not the next ones; a piece of the file begins there."""
         first = steps[0]
-        if not self.steps:
-            self.origin_s = min(step.at_s for step in steps)
         if first.number != self._next:
             self._file.write(self._file.cut())
             self._uncut = 0
             if first.number not in self._known:
-                before_s = self.until_s - self.origin_s if self.steps else 0.0
-                self.gaps.append(Gap(first.number, before_s, first.at_s - self.origin_s))
+                before_s = self.until_s - self._origin_s if self.steps else 0.0
+                self.gaps.append(Gap(first.number, before_s, first.at_s - self._origin_s))
         self._next = steps[-1].number + 1

@@ -140,16 +140,15 @@ def rerun_steps(
         effects = step.effects
         if step.number in after_gaps:
             is_lost, state = True, _knowing_nothing(state, engine.robot)
-        if step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
+        if is_lost:
+            state = step.state or _looking_only(state, engine.robot, step)
+            is_lost = step.state is None
+        elif step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
         elif step.by == "start":
-            is_lost = False
             state, effects = engine.start(
                 step.at_s, seen, body=step.body, paused=step.paused, resumed=step.resumed
             )
-        elif is_lost:
-            state = step.state or _looking_only(state, engine.robot, step)
-            is_lost = step.state is None
         elif step.by == "engine" and state is not None and step.event is not None:
             state, effects = engine.step(state, step.event, step.at_s)
         yield Rerun(step, state, effects, step.at_s - origin_s)

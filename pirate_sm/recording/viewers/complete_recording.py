@@ -73,6 +73,7 @@ class _Completed:
     def write(self) -> None:
         """Write the whole file."""
         recording, file = self._recording, self._file
+        file.time_ns(recording.origin_s)  # the beginning, also if its steps are lost
         pieces = PieceMaker(file, self._topics, self._side)
         noted, until_s = Gathered(0, self._topics.channels), 0.0
         samples = _Ahead(_samples(recording))

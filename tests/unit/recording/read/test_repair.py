@@ -15,17 +15,22 @@ from mcap.reader import make_reader
 from mcap.writer import MCAP0_MAGIC
 
 from pirate_sm.errors import RecordingError
+from pirate_sm.recording.format.engine_topics import STATE
 from pirate_sm.recording.read import repair as module
 from pirate_sm.recording.read.mcap_records import FRAME
+from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.repair import is_whole, repair
+from pirate_sm.recording.read.steps import Gap
 from pirate_sm.recording.replay.end_of_run import end_of_run
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import replay, rerun, same
+from pirate_sm.recording.viewers.complete_recording import write_complete
+from pirate_sm.recording.write import recorder
 from pirate_sm.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.wiring import Order
-from tests.unit.recording.recording_runs import record
+from tests.unit.recording.recording_runs import read_end, record
 
 
 @pytest.fixture(scope="module")
@@ -261,6 +266,90 @@ def test_a_piece_that_is_missing_without_a_trace_is_a_gap_too(
     assert again.gaps == done.gaps
     assert again.notices
     assert len(list(again.steps())) == done.steps == sum(map(len, steps)) - len(steps[place])
+
+
+@pytest.fixture(scope="module")
+def marked(tmp_path_factory: pytest.TempPathFactory) -> Recording:
+    """A run with marks before its checkpoints, cut off before its index."""
+    path = tmp_path_factory.mktemp("runs") / "run.mcap"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(recorder, "CHECKPOINT_S", 2.0)
+        record(path, Order("mitre_bend"))
+    data = path.read_bytes()
+    path.write_bytes(data[: read_end(data)])
+    return read_recording(path)
+
+
+def test_the_topics_of_a_damaged_piece_are_known_without_the_index(
+    marked: Recording, tmp_path: Path
+) -> None:
+    pieces = list(marked.commits())
+    done = repair(spoilt_in(marked, tmp_path / "spoilt.mcap", 0), tmp_path / "good.mcap")
+
+    assert done.steps == sum(map(len, pieces[1:]))
+    assert done.damage.count("at byte") == 1
+    assert "unknown" not in done.damage
+    with (tmp_path / "good.mcap").open("rb") as file:
+        summary = make_reader(file, validate_crcs=True).get_summary()
+    assert summary is not None
+    assert {it.topic for it in summary.channels.values()} >= {"/engine/out/Log", STATE.name}
+    for channel in summary.channels.values():
+        assert summary.schemas[channel.schema_id].name == "pirate_sm" + channel.topic.replace(
+            "/", "."
+        )
+
+
+def test_without_its_first_piece_times_still_count_from_the_beginning_of_the_run(
+    marked: Recording, tmp_path: Path
+) -> None:
+    repair(spoilt_in(marked, tmp_path / "spoilt.mcap", 0), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    first = next(again.steps())
+
+    with recorded_mission(marked.header) as loaded:
+        body = loaded.loaded_robot.profile.body
+        places = list(recorded_places(again, body))
+        wholly = list(recorded_places(marked, body))
+        write_complete(again, loaded, tmp_path / "viewed.mcap")
+    viewed = read_recording(tmp_path / "viewed.mcap")
+
+    assert again.gaps == viewed.gaps == (Gap(first.number, 0.0, first.at_s - marked.origin_s),)
+    assert first.at_s > marked.origin_s + 1.0
+    assert again.until_s == viewed.until_s == marked.until_s
+    assert again.origin_s == viewed.origin_s == marked.origin_s
+    assert places == wholly[-len(places) :]
+    assert again.starts_s[0] == pytest.approx(first.at_s - marked.origin_s)
+    assert viewed.starts_s[0] == pytest.approx(first.at_s - marked.origin_s)
+
+
+def test_without_its_first_piece_the_mission_is_executed_from_the_first_checkpoint_on(
+    marked: Recording, tmp_path: Path
+) -> None:
+    repair(spoilt_in(marked, tmp_path / "spoilt.mcap", 0), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    due = next(again.checkpoints())
+
+    with recorded_mission(marked.header) as loaded:
+        wholly = {it.step.number: it for it in rerun(marked, loaded)}
+        for it in rerun(again, loaded):
+            if it.step.number >= due.step:
+                before = wholly[it.step.number]
+                assert it.step.number == due.step or it.step.by == before.step.by
+                assert same(it.state, before.state)
+        done = replay(again, loaded, after=due)
+
+    assert (done.difference, done.executed, done.until_s) == (None, True, marked.until_s)
+
+
+def test_of_topics_that_nothing_names_is_said_once_that_they_are_unknown(
+    whole: bytes, tmp_path: Path
+) -> None:
+    recording = cut(whole, tmp_path, read_end(whole))
+    spoilt = spoilt_in(recording, tmp_path / "spoilt.mcap", 0)
+
+    damages = repair(spoilt, tmp_path / "good.mcap").damage.split(" and ")
+
+    assert len(damages) == len(set(damages)) > 1
 
 
 def test_a_gap_is_between_the_last_step_before_and_the_first_after(tmp_path: Path) -> None:
