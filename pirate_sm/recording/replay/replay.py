@@ -10,11 +10,13 @@ from typing import Any, NamedTuple
 
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import DENIED, Mark, RobotState, states_of
+from pirate_sm.engine.safety.faults import no_faults
 from pirate_sm.engine.sensing.conversion import observe
 from pirate_sm.engine.sensing.known_signals import nothing_known
-from pirate_sm.engine.state import EngineState
+from pirate_sm.engine.state import OUTSIDE, EngineState, MissionState
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import Effect, Setpoints
+from pirate_sm.model.effects import Effect, PhaseChange, Setpoints, StateChange
 from pirate_sm.model.events import SensorFrame, SignalReport
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
@@ -125,7 +127,8 @@ def rerun_steps(
     """Yield every step, replayed, in order.
 
     After a gap the mission is not executed until the engine's recorded state is known: of the
-    signals those are known then that follow from frames alone.
+    signals those are known then that follow from frames alone, of the robot and the mission what
+    is recorded, and nothing is confirmed before a recorded change says so.
 
     Args:
         engine: The engine as in the run.
@@ -139,9 +142,9 @@ def rerun_steps(
     for step in steps:
         effects = step.effects
         if step.number in after_gaps:
-            is_lost, state = True, _knowing_nothing(state, engine.robot)
-        if is_lost:
-            state = step.state or _looking_only(state, engine.robot, step)
+            is_lost, state = True, _unproven(engine, state)
+        if is_lost and state is not None:
+            state = step.state or _looking_only(state, engine, step)
             is_lost = step.state is None
         elif step.by == "seen" and isinstance(step.event, SensorFrame | SignalReport):
             seen.append(step.event)
@@ -154,20 +157,53 @@ def rerun_steps(
         yield Rerun(step, state, effects, step.at_s - origin_s)
 
 
-def _knowing_nothing(state: EngineState | None, robot: RobotSpec) -> EngineState | None:
-    return None if state is None else state._replace(sensing=nothing_known(robot))
+def _unproven(engine: Engine, before: EngineState | None) -> EngineState:
+    """Return a state without a signal, in the states of before a gap, of which none is confirmed.
+
+    Args:
+        engine: The engine.
+        before: The state before the gap; None if nothing was known then.
+    """
+    robot, unknown = engine.robot, (nan,) * len(engine.robot.slots)
+    body = RobotState(engine.program.start_configuration, unknown)
+    if before is not None:
+        body = body._replace(configuration=before.robot.configuration, control=before.robot.control)
+    states = states_of(robot, body)
+    body = _in_states(robot, body, StateChange(states, robot.regions))
+    sensing, mission = nothing_known(robot, blind=True), MissionState(engine.program.start)
+    return EngineState(
+        body, sensing, mission, no_faults(robot), (*states, *(None for _ in OUTSIDE))
+    )
 
 
-def _looking_only(state: EngineState | None, robot: RobotSpec, step: Step) -> EngineState | None:
-    """Return the state after a step whose earlier steps are lost: signals, and what is sent.
+def _in_states(robot: RobotSpec, body: RobotState, change: StateChange) -> RobotState:
+    """Return the robot in recorded states; a part may hold if a region of it is confirmed."""
+    here = robot.table.index_of(change.states)
+    if here is None:
+        return body
+    regions = {robot.regions.index(name) for name in change.unconfirmed}
+    parts = {part for part in robot.held[here] if robot.part_regions[part] <= regions}
+    marks = {Mark("region", each, DENIED) for each in regions}
+    marks |= {Mark("part", each, DENIED) for each in parts}
+    return body._replace(configuration=here, marks=frozenset(marks))
+
+
+def _looking_only(state: EngineState, engine: Engine, step: Step) -> EngineState:
+    """Return the state after a step whose earlier steps are lost: what is recorded, and signals.
 
     The mission is not executed, as it may be elsewhere. NaN are signals that need what was before,
     such as odometry.
     """
-    if state is None:
-        return None
-    if arrays := [each.values for each in step.effects if isinstance(each, Setpoints)]:
-        state = state._replace(robot=state.robot._replace(values=arrays[-1]))
+    robot = engine.robot
+    for effect in step.effects:
+        if isinstance(effect, StateChange):
+            state = state.moved(robot, _in_states(robot, state.robot, effect))
+        elif isinstance(effect, Setpoints):
+            state = state._replace(robot=state.robot._replace(values=effect.values))
+        elif isinstance(effect, PhaseChange):
+            pc = engine.program.enter(effect.phase)
+            pc = engine.program.start if pc is None else pc
+            state = state._replace(mission=MissionState(pc))
     if not isinstance(step.event, SensorFrame):
         return state
     values = state.robot.values

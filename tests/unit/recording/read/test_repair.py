@@ -14,7 +14,10 @@ from keeping import Memory, course, header, tell
 from mcap.reader import make_reader
 from mcap.writer import MCAP0_MAGIC
 
+from pirate_sm.console.recorded_snapshots import recorded_snapshots
+from pirate_sm.engine.robot.robot_state import confirmed_parts, state_change, states_of
 from pirate_sm.errors import RecordingError
+from pirate_sm.model.effects import PhaseChange, Setpoints, StateChange
 from pirate_sm.recording.format.engine_topics import STATE
 from pirate_sm.recording.read import repair as module
 from pirate_sm.recording.read.mcap_records import FRAME
@@ -29,6 +32,8 @@ from pirate_sm.recording.viewers.complete_recording import write_complete
 from pirate_sm.recording.write import recorder
 from pirate_sm.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
+from pirate_sm.showing.panels import states
+from pirate_sm.showing.progress_lines import idle
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import read_end, record
 
@@ -392,6 +397,51 @@ def test_after_a_gap_is_shown_what_frames_tell_and_nothing_that_was_counted(
 
     assert (done.difference, done.gap) == (None, gap)
     assert done.until_s == gap.from_s
+
+
+@pytest.mark.parametrize("hit", [0, 3, 5])
+def test_after_a_gap_states_are_unproven_until_they_are_recorded(hit: int, tmp_path: Path) -> None:
+    """They were those of before the gap, with clamps confirmed and a command under way."""
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", hit), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    change: StateChange | None = None
+    phase, sent = "", False
+    with recorded_mission(recording.header) as loaded:
+        robot, program = loaded.robot, loaded.program
+        for it in rerun(again, loaded):
+            if it.step.number < again.gaps[0].step:
+                continue
+            for effect in it.step.effects:
+                change = effect if isinstance(effect, StateChange) else change
+                phase = effect.phase if isinstance(effect, PhaseChange) else phase
+                sent = sent or isinstance(effect, Setpoints)
+            assert it.state is not None
+            body = it.state.robot
+            unconfirmed = robot.regions if change is None else change.unconfirmed
+            assert state_change(robot, body).unconfirmed == unconfirmed
+            assert change is None or state_change(robot, body) == change
+            assert it.state.words[: len(robot.regions)] == states_of(robot, body)
+            assert change is not None or not confirmed_parts(robot, body)
+            assert not phase or program.phase_of[it.state.mission.pc] == phase
+            assert (body.motion, body.flight, body.loops) == (None, None, ())
+            assert sent or all(map(isnan, body.values))
+            assert not it.state.mission.begun
+    assert change is not None
+    assert phase
+
+
+def test_the_console_draws_no_clamp_and_no_drive_of_before_a_gap(tmp_path: Path) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    snapshots = recorded_snapshots(again)
+    before = snapshots.at(again.gaps[0].from_s)
+    after = snapshots.at(again.gaps[0].until_s + 0.2)
+
+    assert "driving forward" in idle(before)
+    assert idle(after) == "what the wheels were last asked for is not known"
+    assert not any(line.plain.startswith("●") for line in states(after, 60))
 
 
 def test_a_run_with_a_gap_is_not_resumed_from_what_was_known_before_it(tmp_path: Path) -> None:
