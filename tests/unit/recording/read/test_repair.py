@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import errno
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from math import isnan
 from pathlib import Path
 from random import Random
@@ -252,15 +252,20 @@ def test_a_wrong_bit_costs_its_own_piece_only(
     assert is_whole(again)
 
 
+def without(recording: Recording, path: Path, place: int) -> Recording:
+    """The recording without this piece, as if it had never been written."""
+    data, hit = recording.path.read_bytes(), recording.content.pieces[place]
+    path.write_bytes(data[: hit.at - FRAME.size] + data[hit.at + hit.size :])
+    return read_recording(path, damaged=True)
+
+
 @pytest.mark.parametrize("place", [3, 20])
 def test_a_piece_that_is_missing_without_a_trace_is_a_gap_too(
     place: int, whole: bytes, tmp_path: Path
 ) -> None:
     before = cut(whole, tmp_path, len(whole))
-    steps, hit = list(before.commits()), before.content.pieces[place]
-    without = tmp_path / "without.mcap"
-    without.write_bytes(whole[: hit.at - FRAME.size] + whole[hit.at + hit.size :])
-    recording = read_recording(without, damaged=True)
+    steps = list(before.commits())
+    recording = without(before, tmp_path / "without.mcap", place)
     assert not is_whole(recording)
 
     done = repair(recording, tmp_path / "good.mcap")
@@ -304,10 +309,11 @@ def test_the_topics_of_a_damaged_piece_are_known_without_the_index(
         )
 
 
+@pytest.mark.parametrize("made", [spoilt_in, without])
 def test_without_its_first_piece_times_still_count_from_the_beginning_of_the_run(
-    marked: Recording, tmp_path: Path
+    made: Callable[[Recording, Path, int], Recording], marked: Recording, tmp_path: Path
 ) -> None:
-    repair(spoilt_in(marked, tmp_path / "spoilt.mcap", 0), tmp_path / "good.mcap")
+    repair(made(marked, tmp_path / "spoilt.mcap", 0), tmp_path / "good.mcap")
     again = read_recording(tmp_path / "good.mcap")
     first = next(again.steps())
 
