@@ -118,10 +118,12 @@ def _apex_references(view: RobotView) -> Iterator[_Wrong]:
         usual = whole or {each.name for each in joints}
         apex = body.parts[part].apex
         if apex not in usual:
-            message = f"the V of '{part}' has its tip at a joint of it, between two of its wheels"
+            message = f"the V of '{part}' needs its tip at a joint of it, between two of its wheels"
             valid = " or ".join(f"`apex: {each}`" for each in sorted(usual))
             mend = f"write {valid}" if valid else f"give '{part}' a joint"
-            yield _Wrong(("body", "parts", part, "apex"), message, mend)
+            own_joint = apex in {each.name for each in joints}  # unusual, yet nothing moves wrongly
+            severity = Severity.WARNING if own_joint else None
+            yield _Wrong(("body", "parts", part, "apex"), message, mend, severity)
 
 
 def _needed(view: RobotView) -> Iterator[_Measured]:
