@@ -92,10 +92,15 @@ def cases(which: Sequence[str] = ("missions", "robots", "pipes", "projects")) ->
 def checked(case: Mistake) -> CheckedCase:
     """Write the files of a case into a folder of their own and check it."""
     with TemporaryDirectory() as folder, chdir(folder):
-        for path, content in case.files.items():
-            Path(path).parent.mkdir(parents=True, exist_ok=True)
-            Path(path).write_bytes(content)
+        written(case)
         return CheckedCase(case, list(_findings(case)))
+
+
+def written(case: Mistake) -> None:
+    """Write the files of a case into the working directory."""
+    for path, content in case.files.items():
+        Path(path).parent.mkdir(parents=True, exist_ok=True)
+        Path(path).write_bytes(content)
 
 
 def _findings(case: Mistake) -> Iterator[tuple[str, int, str]]:

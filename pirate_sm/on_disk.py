@@ -11,6 +11,7 @@ from __future__ import annotations
 import errno
 import os
 import stat
+import tempfile
 from io import BufferedReader
 from pathlib import Path
 
@@ -57,6 +58,28 @@ def opened(path: Path | str) -> BufferedReader:
     """
     _refuse_irregular(path, os.stat(path))  # noqa: PTH116 - a path may be a text
     return open(path, "rb", opener=_without_waiting)
+
+
+def replace_file(path: Path, content: bytes, mode: int = 0o644) -> None:
+    """Write a file at once, so that no reader sees half of it and a failure leaves the old one.
+
+    Args:
+        path: The file; a link is replaced, not its target.
+        content: All of it.
+        mode: Its permissions.
+
+    Raises:
+        OSError: It cannot be written.
+    """
+    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
+    part = Path(name)
+    try:
+        with os.fdopen(handle, "wb") as file:
+            file.write(content)
+        part.chmod(stat.S_IMODE(mode))
+        part.replace(path)
+    finally:
+        part.unlink(missing_ok=True)
 
 
 def _without_waiting(path: str, flags: int) -> int:

@@ -14,7 +14,7 @@ import yaml
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, usual_severity
-from pirate_sm.loading.problems import Place
+from pirate_sm.loading.problems import Edit, Place
 from pirate_sm.loading.yaml.document import LARGEST_FILE
 
 _MARK = re.compile(r"#[ \t]*pirate:[ \t]*allow\b[ \t]*(?P<said>.*)")
@@ -107,7 +107,8 @@ def _faults(allowance: Allowance, used: bool) -> Iterator[Finding]:
         close = catalogue.nearest_code(code) or ""
         message = f"there is no code '{code}'"
         fault = _finding(allowance, "allow.unused", message)
-        yield replace(fault, suggestion=close)
+        edit = close and Edit(allowance.place, allowance.place.column + len(code), close)
+        yield replace(fault, suggestion=close, edit=edit or None)
     elif code not in catalogue.allowable():
         message = f"'{code}' cannot be allowed: it keeps the file from being used"
         yield _finding(allowance, "allow.unused", message)

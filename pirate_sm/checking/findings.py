@@ -8,7 +8,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING
 
 from pirate_sm.checking import catalogue
-from pirate_sm.loading.problems import Locator, Place, Problem
+from pirate_sm.loading.problems import Edit, Locator, Place, Problem
 from pirate_sm.loading.problems import Severity as LoadSeverity
 
 if TYPE_CHECKING:
@@ -47,6 +47,7 @@ class Finding:
         story: How it happens, with one sentence for each event, in order.
         example: File of the trace script that reproduces the story; empty without one.
         course: The exploration and the index of its step; empty without one.
+        edit: The change that removes it; None if it is not known.
         allowed: The reason in a comment that allows it; empty if it is not allowed.
     """
 
@@ -61,6 +62,7 @@ class Finding:
     story: tuple[str, ...] = ()
     example: str = ""
     course: tuple[tuple[Exploration, int], ...] = field(default=(), compare=False, repr=False)
+    edit: Edit | None = None
     allowed: str = field(default="", compare=False)
 
     def __repr__(self) -> str:
@@ -88,6 +90,7 @@ def finding_of(problem: Problem) -> Finding:
         mend=f"expected {problem.expected}" if problem.expected else "",
         suggestion=problem.suggestion,
         excerpt=problem.excerpt,
+        edit=problem.edit,
     )
 
 

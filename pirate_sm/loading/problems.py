@@ -32,6 +32,23 @@ class Place:
         return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
 
 
+@dataclass(frozen=True, slots=True, order=True)
+class Edit:
+    """A change within one line of a file that removes a fault.
+
+    Attributes:
+        place: Where the replaced text begins.
+        end_column: The column after it; that of the place if text is only inserted.
+        text: The replacement.
+        safe: Whether nothing else can have been meant.
+    """
+
+    place: Place
+    end_column: int
+    text: str
+    safe: bool = False
+
+
 class Severity(StrEnum):
     """Whether a problem prevents the use of a file."""
 
@@ -51,6 +68,7 @@ class Problem:
         suggestion: The text that was probably meant; empty if there is none.
         excerpt: The line of the file at the place.
         severity: Whether the file can be used nevertheless.
+        edit: The change that removes the fault; None if it is not known.
     """
 
     code: str
@@ -60,6 +78,7 @@ class Problem:
     suggestion: str = ""
     excerpt: str = ""
     severity: Severity = Severity.ERROR
+    edit: Edit | None = None
 
     def render(self) -> str:
         """Return the problem as lines of plain text: place and message, the line, hints."""
@@ -117,6 +136,11 @@ class Locator(Protocol):
     def excerpt(self, line: int, file: str = "") -> str:
         """Return a line of the file, or of one that it extends; empty when there is none."""
 
+    def edit_of(
+        self, path: Path, text: str, *, key: bool, within: tuple[int, int] | None, safe: bool
+    ) -> Edit | None:
+        """Return the change that writes another text at a path; None if it cannot be made."""
+
 
 class Problems:
     """Collects the problems of one load, over all the files that take part in it."""
@@ -145,6 +169,8 @@ class Problems:
         suggestion: str = "",
         key: bool = False,
         offset: int | None = None,
+        length: int = 1,
+        write: str = "",
         severity: Severity = Severity.ERROR,
     ) -> None:
         """Add a problem with the value at `path` of the document.
@@ -157,13 +183,21 @@ class Problems:
             suggestion: The text that was probably meant.
             key: Point at the key instead of at its value.
             offset: Point this many characters into the text of the value.
+            length: How many characters are wrong from there.
+            write: What is to be written as the value, if nothing else can have been meant.
             severity: Whether the file can be used nevertheless.
         """
         if self._document is None:
             raise ValueError("these problems are not about a document: use about()")
         place = self._document.place_of(path, key=key, offset=offset)
         excerpt = self._document.excerpt(place.line, place.file)
-        self.put(Problem(code, place, message, expected, suggestion, excerpt, severity))
+        edit = None
+        if new := write or suggestion:
+            within = None if offset is None else (offset, offset + length)
+            edit = self._document.edit_of(
+                path, new, key=key and not write, within=within, safe=bool(write)
+            )
+        self.put(Problem(code, place, message, expected, suggestion, excerpt, severity, edit))
 
     def add_unknown(
         self,
@@ -208,6 +242,7 @@ class Problems:
                 fault.message,
                 suggestion=fault.suggestion,
                 offset=fault.offset,
+                length=fault.length,
             )
 
     @property

@@ -2,9 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from contextlib import chdir
+from dataclasses import replace
+from pathlib import Path
+
 import pytest
 
-from benchmarks.mistakes import ODD, Mistake, cases, checked, table
+from benchmarks.mistakes import ODD, Mistake, cases, checked, table, written
+from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.project.check_project import check_paths
+from pirate_sm.checking.project.fix_files import changes_of
 
 MISTAKES = {f"{case.kind}.{case.name}": case for case in cases()}
 CORRECT = {f"{case.kind}.{case.name}": case for case in cases([ODD])}
@@ -46,3 +54,51 @@ def test_a_finding_on_another_line_or_in_no_file_is_not_on_the_line_of_the_mista
 
     assert [each.answer for each in outcomes] == ["on its line", "elsewhere"]
     assert table(outcomes).splitlines()[-1].split() == ["all", "2", "50%", "1", "0"]
+
+
+def _key(finding: Finding) -> tuple[str, str, int, str]:
+    return finding.code, finding.place.file, finding.place.line, finding.message
+
+
+def _fixed_one_by_one(case: Mistake, folder: Path) -> list[str]:
+    """Make each safe edit of a case alone; return their texts."""
+    made = []
+    with chdir(folder):
+        written(case)
+        report = check_paths([case.path])
+        known = set(map(_key, report.open))
+        for finding in report.open:
+            for change in changes_of(replace(report, findings=(finding,)), ["."], unsafe=False):
+                change.write()
+                left = set(map(_key, check_paths([case.path]).open))
+                Path(change.name).write_bytes(change.before.encode())
+
+                assert _key(finding) not in left
+                assert left <= known
+                assert finding.edit is not None
+                made.append(finding.edit.text)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("name", "texts"),
+    [
+        ("missions.structure.do_text", ["[Brake]"]),
+        ("missions.structure.end_text", ["{succeed: success}"]),
+        ("missions.parameters.list", ["{type: length, default: 200 mm}"]),
+        ("missions.conditions.and", ["and"]),
+        ("missions.conditions.arrow", [">="]),
+        ("missions.conditions.angle", []),  # which unit?
+        ("missions.structure.key", []),  # a misspelt name is a guess
+    ],
+)
+def test_a_safe_edit_removes_its_finding_and_causes_no_other(
+    name: str, texts: Sequence[str], tmp_path: Path
+) -> None:
+    assert _fixed_one_by_one(MISTAKES[name], tmp_path) == texts
+
+
+@pytest.mark.thorough
+@pytest.mark.parametrize("name", MISTAKES)
+def test_so_does_each_safe_edit_of_the_corpus(name: str, tmp_path: Path) -> None:
+    _fixed_one_by_one(MISTAKES[name], tmp_path)

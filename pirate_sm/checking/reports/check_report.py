@@ -25,6 +25,7 @@ class Report:
         findings: Distinct findings ordered by place, including allowed ones.
         files: The checked files.
         where: The searched files and folders.
+        fixed: How many findings have been removed by changing files.
         nothing: Whether there was no file to check.
         rehearsals: Results of running missions, if requested.
     """
@@ -33,6 +34,7 @@ class Report:
     files: tuple[CheckedFile, ...]
     rehearsals: tuple[Rehearsal, ...] = ()
     where: tuple[str, ...] = ()
+    fixed: int = 0
     nothing: bool = False
 
     @property

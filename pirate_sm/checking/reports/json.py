@@ -12,7 +12,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import end_column, excerpt
-from pirate_sm.loading.problems import Place
+from pirate_sm.loading.problems import Edit, Place
 
 FORMAT = 1
 
@@ -29,7 +29,7 @@ def json_report(report: Report) -> str:
         "files": [{"file": each.name, "kind": each.kind.value} for each in report.files],
         "findings": [_finding(each) for each in report.findings],
         "rehearsals": [_rehearsal(each) for each in report.rehearsals],
-        "summary": {**counts, "allowed": len(report.allowed)},
+        "summary": {**counts, "allowed": len(report.allowed), "fixed": report.fixed},
     }
     return json.dumps(whole, indent=1)
 
@@ -50,7 +50,20 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "related": [{**_place(place), "message": what} for place, what in finding.related],
         "story": list(finding.story),
         "example": finding.example,
+        "edit": _edit(finding.edit),
         "allowed": finding.allowed,
+    }
+
+
+def _edit(edit: Edit | None) -> dict[str, Any] | None:
+    if edit is None:
+        return None
+    return {
+        **_place(edit.place),
+        "end_line": edit.place.line,
+        "end_column": edit.end_column,
+        "replacement": edit.text,
+        "safe": edit.safe,
     }
 
 

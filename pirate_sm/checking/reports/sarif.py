@@ -14,7 +14,7 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.source_lines import end_column, excerpt
-from pirate_sm.loading.problems import Place
+from pirate_sm.loading.problems import Edit, Place
 
 _ROOT = "%SRCROOT%"
 
@@ -91,7 +91,27 @@ def _result(finding: Finding, rule: int, seen: Counter[str]) -> dict[str, Any]:
         ]
     if finding.story:
         result["codeFlows"] = [_flow(finding)]
+    if finding.edit is not None:
+        result["fixes"] = [_fix(finding.edit)]
     return result
+
+
+def _fix(edit: Edit) -> dict[str, Any]:
+    region = {
+        "startLine": edit.place.line,
+        "startColumn": edit.place.column,
+        "endLine": edit.place.line,
+        "endColumn": edit.end_column,
+    }
+    return {
+        "description": _message(f"Write {edit.text}" + ("" if edit.safe else " (not sure)")),
+        "artifactChanges": [
+            {
+                "artifactLocation": _artifact(edit.place.file),
+                "replacements": [{"deletedRegion": region, "insertedContent": {"text": edit.text}}],
+            }
+        ],
+    }
 
 
 def _flow(finding: Finding) -> dict[str, Any]:

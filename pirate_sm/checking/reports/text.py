@@ -47,7 +47,7 @@ def text_report(report: Report, paint: Paint, columns: int = _WIDTH) -> str:
         for rehearsal in report.rehearsals:
             lines += _rehearsal(rehearsal, paint, columns)
         lines.append("")
-    lines.append(paint("", summary(report)))
+    lines += [paint("", line) for line in (*_fixes(report), summary(report))]
     return "\n".join(lines)
 
 
@@ -125,6 +125,18 @@ def summary(report: Report) -> str:
     looked = ", ".join(count(number, kind) for kind, number in kinds.items())
     where = f" in {', '.join(report.where)}" if 0 < len(report.where) <= _MOST_PLACES else ""
     return f"{looked or 'nothing'} checked{where}: {_counted(report)}"
+
+
+def _fixes(report: Report) -> Iterator[str]:
+    """Yield how many findings were removed by --fix, and how many can be."""
+    if report.fixed:
+        yield f"{count(report.fixed, 'finding')} fixed"
+    edits = [each.edit for each in report.open if each.edit is not None]
+    safe = sum(edit.safe for edit in edits)
+    if safe:
+        yield f"{count(safe, 'finding')} can be fixed by --fix"
+    if guesses := len(edits) - safe:
+        yield f"{count(guesses, 'finding')} can be fixed by a guess, with --fix --unsafe-fixes"
 
 
 def _counted(report: Report) -> str:

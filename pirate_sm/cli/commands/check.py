@@ -11,6 +11,7 @@ from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.mission.rehearsal import Rehearse
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
+from pirate_sm.checking.project.fix_files import FileChange, changes_of
 from pirate_sm.checking.reports.check_report import Report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli import settings
@@ -67,16 +68,32 @@ def run_check(options: CheckOptions) -> int:
         },
         besides=tuple(_refused_settings(options.paths)),
     )
+    if options.unsafe_fixes and not (options.fix or options.diff):
+        raise UsageError("--unsafe-fixes is for --fix and --diff")
+    fixed = 0
+    if options.fix or options.diff:
+        report = _checked(options, replace(asked, rehearse=None, counterexamples=None))
+        changes = changes_of(report, options.paths or (), unsafe=options.unsafe_fixes)
+        if options.diff:
+            print(writable(visible("\n".join(map(FileChange.diff, changes)), lines=True)))
+            return FOUND if changes else CLEAN
+        for change in changes:
+            change.write()
+            fixed += change.fixed
+    report = replace(_checked(options, asked), fixed=fixed)
+    print(writable(_written(report, options.format, fail_on)))
+    if report.nothing:
+        return NOTHING
+    return FOUND if report.fails(fail_on) else CLEAN
+
+
+def _checked(options: CheckOptions, asked: Wishes) -> Report:
     with progress("checking") as watch:
 
         def show(done: int, total: int, name: str) -> None:
             watch(done / total, f", {visible(name)}")
 
-        report = check_paths(options.paths or (), asked, show)
-    print(writable(_written(report, options.format, fail_on)))
-    if report.nothing:
-        return NOTHING
-    return FOUND if report.fails(fail_on) else CLEAN
+        return check_paths(options.paths or (), asked, show)
 
 
 def _refused_settings(paths: Sequence[str] | None) -> Iterator[Finding]:

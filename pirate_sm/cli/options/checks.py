@@ -18,7 +18,8 @@ class CheckOptions:
     `# pirate: allow CODE: reason`.
 
     Exit codes: 0 clean, 1 findings of the severity of --fail-on or worse, 2 usage, or there was
-    nothing to check.
+    nothing to check. With --fix they are about what is left; with --diff 1 means that there is
+    something to change.
     """
 
     paths: list[str] | None = argument(
@@ -47,6 +48,15 @@ class CheckOptions:
     counterexamples: str | None = option(
         "DIR", named_files.folders, "Write how a finding comes about, as files to run."
     )
+    fix: bool = flag(
+        "Change the checked files where only one thing can have been meant, and check again.",
+        "--fix",
+    )
+    unsafe_fixes: bool = flag(
+        "With --fix and --diff: also change what was probably meant, such as misspelt names.",
+        "--unsafe-fixes",
+    )
+    diff: bool = flag("Show what --fix would change, and change nothing.", "--diff")
     rehearse: bool = flag("Run each mission in the simulator.", "--rehearse")
     seeds: int = typed("How often each is rehearsed.", min=1, default=1)
     outside: bool = flag("Follow `call` and `pipe` out of the project.", "--outside")

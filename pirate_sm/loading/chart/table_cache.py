@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
-import tempfile
 from dataclasses import asdict
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -18,6 +16,7 @@ from pirate_sm.loading.chart.exploration import compile_chart
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
+from pirate_sm.on_disk import replace_file
 
 
 def cached_table(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
@@ -105,10 +104,6 @@ def _write(path: Path, table: ChartTable) -> None:
     data.pop("_index")
     try:
         path.parent.mkdir(parents=True, exist_ok=True)
-        # Write to a temporary file and rename it, so that no other run reads an incomplete file.
-        handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-        with os.fdopen(handle, "w", encoding="utf-8") as file:
-            json.dump(data, file)
-        Path(name).replace(path)
+        replace_file(path, json.dumps(data).encode())
     except OSError:
         return

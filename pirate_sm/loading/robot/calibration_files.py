@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import os
 import re
-import tempfile
 from collections.abc import Mapping
 from dataclasses import replace
 from math import degrees, radians
@@ -20,7 +18,7 @@ from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.loading.yaml.document import read_document
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
-from pirate_sm.on_disk import is_folder
+from pirate_sm.on_disk import is_folder, replace_file
 
 LARGEST_ZERO_RAD = radians(30)
 """A larger zero means a slipped magnet, which a calibration must not hide."""
@@ -143,12 +141,7 @@ def _folders(robot: LoadedRobot) -> tuple[Path, Path]:
 
 def _write(path: Path, text: str) -> Path:
     path.parent.mkdir(parents=True, exist_ok=True)
-    # Write to a temporary file and rename it, so that no reader sees an incomplete file.
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    with os.fdopen(handle, "w", encoding="utf-8") as file:
-        file.write(text)
-    Path(name).replace(path)
-    path.chmod(0o644)  # temporary files are private by default
+    replace_file(path, text.encode())
     return path
 
 

@@ -16,17 +16,21 @@ from typing import Any, Final
 
 from pirate_sm.loading import problems as found
 from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.problems import LoadError, Place, Problem
+from pirate_sm.loading.problems import Edit, LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
 from pirate_sm.loading.yaml.nodes import Node
 from pirate_sm.loading.yaml.overlay import from_file, overlaid
 from pirate_sm.on_disk import opened
+from pirate_sm.spelling import nearest
 
 LARGEST_FILE: Final = 1 << 20  # bytes
 _UNPRINTABLE: Final = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 )
 _INK: Final = re.compile(r"\S")
+_FOREIGN_OPERATOR: Final = re.compile(r"&&?|\|\|?|!|!==|===|<>|=[<>]|[≠≥≤−×÷]")
+"""Operators of other languages that have one translation."""
+_QUANTITY: Final = re.compile(r"[-+.]?[0-9]")
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,6 +105,55 @@ class Document:
         if offset is not None:
             line, column = self._home(file)._inside(node, offset)
         return Place(file or self.name, line, column)
+
+    def edit_of(
+        self,
+        path: found.Path,
+        text: str,
+        *,
+        key: bool = False,
+        within: tuple[int, int] | None = None,
+        safe: bool = False,
+    ) -> Edit | None:
+        """Return the change that writes another text at `path`; None if it cannot be made.
+
+        It cannot where nothing is written yet, over several lines, which may hold comments, and at
+        an anchor or a tag. A name is
+        only changed to one that is spelt alike.
+
+        Args:
+            path: Keys and list indexes from the root; all must exist.
+            text: The replacement, as YAML.
+            key: Replace the key instead of the value.
+            within: Replace only these characters of the value's text.
+            safe: Whether nothing else can have been meant; an operator has one translation.
+        """
+        node = self._root
+        for part in path:
+            child = node.child(part)
+            if child is None and node.children is not None and part != 0:
+                return None
+            node = child[0] if child else node  # a name may be short for a mapping with it
+        place = self.place_of(path, key=key, offset=within and within[0])
+        key = key and isinstance(path[-1], str)
+        old = self._home(node.file).text[node.start : node.end]
+        if key:
+            old = str(path[-1])
+        elif within is not None:
+            old = str(node.value)[slice(*within)]
+            safe = safe or _FOREIGN_OPERATOR.fullmatch(old) is not None
+        rest = self.excerpt(place.line, place.file)[place.column - 1 :]
+        quoted = [mark + old + mark for mark in "\"'" if key and rest.startswith(mark + old + mark)]
+        old = quoted[0] if quoted else old
+        if within is None:
+            number = _QUANTITY.match(old) and _QUANTITY.match(text)
+            named = number or nearest(old.strip("\"'"), [text])
+            sound = old[:1] not in "&!" and "\n" not in old and (safe or named)
+        else:
+            sound = old not in ("", "-")  # a sign is only a part of the number that it means
+        if not sound or not rest.startswith(old):
+            return None
+        return Edit(place, place.column + len(old), text, safe)
 
     def _home(self, file: str) -> Document:
         """Return the document of a file: this one, or one that it extends."""

@@ -20,12 +20,13 @@ from pirate_sm.units import DIMENSIONLESS, QuantityError, in_unit_of, parse_quan
 
 
 class Wording(NamedTuple):
-    """The message for an error."""
+    """The message for an error; `write` is the value, as YAML, that alone can be meant."""
 
     code: str
     message: str
     expected: str = ""
     suggestion: str = ""
+    write: str = ""
 
 
 # The expected kind of value, by the type of pydantic's error.
@@ -102,9 +103,10 @@ def _wrong_kind(wanted: str, value: object) -> Wording:
         shown = str(value).lower() if isinstance(value, bool) else value
         return Wording("kind", message, f"text; in quotes ('{shown}') it is text")
     if wanted == "true or false" and isinstance(value, str):
-        return Wording("kind", message, suggestion=_SWITCHES.get(value.lower(), ""))
+        switch = _SWITCHES.get(value.lower(), "")
+        return Wording("kind", message, suggestion=switch, write=switch)
     if wanted in ("a whole number", "a number") and isinstance(value, str) and _is_number(value):
-        return Wording("kind", message, suggestion=value.strip())
+        return Wording("kind", message, suggestion=value.strip(), write=value.strip())
     return Wording("kind", message)
 
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from itertools import islice, product
-from typing import Any, Final
+from typing import Any, Final, NamedTuple
 
 import yaml
 from pydantic import BaseModel, ValidationError
@@ -30,10 +30,22 @@ def tries(length: int) -> Iterator[int]:
     return iter(range(max(1, min(100, _MOST_TEXT // max(length, 1)))))
 
 
+class Form(NamedTuple):
+    """How a value is to be written, as YAML; empty if it is not known.
+
+    Attributes:
+        line: The value with its key; `…` is what it lacks.
+        value: The value alone; empty if it lacks something, or another form fits too.
+    """
+
+    line: str = ""
+    value: str = ""
+
+
 def form_of(
     data: Any, path: Path, schema: Schema | None, model: type[BaseModel], left: Iterator[int]
-) -> str:
-    """Return the value at a path, with its key, as it is to be written; empty if none is sure.
+) -> Form:
+    """Return how the value at a path is to be written.
 
     Args:
         data: The whole document.
@@ -43,16 +55,21 @@ def form_of(
         left: The tries that are left for this document.
     """
     if schema is None or not path:
-        return ""
+        return Form()
     walk = SchemaWalk(model)
-    key = path[-1]
+    key, found = path[-1], Form()
     for form, _ in zip(_forms(schema, _at(data, path), walk), left, strict=False):
         missing = _missing(model, walk, _with(data, path, form), path)
-        if missing is not None:
-            whole = {**form, **dict.fromkeys(missing, "…")} if isinstance(form, dict) else form
-            line = _flow(whole if isinstance(key, int) else {key: whole})
-            return f"`{line}`" if len(line) <= _LONGEST else ""
-    return ""
+        if missing is None:
+            continue
+        if found.line:
+            return found._replace(value="")
+        whole = {**form, **dict.fromkeys(missing, "…")} if isinstance(form, dict) else form
+        line = _flow(whole if isinstance(key, int) else {key: whole})
+        if len(line) > _LONGEST:
+            return Form()
+        found = Form(f"`{line}`", "" if missing else _flow([form])[1:-1])
+    return found
 
 
 def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:

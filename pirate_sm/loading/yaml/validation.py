@@ -72,7 +72,7 @@ def _with_form(error: _Error, data: Any, model: type[BaseModel], left: Iterator[
     if wording.code != "kind" or wording.expected or wording.suggestion:
         return error
     form = form_of(data, error.trail.path, error.trail.schema, model, left)
-    return replace(error, wording=wording._replace(expected=form))
+    return replace(error, wording=wording._replace(expected=form.line, write=form.value))
 
 
 def _is_echo(detail: ErrorDetails) -> bool:
@@ -159,7 +159,7 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
         expected = f"`{path[-1]}: {only[0]}`" if len(only) == 1 else ""
         problems.add("missing-key", path[:-1], message, expected=expected, key=True)
     else:
-        code, message, expected, suggestion = error.worded()
+        code, message, expected, suggestion, write = error.worded()
         # Show a fault of a whole mapping at its key.
         key = error.trail.key or isinstance(error.detail["input"], dict)
         if kind == "key":
@@ -168,7 +168,9 @@ def _report(error: _Error, walk: SchemaWalk, problems: Problems, at: Path) -> No
             path, key = (*path, _discriminator(error.detail)), False
         if misspelt := misspelt_kind(error.detail, error.trail.schema):
             path = (*path, misspelt[0])
-        problems.add(code, path, message, expected=expected, suggestion=suggestion, key=key)
+        problems.add(
+            code, path, message, expected=expected, suggestion=suggestion, write=write, key=key
+        )
 
 
 def _last_key(detail: ErrorDetails) -> Path:

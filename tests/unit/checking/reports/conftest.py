@@ -7,7 +7,7 @@ import pytest
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.loading.file_kinds import Kind
-from pirate_sm.loading.problems import Place
+from pirate_sm.loading.problems import Edit, Place
 
 LINE = "  - {command: RelaxRear, if: 'speed > 2 m/s'}  # 100 %, really: ünusual"
 
@@ -22,6 +22,7 @@ def report() -> Report:
             mend="brake first", suggestion="RelaxFront", excerpt=LINE,
             related=((Place("missions/called.yaml", 3, 1), "called from here"),),
             story=("the mission begins", "RelaxRear is refused:\nwheels turn"), example="loss_1",
+            edit=Edit(place, 24, "RelaxFront"),
         ),
         Finding("phase.unreachable", Severity.WARNING, Place("a.yaml", 3, 3), "lost", excerpt="x"),
         Finding("trigger.never", Severity.POSSIBLE, Place("a.yaml", 9, 3), "perhaps", excerpt="y"),
@@ -50,5 +51,6 @@ def hostile() -> Report:
     finding = Finding(
         "unknown-key", Severity.ERROR, place, nasty, mend=nasty, suggestion=nasty,
         excerpt=f"abc {nasty}", story=(nasty,), related=((place, nasty),), example=nasty,
+        edit=Edit(place, 9, nasty, safe=True),
     )  # fmt: skip
     return Report((finding, finding.allow(nasty)), (CheckedFile(place.file, Kind.MISSION),))

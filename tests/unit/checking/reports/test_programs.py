@@ -60,11 +60,16 @@ def test_what_programs_read_is_as_its_schema_says(
 def test_json_holds_everything(report: Report) -> None:
     data = json.loads(json_report(report))
 
-    assert data["summary"] == {"error": 2, "warning": 1, "possible": 1, "allowed": 1}
+    assert data["summary"] == {"error": 2, "warning": 1, "possible": 1, "allowed": 1, "fixed": 0}
     first = data["findings"][0]
     assert (first["line"], first["column"], first["end_column"]) == (12, 15, 24)
     assert first["story"][0] == "the mission begins"
     assert first["related"][0]["message"] == "called from here"
+    assert first["edit"] == {
+        "file": "missions/my mission.yaml", "line": 12, "column": 15, "end_line": 12,
+        "end_column": 24, "replacement": "RelaxFront", "safe": False,
+    }  # fmt: skip
+    assert data["findings"][1]["edit"] is None
     assert data["findings"][3]["allowed"] == "it ends, here"
 
 
@@ -74,6 +79,24 @@ def test_sarif_names_its_schema_and_where_the_program_is_told_of(report: Report)
 
     assert log["$schema"].endswith("/sarif-2.1.0.json")
     assert driver["informationUri"] == f"pkg:pypi/pirate-sm@{driver['version']}"
+
+
+def test_sarif_has_the_change_that_removes_a_finding(report: Report) -> None:
+    first, second, *_ = sarif(report)["runs"][0]["results"]
+
+    [change] = first["fixes"][0]["artifactChanges"]
+    assert change == {
+        "artifactLocation": {"uri": "missions/my%20mission.yaml", "uriBaseId": "%SRCROOT%"},
+        "replacements": [
+            {
+                "deletedRegion": {
+                    "startLine": 12, "startColumn": 15, "endLine": 12, "endColumn": 24,
+                },
+                "insertedContent": {"text": "RelaxFront"},
+            }
+        ],
+    }  # fmt: skip
+    assert "fixes" not in second
 
 
 def test_sarif_shows_the_place_the_story_and_what_is_allowed(report: Report) -> None:

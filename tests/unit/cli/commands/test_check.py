@@ -109,6 +109,7 @@ def test_a_finding_fails_the_check_from_its_severity_on(
         ["m.yaml", "--set", "speed"],
         ["m.yaml", "--format", "html"],
         ["m.yaml", "--fail-on", "never"],
+        ["m.yaml", "--unsafe-fixes"],
     ],
 )
 def test_what_does_not_fit_is_refused(pirate: Any, warned: Path, arguments: list[str]) -> None:
@@ -117,6 +118,42 @@ def test_what_does_not_fit_is_refused(pirate: Any, warned: Path, arguments: list
     assert result.exit_code == 2
     assert result.stdout == ""
     assert result.stderr
+
+
+@pytest.fixture
+def short(here: Path) -> Path:
+    """A mission with an error of which nobody can doubt what was meant, and a misspelt phase."""
+    file = here / "s.yaml"
+    file.write_text(MISSION.replace("[ClampFront], go: e", "ClampFront, goo: e"), encoding="utf-8")
+    return file
+
+
+def test_what_is_sure_is_fixed_and_what_is_left_decides_the_exit_code(
+    pirate: Any, short: Path
+) -> None:
+    assert "\n1 finding can be fixed by --fix\n1 finding can be" in pirate("check", short).stdout
+    first = pirate("check", short, "--fix")
+    assert (first.exit_code, "unknown-key" in first.stdout) == (1, True)
+    assert "\n1 finding fixed\n1 finding can be fixed by a guess, with --fix" in first.stdout
+    assert first.stdout.endswith(": 1 error\n")
+    second = pirate("check", short, "--fix", "--unsafe-fixes")
+    assert second.exit_code == 0
+    assert second.stdout == "1 finding fixed\n1 mission checked in s.yaml: no findings\n"
+    assert short.read_text("utf-8") == MISSION
+    third = pirate("check", short, "--fix", "--format", "json")
+    assert json.loads(third.stdout)["summary"]["fixed"] == 0
+
+
+def test_what_would_be_fixed_is_shown_and_nothing_changes(pirate: Any, short: Path) -> None:
+    before = short.read_bytes()
+    result = pirate("check", short, "--diff", "--unsafe-fixes")
+
+    assert result.exit_code == 1
+    assert result.stdout.startswith("--- s.yaml\n+++ s.yaml\n@@ ")
+    assert "\n-  a: {do: ClampFront, goo: e}\n+  a: {do: [ClampFront], go: e}\n" in result.stdout
+    assert short.read_bytes() == before
+    short.write_text(MISSION, encoding="utf-8")
+    assert pirate("check", short, "--diff").exit_code == 0
 
 
 def test_another_robot_and_pipe_are_taken(pirate: Any, warned: Path) -> None:
