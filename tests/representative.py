@@ -36,7 +36,8 @@ def thorough_but(few: Collection[Case], cases: Iterable[Case]) -> list[Any]:
         cases: All cases.
     """
     cases = list(cases)
-    assert set(few) <= set(cases), f"no such cases: {set(few) - set(cases)}"
+    missing = [case for case in few if case not in cases]
+    assert not missing, f"no such cases: {missing}"
     marked = []
     for case in cases:
         values = case if isinstance(case, tuple) else (case,)

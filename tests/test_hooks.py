@@ -58,6 +58,7 @@ def runner(tmp_path: Path) -> Any:
     return run
 
 
+@pytest.mark.thorough
 def test_the_action_shows_findings_and_fails(runner: Any) -> None:
     (runner.work / "a b.yaml").write_text(BROKEN, encoding="utf-8")
     (runner.work / "c.yaml").write_text(BROKEN, encoding="utf-8")
@@ -68,6 +69,7 @@ def test_the_action_shows_findings_and_fails(runner: Any) -> None:
     assert "::error file=c.yaml,line=5," in result.stdout
 
 
+@pytest.mark.thorough
 def test_the_action_writes_sarif_and_leaves_failing_to_the_check(runner: Any) -> None:
     (runner.work / "m.yaml").write_text(BROKEN, encoding="utf-8")
 
@@ -76,6 +78,7 @@ def test_the_action_writes_sarif_and_leaves_failing_to_the_check(runner: Any) ->
     assert runner("SARIF", sarif="out.sarif", paths="nowhere.yaml").returncode != 0
 
 
+@pytest.mark.thorough
 def test_a_path_cannot_become_a_command_or_an_option(runner: Any) -> None:
     result = runner("Check", paths="--help\n$(touch owned)\n; touch owned\n")
 

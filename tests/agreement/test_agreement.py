@@ -55,6 +55,7 @@ def test_every_counterexample_runs_into_its_violation(first: int, tmp_path: Path
             assert shows(finding, effects), f"{seed}: {finding.place}: {finding.message}"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("first", seeds(few=40, many=4_000))
 def test_there_is_no_shorter_counterexample(first: int) -> None:
     for seed in range(first, first + 10):

@@ -105,6 +105,7 @@ def test_robots_with_a_defect(mission: str, defect: str, detector: str) -> None:
     assert_the_same(Order(mission, seed=3, defects=(defect,), detector=detector))
 
 
+@pytest.mark.thorough
 def test_robots_with_two_defects() -> None:
     lot = Random(5)
     for seed in range(3):

@@ -111,6 +111,7 @@ def test_a_key_that_is_greyed_says_why_and_asks_for_nothing() -> None:
     played(story)
 
 
+@pytest.mark.thorough
 def test_every_page_is_reached_where_there_is_not_room_for_all() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:

@@ -115,6 +115,7 @@ def test_a_person_scrubs_back_and_forth(reel, size):
     assert seen[5] < seen[4]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("size", [(80, 24), (160, 48)])
 def test_every_key_is_explained_on_one_key_and_the_last_line_says_how_to_leave(reel, size):
     async def look():

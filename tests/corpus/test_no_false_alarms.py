@@ -79,6 +79,7 @@ def test_a_mission_in_the_other_polarity_fits_a_pipe_to_the_other_side(
     assert told(f"sequences/{name}.yaml") == []
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("diameter", thorough_but({"95 mm"}, ["95 mm", "113 mm", "121 mm"]))
 def test_missions_fit_other_pipes_of_their_kind(diameter: str, here: Path) -> None:
     for file in (here / "pipes").glob("*.yaml"):

@@ -18,6 +18,7 @@ from website.pictures import MADE_OF, PICTURES, SHOTS, made_of, page_of
 ROOT = Path(__file__).resolve().parents[2]
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", SHOTS)
 def test_a_picture_of_a_page_was_taken_of_the_page_as_it_is(
     name: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
@@ -29,6 +30,7 @@ def test_a_picture_of_a_page_was_taken_of_the_page_as_it_is(
     assert made_of(page_of(SHOTS[name], tmp_path)) == known[name], "another page: make pictures"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("name", MOMENTS)
 def test_a_picture_of_a_camera_shows_what_it_sees(name: str) -> None:
     stored, found = cv2.imread(str(PICTURES / name)), seen(MOMENTS[name])

@@ -27,6 +27,7 @@ def plan_of(name: str) -> Plan:
     return read_campaign(CAMPAIGNS / f"{name}.yaml", check=False)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("file", sorted(CAMPAIGNS.glob("*.yaml")), ids=lambda file: file.stem)
 def test_a_shipped_campaign_can_be_run(file: Path) -> None:
     plan = plan_of(file.stem)

@@ -12,6 +12,7 @@ from pirate_sm.wiring import Order
 CROSSING_M = 1.0
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("defects", [(), ("wheels_3_4_dead",)])
 def test_the_bend_is_passed_in_about_the_same_time(defects: tuple[str, ...]) -> None:
     kinematic, physics = (

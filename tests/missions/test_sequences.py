@@ -8,6 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -96,7 +97,7 @@ def test_climbing_holds_its_place(run):
     assert record.prepared.truth().distance_m == pytest.approx(0.0, abs=0.02)
 
 
-@pytest.mark.parametrize("seed", range(20))
+@pytest.mark.parametrize("seed", thorough_but(range(4), range(20)))
 def test_entering_in_3d_turns_both_parts_from_upright_into_the_horizontal_plane(run, seed):
     record = run(
         "enter_3d", backend="sim", seed=seed,
@@ -258,7 +259,7 @@ def test_a_robot_whose_wheels_spin_at_the_edge_of_a_slippery_stretch_does_not_fa
     assert [clamp > 0 for clamp in clamps] == [False, True, False, True]
 
 
-@pytest.mark.parametrize("seed", range(8))
+@pytest.mark.parametrize("seed", thorough_but(range(2), range(8)))
 @pytest.mark.parametrize("mission", ["climb", "mitre_bend"])
 def test_boards_that_repeat_their_values_for_a_tenth_of_a_second_stop_no_mission(
     run, mission, seed

@@ -100,6 +100,7 @@ def run_serial(order: Order) -> Beside:
     return beside
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("how", [run, run_serial])
 @pytest.mark.parametrize("mission", ["mitre_bend", "mitre_bend_backward", "exp_2c_tilted"])
 def test_the_derived_environment_agrees_with_the_truth(

@@ -8,6 +8,7 @@ from benchmarks.batch import course_of, replayed
 from pirate_sm.wiring import Order, load
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("mission", ["take_bend", "take_elbow"])
 @pytest.mark.parametrize("fidelity", ["usual", "fast"])
 def test_robots_with_the_setpoints_of_a_mission_end_where_it_has_ended(

@@ -26,6 +26,7 @@ def test_importing_the_package_loads_nothing_else() -> None:
     assert not HEAVY & found
 
 
+@pytest.mark.thorough
 def test_loading_and_checking_a_mission_needs_neither_the_simulator_nor_the_view() -> None:
     found = modules_after("import pirate_sm; pirate_sm.check(pirate_sm.load('mitre_bend'))")
 

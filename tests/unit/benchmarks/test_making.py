@@ -53,6 +53,7 @@ def test_a_mutant_names_its_place() -> None:
     assert (mutant.path, mutant.line, mutant.function) == ("a.py", 2, "A.f")
 
 
+@pytest.mark.thorough
 def test_every_mutant_of_a_file_is_python() -> None:
     source = Path(ast.__file__).read_bytes()
     mutants = mutants_of("ast.py", source)

@@ -257,6 +257,7 @@ def test_all_lines_that_a_project_may_not_set_are_refused_at_once(
         assert said in result.stderr
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("runs", ["taken", "taken/below", "/proc/nowhere"])
 @pytest.mark.parametrize("where", ["project", "person", "environment"])
 def test_a_folder_that_somebody_has_set_must_take_the_recording(

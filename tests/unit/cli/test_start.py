@@ -27,6 +27,7 @@ main()
     assert told.stdout == "True True\n"
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(("given", "threads"), [({}, "1"), ({"OPENBLAS_NUM_THREADS": "3"}, "3")])
 def test_numpy_starts_no_threads_unless_they_are_asked_for(
     given: dict[str, str], threads: str

@@ -50,6 +50,7 @@ def test_the_bend_is_passed_on_reckoning_alone(mission: str) -> None:
     pytest.param("two_bends_down", marks=pytest.mark.slow),
     pytest.param("house_and_back", marks=pytest.mark.slow),
 ])  # fmt: skip
+@pytest.mark.thorough
 def test_networks_are_passed_on_reckoning_alone(mission: str) -> None:
     result, places, truth = run(mission, detector="odometry", seed=1)
     assert result.ended.outcome == "succeeded"

@@ -22,6 +22,7 @@ def result() -> ExperimentResult:
     return repeat_with_loops(loops, ("3b", "3d"))
 
 
+@pytest.mark.thorough
 def test_a_drive_there_and_back_ends_where_it_began_and_wheels_tell_its_way(
     result: ExperimentResult,
 ) -> None:

@@ -23,6 +23,7 @@ def result() -> ExperimentResult:
     return made
 
 
+@pytest.mark.thorough
 def test_values_are_there_for_every_level_of_noise_and_where_friction_sticks(
     result: ExperimentResult,
 ) -> None:

@@ -42,6 +42,7 @@ def numbers(measured: Measured) -> dict[tuple[str, str], RobotNumber]:
     return {(each.motor, each.key): each for each in robot_numbers([measured])}
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("which", TRUE, ids=" ".join)
 def test_a_number_of_the_true_robot_is_found_within_ten_percent(
     numbers: dict[tuple[str, str], RobotNumber], which: tuple[str, str]

@@ -22,6 +22,7 @@ def near(found: Missed, metres: float, degrees: float) -> None:
     assert found.rolls_deg == pytest.approx([0.0] * len(found.rolls_deg), abs=degrees)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("seed", thorough_but({SEEDS[0]}, SEEDS))
 @pytest.mark.parametrize("mission", ["house_connection", "house_connection_back"])
 def test_the_map_of_a_house_connection_equals_its_file(mission: str, seed: int) -> None:

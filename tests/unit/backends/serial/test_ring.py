@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import pytest
+from representative import thorough_but
 
 from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
@@ -50,7 +51,7 @@ def driven_bay(plan: LinkPlan, pipe: Path, switches: Switches, seed: int) -> Vir
 
 
 @pytest.mark.parametrize("line", LINES)
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", thorough_but(range(1), range(3)))
 def test_it_never_overruns(plan: LinkPlan, pipe: Path, line: str, seed: int) -> None:
     bay = driven_bay(plan, pipe, LINES[line], seed)
 

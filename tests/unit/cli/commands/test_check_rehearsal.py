@@ -41,6 +41,7 @@ def rehearsed(pirate: Any, *arguments: Any) -> list[dict[str, Any]]:
     return found
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize(
     "names",
     [

@@ -56,6 +56,7 @@ def shell(
         ("pirate run --seed ", ["pirate", "run", "--seed"]),
     ],
 )  # fmt: skip
+@pytest.mark.thorough
 def test_a_shell_completes(shell: Shell, typed: str, expected: list[str]) -> None:
     found = [word.replace(str(shell.folder), "{home}") for word in shell.completed(typed)]
 

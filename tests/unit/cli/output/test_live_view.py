@@ -50,6 +50,7 @@ class Frames:
         return "\n".join("\n".join(frame) for frame in self.frames)
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("size", SIZES)
 @pytest.mark.parametrize("backend", ["trace", "sim"])
 def test_every_frame_keeps_to_its_size(size: tuple[int, int], backend: str) -> None:

@@ -42,6 +42,7 @@ def test_with_a_controlled_clamp_and_noise_the_error_is_that_of_the_thesis(varia
     assert 0.85 <= run.way_m <= 1.05
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("noise", ["clean", "thesis"])
 @pytest.mark.parametrize(("plain", "compensated"), [("3a", "3b"), ("3c", "3d")])
 def test_gravity_compensation_changes_the_place_and_not_the_odometry(
@@ -53,6 +54,7 @@ def test_gravity_compensation_changes_the_place_and_not_the_odometry(
     assert one.place_m[-1] < other.place_m[-1] - 0.1
 
 
+@pytest.mark.thorough
 @pytest.mark.parametrize("noise", ["clean", "thesis"])
 @pytest.mark.parametrize("variant", ["3a", "3b", "3c", "3d"])
 def test_where_friction_sticks_there_is_no_creep(variant: str, noise: str) -> None:

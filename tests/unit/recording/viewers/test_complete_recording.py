@@ -67,6 +67,7 @@ def timeless(content: Any) -> Any:
     return list(map(timeless, content)) if isinstance(content, list) else content
 
 
+@pytest.mark.thorough
 def test_a_run_at_full_speed_has_no_messages_for_viewers(runs: dict[str, Recording]) -> None:
     assert not runs["fast"].header.viewers
     assert for_viewers(runs["fast"]) == {}

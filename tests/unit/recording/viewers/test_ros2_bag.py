@@ -71,6 +71,7 @@ def in_space(tmp_path_factory: pytest.TempPathFactory) -> Bag:
     return bag_of(read_recording(folder / "run.mcap"), folder / "bag")
 
 
+@pytest.mark.thorough
 def test_the_topics_have_types_of_ros(bag: Bag) -> None:
     assert bag.types == {
         "/tf": "tf2_msgs/msg/TFMessage",

@@ -61,6 +61,7 @@ def messages(path: Path) -> dict[str, list[dict[str, Any]]]:
     return found
 
 
+@pytest.mark.thorough
 def test_every_message_is_of_the_type_that_was_published(recording: Path) -> None:
     kinds: dict[str, str] = {}
     with recording.open("rb") as stream:
