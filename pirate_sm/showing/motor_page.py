@@ -7,8 +7,8 @@ from math import isnan, nan, tau
 
 from rich.text import Text
 
+from pirate_sm.drawing.canvas import ACROSS, Canvas
 from pirate_sm.showing.body_panel import measured
-from pirate_sm.showing.canvas import ACROSS, Canvas
 from pirate_sm.showing.effect_lines import setpoint
 from pirate_sm.showing.live_snapshots import TREND_EVERY_S, TREND_LENGTH, sent_name
 from pirate_sm.showing.robot_anatomy import MotorReadings

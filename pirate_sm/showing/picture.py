@@ -11,10 +11,10 @@ from collections.abc import Mapping
 from itertools import pairwise
 from math import atan2, cos, dist, floor, hypot, log, sin
 
+from pirate_sm.drawing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.geometry.space import Place
 from pirate_sm.palette import ACCENT, GOOD, MUTED, WARN
 from pirate_sm.palette import ON_A_TERMINAL as ROLES
-from pirate_sm.showing.canvas import ACROSS, DOWN, Canvas
 from pirate_sm.showing.pose import SIDES, RobotPose, contact, pose_of
 from pirate_sm.showing.robot_anatomy import Anatomy
 from pirate_sm.showing.snapshot import Snapshot

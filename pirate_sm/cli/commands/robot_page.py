@@ -1,22 +1,26 @@
-"""`pirate robot`: writes a page on what a robot's commands mean."""
+"""`pirate robot`: draws a robot and writes a page on what its commands mean."""
 
 from __future__ import annotations
 
 import sys
 from pathlib import Path
 
+from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.files import RobotOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.drawing.robot.robot_page import robot_page
+from pirate_sm.drawing.robot.side_view import side_view
+from pirate_sm.drawing.robot.side_view_svg import side_svg
 from pirate_sm.drawing.robot.written_page import html as as_html
 from pirate_sm.drawing.robot.written_page import markdown
+from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.visible import visible
 
 
 def write_page(options: RobotOptions) -> int:
-    """Write the robot's page to the file, or to standard output; return the exit code.
+    """Write the robot's page, or its picture alone, and return the exit code.
 
     Raises:
         LoadError: The robot's files have errors.
@@ -26,10 +30,18 @@ def write_page(options: RobotOptions) -> int:
     folder = library.robots()[0] if name is None else library.find_robot(name, Path.cwd())
     if output is not None:
         refuse_losses([output], inputs=[folder], overwrite=options.overwrite)
+    alone = output is not None and output.suffix.lower() == ".svg"
+    if alone and options.html:
+        raise UsageError(f"'{output}' is a picture, --html writes a page: leave one of them out")
     loaded = load_robot(folder)
-    blocks = robot_page(loaded)
+    faults = {each.place: f"[{each.code}] {each.message}" for each in robot_findings(loaded)}
     note = f"Written by `pirate robot {loaded.profile.robot}` from the robot's profile and chart."
-    text = as_html(blocks) if options.html else markdown(blocks, note)
+    if alone:
+        text = side_svg(side_view(loaded, faults))
+    elif options.html:
+        text = as_html(robot_page(loaded, faults))
+    else:
+        text = markdown(robot_page(loaded, faults), note)
     if output is None:
         sys.stdout.write(visible(text, lines=True))
         return 0

@@ -133,7 +133,10 @@ class PlanOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class RobotOptions:
-    """Write a robot's page: what each command needs and leads to.
+    """Draw a robot, and write what each command needs and does.
+
+    The picture shows it to scale, and which way each setpoint moves it. A wrong sign is marked
+    there. -o NAME.svg writes the picture alone.
 
     Exit codes: 0 written, 2 invalid files or arguments.
     """

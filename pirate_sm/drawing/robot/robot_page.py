@@ -8,7 +8,16 @@ from dataclasses import replace
 from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Cluster, Graph
 from pirate_sm.drawing.robot.criterion_text import angle, done_when, listed, seconds
-from pirate_sm.drawing.robot.written_page import Block, Drawing, Heading, Paragraph, Table
+from pirate_sm.drawing.robot.side_view import Faults, side_text, side_view
+from pirate_sm.drawing.robot.side_view_svg import side_svg
+from pirate_sm.drawing.robot.written_page import (
+    Block,
+    Drawing,
+    Heading,
+    Paragraph,
+    Picture,
+    Table,
+)
 from pirate_sm.engine.robot.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.pipe_file import reach
@@ -27,12 +36,14 @@ _GENERAL = (
 )
 
 
-def robot_page(robot: LoadedRobot) -> list[Block]:
-    """Return the page."""
+def robot_page(robot: LoadedRobot, faults: Faults | None = None) -> list[Block]:
+    """Return the page; what is wrong with the robot is marked in its picture."""
+    view = side_view(robot, faults)
     return [
         Heading(1, robot.profile.robot),
         Paragraph(robot.profile.description),
         *_body(robot.profile),
+        Picture(side_svg(view), side_text(view)),
         Heading(2, "Commands"),
         *_overview(robot.profile),
         *(block for name in robot.profile.commands for block in _command(robot, name)),

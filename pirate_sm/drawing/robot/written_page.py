@@ -40,7 +40,14 @@ class Drawing(NamedTuple):
     graph: Graph
 
 
-Block: TypeAlias = Heading | Paragraph | Table | Drawing
+class Picture(NamedTuple):
+    """A picture as SVG, and as lines of text for pages that cannot show it."""
+
+    svg: str
+    text: str
+
+
+Block: TypeAlias = Heading | Paragraph | Table | Drawing | Picture
 
 _STYLE = """
 :root { color-scheme: light dark; }
@@ -52,7 +59,7 @@ figure { margin: 1rem 0; overflow-x: auto; }
 
 
 def markdown(blocks: Sequence[Block], note: str = "") -> str:
-    """Return the page as Markdown, with drawings in Mermaid.
+    """Return the page as Markdown, with graphs in Mermaid and pictures in text.
 
     Args:
         blocks: The page.
@@ -79,11 +86,13 @@ def _markdown(block: Block) -> str:
             )
         case Drawing():
             return f"```mermaid\n{mermaid(block.graph)}```"
+        case Picture():
+            return f"```text\n{block.text}\n```"
     assert_never(block)
 
 
 def html(blocks: Sequence[Block]) -> str:
-    """Return the page as one HTML file without external resources, with drawings in SVG."""
+    """Return the page as one HTML file without external resources, with pictures in SVG."""
     title = next((block.text for block in blocks if isinstance(block, Heading)), "")
     return "\n".join(
         [
@@ -110,6 +119,8 @@ def _html(block: Block) -> str:
             return "\n".join(["<table>", *_rows(block), "</table>"])
         case Drawing():
             return f"<figure>{svg(block.graph)}</figure>"
+        case Picture():
+            return f"<figure>{block.svg}</figure>"
     assert_never(block)
 
 

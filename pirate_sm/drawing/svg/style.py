@@ -61,13 +61,17 @@ _COLOURS = """
 """
 
 
-def stylesheet() -> str:
+def stylesheet(style: str = "", more: str = "") -> str:
     """Return the style of every drawing, in the light or dark mode of the reader's system.
 
     Every rule is limited to ``.drawing``, so that it can be part of a larger page.
+
+    Args:
+        style: Rules of one kind of drawing.
+        more: Its rules for colours, with names of the palette in braces.
     """
-    night = f"@media screen and (prefers-color-scheme: dark) {{{colours(NIGHT)}}}\n"
-    return f"{_SHAPES}{colours(DAY)}{night}"
+    day, night = (colours(palette) + more.format(**palette) for palette in (DAY, NIGHT))
+    return f"{_SHAPES}{style}{day}@media screen and (prefers-color-scheme: dark) {{{night}}}\n"
 
 
 def colours(palette: Palette) -> str:

@@ -41,15 +41,8 @@ def svg(graph: Graph) -> str:
     Nodes have ``data-node``, edges ``data-from`` and ``data-to``, for scripts of a page.
     """
     whole = arranged(graph)
-    width, height = _number(whole.size.width), _number(whole.size.height)
     about = f"{graph.title}: {graph.description}" if graph.description else graph.title
-    lines = [
-        f'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img" width="{width}" '
-        f'height="{height}" viewBox="0 0 {width} {height}" aria-label={_quoted(about)}>',
-        f"<style>{escape(stylesheet())}</style>",
-        f'<rect class="paper" width="{width}" height="{height}"/>',
-        *_heading(whole),
-    ]
+    lines = [*paper(whole.size.width, whole.size.height, about), *_heading(whole)]
     for frame in whole.frames:
         lines += _frame(frame)
     for arrow in sorted(whole.arrows, key=lambda each: any(edge.taken for edge in each.edges)):
@@ -58,6 +51,25 @@ def svg(graph: Graph) -> str:
         lines += _box(box)
     lines += _notes(whole)
     return "\n".join([*lines, "</svg>", ""])
+
+
+def paper(wide: float, high: float, about: str, style: str = "", colours: str = "") -> list[str]:
+    """Return the first lines of a drawing, up to its background.
+
+    Args:
+        wide: Width of the drawing, px.
+        high: Height of the drawing, px.
+        about: What it shows, for people who do not see it.
+        style: Rules of CSS besides those of every drawing.
+        colours: Likewise, with names of the palette in braces.
+    """
+    width, height = number(wide), number(high)
+    return [
+        f'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img" width="{width}" '
+        f'height="{height}" viewBox="0 0 {width} {height}" aria-label={_quoted(about)}>',
+        f"<style>{escape(stylesheet(style, colours))}</style>",
+        f'<rect class="paper" width="{width}" height="{height}"/>',
+    ]
 
 
 def visits_text(visits: Sequence[int]) -> str:
@@ -69,14 +81,14 @@ def visits_text(visits: Sequence[int]) -> str:
 
 def _heading(whole: Arrangement) -> Iterator[str]:
     y = MARGIN
-    yield _text("title", MARGIN, y, TITLE_LINE, whole.heading[0])
-    for number, line in enumerate(whole.heading[1:]):
-        yield _text("text soft", MARGIN, y + TITLE_LINE + number * TEXT_LINE, TEXT_LINE, line)
+    yield text_at("title", MARGIN, y, TITLE_LINE, whole.heading[0])
+    for row, line in enumerate(whole.heading[1:]):
+        yield text_at("text soft", MARGIN, y + TITLE_LINE + row * TEXT_LINE, TEXT_LINE, line)
 
 
 def _notes(whole: Arrangement) -> Iterator[str]:
-    for number, line in enumerate(whole.notes):
-        yield _text("text soft", MARGIN, whole.notes_at + number * TEXT_LINE, TEXT_LINE, line)
+    for row, line in enumerate(whole.notes):
+        yield text_at("text soft", MARGIN, whole.notes_at + row * TEXT_LINE, TEXT_LINE, line)
 
 
 def _frame(frame: ClusterFrame) -> Iterator[str]:
@@ -84,10 +96,10 @@ def _frame(frame: ClusterFrame) -> Iterator[str]:
     yield "<g>"
     yield from _tooltip(frame.cluster.tooltip)
     yield (
-        f'<rect class="frame" x="{_number(x)}" y="{_number(y)}" width="{_number(size.width)}" '
-        f'height="{_number(size.height)}" rx="8"/>'
+        f'<rect class="frame" x="{number(x)}" y="{number(y)}" width="{number(size.width)}" '
+        f'height="{number(size.height)}" rx="8"/>'
     )
-    yield _text("title soft", x + PADDING, y + PADDING / 2, TITLE_LINE, frame.cluster.title)
+    yield text_at("title soft", x + PADDING, y + PADDING / 2, TITLE_LINE, frame.cluster.title)
     yield "</g>"
 
 
@@ -99,8 +111,8 @@ def _box(box: Box) -> Iterator[str]:
     if node.kind is NodeKind.INITIAL:
         radius = size.width / 2
         yield (
-            f'<circle class="box" cx="{_number(x + radius)}" cy="{_number(y + radius)}" '
-            f'r="{_number(radius)}"/>'
+            f'<circle class="box" cx="{number(x + radius)}" cy="{number(y + radius)}" '
+            f'r="{number(radius)}"/>'
         )
     else:
         yield from _rectangle(box)
@@ -118,11 +130,11 @@ def _rectangle(box: Box) -> Iterator[str]:
     left, top = x + PADDING, y + PADDING / 2
     if ends:
         yield _sign(node.kind is NodeKind.SUCCEED, left, top + TITLE_LINE / 2)
-    yield _text("title", left + (SIGN if ends else 0.0), top, TITLE_LINE, node.title)
-    for number, line in enumerate(box.lines):
-        at = top + TITLE_LINE + PADDING / 4 + number * TEXT_LINE
+    yield text_at("title", left + (SIGN if ends else 0.0), top, TITLE_LINE, node.title)
+    for row, line in enumerate(box.lines):
+        at = top + TITLE_LINE + PADDING / 4 + row * TEXT_LINE
         indent = (len(line) - len(line.lstrip())) * TEXT_FONT * ADVANCE
-        yield _text("text", left + indent, at, TEXT_LINE, line.lstrip())
+        yield text_at("text", left + indent, at, TEXT_LINE, line.lstrip())
     if node.visits:
         text = visits_text(node.visits)
         width = cells(text) * LABEL_FONT * ADVANCE + PADDING
@@ -130,24 +142,24 @@ def _rectangle(box: Box) -> Iterator[str]:
         yield _rounded("badge", badge_x, badge_y, max(width, BADGE), BADGE, BADGE / 2)
         middle = badge_x + max(width, BADGE) / 2
         yield (
-            f'<text class="number" text-anchor="middle" x="{_number(middle)}" '
-            f'y="{_number(badge_y + BADGE * BASELINE)}">{_escaped(text)}</text>'
+            f'<text class="number" text-anchor="middle" x="{number(middle)}" '
+            f'y="{number(badge_y + BADGE * BASELINE)}">{escaped(text)}</text>'
         )
 
 
 def _rounded(name: str, x: float, y: float, width: float, height: float, radius: float) -> str:
     return (
-        f'<rect class="{name}" x="{_number(x)}" y="{_number(y)}" width="{_number(width)}" '
-        f'height="{_number(height)}" rx="{_number(radius)}"/>'
+        f'<rect class="{name}" x="{number(x)}" y="{number(y)}" width="{number(width)}" '
+        f'height="{number(height)}" rx="{number(radius)}"/>'
     )
 
 
 def _sign(good: bool, x: float, y: float) -> str:
-    left, top, low = _number(x), _number(y - 4), _number(y + 4)
+    left, top, low = number(x), number(y - 4), number(y + 4)
     if good:
-        middle, right = _number(x + 3), _number(x + 9)
-        return f'<path class="sign" d="M{left} {_number(y)}L{middle} {low}L{right} {top}"/>'
-    right = _number(x + 8)
+        middle, right = number(x + 3), number(x + 9)
+        return f'<path class="sign" d="M{left} {number(y)}L{middle} {low}L{right} {top}"/>'
+    right = number(x + 8)
     return f'<path class="sign" d="M{left} {top}L{right} {low}M{left} {low}L{right} {top}"/>'
 
 
@@ -162,9 +174,9 @@ def _arrow(arrow: Arrow) -> Iterator[str]:
     yield f'<path class="line" d="{path}"/>'
     yield f'<polygon class="head" points="{head}"/>'
     x, y = arrow.route.label
-    for number, (line, edge) in enumerate(arrow.lines):
+    for place, (line, edge) in enumerate(arrow.lines):
         chosen = "label chosen" if edge.taken else "label"
-        yield _text(chosen, x, y + number * LABEL_LINE, LABEL_LINE, line)
+        yield text_at(chosen, x, y + place * LABEL_LINE, LABEL_LINE, line)
     yield "</g>"
 
 
@@ -195,17 +207,19 @@ def _loop(route: EdgeRoute) -> tuple[str, str]:
     return path, " ".join(map(_point, corners))
 
 
-def _text(name: str, x: float, top: float, height: float, text: str) -> str:
+def text_at(name: str, x: float, top: float, height: float, text: str) -> str:
+    """Return a line of text of a class, whose line begins at ``top`` and is so high."""
     y = top + height * BASELINE
-    return f'<text class="{name}" x="{_number(x)}" y="{_number(y)}">{_escaped(text)}</text>'
+    return f'<text class="{name}" x="{number(x)}" y="{number(y)}">{escaped(text)}</text>'
 
 
 def _tooltip(text: str) -> Iterator[str]:
     if text.strip():
-        yield f"<title>{_escaped(text)}</title>"
+        yield f"<title>{escaped(text)}</title>"
 
 
-def _escaped(text: str) -> str:
+def escaped(text: str) -> str:
+    """Return the text without markup and characters that cannot be shown."""
     return escape(printable(text))
 
 
@@ -213,9 +227,10 @@ def _quoted(text: str) -> str:
     return quoteattr(printable(text))
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
+    """Return a number of px as it is written."""
     return f"{value:.1f}".removesuffix(".0")
 
 
 def _point(point: Point) -> str:
-    return f"{_number(point[0])} {_number(point[1])}"
+    return f"{number(point[0])} {number(point[1])}"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import shutil
 from pathlib import Path
 from typing import Any
 
@@ -29,11 +30,30 @@ def test_it_is_written_as_html_to_a_file(pirate: Any, tmp_path: Path) -> None:
     assert "<svg" in text
 
 
+def test_its_picture_alone_is_written_to_an_svg_and_shows_a_wrong_sign(
+    pirate: Any, tmp_path: Path
+) -> None:
+    shutil.copytree(NEWT, tmp_path / "newt")
+    profile = tmp_path / "newt" / "profile.yaml"
+    text = profile.read_text("utf-8").replace(
+        "BothHeld: {fold_neck: -50", "BothHeld: {fold_neck: 50"
+    )
+    profile.write_text(text, "utf-8")
+    for robot, wrong in ((NEWT, 0), (tmp_path / "newt", 1)):
+        picture = tmp_path / "side.svg"
+        result = pirate("robot", robot, "-o", picture)
+
+        assert (result.exit_code, result.stdout, result.stderr) == (0, "", "")
+        assert picture.read_text("utf-8").count('class="bad press"') == wrong
+        assert pirate("robot", robot).stdout.count("[robot.clamp_side]") == wrong
+
+
 @pytest.mark.parametrize(
     ("arguments", "says"),
     [
         (["pirate_3"], "did you mean 'pirate_ii'"),
         ([NEWT, "-o", "no/such/folder/a.md"], "cannot be written"),
+        ([NEWT, "--html", "-o", "newt.svg"], "'newt.svg' is a picture"),
     ],
 )
 def test_misuse_is_told_in_a_sentence(pirate: Any, arguments: list[Any], says: str) -> None:

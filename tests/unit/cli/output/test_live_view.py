@@ -11,10 +11,10 @@ from rich.console import Console
 
 from pirate_sm.cli.output.live_view import View
 from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.drawing.canvas import Canvas
 from pirate_sm.model.effects import Effect
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.showing.canvas import Canvas
 from pirate_sm.wiring import Order, prepare
 
 from ..conftest import NEWT, ROOT

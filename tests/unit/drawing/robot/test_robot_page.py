@@ -89,12 +89,12 @@ class Tags(HTMLParser):
         assert self.open.pop() == tag
 
 
-def test_the_page_in_html_has_a_picture_for_each_region(robot):
+def test_the_page_in_html_has_a_picture_of_the_robot_and_one_for_each_region(robot):
     tags = Tags()
     tags.feed(html(robot_page(robot)))
 
     assert tags.open == []
-    assert tags.seen.count("svg") == len(robot.table.regions)
+    assert tags.seen.count("svg") == 1 + len(robot.table.regions)
     assert "script" not in tags.seen
 
 
