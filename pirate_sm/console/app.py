@@ -139,6 +139,7 @@ class Console(PanelActions, App[None]):
         self.ask_check = ask_check
         self._frames_per_s = frames_per_s
         self.failure: Exception | None = None
+        self.faults = []
         self._frame = 0
         self._page = 0
         scene = session.latest.scene

@@ -14,12 +14,13 @@ from io import BytesIO
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from multiprocessing.process import BaseProcess
-from pickle import Pickler, Unpickler
+from pickle import Unpickler
 from threading import Lock
 from traceback import format_exc
 from typing import Any, Final, NamedTuple, ParamSpec, Protocol, Self, TypeVar, cast
 
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.loading.pickling import MissionPickler
 from pirate_sm.runtime.stop_requests import BY_SIGNAL
 
 _P = ParamSpec("_P")
@@ -134,7 +135,7 @@ class _Raised(NamedTuple):
     text: str
 
 
-class _Packer(Pickler):
+class _Packer(MissionPickler):
     """Writes a reference in place of the mission that the other process has."""
 
     mission: LoadedMission | None = None

@@ -23,6 +23,7 @@ class HandBackActions(ConfirmedActions):
     _entries: availability.Entries | None = None
     _picking: Pick | None = None
     _ways: hand_back_plan.Ways | None = None
+    _no_ways_in: availability.Situation | None = None
     _looking_for: tuple[object, ...] | None = None
     _reported: object = None
 
@@ -51,13 +52,15 @@ class HandBackActions(ConfirmedActions):
 
     def _seeking(self, snapshot: Snapshot) -> bool:
         """Return whether the search for restoring commands still goes on."""
-        return self._ways is None or self._ways.situation != availability.situation_of(snapshot)
+        situation = availability.situation_of(snapshot)
+        looked_in = self._no_ways_in, self._ways and self._ways.situation
+        return situation is None or situation not in looked_in
 
     def _plan(self, snapshot: Snapshot, phase: str) -> Plan | None:
         """Return the plan that restores a blocked phase; None while it is unknown."""
-        if self._ways is None or self._seeking(snapshot):
-            return None
-        return self._ways.plans.get(phase)
+        ways = self._ways
+        known = ways is not None and ways.situation == availability.situation_of(snapshot)
+        return ways.plans.get(phase) if ways is not None and known else None
 
     def _hand_back(self, phase: str | None) -> None:
         self._picking = None
@@ -119,7 +122,7 @@ class HandBackActions(ConfirmedActions):
         situation, entries = availability.situation_of(snapshot), self.entries(snapshot)
         if situation is None or entries is None or snapshot.state is None:
             return
-        if self._looking_for == (situation, snapshot.scene):
+        if self._looking_for == (situation, snapshot.scene) or self._no_ways_in == situation:
             return
         self._looking_for = (situation, snapshot.scene)
         blocked = tuple(phase for phase, reason in entries.items() if reason)

@@ -49,9 +49,11 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     Attributes:
         pressed_s: When the last key was pressed, by the monotonic clock.
         late_after_s: From which age on a key does not drive any more.
+        faults: The exceptions that have cost an answer, but did not end the console.
     """
 
     letters: dict[str, str]
+    faults: list[Exception]
 
     pressed_s = _drove_s = -inf
     late_after_s = NEXT_REPEAT_S
@@ -224,9 +226,20 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         if event.state is WorkerState.ERROR and isinstance(error, PirateError):
             self.notify(error.for_terminal, severity="error", timeout=10, markup=False)
         elif event.state is WorkerState.ERROR and isinstance(error, Exception):
-            self._handle_exception(error)
+            self._do_without(worker.group, error)
         elif event.state is WorkerState.SUCCESS:
             self._take_in(worker.group, worker.result)
+
+    def _do_without(self, what: str, error: Exception) -> None:
+        """Show a fault in this program that has cost an answer; what it was about stays unknown."""
+        self.faults.append(error)
+        said = f"not known: a fault in this program ({str(error).strip().splitlines()[-1]})"
+        self.notify(said, severity="error", timeout=10, markup=False)
+        if what in ("entries", "ways"):
+            self._no_ways_in = availability.situation_of(self.session.latest)
+        if what == "entries":
+            phases = self.session.latest.scene.loaded.program.phases
+            self._take_in(what, dict.fromkeys(phases, said))
 
     def _take_in(self, what: str, found: Any) -> None:
         if what == "entries":

@@ -13,7 +13,7 @@ from typing import Any
 
 from textual.pilot import Pilot
 from textual.widgets import OptionList
-from textual.worker import WorkerCancelled
+from textual.worker import WorkerCancelled, WorkerFailed
 
 from pirate_sm.console.app import Console
 from pirate_sm.console.mission_list import without_mission
@@ -106,7 +106,8 @@ class Operator:
             return
         self.app.show()
         while running := [each for each in self.app.workers if each.is_running]:
-            with suppress(WorkerCancelled):  # a newer look at the same thing has replaced it
+            # A newer look at the same thing has replaced it, or the console says what it lacks.
+            with suppress(WorkerCancelled, WorkerFailed):
                 await running[0].wait()
         await self.pilot.pause()
         self.app.show_words(self.latest)
@@ -182,6 +183,7 @@ async def operator(
         clock.free()
         session.quit()
         assert session.join(WALL_S)
+    assert not app.faults
 
 
 def by_hand(order: Order | None = None) -> Prepared:

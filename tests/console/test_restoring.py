@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from functools import partial
 from threading import Event
 from typing import Any
 
@@ -12,6 +13,7 @@ import pytest
 from textual.widgets import OptionList, Static
 
 from pirate_sm.console import hand_back_plan
+from pirate_sm.console.app import Console
 from pirate_sm.console.availability import look_at_entries
 from pirate_sm.console.command_series import BY_OPERATOR, Giver
 from pirate_sm.console.dialogs import Confirm, Pick
@@ -212,6 +214,34 @@ def test_the_list_says_that_commands_are_still_being_looked_for(
             after = lines_of(me)
             assert "first ToggleLighting, ClampFront" in after["halt"]
             assert after["regrip"] == "✕ regrip from there no path leads to an end that succeeds"
+
+    played(story)
+
+
+@pytest.mark.parametrize("broken", [look_at_entries, hand_back_plan.look_for_ways])
+def test_a_check_that_fails_costs_its_answer_and_not_the_console(
+    broken: Callable[..., object],
+) -> None:
+    def ask(function: Callable[..., Any], *arguments: Any) -> Any:
+        if function is broken:
+            raise RuntimeError("Traceback\nRuntimeError: dictionary changed size")
+        return function(*arguments)
+
+    async def story() -> None:
+        console = partial(Console, ask_check=ask)
+        async with operator(with_mission("mitre_bend", backend="trace"), console=console) as me:
+            await me.look()
+            found = await listed(me)
+            assert found["prepare"].startswith("✕")
+            assert "looking" not in found["prepare"]
+            assert ("dictionary changed" in found["prepare"]) == (broken is look_at_entries)
+            assert found["enter"].startswith("✕") == (broken is look_at_entries)
+            await me.press("escape")
+
+            await me.command("ClampFront")
+            assert me.states[0] == "Fixed"
+            assert me.app.faults
+            me.app.faults.clear()
 
     played(story)
 

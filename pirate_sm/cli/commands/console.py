@@ -191,6 +191,8 @@ def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
         say(parting)
     result, stop = session.result, session.quitting.stop
     how = result.ended.message if result is not None else "nothing has moved"
+    for each in app.faults:
+        say_bug(each, debug)
     if app.failure is not None and not _gone(app.failure, session):
         say_bug(app.failure, debug)
         say(f"{how}; the robot was brought to its safe state")

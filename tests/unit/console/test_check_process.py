@@ -7,12 +7,15 @@ import signal
 import time
 from asyncio import CancelledError
 from collections.abc import Iterator
+from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from pirate_sm.console.availability import Situation, look_at_entries
 from pirate_sm.console.check_process import CheckProcess, ask_here
 from pirate_sm.console.hand_back_plan import look_for_ways
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.wiring import Order, load
@@ -76,6 +79,36 @@ def test_a_process_that_has_died_is_replaced_and_sent_the_mission_again(
     os.kill(process.ask(os.getpid), signal.SIGKILL)
 
     assert process.ask(_phases, loaded) == _phases(loaded)
+
+
+class _Worker(dict[str, str]):
+    """A part of a robot; while it is pickled, another thread works something out of the robot."""
+
+    robot: RobotSpec
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        assert self.robot.fault_codes
+        return dict, (dict(self),)
+
+
+def test_a_mission_can_be_sent_while_another_thread_works_something_out_of_its_robot(
+    process: CheckProcess,
+) -> None:
+    loaded = load(Order("exp_3_drive"))
+    part = _Worker(loaded.robot.words_joint)
+    part.robot = replace(loaded.robot, words_joint=part)
+    assert "fault_codes" not in vars(part.robot)
+
+    assert process.ask(_phases, replace(loaded, robot=part.robot)) == _phases(loaded)
+    assert "fault_codes" in vars(part.robot)
+
+
+def test_what_a_robot_has_worked_out_is_not_sent(process: CheckProcess) -> None:
+    robot = load(Order("exp_3_drive")).robot
+    assert robot.possible_owners
+    assert "possible_owners" in vars(robot)
+
+    assert "possible_owners" not in process.ask(vars, robot)
 
 
 def test_a_question_that_kills_the_process_twice_is_an_error(process: CheckProcess) -> None:
