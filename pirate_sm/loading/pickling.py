@@ -17,7 +17,7 @@ class MissionPickler(Pickler):
 
     def reducer_override(self, each: Any) -> Any:
         """Return how to write an object with cached properties; any other as usual."""
-        cached = _cached(type(each))
+        cached = _cached(each.__class__)
         if not cached:
             return NotImplemented
         make, arguments, state = each.__reduce_ex__(HIGHEST_PROTOCOL)[:3]

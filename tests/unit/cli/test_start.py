@@ -52,6 +52,8 @@ main()
 _ENDS = """
 import atexit, os, sys, threading
 import pirate_sm.cli.commands.list as work
+end = os._exit
+os._exit = lambda code: os.write(1, b"at once ") and end(code)
 def list_things(options):
     atexit.register(os.write, 1, b"exit function ")
     sys.stdout.write("printed ")
@@ -67,11 +69,16 @@ main()
 @pytest.mark.parametrize(
     ("more", "printed"),
     [
-        ("", "printed exit function "),
+        ("", "printed exit function at once "),
         (
             "threading.Thread(target=lambda: threading.main_thread().join() or os.write(1, b'th '))"
             ".start()",
             "printed th exit function ",
+        ),
+        # Nobody waits for a thread such as one that writes to a terminal that takes nothing.
+        (
+            "threading.Thread(target=threading.Event().wait, daemon=True).start()",
+            "printed exit function at once ",
         ),
     ],
 )
