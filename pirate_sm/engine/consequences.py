@@ -127,7 +127,7 @@ def _housekeep(moment: Moment, state: EngineState) -> EngineState:
     faults = state.faults
     if sensing.stale != state.sensing.stale:
         faults = unsettle(moment.robot, faults, sensing, state.obeyed_words(moment.robot))
-    faults, found = listen(moment.robot, faults, sensing, moment.now_s)
+    faults, found = listen(moment.robot, faults, sensing, moment.now_s, moment.alphabet)
     state = state._replace(sensing=sensing, faults=faults)
     for fault in found:
         state = meet(moment, reconnection.lose(moment, state, fault.code), fault)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import isnan, nan
+from math import inf, isnan, nan
 from typing import NamedTuple
 
 from pirate_sm.engine.deadlines import has_come
@@ -13,7 +13,7 @@ from pirate_sm.engine.sensing.distance import unheard
 from pirate_sm.engine.sensing.known_signals import Sensing, nothing_known
 from pirate_sm.engine.sensing.report_loss import silent_limit_s
 from pirate_sm.engine.state import FaultState, Words
-from pirate_sm.model.events import FaultReport
+from pirate_sm.model.events import ALPHABET_VERSION, EVIDENCE_ENDS, FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
 
 ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
@@ -160,12 +160,17 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float, away_s: float) ->
 
 
 def listen(
-    robot: RobotSpec, faults: FaultState, sensing: Sensing, now: float
+    robot: RobotSpec,
+    faults: FaultState,
+    sensing: Sensing,
+    now: float,
+    alphabet: int = ALPHABET_VERSION,
 ) -> tuple[FaultState, tuple[FoundFault, ...]]:
     """Report each board once that has been silent for too long; all boards together mean the link.
 
-    The limit of a single board is longer where reports are lost. A single board is judged only
-    while others report: when the link fails, one board always becomes silent first.
+    The limit of a single board is longer where reports are lost, and while nobody knows yet how
+    many are, except in recordings of an older alphabet. A single board is judged only while
+    others report: when the link fails, one board always becomes silent first.
     """
     silent_after_s, heard_s = robot.link.silent_after_s, sensing.heard_s
     newest_s = max(heard_s, default=now)
@@ -179,7 +184,8 @@ def listen(
         )
     if newest_s <= now - silent_after_s / 2:
         return faults, ()
-    limit_s = silent_limit_s(robot.link, sensing.loss)
+    due = len(heard_s) * now / robot.link.period_s if alphabet >= EVIDENCE_ENDS else inf
+    limit_s = silent_limit_s(robot.link, sensing.loss, due)
     silent = frozenset(at for at, each_s in enumerate(heard_s) if each_s <= now - limit_s)
     new = silent - faults.silent
     if not new:

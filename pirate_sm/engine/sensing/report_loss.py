@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from math import log
+from math import inf, log
 
 from pirate_sm.engine.sensing.board_spec import LinkSpec
 
@@ -14,6 +14,9 @@ _MOST_MISSED = 8
 
 _FALSE_ALARM = 1e-6
 """Probability per report that a board is taken for silent although it reports."""
+
+_UNTRIED = 0.5
+"""Loss assumed before the first report, of a line that changes 1 % of all bytes and loses 20 %."""
 
 LONGEST = 5.0
 """Upper limit as a multiple of ``silent_after``: a silent board is found within it at any loss."""
@@ -33,13 +36,20 @@ def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
     return loss * (1 - GAIN)
 
 
-def silent_limit_s(link: LinkSpec, loss: float) -> float:
+def silent_limit_s(link: LinkSpec, loss: float, reports: float = inf) -> float:
     """Return how long a single board may be silent.
 
     That is ``silent_after``, or on a lossy line the number of periods that makes a false alarm
     rare, at most :data:`LONGEST` times ``silent_after``.
+
+    Args:
+        link: Timing of the link.
+        loss: The share of lost reports so far, a running mean that begins at 0.
+        reports: How many reports all boards have been due to send since then. While they are few,
+            the share says little, and the line may lose half.
     """
+    loss += _UNTRIED * (1 - GAIN) ** reports
     if loss <= 0:
         return link.silent_after_s
-    patience_s = link.period_s * log(_FALSE_ALARM) / log(loss)
+    patience_s = link.period_s * log(_FALSE_ALARM) / log(loss) if loss < 1 else inf
     return min(max(link.silent_after_s, patience_s), LONGEST * link.silent_after_s)

@@ -822,6 +822,20 @@ class TestLooking:
         assert self.listened(driver, known, 10.0, heard_s, 10.0)[1]
         assert self.listened(driver, known, 10.0, heard_s + 0.01, 10.0)[1] == ()
 
+    @pytest.mark.parametrize(("alphabet", "silent"), [(10, False), (9, True)])
+    def test_a_single_board_may_be_silent_for_longer_before_the_line_is_known(
+        self, driver, alphabet, silent
+    ):
+        robot = replace(driver.robot, link=replace(driver.robot.link, period_s=0.1))
+        times = [0.6] * len(driver.state.sensing.heard_s)
+        times[0] = 0.0
+        sensing = driver.state.sensing._replace(heard_s=tuple(times), loss=0.2)
+        known = faults.no_faults(driver.robot)
+
+        _, found = faults.listen(robot, known, sensing, 1.0, alphabet)
+
+        assert [each.code for each in found] == ["sensor.silent"] * silent
+
     def test_a_report_may_say_what_it_is_a_fault_of(self, driver):
         report = ev.FaultReport("something.else", "said", of=("wheel_3",))
 
