@@ -36,14 +36,15 @@ class Talk:
         self.faults: list[str] = []
         self.able = self.speaking = self.echoing = True
 
-    def start(self) -> None:
+    def start(self, watched: bool = True) -> None:
         """Topics are known and every board has reported."""
         self.now = 2.5
         for _ in range(2):
             for data in self.device.introduce():
                 self.exchange.receive(data, self.now)
         assert self.exchange.conversation.known
-        self.exchange.watch()
+        if watched:
+            self.exchange.watch()
         self.run(0.5)
 
     def run(self, seconds: float) -> None:
@@ -186,3 +187,85 @@ def test_a_controller_that_was_given_up_is_sent_copies_of_an_array_while_it_is_a
     talk.run(1.0)
 
     assert len(talk.arrays) > 3
+
+
+def test_the_array_in_force_is_repeated_as_the_profile_asks(talk: Talk, plan: LinkPlan) -> None:
+    every_s = plan.serial.refresh_every
+    assert every_s is not None
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    assert len(talk.arrays) == 1
+
+    talk.run(10 * every_s)
+
+    assert 8 <= len(talk.arrays) - 1 <= 10
+
+
+@pytest.mark.parametrize(("stop_after_s", "hurried"), [(0.3, True), (None, False)])
+def test_arrays_follow_sooner_where_a_switch_would_stop_the_robot_on_a_line_that_loses_much(
+    plan: LinkPlan, stop_after_s: float | None, hurried: bool
+) -> None:
+    serial = plan.serial.model_copy(update={"stop_after": stop_after_s})
+    talk = Talk(plan._replace(serial=serial))
+    talk.start()
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    for _ in range(5):
+        talk.exchange.link.quality.lose(1.0)
+    written = len(talk.arrays)
+
+    talk.run(0.5)
+
+    assert plan.serial.refresh_every is not None
+    assert (len(talk.arrays) - written > 0.5 / plan.serial.refresh_every) == hurried
+
+
+@pytest.mark.parametrize("watched", [True, False])
+def test_a_port_that_goes_and_comes_back_says_the_first_reason(
+    plan: LinkPlan, watched: bool
+) -> None:
+    talk = Talk(plan)
+    talk.start(watched)
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    talk.able = talk.speaking = False
+    talk.exchange.lost("the cable is out", talk.now)
+    talk.exchange.lost("it is still out", talk.now)
+    talk.run(1.0)
+    talk.able = talk.speaking = True
+    talk.exchange.connected(talk.now)
+    for _ in range(2):
+        for data in talk.device.introduce():
+            talk.exchange.receive(data, talk.now)
+    talk.run(0.5)
+
+    assert [("(the cable is out) and is back" in fault) for fault in talk.faults] == [True] * watched
+
+
+def test_a_port_that_goes_again_makes_the_safe_array_due_again(talk: Talk) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    talk.interrupt()
+    talk.run(0.05)
+    outage = talk.exchange.outage
+    assert outage is not None
+    assert outage.back
+
+    talk.exchange.lost("the cable is out", talk.now)
+
+    assert not outage.back
+    assert outage.gone == "the cable is out"
+
+
+def test_whoever_sleeps_until_something_is_due_writes_the_safe_array_ten_times_a_second(
+    talk: Talk,
+) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    talk.interrupt()
+    talk.run(0.05)
+    assert talk.exchange.outage is not None
+    written_s = talk.exchange.outage.wrote_s
+
+    assert talk.exchange.due_s(talk.now) == pytest.approx(written_s + 0.1)
+    assert talk.exchange.due_s(written_s + 0.1) <= written_s + 0.1
