@@ -21,6 +21,7 @@ from io import StringIO
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
+from unittest.mock import patch
 
 import yaml
 
@@ -28,6 +29,7 @@ from pirate_sm.cli.commands.check import run_check
 from pirate_sm.cli.commands.new import write_robot
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.files import NewRobotOptions
+from pirate_sm.cli.settings import RUNS_VARIABLE
 from pirate_sm.errors import PirateError
 
 HERE = Path(__file__).parents[1] / "tests" / "mistakes"
@@ -107,7 +109,8 @@ def _findings(case: Mistake) -> Iterator[tuple[str, int, str]]:
     whole = "." if "profile.yaml" in case.files or case.path == "pirate.toml" else case.path
     out = StringIO()
     try:
-        with redirect_stdout(out), redirect_stderr(StringIO()):
+        with redirect_stdout(out), redirect_stderr(StringIO()), patch.dict(os.environ):
+            os.environ.pop(RUNS_VARIABLE, None)  # it takes the place of the project's setting
             run_check(CheckOptions(paths=[whole], format="json"))
     except PirateError as error:
         for match in re.finditer(r"^ *(\S+?):(\d+):(?:\d+:)? (.*)", str(error), re.MULTILINE):

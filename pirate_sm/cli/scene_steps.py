@@ -2,23 +2,77 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 import typer
 
 from pirate_sm.cli.entry import commands
-from pirate_sm.errors import PirateError, RecordingError
-from pirate_sm.gallery.scene_file import recording_of
-from pirate_sm.loading import foreign
+from pirate_sm.errors import PirateError, RecordingError, UsageError
+from pirate_sm.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
+from pirate_sm.loading import foreign, library
 from pirate_sm.loading.camera_file import opened_by
+from pirate_sm.loading.mission.loader import LoadedMission, load_mission
+from pirate_sm.loading.problems import LoadError
+from pirate_sm.loading.problems import Path as Keys
+from pirate_sm.model.scene import SceneStep
 from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.spelling import unknown
 
 _UNUSABLE: Any = typer.BadParameter.__base__
 """What the parser of a command raises for anything on a command line that cannot be used."""
 
 _PRINTS = {"--help", "-h", "--version"}
+
+
+def why_unplayable(step: SceneStep, folders: Mapping[str, Path]) -> Iterator[tuple[str, Keys, str]]:
+    """Yield why a step of a scene cannot be played: the code, the keys and the message.
+
+    Args:
+        step: The step.
+        folders: The scene's folders by their names.
+    """
+    words = words_of(step, folders)
+    if why := why_refused(words, folders[OUT]):
+        yield ASKS, ("command",), why
+    elif words[0] == "run":
+        yield from _unknown(step, _given("run", words[1:]), folders[OUT])
+
+
+def _unknown(step: SceneStep, given: dict[str, Any], own: Path) -> Iterator[tuple[str, Keys, str]]:
+    """Yield what a run and its step name that is not there; nothing where its files have faults."""
+    name = given.get("mission")
+    if name is None or foreign.is_below(Path(name), own):
+        return  # resumed, or written by a step before
+    try:
+        path = library.find_mission(name)
+        chosen = {key: given[key] for key in ("robot", "pipe") if key in given}
+        loaded = load_mission(path, **chosen)
+    except LoadError:
+        return
+    except UsageError as error:
+        yield UNKNOWN, ("command",), str(error)
+        return
+    yield from ((UNKNOWN, ("command",), why) for why in _defects(loaded, given))
+    phases = loaded.program.phases
+    if step.power_cut_in is not None and step.power_cut_in not in phases:
+        why = unknown("there is no phase", [step.power_cut_in], phases)
+        yield UNKNOWN, ("power_cut_in",), why
+    codes = loaded.robot.fault_codes
+    for number, code in enumerate(step.expect.faults):
+        if code not in codes:
+            why = unknown("there is no fault", [code], codes)
+            yield UNKNOWN, ("expect", "faults", number), why
+
+
+def _defects(loaded: LoadedMission, given: dict[str, Any]) -> Iterator[str]:
+    from pirate_sm.simulation.defects import named  # needs the simulator
+
+    try:
+        named(given.get("defects") or (), loaded.loaded_robot.profile, seed=0)
+    except UsageError as error:
+        yield str(error)
 
 
 def why_refused(words: Sequence[str], own: Path) -> str:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 import re
 import shlex
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import TypeAlias
 
+from pirate_sm.loading import problems as found
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
@@ -15,10 +16,11 @@ from pirate_sm.model.scene import Scene, SceneStep
 
 OUT, HERE = "out", "here"
 RECORD = "--record"
+ASKS, UNKNOWN = "scene.asks", "scene.unknown"
 _FOLDER = re.compile(r"\{([^{}]*)\}")
 
-Refusal: TypeAlias = Callable[[SceneStep], str]
-"""Returns why a scene may not run the command line of a step; empty if it may."""
+Refusal: TypeAlias = Callable[[SceneStep], Iterable[tuple[str, found.Path, str]]]
+"""Returns why a step cannot be played: for each reason its code, its keys and the message."""
 
 
 def load_scene(path: Path, refusal: Refusal | None = None) -> Scene:
@@ -53,14 +55,14 @@ def _read(path: Path, refusal: Refusal | None) -> tuple[Scene, Document, Problem
     if scene.scene != path.stem:
         message = f"the scene is called as its file: {path.stem}"
         problems.add("scene.name", ("scene",), message, expected=path.stem)
+    before: set[str] = set()
     for number, step in enumerate(scene.steps):
         _check(step, problems, ("steps", number), refusal)
+        _check_recordings(step, before, problems, ("steps", number, "command"))
     return scene, document, problems
 
 
-def _check(
-    step: SceneStep, problems: Problems, at: tuple[str | int, ...], refusal: Refusal | None
-) -> None:
+def _check(step: SceneStep, problems: Problems, at: found.Path, refusal: Refusal | None) -> None:
     """Report what is wrong with a step's command line."""
     path = (*at, "command")
     unknown = [name for name in _FOLDER.findall(step.command) if name not in (OUT, HERE)]
@@ -79,8 +81,21 @@ def _check(
         message = f"a scene records into its own folder: {RECORD} {{{OUT}}}/run.mcap"
         problems.add("scene.record", path, message)
         return
-    if not unknown and refusal is not None and (why := refusal(step)):
-        problems.add("scene.asks", path, why)
+    if not unknown and refusal is not None:
+        for code, keys, why in refusal(step):
+            problems.add(code, (*at, *keys), why)
+
+
+def _check_recordings(
+    step: SceneStep, before: set[str], problems: Problems, at: found.Path
+) -> None:
+    """Report recordings that a step reads and no step before it writes; add its own words."""
+    words = step.command.split()
+    for option, word in zip(["", *words], words, strict=False):
+        read = word.startswith(f"{{{OUT}}}/") and word.endswith(".mcap") and option[:1] != "-"
+        if read and not any(word.startswith(each.removesuffix(".mcap")) for each in before):
+            problems.add("scene.record", at, f"no step before this one records {word}")
+    before |= {word for word in words if word.endswith(".mcap")}
 
 
 def words_of(step: SceneStep, folders: Mapping[str, Path]) -> list[str]:

@@ -34,7 +34,11 @@ def test_there_are_enough_of_them_and_each_edit_fits_its_base() -> None:
     assert all(case.lines and case.why for case in MISTAKES.values())
 
 
-@pytest.mark.parametrize("name", SAMPLE)
+OF_SCENES = ("mission", "defect", "fault", "power_cut", "missing_recording")
+"""What a scene names that is not there."""
+
+
+@pytest.mark.parametrize("name", [*SAMPLE, *(f"projects.scenes.{each}" for each in OF_SCENES)])
 def test_a_mistake_is_reported_on_its_line(name: str) -> None:
     outcome = checked(MISTAKES[name])
 

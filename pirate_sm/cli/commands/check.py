@@ -23,7 +23,7 @@ from pirate_sm.cli.output.terminal import shows_colour
 from pirate_sm.cli.output.wrapping import columns_of, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
-from pirate_sm.gallery.scene_file import HERE, OUT, check_scene, words_of
+from pirate_sm.gallery.scene_file import HERE, OUT, check_scene
 from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.problems import Problems
@@ -110,12 +110,10 @@ def _form(document: Document, problems: Problems) -> tuple[list[Document], Itera
 
 
 def _check_scene(path: Path) -> tuple[list[Document], Iterable[Finding]]:
-    from pirate_sm.cli.scene_steps import why_refused  # needs the parsers of all commands
+    from pirate_sm.cli.scene_steps import why_unplayable  # needs the parsers of all commands
 
     folders = {OUT: path.parent / OUT, HERE: path.parent}
-    return _form(
-        *check_scene(path, lambda step: why_refused(words_of(step, folders), folders[OUT]))
-    )
+    return _form(*check_scene(path, lambda step: why_unplayable(step, folders)))
 
 
 def _check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:

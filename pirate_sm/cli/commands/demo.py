@@ -18,7 +18,7 @@ from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.cli.output.wrapping import columns_of, wrapped
-from pirate_sm.cli.scene_steps import simulating, why_refused
+from pirate_sm.cli.scene_steps import simulating, why_refused, why_unplayable
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing
 from pirate_sm.gallery.scene_file import (
@@ -124,7 +124,7 @@ def _loaded(path: Path, output: Path) -> Scene:
         LoadError: Its file has errors.
     """
     folders = _folders(path, output)
-    return load_scene(path, lambda step: why_refused(words_of(step, folders), folders[OUT]))
+    return load_scene(path, lambda step: why_unplayable(step, folders))
 
 
 def _folders(path: Path, output: Path) -> dict[str, Path]:
