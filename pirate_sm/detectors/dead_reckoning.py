@@ -196,7 +196,7 @@ class Reckoner:
                 chain = _filled(chain, self._lay(numbers, other, spots[other]))
             places = self._places(chain, spots[anchor])
         right_m = before.right_m if isnan(away_m) else counted
-        if shape == "fits" and not self._straight(numbers, spots):
+        if shape == "fits" and not self.straight(numbers, spots):
             shape = "contradicts"
         return Reckoned(places, chain, counted, anchor, spots, right_m, shape)
 
@@ -239,7 +239,7 @@ class Reckoner:
         shown, bore_m = self._body.parts[part].diameter, self._route.diameter_at(middle_m)
         return shown >= 0 and abs(numbers[shown] - bore_m) <= _AGREEING * bore_m
 
-    def _straight(self, numbers: Sequence[float], spots: dict[int, Spot]) -> bool:
+    def straight(self, numbers: Sequence[float], spots: dict[int, Spot]) -> bool:
         """Return whether each anchor lies along its leg, and all along one axis."""
         headings = [self._body.heading_in_pipe(numbers, part, 0) for part in spots]
         lie = all(self.lies(numbers, part, spot.middle_m) for part, spot in spots.items())

@@ -84,7 +84,10 @@ class Odometry:
         self._ahead = RouteReport(route, valid_for_s)
         self._said: tuple[Event | None, ...] = ()
         self._shapes: deque[Shape] = deque(maxlen=_SHAPES)
-        self._doubted_m = nan
+        self._doubted_m = self._bent_m = nan
+        behind = [word for word in words if word.name in robot.words_behind]
+        ways_m = [point.passed_m for word in behind for point in (word.forward, word.backward)]
+        self._clear_m = max(ways_m, default=0.0)
         self._swept: dict[int, tuple[float, float]] = {}
         self._first_word = words[0].name if words else ""
 
@@ -120,13 +123,26 @@ class Odometry:
         elif self._rigid():
             self.reckoned = self.reckoned._replace(shape="contradicts")
         self._shapes.append(self.reckoned.shape)
-        fits = all(each == "fits" for each in self._shapes)
+        fits = self._clear(numbers) and all(each == "fits" for each in self._shapes)
         seen = all(part.diameter >= 0 for part in robot.body.parts)
         barred = frozenset[str]() if fits or not seen else robot.words_behind
         word = self._detector.look(now_s, places_m, travel, barred)
         report = self._ahead.look(now_s, places_m, self._front_roll_rad())
         self._said = word, report, self._doubt(barred, self.reckoned, numbers)
         return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _clear(self, numbers: Sequence[float]) -> bool:
+        """Return whether the robot has rolled on for as long as a word asks since it was bent.
+
+        Its wheels slip while it comes round a bend, so odometry may be far ahead by then. What is
+        sure is that none of them has left the bend before all parts lie along one axis.
+        """
+        at = self.reckoned
+        assert at is not None, "the caller has just reckoned"
+        held = len(at.spots) == len(self._robot.parts)
+        if held and not self._reckoner.straight(numbers, at.spots):
+            self._bent_m = at.odometer_m
+        return not abs(at.odometer_m - self._bent_m) < self._clear_m
 
     def _sweep(self, numbers: Sequence[float], *, in_bend: bool) -> None:
         """Follow the least and the largest angle of each joint since a bend was announced."""
@@ -234,6 +250,7 @@ class Odometry:
         """Count from zero again, with the robot where it is."""
         self._take(robot)
         if self.reckoned is not None:
+            self._bent_m -= self.reckoned.odometer_m
             self.reckoned = self.reckoned._replace(odometer_m=0.0)
 
     def speak(self, now_s: float) -> Sequence[Event]:

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.companion import Onlooker
-from pirate_sm.detectors.dead_reckoning import Reckoned, Shape
+from pirate_sm.detectors.dead_reckoning import Reckoned, Shape, Spot
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.engine.robot.robot_state import LAPSED, Mark, confirmed_parts
 from pirate_sm.errors import UsageError
@@ -139,6 +139,30 @@ def test_belief_in_a_passed_bend_ends_when_the_shape_contradicts_it_for_long(
             fault.message
         )
     assert not any(companion._doubt(frozenset(), each, []) for each in looks)
+
+
+@pytest.mark.parametrize(
+    ("course", "clear"),
+    [
+        ([(True, 0.0), (True, 1.0)], [True, True]),
+        ([(False, 0.3), (True, 0.31), (True, 0.359), (True, 0.361)], [False, False, False, True]),
+        ([(False, 0.3), (True, 0.25), (True, 0.239)], [False, False, True]),
+        ([(False, 0.3), (None, 0.4), (False, 0.4), (True, 0.41)], [False, True, False, False]),
+    ],
+)
+def test_belief_that_a_bend_is_passed_needs_a_way_that_was_rolled_straight(
+    course: list[tuple[bool | None, float]], clear: list[bool], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Wheels slip round the bend: odometry may be ahead when the robot has just come straight."""
+    companion, found = odometry(), []
+    both = {0: Spot(2.0, 0.0), 1: Spot(1.8, 0.0)}
+    for straight, odometer_m in course:  # None: one part alone holds, and the other may be anywhere
+        spots = both if straight is not None else {0: both[0]}
+        monkeypatch.setattr(companion._reckoner, "straight", lambda *_, known=straight: known)
+        companion.reckoned = Reckoned((), NOWHERE, odometer_m, 0, spots, 0.0, "fits")
+        found.append(companion._clear([]))
+
+    assert found == clear
 
 
 @pytest.mark.parametrize("place", [-0.001, 2.001])
