@@ -8,7 +8,6 @@ from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.mission.program import DRIVEN, TriggerSpec
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.safety.faults import FoundFault
-from pirate_sm.engine.sensing.distance import BASE_M
 from pirate_sm.engine.state import OUTSIDE, Counted, EngineState
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -84,4 +83,5 @@ def _driven(moment: Moment, state: EngineState, since: Counted) -> tuple[float, 
     """Return the distance driven since then, its bound, and the largest bound of a success, m."""
     now = counted(moment, state)
     limit_m = max(_LEAST_M, _SHARE * (now.rolled_m - since.rolled_m))
-    return now.odometry_m - since.odometry_m, BASE_M + now.width_m - since.width_m, limit_m
+    bound_m = state.sensing.distance.bound_m - since.width_m
+    return now.odometry_m - since.odometry_m, bound_m, limit_m

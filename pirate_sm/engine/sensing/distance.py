@@ -18,11 +18,12 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.board_spec import WheelSpec
 from pirate_sm.engine.sensing.environment import AGREEING
 from pirate_sm.engine.sensing.known_signals import DistanceMemory, Numbers, Sensing
-from pirate_sm.engine.sensing.wheel_belief import Believed, believed
+from pirate_sm.engine.sensing.wheel_belief import Believed, believed, late
 from pirate_sm.geometry.space import GRAVITY_M_S2
 
 BASE_M = 0.005
-"""Reports are late by up to a round of the boards; that makes 4 mm [measured]."""
+"""Reports are late by up to a round of the boards; that makes 4 mm [measured]. Where they are lost
+it is more."""
 
 _ROUND, _UNREAD_S = 0.95, 0.5
 """Wheels are judged once in a round of the boards, which rounding may shorten; where the mission
@@ -79,7 +80,8 @@ def counting(robot: RobotSpec, sensing: Sensing, before: DistanceMemory, *, read
         read: Whether the mission reads the distance, so that each round of the boards is judged.
     """
     every_s = _ROUND * robot.link.period_s if read else _UNREAD_S
-    memory = DistanceMemory(every_s, width_m=before.width_m, rolled_m=before.rolled_m)
+    width_m, rolled_m = before.width_m, before.rolled_m
+    memory = DistanceMemory(every_s, width_m=width_m, late_m=BASE_M, rolled_m=rolled_m)
     return _with_bound(robot, sensing, sensing.numbers, memory)
 
 
@@ -106,7 +108,7 @@ def _with_bound(
 ) -> Sensing:
     if robot.bound >= 0:
         numbers = list(numbers)
-        numbers[robot.bound] = BASE_M + memory.width_m if memory.every_s < _UNREAD_S else nan
+        numbers[robot.bound] = memory.bound_m if memory.every_s < _UNREAD_S else nan
     return sensing._replace(numbers=tuple(numbers), distance=memory)
 
 
@@ -151,21 +153,27 @@ def judge(
     changed_s = max(begun_s, sensing.asked.since_s) if stops else begun_s
     changes = now_s - changed_s < _STARTING_S
     ways_m = [abs(speed * elapsed_s - by.moved_m) for speed in grip.speeds]
+    lacking, spanned = _tilted(robot, sensing, held, bores_m)
     slipped_m = 0.0
     if grip.slips:
         slipped_m = max(abs(by.moved_m), *ways_m) + memory.pending_m
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
-    elif ways_m and not changes:
-        slipped_m = max(ways_m) * _SOME
-    lacking, spanned = _tilted(robot, sensing, held, bores_m)
+    elif ways_m and not changes:  # beside the axis they differ by as much as the parts lack
+        slipped_m = max(0.0, max(ways_m) - lacking * abs(by.moved_m)) * _SOME
     wrong = _SHARE + _LOST * sensing.loss + _LEANS * lacking
     width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m)
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (changes or grip.vague)
+    running = sensing.asked.driving or any(sensing.shares)
+    late_m = (
+        late(robot, sensing, by.wheels, now_s + sensing.loss * robot.link.period_s).values()
+        if running
+        else ()
+    )
     numbers = list(sensing.numbers)
     numbers[robot.odometry] += by.missed_m - lacking * by.moved_m
     memory = memory._replace(
-        running=sensing.asked.driving or any(sensing.shares),
+        running=running,
         begun_s=begun_s,
         turns=turns,
         at_s=now_s,
@@ -177,6 +185,7 @@ def judge(
         pitch_rad=pitch_rad,
         out=by.out,
         width_m=width_m if pending else width_m + slipped_m,
+        late_m=max(BASE_M, abs(fmean(late_m)) if late_m else 0.0),
         pending_m=slipped_m if pending else 0.0,
         sliding_m_s=max(0.0, sliding_m_s) if grip.slips else 0.0,
         rolled_m=memory.rolled_m + abs(by.moved_m),

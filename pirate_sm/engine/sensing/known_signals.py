@@ -38,7 +38,8 @@ class DistanceMemory(NamedTuple):
         strayed_m: Per wheel how far it is from the others lately; NaN while it does not count.
         odd_s: Per wheel since when it is limp, or turns with the others again; infinite otherwise.
         out: Places of the wheels that are not believed.
-        width_m: How far the robot may be from the odometry, beside what is always possible.
+        width_m: How far the robot may be from the odometry where all wheels have just reported.
+        late_m: How far it may have driven since its wheels reported.
         rolled_m: How far it has driven, back and forth.
         sliding_m_s: How fast it may be sliding down a slope.
         pitch_rad: By how much the pipe climbs where that was known last.
@@ -59,12 +60,18 @@ class DistanceMemory(NamedTuple):
     odd_s: Numbers = ()
     out: frozenset[int] = frozenset()
     width_m: float = 0.0
+    late_m: float = 0.0
     rolled_m: float = 0.0
     sliding_m_s: float = 0.0
     pitch_rad: float = nan
     pending_m: float = 0.0
     spanned: bool = False
     slipped: bool = False
+
+    @property
+    def bound_m(self) -> float:
+        """Return how far the robot may be from the odometry."""
+        return self.width_m + self.late_m
 
 
 class Sensing(NamedTuple):

@@ -7,7 +7,7 @@ is taken out of the odometry again. It is believed again once it has turned with
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Mapping, Sequence
 from math import inf, isnan, nan
 from statistics import fmean, median
 from typing import NamedTuple
@@ -81,16 +81,8 @@ def believed(
     odd = limp & set(counted)
     odd |= {at for at in memory.out if _turns_along(rolled_m[at], mean_m)}
     odd_s = [min(since_s, now_s) if at in odd else inf for at, since_s in enumerate(memory.odd_s)]
-    late_s = now_s - robot.link.silent_after_s / 4
     able = [at for at in counted if at not in odd]
-    middle_m = median([strayed[at] for at in able]) if len(able) > 2 else 0.0
-    far = {
-        at
-        for at in able
-        if len(able) > 2
-        and abs(strayed[at] - middle_m) > _STRAYED_M
-        and not (late_s < heard_s[at] <= memory.at_s and heard_s[at] < now_s)  # a lost report
-    }
+    far = _far(robot, sensing, {at: strayed[at] for at in able}, now_s) if len(able) > 2 else set()
     lost = {at for at in counted if now_s - odd_s[at] >= _LIMP_S} | far
     if not lost < set(counted):
         lost = set()
@@ -112,6 +104,40 @@ def _is_limp(wheel: WheelSpec, sensing: Sensing, duty: float) -> bool:
     speed_m_s = abs(sensing.numbers[wheel.speed] * wheel.metres_per_rad)
     still = speed_m_s < _STILL * abs(duty) * wheel.top_m_s
     return still and not wheel.force_n(sensing.numbers) > _LIMP * abs(duty) * wheel.stall_n
+
+
+def _far(
+    robot: RobotSpec, sensing: Sensing, strayed_m: Mapping[int, float], now_s: float
+) -> set[int]:
+    """Return the wheels that are far from the others, wherever all are by now.
+
+    Since its last report a wheel may have rolled on with the others, or have stopped.
+    """
+    late_m = late(robot, sensing, strayed_m, now_s, robot.link.silent_after_s / 4)
+    least = {at: each + min(0.0, late_m[at]) for at, each in strayed_m.items()}
+    most = {at: each + max(0.0, late_m[at]) for at, each in strayed_m.items()}
+    low_m, high_m = median(least.values()) - _STRAYED_M, median(most.values()) + _STRAYED_M
+    return {at for at in strayed_m if most[at] < low_m or least[at] > high_m}
+
+
+def late(
+    robot: RobotSpec, sensing: Sensing, wheels: Collection[int], now_s: float, most_s: float = inf
+) -> dict[int, float]:
+    """Return per wheel how far it has rolled since its last report if it turns as these do, m.
+
+    Args:
+        robot: The robot.
+        sensing: The signals.
+        wheels: Places of the wheels.
+        now_s: When it is.
+        most_s: Of an older report only so much counts.
+    """
+    speeds = [
+        sensing.numbers[robot.wheels[at].speed] * robot.wheels[at].metres_per_rad for at in wheels
+    ]
+    pace_m_s = median([each for each in speeds if not isnan(each)] or [0.0])
+    heard_s = {at: sensing.heard_s[robot.wheel_boards[at]] for at in wheels}
+    return {at: pace_m_s * min(now_s - heard_s[at], most_s) for at in wheels}
 
 
 def _turns_along(rolled_m: float, others_m: float) -> bool:

@@ -134,6 +134,24 @@ def test_wheels_that_roll_are_wrong_by_a_small_share_of_the_way(force: float) ->
     assert world.bound_m == pytest.approx(BASE_M + 0.006 * way_m(10))
 
 
+def test_belief_in_a_bound_ends_with_the_reports_that_are_lost() -> None:
+    """What wheels have rolled since they were heard is not in the odometry yet."""
+    world = World()
+    world.drive(5)
+    world.silent = {0, 2, 4}
+
+    world.drive(3)
+
+    assert world.bound_m == pytest.approx(world.width_m + way_m(3) / 2)
+    world.sensing = world.sensing._replace(loss=0.4)
+    lost_m = 0.4 * robot().link.period_s * SPEED * top_m_s()  # until the next reports
+    world.drive(1)
+    assert world.bound_m == pytest.approx(world.width_m + way_m(4) / 2 + lost_m)
+    world.silent = set()
+    world.drive(1)
+    assert world.bound_m == pytest.approx(world.width_m + BASE_M)
+
+
 def test_backward_it_is_the_same() -> None:
     world = World()
     world.speeds = [-SPEED] * 6
@@ -276,6 +294,20 @@ def test_belief_in_a_way_ends_where_parts_lie_beside_the_axis_of_the_pipe(
     assert world.drive(10) == pytest.approx((0.006 + 0.25 * share) * way_m(10))
     # The odometry has what they lack taken off; what the wheels show is added elsewhere.
     assert world.sensing.numbers[robot().odometry] == pytest.approx(-share * way_m(10))
+
+
+@pytest.mark.parametrize(("span_m", "lack"), [(0.110, 10 / 72), (0.102, 18 / 72)])
+def test_wheels_that_differ_no_more_than_parts_lack_beside_the_axis_do_not_slip_for_that(
+    span_m: float, lack: float
+) -> None:
+    world = World()
+    world.spans_m, world.bores_m = [span_m] * 2, (0.12,)
+    world.speeds = [0.64, 0.8, 0.96] * 2
+    world.drive(5)
+
+    lean_m = (0.006 + 0.25 * lack) * way_m(5)
+    excess_m = max(0.0, way_m(5, 0.16) - lack * way_m(5))
+    assert world.drive(5) == pytest.approx(lean_m + 0.35 * excess_m)
 
 
 @pytest.mark.parametrize("slipped", [False, True])

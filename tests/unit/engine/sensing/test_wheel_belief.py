@@ -192,13 +192,29 @@ def test_belief_in_a_wheel_ends_where_it_strays_from_the_others(
 
 
 def test_a_report_that_is_lost_is_no_straying() -> None:
-    memory = after({0: -0.03})
+    memory = after({0: -0.02})
 
     assert round_of(STILL, memory, heard_s={0: memory.at_s - 0.05}, force={0: 1.0}).out == set()
     assert round_of(STILL, memory, heard_s={0: memory.at_s}, force={0: 1.0}).out == set()
     assert round_of(STILL, memory, force={0: 1.0}).out == {0}
     old_s = NOW_S - robot().link.silent_after_s * 0.6
-    assert round_of(STILL, memory, heard_s={0: old_s}, force={0: 1.0}).out == {0}
+    assert round_of(STILL, after({0: -0.06}), heard_s={0: old_s}, force={0: 1.0}).out == {0}
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_belief_in_a_wheel_lasts_where_the_reports_of_the_others_are_lost(way: int) -> None:
+    """Two wheels have just reported what they rolled, and the others not for some rounds."""
+    unheard = dict.fromkeys(range(2, 6), NOW_S - 0.25)
+    strayed_m = dict.fromkeys(range(2), way * 0.018) | dict.fromkeys(range(2, 6), way * -0.009)
+    rolled_m = dict.fromkeys(range(2), way * 0.01) | dict.fromkeys(range(2, 6), 0.0)
+
+    def found(heard_s: Mapping[int, float]) -> Believed:
+        sensing = seen(dict.fromkeys(range(6), way * 0.01), after(strayed_m), heard_s)
+        return believed(robot(), sensing, setpoints(), [rolled_m[at] for at in range(6)], NOW_S)
+
+    assert found({}).out == {0, 1}, "they spin"
+    assert found(unheard).out == frozenset()
+    assert found(unheard).missed_m == 0.0
 
 
 def test_what_has_strayed_is_forgotten_with_time() -> None:
