@@ -2,26 +2,36 @@
 
 from __future__ import annotations
 
-from math import asin, cos, degrees, sqrt
+from itertools import combinations
+from math import asin, cos, degrees, dist, sqrt
 from pathlib import Path
 
 from pirate_sm.detectors.known import BY_CAMERA, BY_SOCKET
 from pirate_sm.loading import library
-from pirate_sm.loading.problems import Problems
+from pirate_sm.loading.problems import Path as At
+from pirate_sm.loading.problems import Problems, Severity
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.camera import FEWEST_POINTS, Camera, RobotTags, TagFamily
+from pirate_sm.model.camera import FEWEST_POINTS, Camera, Marker, RobotTags, TagFamily
 from pirate_sm.model.camera_source import DeviceSource, UrlSource
+from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import nearest
 
 _NUMBERS: dict[TagFamily, int] = {"aruco_4x4_50": 50, "apriltag_36h11": 587}
 
+_FEWEST_PIXELS = 6
+"""Squares along the side of a tag of the coarsest family, with its border."""
 
-def load_camera(path: Path, *, posed: bool = True) -> tuple[Camera, Document]:
+
+def load_camera(
+    path: Path, *, posed: bool = True, profile: Profile | None = None
+) -> tuple[Camera, Document]:
     """Return the camera in a file, and the file's document.
 
     Args:
         path: The file.
-        posed: Whether the pose is used; one that is to be surveyed may still be wrong.
+        posed: Whether lens and pose are used; those that are to be measured may still be wrong.
+        profile: The robot that it looks at; None if that is not known.
 
     Raises:
         LoadError: The file has faults; holds all of them.
@@ -30,8 +40,12 @@ def load_camera(path: Path, *, posed: bool = True) -> tuple[Camera, Document]:
     camera = validate(document, Camera)
     problems = Problems(document)
     _check_numbers(camera, problems)
+    _check_overlaps(camera, problems)
     _check_points(camera, problems)
+    if profile is not None:
+        check_robot_seen(camera, profile, problems)
     if posed:
+        _check_lens(camera, problems)
         _check_pose(camera, problems)
     _check_colours(camera, problems)
     problems.raise_errors()
@@ -73,18 +87,72 @@ def _check_numbers(camera: Camera, problems: Problems) -> None:
             problems.add("camera.tag", tuple(path), message, expected=expected, key=True)
 
 
+def _check_overlaps(camera: Camera, problems: Problems) -> None:
+    """Report tags of the setup that cover each other, and two in the middle of one module."""
+    setup, robot = camera.setup, camera.robot
+    size_m, on = setup.size or 0.0, robot.on if isinstance(robot, RobotTags) else {}
+    tagged: list[tuple[At, str, str]] = [
+        (("setup", "at", two), one, two)
+        for one, two in combinations(setup.at, 2)
+        if all(abs(a - b) < size_m for a, b in zip(setup.at[one], setup.at[two], strict=True))
+    ]
+    tagged += [(("robot", "on", b), a, b) for a, b in combinations(on, 2) if on[a] == on[b]]
+    for path, one, two in tagged:
+        message = f"tag {two} covers tag {one}, which is at the same place"
+        problems.add("camera.tag", path, message)
+
+
+def _check_lens(camera: Camera, problems: Problems) -> None:
+    """Report a lens whose axis meets no picture of this size."""
+    lens, (width, height) = camera.lens, camera.source.size
+    if lens is None or (0 <= lens.centre[0] < width and 0 <= lens.centre[1] < height):
+        return
+    message = f"the axis of the lens is outside of the picture of {width} × {height}"
+    expected = "the `size` at which the lens was calibrated"
+    problems.add("camera.lens", ("lens", "centre"), message, expected=expected)
+
+
+def check_robot_seen(
+    camera: Camera, profile: Profile, problems: Problems, severity: Severity = Severity.ERROR
+) -> None:
+    """Report what a camera looks for, or reports, and this robot does not have."""
+    marks, name = camera.marks, profile.robot
+    modules = {link.module: link.length for link in profile.body.links}
+    at: At = ("robot", "marker") if isinstance(marks, Marker) else ("robot",)
+    paths = [(*at, "on")] if isinstance(marks, Marker) else [(*at, "on", n) for n in marks.on]
+    names: list[tuple[At, str, str, list[str]]] = [
+        (path, on, "module", [*modules]) for path, on in zip(paths, camera.modules, strict=True)
+    ]
+    if camera.speed is not None:
+        names.append((("speed",), camera.speed, "outside signal", [*profile.outside]))
+    if marks.size > max(modules.values()):
+        message = f"this is longer than every module of {name}"
+        problems.add("camera.robot", (*at, "size"), message, severity=severity)
+    for path, wanted, kind, known in names:
+        if wanted not in known:
+            message, close = f"{name} has no {kind} '{wanted}'", nearest(wanted, known) or ""
+            expected = ", ".join(known) or f"no {kind} at all"
+            problems.add("camera.robot", path, message,
+                         expected=expected, suggestion=close, severity=severity)  # fmt: skip
+
+
 def _check_pose(camera: Camera, problems: Problems) -> None:
     """Report a camera that hangs no higher than what is on the robot, or looks up from there."""
     pose = camera.setup.pose
     if pose is None:
         return
-    marks = camera.robot
-    height_m = marks.height if isinstance(marks, RobotTags) else marks.marker.height
+    height_m = camera.marks.height
     if pose.at[2] <= height_m:
         message = (
             f"the camera hangs at {pose.at[2]:g} m, and what it looks for is at {height_m:g} m"
         )
         problems.add("camera.pose", ("setup", "pose", "at"), message)
+    lens, size_m, places = camera.lens, camera.setup.size, camera.setup.at.values()
+    if lens is not None and size_m is not None:
+        pixels = max(lens.f) * size_m / max(min(dist(pose.at, each) for each in places), size_m)
+        if pixels < _FEWEST_PIXELS:
+            message = f"no tag of the setup is larger than {pixels:.2g} pixels from there"
+            problems.add("camera.pose", ("setup", "pose", "at"), message)
     up = _axis_up(pose.turn)
     if up > _LEAST_UP:
         message = f"the camera looks up, {degrees(asin(min(up, 1.0))):.3g} deg above the plate"
@@ -108,9 +176,9 @@ _LEAST_UP = 0.05
 
 def _check_colours(camera: Camera, problems: Problems) -> None:
     """Report limits of saturation and value that no colour is between; hue may go through red."""
-    if isinstance(camera.robot, RobotTags):
+    if isinstance(camera.marks, RobotTags):
         return
-    low, high = camera.robot.marker.hsv
+    low, high = camera.marks.hsv
     for number, name in ((1, "saturation"), (2, "value")):
         if low[number] > high[number]:
             message = f"the lower {name}, {low[number]:g}, is above the upper one, {high[number]:g}"

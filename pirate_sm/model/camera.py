@@ -183,3 +183,14 @@ class Camera(Frozen):
     robot: RobotMarks
     speed: Name | None = None
     latency_s: Annotated[Duration, Field(alias="latency", ge=0, le=2)] = 0.0
+
+    @property
+    def marks(self) -> RobotTags | Marker:
+        """Return what is on the robot."""
+        return self.robot if isinstance(self.robot, RobotTags) else self.robot.marker
+
+    @property
+    def modules(self) -> tuple[str, ...]:
+        """Return the modules of the robot that it looks for."""
+        on = self.marks.on
+        return (on,) if isinstance(on, str) else tuple(on.values())

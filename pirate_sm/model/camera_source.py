@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, TypeAlias
 
-from pydantic import Field, StringConstraints, Tag
+from pydantic import Field, StringConstraints, Tag, model_validator
 
 from pirate_sm.model.base import Frozen, by_key
 from pirate_sm.model.quantities import Count, Frequency
@@ -78,6 +78,12 @@ class SyntheticSource(_Pictures):
     """
 
     synthetic: SyntheticView
+
+    @model_validator(mode="after")
+    def _shuts_in_time(self) -> SyntheticSource:
+        if self.synthetic.camera.shutter * self.rate > 1:
+            raise ValueError("the `shutter` is open for longer than from picture to picture")
+        return self
 
 
 CameraSource: TypeAlias = Annotated[

@@ -28,8 +28,8 @@ def make(asked: Asked) -> Detecting:
     """Return the detector, with its camera still closed.
 
     Raises:
-        LoadError: The camera's file has faults; holds all of them.
-        UsageError: There is no such camera or no pipe, the camera does not fit the robot, or the
+        LoadError: The camera's file has faults or does not fit the robot; holds all of them.
+        UsageError: There is no such camera or no pipe, or the
             extra ``vision`` is not installed.
     """
     if not asked.argument:
@@ -39,7 +39,7 @@ def make(asked: Asked) -> Detecting:
         hint = Hint(": give it with --pipe", ": give it with pipe='NAME'")
         raise UsageError("the detector vision needs to know the pipe", hint=hint)
     path = library.find_camera(asked.argument, Path.cwd())
-    camera, _ = load_camera(path)
+    camera, _ = load_camera(path, profile=asked.profile)
     route = asked.pipe.route()
     links = _links(camera, asked.profile)
     odometry = None
@@ -62,40 +62,16 @@ def make(asked: Asked) -> Detecting:
         placing,
         odometry=odometry,
         live=isinstance(camera.source, DeviceSource | UrlSource),
-        measures=_measured(camera, asked.profile),
+        measures=camera.speed or "",
     )
     notice = f"detector: the camera {camera.camera}"
     return Detecting("vision", (sight,), (notice,), sight.truth, sight.view)
 
 
 def _links(camera: Camera, profile: Profile) -> Mapping[str, int]:
-    """Return the index of the link of each module that the camera looks for.
-
-    Raises:
-        UsageError: The robot has no such module.
-    """
+    """Return the index of the link of each module that the camera looks for."""
     modules = [link.module for link in profile.body.links]
-    robot = camera.robot
-    wanted = robot.on.values() if isinstance(robot, RobotTags) else [robot.marker.on]
-    for name in wanted:
-        if name not in modules:
-            known = ", ".join(modules)
-            message = f"the camera '{camera.camera}' looks for the module '{name}'"
-            raise UsageError(f"{message}; {profile.robot} has {known}")
-    return {name: modules.index(name) for name in wanted}
-
-
-def _measured(camera: Camera, profile: Profile) -> str:
-    """Return the outside signal that gets the speed; empty for none.
-
-    Raises:
-        UsageError: The robot has no such signal.
-    """
-    name = camera.speed or ""
-    if name and name not in profile.outside:
-        message = f"the camera '{camera.camera}' measures '{name}'"
-        raise UsageError(f"{message}, which {profile.robot} does not declare under `outside`")
-    return name
+    return {name: modules.index(name) for name in camera.modules}
 
 
 def _opening(

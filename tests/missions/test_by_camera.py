@@ -83,8 +83,8 @@ def test_the_camera_measures_the_speed_against_which_slip_is_judged(recording: P
 @pytest.mark.parametrize(
     ("change", "why"),
     [
-        (("on: rotation", "on: tail"), "looks for the module 'tail'; pirate_ii has"),
-        (("speed: ruler", "speed: rulr"), "'rulr', which pirate_ii does not declare"),
+        (("on: rotation", "on: tail"), "pirate_ii has no module 'tail'"),
+        (("speed: ruler", "speed: rulr"), "pirate_ii has no outside signal 'rulr'"),
     ],
 )
 def test_a_camera_that_does_not_fit_the_robot_is_refused(
@@ -93,7 +93,7 @@ def test_a_camera_that_does_not_fit_the_robot_is_refused(
     camera = tmp_path / "camera.yaml"
     camera.write_text(SMALL.read_text("utf-8").replace(*change), "utf-8")
 
-    with pytest.raises(UsageError, match=why):
+    with pytest.raises(LoadError, match=why):
         pirate_sm.run("mitre_bend", detector=f"vision:{camera}")
 
 

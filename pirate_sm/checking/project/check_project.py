@@ -19,7 +19,7 @@ from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
-from pirate_sm.loading.camera_file import load_camera
+from pirate_sm.loading.camera_file import check_robot_seen, load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.file_kinds import Kind
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
@@ -27,6 +27,7 @@ from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
 from pirate_sm.loading.pipe_file import check_reach, load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
+from pirate_sm.loading.problems import Severity as LoadSeverity
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.robot.calibration_files import load_calibration
 from pirate_sm.loading.robot.twin_file import check_twin
@@ -35,6 +36,7 @@ from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_documen
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
 from pirate_sm.on_disk import is_file
 
@@ -166,11 +168,14 @@ class _Check:
     def _reached(self, path: Path, pipe: Pipe, document: Document) -> Problems:
         """Return the diameters of a pipe that the usual robot cannot clamp."""
         problems = Problems(document)
-        wanted = self._wishes.robot or self._wishes.usual_robot
-        folder = self._robot_of(path, wanted or library.robots()[0].name)
         with suppress(LoadError):  # reported for the robot
-            check_reach(pipe, load_robot(folder).profile, document, problems)
+            check_reach(pipe, self._usual(path), document, problems)
         return problems
+
+    def _usual(self, path: Path) -> Profile:
+        """Return the robot of a file that names none."""
+        wanted = self._wishes.robot or self._wishes.usual_robot
+        return load_robot(self._robot_of(path, wanted or library.robots()[0].name)).profile
 
     def mission(self, target: CheckTarget) -> None:
         """Check a mission with its robot, its pipe and the missions that it calls."""
@@ -218,8 +223,18 @@ class _Check:
         load_calibration(target.path, robot)
 
     def camera(self, target: CheckTarget) -> None:
-        """Check a camera; whether it fits a robot is checked where it is used."""
-        self._keep([load_camera(target.path)[1]])
+        """Check a camera; what it looks for only if it is evidently for the usual robot.
+
+        A camera names no robot: a robot that it does not fit is an error where it is used.
+        """
+        camera, document = load_camera(target.path)
+        self._keep([document])
+        problems = Problems(document)
+        with suppress(LoadError):
+            usual = self._usual(target.path)
+            if {link.module for link in usual.body.links} & {*camera.modules}:
+                check_robot_seen(camera, usual, problems, LoadSeverity.WARNING)
+        self.findings += map(finding_of, problems.all)
 
     def panel(self, target: CheckTarget) -> None:
         """Check a control panel, and its names against its robot, if that is known."""

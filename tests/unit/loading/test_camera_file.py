@@ -153,3 +153,11 @@ def test_a_colour_is_between_its_limits(tmp_path: Path, low: str, high: str, tol
 
     found = faults(tmp_path, (tags, f"robot: {{marker: {{{marker}}}}}"))
     assert bool(found) is told
+
+
+def test_a_shutter_is_open_for_no_longer_than_from_picture_to_picture(tmp_path: Path) -> None:
+    source = "source: {device: 0, size: [640, 480]}"
+    drawn = "source: {synthetic: {camera: {shutter: %s}}, size: [640, 480], rate: 10 Hz}"
+
+    assert faults(tmp_path, (source, drawn % "90 ms")) == []
+    assert "the `shutter` is open" in faults(tmp_path, (source, drawn % "110 ms"))[0]
