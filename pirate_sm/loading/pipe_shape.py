@@ -159,6 +159,10 @@ def _check_places(pipe: Pipe, at: At, problems: Problems) -> None:
     ]
     if pipe.start is not None:
         run = pipe.start.run
+        if run is not None and pipe.runs is None:
+            message = "a pipe of segments has no runs: leave `run` out"
+            problems.add("pipe.route", (*at, "start", "run"), message)
+            return
         most = length if run is None else _length_m(pipe, run)
         places.append(((*at, "start", "at"), pipe.start.at, most))
     for name, (run_, _, _) in pipe.written.items():

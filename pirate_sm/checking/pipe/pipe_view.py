@@ -11,7 +11,6 @@ from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.roll_joint import RollJoint
 from pirate_sm.engine.mission.program import Require
 from pirate_sm.geometry.joints import Joint
-from pirate_sm.geometry.network import BRANCH, port_of
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
@@ -89,23 +88,6 @@ class PipeView:
             and piece.ends_with_m == piece.diameter_m
             and arcs[0] < (piece.arc_m + piece.ends_m) / 2 < arcs[1]
         )
-
-    def mouth_m(self, tee: Joint) -> float:
-        """Return the inner diameter of the branch of a tee, m."""
-        for run in self.fit.route.network.runs.values():
-            for port, diameter_m in zip(
-                (run.begins, run.ends), (run.diameters_m[0], run.diameters_m[-1]), strict=True
-            ):
-                if port_of(port) == (tee.junction, BRANCH):
-                    return diameter_m
-        return 0.0
-
-    def walls_end(self, joint: Joint) -> tuple[float, float]:
-        """Return between which arc lengths a joint leaves a robot no plain walls, m."""
-        before_m, behind_m = joint.before_m, joint.behind_m
-        if joint.kind == "tee" and not joint.turn_rad:
-            before_m = behind_m = self.mouth_m(joint) / 2
-        return joint.arc_m - before_m, joint.arc_m + behind_m
 
     @cached_property
     def first_piece(self) -> Piece:

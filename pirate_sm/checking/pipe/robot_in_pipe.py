@@ -13,7 +13,8 @@ from pirate_sm.engine.control.grip import torque_nm
 from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.geometry.clamping import WHEELS_SHARE, press_n, span_m
-from pirate_sm.geometry.network import tilted_up
+from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.network import BRANCH, port_of, tilted_up
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
@@ -43,6 +44,23 @@ class Fit:
     def route(self) -> Route:
         """Return the route through the pipe."""
         return self.pipe.route()
+
+    def mouth_m(self, tee: Joint) -> float:
+        """Return the inner diameter of the branch of a tee, m."""
+        for run in self.route.network.runs.values():
+            for port, diameter_m in zip(
+                (run.begins, run.ends), (run.diameters_m[0], run.diameters_m[-1]), strict=True
+            ):
+                if port_of(port) == (tee.junction, BRANCH):
+                    return diameter_m
+        return 0.0
+
+    def walls_end(self, joint: Joint) -> tuple[float, float]:
+        """Return between which arc lengths a joint leaves a robot no plain walls, m."""
+        before_m, behind_m = joint.before_m, joint.behind_m
+        if joint.kind == "tee" and not joint.turn_rad:
+            before_m = behind_m = self.mouth_m(joint) / 2
+        return joint.arc_m - before_m, joint.arc_m + behind_m
 
     def height_m(self, diameter_m: float) -> float:
         """Return the height h of a V that is clamped in an inner diameter, m (eq. 3-2)."""

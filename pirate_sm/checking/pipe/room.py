@@ -3,34 +3,53 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from math import degrees, pi, remainder
 
 from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.geometry.joints import Joint
+from pirate_sm.loading.problems import Problems, Severity
 
 
 def starts_clear_of_bends(view: PipeView) -> Iterator[Finding]:
     """Report a robot that does not start in a plain piece of the pipe, clear of every joint."""
-    fit = view.fit
-    if view.course.situations[0].bent:
+    first = view.course.situations[0]
+    if first.bent:
         return  # it starts in the bend
-    clamped = bool(fit.robot.held[view.course.situations[0].configuration])
-    first = view.pipe.start_of(fit.stretched_m)
+    if message := _not_clear(view.fit, clamped=bool(view.fit.robot.held[first.configuration])):
+        yield view.finding_in_pipe(view.start_path, "geometry.too_close", message)
+
+
+def check_alone(fit: Fit, problems: Problems) -> None:
+    """Report a start and a roll of a pipe that no mission of this robot can do anything with.
+
+    It may begin bent, in a bend, or never come to one: these are warnings.
+    """
+    message = _not_clear(fit, clamped=True) if fit.pipe.start is not None else ""
+    if message:
+        code, path = "geometry.too_close", ("start", "at")
+        problems.add(code, path, message, severity=Severity.WARNING)
+    turned = abs(remainder(fit.pipe.roll, pi)) >= MOST_ROLL_RAD
+    if fit.pipe.section == "bars" and turned and any(each.turn_rad for each in fit.route.joints):
+        message = f"the bend lies {degrees(fit.pipe.roll):.4g} deg out of the robot's plane"
+        problems.add("geometry.out_of_plane", ("roll",), message, severity=Severity.WARNING)
+
+
+def _not_clear(fit: Fit, *, clamped: bool) -> str:
+    """Return why a robot that is not bent cannot begin where the pipe says; empty if it can."""
+    first = fit.pipe.start_of(fit.stretched_m)
     length = fit.clamped_m(fit.route.diameter_at(first)) if clamped else fit.stretched_m
     last = first - length
     how = f"the robot, {mm(length)} long there, with its first wheel at {mm(first)}"
     if last < 0 or first > fit.route.length_m:
-        end = "beginning" if last < 0 else "end"
-        yield view.finding_in_pipe(
-            view.start_path, "geometry.too_close", f"{how} juts out of the {end}"
-        )
-        return
+        return f"{how} juts out of the {'beginning' if last < 0 else 'end'}"
     for joint in fit.route.joints:
-        begins, ends = view.walls_end(joint)
+        begins, ends = fit.walls_end(joint)
         if last < ends and first > begins:
-            message = f"{how} stands in {_described(joint, begins, ends)}"
-            yield view.finding_in_pipe(view.start_path, "geometry.too_close", message)
-            return
+            return f"{how} stands in {_described(joint, begins, ends)}"
+    return ""
 
 
 def _described(joint: Joint, begins_m: float, ends_m: float) -> str:
@@ -74,7 +93,7 @@ def _too_short(view: PipeView, number: int) -> Iterator[Finding]:
     free_m, rooms = arcs[0], []
     for joint in view.fit.route.joints:
         if arcs[0] <= joint.arc_m <= arcs[1] and joint.kind != "reducer":
-            begins, ends = view.walls_end(joint)
+            begins, ends = view.fit.walls_end(joint)
             rooms.append(begins - free_m)
             free_m = ends
     room_m = max((*rooms, arcs[1] - free_m))

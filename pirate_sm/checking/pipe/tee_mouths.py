@@ -49,7 +49,7 @@ def _drives_at(view: PipeView, point: CoursePoint, joint: Joint, number: int) ->
 def _sinks_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
     """Return for each part how far its wheels sink into the mouth as they pass it, m."""
     run_m = view.fit.route.diameter_at(joint.arc_m) / 2
-    branch_m, wheel_m = view.mouth_m(joint) / 2, view.fit.profile.body.wheel_radius
+    branch_m, wheel_m = view.fit.mouth_m(joint) / 2, view.fit.profile.body.wheel_radius
     found = []
     for part in range(len(view.fit.robot.parts)):
         roll_rad = view.start_roll_rad + view.roll_joint.roll(rolls, part) * QUARTER_RAD
@@ -62,7 +62,7 @@ def _finding(
     view: PipeView, joint: Joint, point: CoursePoint, sinks_m: list[float], number: int
 ) -> Finding:
     name = view.fit.robot.parts[sinks_m.index(max(sinks_m))]
-    diameter_m = view.mouth_m(joint)
+    diameter_m = view.fit.mouth_m(joint)
     message = (
         f"'{name}' passes the tee '{joint.junction}' in its plane: its wheels sink into the mouth"
         f" of {mm(diameter_m)}, and it loses its hold or stays there"

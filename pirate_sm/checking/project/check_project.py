@@ -12,6 +12,8 @@ from pirate_sm.checking.findings import Finding, Severity, each_once, finding_of
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_mission
 from pirate_sm.checking.mission.mission_parameters import check_settings
 from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
+from pirate_sm.checking.pipe.robot_in_pipe import Fit
+from pirate_sm.checking.pipe.room import check_alone
 from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
 from pirate_sm.checking.project.find_files import CheckTarget, find_targets
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
@@ -28,7 +30,7 @@ from pirate_sm.loading.pipe_file import check_reach, load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.problems import Severity as LoadSeverity
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.loading.robot import LoadedRobot, load_robot
 from pirate_sm.loading.robot.calibration_files import load_calibration
 from pirate_sm.loading.robot.twin_file import check_twin
 from pirate_sm.loading.trace_script import read_script
@@ -36,7 +38,6 @@ from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_documen
 from pirate_sm.loading.yaml.validation import validate
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.profile import Profile
 from pirate_sm.model.twin import Twin
 from pirate_sm.on_disk import is_file
 
@@ -166,16 +167,19 @@ class _Check:
             self._pipes[document.name] = target, pipe, document
 
     def _reached(self, path: Path, pipe: Pipe, document: Document) -> Problems:
-        """Return the diameters of a pipe that the usual robot cannot clamp."""
+        """Return why the usual robot cannot clamp in a pipe, or begin in it."""
         problems = Problems(document)
         with suppress(LoadError):  # reported for the robot
-            check_reach(pipe, self._usual(path), document, problems)
+            robot = self._usual(path)
+            check_reach(pipe, robot.profile, document, problems)
+            if not problems.errors:
+                check_alone(Fit(robot.profile, robot.normal, pipe), problems)
         return problems
 
-    def _usual(self, path: Path) -> Profile:
+    def _usual(self, path: Path) -> LoadedRobot:
         """Return the robot of a file that names none."""
         wanted = self._wishes.robot or self._wishes.usual_robot
-        return load_robot(self._robot_of(path, wanted or library.robots()[0].name)).profile
+        return load_robot(self._robot_of(path, wanted or library.robots()[0].name))
 
     def mission(self, target: CheckTarget) -> None:
         """Check a mission with its robot, its pipe and the missions that it calls."""
@@ -231,7 +235,7 @@ class _Check:
         self._keep([document])
         problems = Problems(document)
         with suppress(LoadError):
-            usual = self._usual(target.path)
+            usual = self._usual(target.path).profile
             if {link.module for link in usual.body.links} & {*camera.modules}:
                 check_robot_seen(camera, usual, problems, LoadSeverity.WARNING)
         self.findings += map(finding_of, problems.all)

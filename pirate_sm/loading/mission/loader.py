@@ -236,9 +236,10 @@ def _along(pipe: Pipe | None, mission: Mission, problems: Problems) -> Pipe | No
     route = mission.route
     if pipe is None or route is None:
         return pipe
-    if route in pipe.ways:
+    known = pipe.ways if pipe.runs is not None else {}
+    if route in known:
         return pipe.along(route)
-    problems.add_unknown("mission.route", ("route",), "route", route, pipe.ways)
+    problems.add_unknown("mission.route", ("route",), "route", route, known, none="no routes")
     return pipe
 
 
