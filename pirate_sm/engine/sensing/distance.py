@@ -165,11 +165,6 @@ def judge(
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (changes or grip.vague)
     running = sensing.asked.driving or any(sensing.shares)
-    late_m = (
-        late(robot, sensing, by.wheels, now_s + sensing.loss * robot.link.period_s).values()
-        if running
-        else ()
-    )
     numbers = list(sensing.numbers)
     numbers[robot.odometry] += by.missed_m - lacking * by.moved_m
     memory = memory._replace(
@@ -185,7 +180,7 @@ def judge(
         pitch_rad=pitch_rad,
         out=by.out,
         width_m=width_m if pending else width_m + slipped_m,
-        late_m=max(BASE_M, abs(fmean(late_m)) if late_m else 0.0),
+        late_m=_late_m(robot, sensing, by, now_s) if running else BASE_M,
         pending_m=slipped_m if pending else 0.0,
         sliding_m_s=max(0.0, sliding_m_s) if grip.slips else 0.0,
         rolled_m=memory.rolled_m + abs(by.moved_m),
@@ -193,6 +188,13 @@ def judge(
         slipped=grip.slips and not pending,
     )
     return _with_bound(robot, sensing, numbers, memory)
+
+
+def _late_m(robot: RobotSpec, sensing: Sensing, by: Believed, now_s: float) -> float:
+    """Return how far the robot may have driven since its wheels have reported."""
+    lost_s = sensing.loss * robot.link.period_s
+    late_m = late(robot, sensing, by.wheels, now_s + lost_s).values()
+    return max(BASE_M, abs(fmean(late_m))) if late_m else BASE_M
 
 
 def _tilted(
