@@ -8,6 +8,7 @@ from enum import StrEnum
 from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias
 
 from pirate_sm.errors import PirateError
+from pirate_sm.loading.idioms import expression_form
 from pirate_sm.spelling import nearest, one_of
 
 if TYPE_CHECKING:
@@ -240,6 +241,7 @@ class Problems:
                 "expression",
                 path,
                 fault.message,
+                expected=expression_form(fault),
                 suggestion=fault.suggestion,
                 offset=fault.offset,
                 length=fault.length,

@@ -34,6 +34,42 @@ _ANY_UNIT = f"a number with a unit, {one_of(units.UNITS, len(units.UNITS))}"
 _PIXELS = re.compile(r"(\d{1,5}(?:\.\d{1,9})?) ?px")
 
 
+INCHES: Final = {
+    **dict.fromkeys(("in", "inch", "inches"), 1),
+    **dict.fromkeys(("ft", "foot", "feet"), 12),
+}
+"""Units of length that are not read, in inches of 25.4 mm."""
+
+_DECIMAL_COMMA: Final = re.compile(r"([+-]?\d+),(\d{1,2}|\d{4,})(?!\d)")
+"""Three digits after a comma may be thousands."""
+
+
+def read_quantity(text: str, dimension: Dimension) -> float:
+    """Return the SI value of a quantity; suggest one for inches, `μm` and a decimal comma.
+
+    Raises:
+        QuantityError: As of :func:`units.read_quantity`.
+    """
+    try:
+        return units.read_quantity(text, dimension)
+    except QuantityError as error:
+        suggestion = error.suggestion or _translated(text, dimension)
+        raise QuantityError(error.message, suggestion) from None
+
+
+def _translated(text: str, dimension: Dimension) -> str:
+    """Return a quantity that is written as elsewhere in our form; empty if it is none."""
+    ours = _DECIMAL_COMMA.sub(r"\1.\2", text.strip().replace("μ", "u"))  # the Greek letter
+    number, _, unit = ours.partition(" ")
+    try:
+        if inches := INCHES.get(unit.lower()):
+            ours = f"{float(number) * inches * 25.4:g} mm"
+        units.read_quantity(ours, dimension)
+    except ValueError:
+        return ""
+    return ours
+
+
 def quantity_fault(message: str, expected: str = "", suggestion: str = "") -> PydanticCustomError:
     """Return an error about an invalid quantity, with the expected input and a suggestion."""
     context = {"message": message, "expected": expected, "suggestion": suggestion}
@@ -85,7 +121,7 @@ def _reader(dimension: Dimension) -> Callable[[Any, ValidationInfo], float]:
     def read(value: Any, info: ValidationInfo) -> float:
         if isinstance(value, str):
             try:
-                return units.read_quantity(value, dimension)
+                return read_quantity(value, dimension)
             except QuantityError as error:
                 raise quantity_fault(error.message, hint, error.suggestion) from None
         if _is_number(value):

@@ -8,7 +8,8 @@ from typing import NamedTuple
 
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.model.parameters import DIMENSIONS, ParameterDefinition, ParameterValue
-from pirate_sm.units import Quantity, QuantityError, describe, read_quantity
+from pirate_sm.model.quantities import read_quantity
+from pirate_sm.units import Quantity, QuantityError, describe
 
 _COUNT = re.compile(r"[0-9]{1,9}")
 
@@ -60,7 +61,8 @@ def defaults(definitions: Mapping[str, ParameterDefinition], problems: Problems)
             unbounded = ParameterDefinition(type=definition.type)
             quantity = read_value(definition if limits_fit else unbounded, definition.default)
         except QuantityError as error:
-            problems.add("mission.parameter", ("parameters", name, "default"), str(error))
+            path = ("parameters", name, "default")
+            problems.add("mission.parameter", path, error.message, suggestion=error.suggestion)
             continue
         values[name] = Value(quantity, str(definition.default))
     return values
@@ -75,7 +77,8 @@ def _check_limits(name: str, definition: ParameterDefinition, problems: Problems
         try:
             limits[key] = _read(definition.type, limit).value
         except QuantityError as error:
-            problems.add("mission.parameter", ("parameters", name, key), str(error))
+            path = ("parameters", name, key)
+            problems.add("mission.parameter", path, error.message, suggestion=error.suggestion)
             return False
     if len(limits) == 2 and limits["max"] < limits["min"]:
         message = f"the max of {definition.max} is less than the min of {definition.min}"
@@ -126,7 +129,8 @@ def given(
             values[name] = Value(read_argument(definition, argument), text)
         except QuantityError as error:
             values[name] = stand_in(definition)
-            problems.add("mission.parameter", (*path, name), f"parameter '{name}': {error}")
+            message = f"parameter '{name}': {error.message}"
+            problems.add("mission.parameter", (*path, name), message, suggestion=error.suggestion)
     return values
 
 

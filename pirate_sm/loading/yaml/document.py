@@ -16,12 +16,12 @@ from typing import Any, Final
 
 from pirate_sm.loading import problems as found
 from pirate_sm.loading.file_names import shown
+from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.problems import Edit, LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
 from pirate_sm.loading.yaml.nodes import Node
 from pirate_sm.loading.yaml.overlay import from_file, overlaid
 from pirate_sm.on_disk import opened
-from pirate_sm.spelling import nearest
 
 LARGEST_FILE: Final = 1 << 20  # bytes
 _UNPRINTABLE: Final = re.compile(
@@ -147,7 +147,7 @@ class Document:
         old = quoted[0] if quoted else old
         if within is None:
             number = _QUANTITY.match(old) and _QUANTITY.match(text)
-            named = number or nearest(old.strip("\"'"), [text])
+            named = number or meant_key(old.strip("\"'"), [text])
             sound = old[:1] not in "&!" and "\n" not in old and (safe or named)
         else:
             sound = old not in ("", "-")  # a sign is only a part of the number that it means

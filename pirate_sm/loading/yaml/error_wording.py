@@ -10,6 +10,7 @@ from typing import Any, Final, NamedTuple, get_args
 from pydantic import StringConstraints
 from pydantic_core import ErrorDetails
 
+from pirate_sm.loading.idioms import meant_key, step_form
 from pirate_sm.loading.yaml.schema_path import Schema
 from pirate_sm.model.base import FaultCode, Name
 from pirate_sm.model.calibration import Date
@@ -89,10 +90,11 @@ def word(error: ErrorDetails, schema: Schema | None) -> Wording:
         return speak(error, schema)
     context = error.get("ctx", {})
     _, meant = misspelt_kind(error, schema) or ("", "")
+    is_step = error["type"] == "step" and isinstance(error["input"], Mapping)
     return Wording(
         error["type"].replace("_", "-"),
         error["msg"],
-        str(context.get("expected", "")),
+        step_form(error["input"]) if is_step else str(context.get("expected", "")),
         str(context.get("suggestion", meant)),
     )
 
@@ -162,7 +164,7 @@ def misspelt_kind(error: ErrorDetails, schema: Schema | None) -> tuple[str, str]
         return None
     known, value = _tags(schema), error["input"]
     written = [key for key in value if isinstance(key, str)] if isinstance(value, Mapping) else []
-    pairs = ((key, nearest(key, known)) for key in written)
+    pairs = ((key, meant_key(key, known)) for key in written)
     return next(((key, close) for key, close in pairs if close), None)
 
 

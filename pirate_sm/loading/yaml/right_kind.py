@@ -78,10 +78,14 @@ def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:
     if value in ({}, []):
         return  # which says nothing of what was meant
     if kind in ("list", "tuple") and not isinstance(value, list):
-        if isinstance(value, dict):
+        if not isinstance(value, dict):
+            yield [{"after": value}]
+        else:
             entries = [_pairs(walk.item(schema), *entry, walk) for entry in value.items()]
             yield from map(list, islice(product(*entries), _MOST_TRIED))
         yield [value]
+    elif kind == "model-fields" and isinstance(value, dict) and len(value) == 1:
+        yield from _pairs(schema, *next(iter(value.items())), walk)
     elif kind == "model-fields" and not isinstance(value, list | dict):
         if schema["model_name"] == ParameterDefinition.__name__:
             yield {"type": type_of(value), "default": value}

@@ -9,13 +9,14 @@ from typing import Any, TypeVar
 from pydantic import BaseModel, ValidationError
 from pydantic_core import ErrorDetails
 
+from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.error_wording import Wording, merged, misspelt_kind, wanted_kind, word
 from pirate_sm.loading.yaml.right_kind import form_of, tries
 from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
 from pirate_sm.model.quantities import FROM_FILE
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.spelling import one_of
 
 M = TypeVar("M", bound=BaseModel)
 
@@ -68,10 +69,14 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
 
 def _with_form(error: _Error, data: Any, model: type[BaseModel], left: Iterator[int]) -> _Error:
     """Return an error about a wrong kind of value with the right form, if it is clear."""
-    wording = error.worded()
+    wording, path = error.worded(), error.trail.path
+    if error.detail["type"] in _UNKNOWN_KEY and path[:-1] and len(_part(data, path[:-1])) == 1:
+        parent = SchemaWalk(model).parent(error.detail["loc"])
+        form = form_of(data, path[:-1], parent, model, left)  # the key may stand for a value
+        return replace(error, wording=wording._replace(expected=form.line))
     if wording.code != "kind" or wording.expected or wording.suggestion:
         return error
-    form = form_of(data, error.trail.path, error.trail.schema, model, left)
+    form = form_of(data, path, error.trail.schema, model, left)
     return replace(error, wording=wording._replace(expected=form.line, write=form.value))
 
 
@@ -85,7 +90,7 @@ def _meant(error: _Error, walk: SchemaWalk) -> Path:
     """Return the path of an unknown key, with the key replaced by the nearest known one."""
     *parents, key = error.trail.path
     fields = walk.fields(walk.parent(error.detail["loc"]))
-    return (*parents, nearest(str(key), fields) or key)
+    return (*parents, meant_key(str(key), fields) or key)
 
 
 def _part(data: Any, at: Path) -> Any:
@@ -187,14 +192,16 @@ def _discriminator(detail: ErrorDetails) -> str:
 def _report_unknown_key(error: _Error, walk: SchemaWalk, problems: Problems, path: Path) -> None:
     key = str(path[-1])
     fields = walk.fields(walk.parent(error.detail["loc"]))
-    expected = one_of(fields) if fields else ""
+    expected = error.worded().expected or (one_of(fields) if fields else "")
     if key.endswith(")") or "(" in key:
         expected = "text with commas in quotes: inside { } a comma ends it"
+    if key[:1].isdigit():
+        expected = "a point in numbers, as in 0.2 m: inside { } a comma ends a value"
     problems.add(
         "unknown-key",
         path,
         f"unknown key '{key}'",
         expected=expected,
-        suggestion=nearest(key, fields) or "",
+        suggestion=meant_key(key, fields),
         key=True,
     )
