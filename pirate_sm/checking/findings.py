@@ -8,7 +8,7 @@ from enum import IntEnum
 from typing import TYPE_CHECKING
 
 from pirate_sm.checking import catalogue
-from pirate_sm.loading.problems import Edit, Locator, Place, Problem
+from pirate_sm.loading.problems import Edit, Locator, Place, Problem, cut
 from pirate_sm.loading.problems import Severity as LoadSeverity
 
 if TYPE_CHECKING:
@@ -127,9 +127,6 @@ def at(
     )
 
 
-_LONGEST_MESSAGE = 300
-
-
 def each_once(findings: Iterable[Finding]) -> list[Finding]:
     """Return one finding per code, place and message: the worst, then the shortest."""
     kept: dict[tuple[str, Place, str], Finding] = {}
@@ -143,18 +140,8 @@ def each_once(findings: Iterable[Finding]) -> list[Finding]:
 
 def _short(finding: Finding) -> Finding:
     """Return the finding with a shortened message, because names in a file can be very long."""
-    if max(map(len, (finding.message, finding.mend, finding.suggestion))) <= _LONGEST_MESSAGE:
-        return finding
-    return replace(
-        finding,
-        message=_cut(finding.message),
-        mend=_cut(finding.mend),
-        suggestion=_cut(finding.suggestion),
-    )
-
-
-def _cut(text: str) -> str:
-    return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
+    message, mend, suggestion = map(cut, (finding.message, finding.mend, finding.suggestion))
+    return replace(finding, message=message, mend=mend, suggestion=suggestion)
 
 
 def _weight(finding: Finding) -> tuple[int, bool, int]:

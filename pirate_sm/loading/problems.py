@@ -84,20 +84,20 @@ class Problem:
     def render(self) -> str:
         """Return the problem as lines of plain text: place and message, the line, hints."""
         warning = "warning: " if self.severity is Severity.WARNING else ""
-        lines = [f"{self.place}: {warning}{_cut(self.message)}"]
+        lines = [f"{self.place}: {warning}{cut(self.message)}"]
         if self.excerpt.strip():
             lines += _marked(self.excerpt, self.place.column)
         if self.expected:
-            lines.append(f"  expected {_cut(self.expected)}")
+            lines.append(f"  expected {cut(self.expected)}")
         if self.suggestion:
-            lines.append(f"  did you mean '{_cut(self.suggestion)}'?")
+            lines.append(f"  did you mean '{cut(self.suggestion)}'?")
         return "\n".join(lines)
 
     def __str__(self) -> str:
         return self.render()
 
 
-def _cut(text: str) -> str:
+def cut(text: str) -> str:
     """Return the text, shortened for a message: a name in a hostile file can be very long."""
     return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
 

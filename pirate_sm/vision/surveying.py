@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
 
+from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import FEWEST_POINTS, Camera, CameraPose
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.picture_arrays import Floats, Frame
@@ -59,12 +61,20 @@ def known_points(camera: Camera) -> dict[str, KnownPlace]:
 
 
 def known_tags(camera: Camera, frame: Frame) -> dict[str, KnownPlace]:
-    """Return the tags of the setup that a frame shows."""
+    """Return the tags of the setup that a frame shows.
+
+    Raises:
+        UsageError: It shows some of them more than once; the message names them.
+    """
     setup = camera.setup
+    found = find_tags(grayed(frame), setup.tags) if setup.tags else []
+    tags = [tag for tag in found if str(tag.number) in setup.at]
+    count = Counter(tag.number for tag in tags)
+    if twice := ", ".join(f"tag {number}" for number in count if count[number] > 1):
+        raise UsageError(f"the picture shows {twice} more than once: cover all but the right one")
     return {
         f"tag {tag.number}": KnownPlace(setup_tag_points(camera, str(tag.number)), tag.corners)
-        for tag in (find_tags(grayed(frame), setup.tags) if setup.tags else ())
-        if str(tag.number) in setup.at
+        for tag in tags
     }
 
 

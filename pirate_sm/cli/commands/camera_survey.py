@@ -23,7 +23,8 @@ def survey_camera(options: SurveyOptions) -> int:
 
     Raises:
         LoadError: The camera's file has faults.
-        UsageError: Its lens is unknown, there is no picture, or the file cannot be written.
+        UsageError: Its lens is unknown, there is no picture, it shows a tag twice, or the file
+            cannot be written.
     """
     camera, path = find_camera(options.camera)
     if options.write:

@@ -195,11 +195,6 @@ def _line_and_column(text: str, position: int) -> tuple[int, int]:
     return len(lines), len(lines[-1])
 
 
-def place_of(document: Document, path: found.Path) -> Place:
-    """Return the place of the value at `path` of the document."""
-    return document.place_of(path)
-
-
 def read_document(path: Path | str, name: str | None = None) -> Document:
     """Return the document of a file.
 

@@ -30,6 +30,13 @@ def tries(length: int) -> Iterator[int]:
     return iter(range(max(1, min(100, _MOST_TEXT // max(length, 1)))))
 
 
+def part(data: Any, path: Path) -> Any:
+    """Return the value at a path of plain data."""
+    for step in path:
+        data = data[step]
+    return data
+
+
 class Form(NamedTuple):
     """How a value is to be written, as YAML; empty if it is not known.
 
@@ -58,7 +65,7 @@ def form_of(
         return Form()
     walk = SchemaWalk(model)
     key, found = path[-1], Form()
-    for form, _ in zip(_forms(schema, _at(data, path), walk), left, strict=False):
+    for form, _ in zip(_forms(schema, part(data, path), walk), left, strict=False):
         missing = _missing(model, walk, _with(data, path, form), path)
         if missing is None:
             continue
@@ -120,12 +127,6 @@ def _missing(model: type[BaseModel], walk: SchemaWalk, data: Any, path: Path) ->
                 return None
         return missing
     return []
-
-
-def _at(data: Any, path: Path) -> Any:
-    for step in path:
-        data = data[step]
-    return data
 
 
 def _with(data: Any, path: Path, value: Any) -> Any:

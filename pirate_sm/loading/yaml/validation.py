@@ -13,7 +13,7 @@ from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.error_wording import Wording, merged, misspelt_kind, wanted_kind, word
-from pirate_sm.loading.yaml.right_kind import form_of, tries
+from pirate_sm.loading.yaml.right_kind import form_of, part, tries
 from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import one_of
@@ -44,7 +44,7 @@ def validate(document: Document, model: type[M]) -> M:
 
 def try_validate(document: Document, model: type[M], problems: Problems, at: Path = ()) -> M | None:
     """Return the model that a document describes, or None after reporting its faults."""
-    data = _part(document.data, at)
+    data = part(document.data, at)
     try:
         # In a file a field has only its alias as its name, if it has one.
         return model.model_validate(data, context=dict(FROM_FILE), by_alias=True, by_name=False)
@@ -70,7 +70,7 @@ def try_validate(document: Document, model: type[M], problems: Problems, at: Pat
 def _with_form(error: _Error, data: Any, model: type[BaseModel], left: Iterator[int]) -> _Error:
     """Return an error about a wrong kind of value with the right form, if it is clear."""
     wording, path = error.worded(), error.trail.path
-    if error.detail["type"] in _UNKNOWN_KEY and path[:-1] and len(_part(data, path[:-1])) == 1:
+    if error.detail["type"] in _UNKNOWN_KEY and path[:-1] and len(part(data, path[:-1])) == 1:
         parent = SchemaWalk(model).parent(error.detail["loc"])
         form = form_of(data, path[:-1], parent, model, left)  # the key may stand for a value
         return replace(error, wording=wording._replace(expected=form.line))
@@ -91,12 +91,6 @@ def _meant(error: _Error, walk: SchemaWalk) -> Path:
     *parents, key = error.trail.path
     fields = walk.fields(walk.parent(error.detail["loc"]))
     return (*parents, meant_key(str(key), fields) or key)
-
-
-def _part(data: Any, at: Path) -> Any:
-    for step in at:
-        data = data[step]
-    return data
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from pirate_sm.errors import UsageError
 from pirate_sm.vision.surveying import KnownPlace, Survey, known_points, known_tags, survey
 
 from .small_setup import POSE, camera, drawn, scene
@@ -45,6 +46,18 @@ def test_a_tag_that_is_30_mm_off_is_named(known: dict[str, KnownPlace]) -> None:
     wrong = known | {"tag 11": KnownPlace(at.points + np.array([0.03, 0.0, 0.0]), at.pixels)}
 
     assert "measure tag 11 again" in str(survey(LENS, wrong))
+
+
+def test_a_tag_that_a_picture_shows_twice_is_named(known: dict[str, KnownPlace]) -> None:
+    frame = PICTURES.picture(scene(), 0).copy()
+    corners = known["tag 10"].pixels
+    (left, top), (right, bottom) = corners.min(axis=0) - 12, corners.max(axis=0) + 12
+    tag = frame[int(top) : int(bottom), int(left) : int(right)].copy()
+    middle = np.array(frame.shape[:2]) // 2
+    frame[middle[0] : middle[0] + tag.shape[0], middle[1] : middle[1] + tag.shape[1]] = tag
+
+    with pytest.raises(UsageError, match="shows tag 10 more than once"):
+        known_tags(EYE.camera, frame)
 
 
 def test_three_tags_are_too_few(known: dict[str, KnownPlace]) -> None:

@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from pirate_sm.loading import library
 from pirate_sm.loading.problems import LoadError, Problem
 from pirate_sm.loading.yaml import composer
-from pirate_sm.loading.yaml.document import parse_document, place_of, read_document
+from pirate_sm.loading.yaml.document import parse_document, read_document
 
 from ..conftest import ROOT
 
@@ -134,8 +134,8 @@ def test_an_alias_has_its_own_place_and_its_anchors_content() -> None:
     document = parse_document("a: &x {b: 1}\nc: *x\n", "f")
 
     assert document.data == {"a": {"b": 1}, "c": {"b": 1}}
-    assert str(place_of(document, ("c",))) == "f:2:4"
-    assert str(place_of(document, ("c", "b"))) == "f:1:11"
+    assert str(document.place_of(("c",))) == "f:2:4"
+    assert str(document.place_of(("c", "b"))) == "f:1:11"
 
 
 def test_a_byte_order_mark_and_wide_characters_move_no_place() -> None:
