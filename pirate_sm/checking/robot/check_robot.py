@@ -15,6 +15,7 @@ from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
 from pirate_sm.checking.robot.command_targets import command_targets
 from pirate_sm.checking.robot.fault_conditions import fault_conditions, rule_conditions
 from pirate_sm.checking.robot.profile_numbers import (
+    coarse_setpoints,
     end_stops,
     hidden_motors,
     hidden_words,
@@ -28,8 +29,11 @@ from pirate_sm.checking.robot.references import references
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.checking.robot.seen_states import impossible_signs, unseen_states
 from pirate_sm.checking.robot.wheels_and_clamps import (
+    boards_outside,
     mirrored_slots,
+    refused_openings,
     safe_clamps,
+    states_alike,
     unconfirmed_clamps,
     wheel_directions,
 )
@@ -89,9 +93,13 @@ RULES = (
     impossible_bodies,
     nominal_times,
     position_loops,
+    coarse_setpoints,
     hidden_motors,
     hidden_words,
     unconfirmed_clamps,
+    refused_openings,
+    boards_outside,
+    states_alike,
     unseen_states,
 )
 """These and those that only warn; each yields the findings of a `RobotView`."""

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import atan2, degrees, inf, pi
 
 from pirate_sm.checking.criteria_in_force import too_slow, too_strong
-from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
@@ -126,7 +126,7 @@ def nominal_times(view: RobotView) -> Iterator[Finding]:
 
 
 def link_times(view: RobotView) -> Iterator[Finding]:
-    """Yield limits for stale signals or silent boards that are shorter than a report period."""
+    """Yield times of the link that contradict each other or the period of the reports."""
     link = view.profile.link
     messages = view.profile.messages_per_round
     round_s = messages * link.cycle
@@ -140,12 +140,36 @@ def link_times(view: RobotView) -> Iterator[Finding]:
                 f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s"
             )
             yield view.at(("link", key), "robot.link_times", message)
+    if round_s <= link.silent_after < link.stale_after:
+        message = (
+            f"a board counts as silent after {link.silent_after:g} s, while its signals count as"
+            f" known for {link.stale_after:g} s"
+        )
+        yield view.at(
+            ("link", "silent_after"), "robot.link_times", message, severity=Severity.WARNING
+        )
     if link.resend_after <= link.echo_delay:
         message = (
             f"every array is sent again after {link.resend_after:g} s, and confirmed only"
             f" {link.echo_delay:g} s after it was sent"
         )
         yield view.at(("link", "resend_after"), "robot.link_times", message)
+
+
+def coarse_setpoints(view: RobotView) -> Iterator[Finding]:
+    """Yield the resolution of duties if it changes those of states by more than a tenth."""
+    step = view.profile.link.duty_resolution
+    for each in view.written:
+        value, slot = each.write.value, view.profile.slots[each.write.slot]
+        sent = round(value / step) * step
+        if each.write.how == "set" and slot.unit == "duty" and abs(sent - value) > abs(value) / 10:
+            message = (
+                f"the {value * 100:g} % of '{slot.name}' in {each.state} are sent as"
+                f" {sent * 100:g} %, in steps of {step * 100:g} %"
+            )
+            at: Path = ("link", "duty_resolution")
+            yield view.at(at, "robot.setpoint", message, severity=Severity.WARNING)
+            return
 
 
 def position_loops(view: RobotView) -> Iterator[Finding]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import copysign
 
-from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView, Written
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
@@ -164,6 +164,59 @@ def _pressed_in(view: RobotView, slot: int, part: int) -> str:
         if pressing and _holding(view, part, each):
             return f"{view.loaded.normal.regions[each.region]}.{each.state}"
     return ""
+
+
+def boards_outside(view: RobotView) -> Iterator[Finding]:
+    """Yield boards that drive a wheel or joint and sit in no link."""
+    modules = [link.module for link in view.profile.body.links]
+    for number, board in enumerate(view.profile.boards):
+        driven = next((slot.drives for slot in board.slots if slot.drives), "")
+        if driven and board.module not in modules:
+            message = (
+                f"board {board.id} drives '{driven}', and no link is the module '{board.module}'"
+            )
+            yield view.at(
+                ("boards", number, "module"),
+                "robot.reference",
+                message,
+                mend=f"write {' or '.join(modules)}",
+                severity=Severity.WARNING,
+            )
+
+
+def states_alike(view: RobotView) -> Iterator[Finding]:
+    """Yield states of a region that drive wheels and write exactly what another one does."""
+    wheels = {slot.name for slot, _ in view.slots if slot.wheel}
+    for region, states in view.profile.actuation.items():
+        known: dict[str, str] = {}
+        for state, stages in states.items():
+            turns = any(getattr(v, "value", 0) for s in stages for k, v in s.items() if k in wheels)
+            other = known.setdefault(repr(stages), state) if turns else state
+            if other != state:
+                yield view.at(
+                    ("actuation", region, state),
+                    "robot.reference",
+                    f"{state} drives the wheels exactly as {other} does",
+                    key=True,
+                    mend="correct its setpoints, or keep one of the two states",
+                    severity=Severity.WARNING,
+                )
+
+
+def refused_openings(view: RobotView) -> Iterator[Finding]:
+    """Yield commands that open clamps only where that lets go of all, and may not."""
+    held = view.loaded.normal.held
+    for number, name in enumerate(view.loaded.table.commands):
+        opened = [held[b] for a, b in view.moves(number) if held[a] - held[b]]
+        if opened and not any(opened) and not view.profile.commands[name].lets_go:
+            yield view.at(
+                ("commands", name),
+                "robot.never_done",
+                f"{name} is refused wherever it would open a clamp: none would be left",
+                key=True,
+                mend="write `lets_go: true`, or let it lead to a state in which another part holds",
+                severity=Severity.WARNING,
+            )
 
 
 def unconfirmed_clamps(view: RobotView) -> Iterator[Finding]:

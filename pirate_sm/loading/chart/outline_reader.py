@@ -59,9 +59,10 @@ def _regions(data: Any, problems: Problems) -> tuple[str, Mapping[str, Any]] | N
     name, body = next(iter(top.items()))
     regions = body.get("states") if isinstance(body, dict) else None
     if not isinstance(regions, dict) or not regions or body.get("parallel") is not True:
+        wrong = isinstance(body, dict) and body.get("parallel", True) is not True
         problems.add(
             "chart.shape",
-            ("states", name),
+            ("states", name, "parallel") if wrong else ("states", name),
             "the chart's one state needs `parallel: true` and `states`, one per state machine",
             key=True,
         )

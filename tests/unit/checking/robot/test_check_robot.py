@@ -100,6 +100,23 @@ FAULTS = {
     "old before the next message": (
         ("stale_after: 300 ms", "stale_after: 20 ms"), "robot.link_times", "20 ms",
     ),
+    "silent before its signals are old": (
+        ("silent_after: 800 ms", "silent_after: 290 ms"), "robot.link_times", "290 ms",
+    ),
+    "steps as coarse as the duties": (
+        ("duty_resolution: 0.5 %", "duty_resolution: 30 %"), "robot.setpoint", "30 %",
+    ),
+    "a command that lets go and does not say so": (
+        ("    lets_go: true\n", ""), "robot.never_done", "Home:",
+    ),
+    "a board that sits nowhere": (
+        ("module: rump\n    slots", "module: tail\n    slots"), "robot.reference", "tail",
+    ),
+    "two states that drive alike": (
+        ("Astern: {drive_a: -80 %, drive_b: 80 %, drive_c: -80 %, drive_d: 80 %}",
+         "Astern: {drive_a: 80 %, drive_b: -80 %, drive_c: 80 %, drive_d: -80 %}"),
+        "robot.reference", "Astern:",
+    ),
     "silent before the next message": (
         ("silent_after: 800 ms", "silent_after: 25 ms"), "robot.link_times", "25 ms",
     ),
