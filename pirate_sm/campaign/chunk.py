@@ -5,13 +5,15 @@ from __future__ import annotations
 import pickle
 import traceback
 from collections import OrderedDict
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
+from time import monotonic
 from typing import NamedTuple
 
 from pirate_sm.campaign.code_version import code_version
+from pirate_sm.campaign.factors import drawn_factors
 from pirate_sm.campaign.verdict import Verdict, judge
 from pirate_sm.campaign.watched_run import watched_run
 from pirate_sm.errors import BackendError, UsageError
@@ -22,6 +24,9 @@ from pirate_sm.wiring import Order
 
 CHUNK = 20
 """Runs of a chunk: Dask takes some 10 ms of the client's processor for a task of any length."""
+
+_LONGEST_S = 2.0
+"""A chunk that takes longer is given back with the runs that are done, so that they are counted."""
 
 _MOST_LOADED = 16
 """The most loaded missions that a worker keeps."""
@@ -43,6 +48,7 @@ class Row(NamedTuple):
         unsafe: The rules of safety that it broke; empty for none.
         short_m: How far a wheel was short of where the last word says; NaN if none was said.
         deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
+        drawn: What it has drawn from its seed, see :mod:`pirate_sm.campaign.factors`.
     """
 
     cell: str
@@ -56,6 +62,7 @@ class Row(NamedTuple):
     distance_m: float
     short_m: float
     deepest_m: float
+    drawn: Mapping[str, float] = {}
 
 
 class Sent(NamedTuple):
@@ -93,7 +100,9 @@ _loaded: OrderedDict[str, LoadedMission] = OrderedDict()
 
 
 def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
-    """Run a chunk on this worker; return a row for each seed, in their order.
+    """Run a chunk on this worker; return a row for each of its first seeds, in their order.
+
+    These are all, unless the runs are so long that the others had better be a chunk of their own.
 
     Args:
         chunk: The runs.
@@ -106,7 +115,12 @@ def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
     if version != code_version():
         raise OtherVersionError(code_version())
     loaded = loaded_mission(sent)
-    return [run_seed(chunk, loaded, seed) for seed in chunk.seeds]
+    rows, began_s = list[Row](), monotonic()
+    for seed in chunk.seeds:
+        rows.append(run_seed(chunk, loaded, seed))
+        if monotonic() - began_s >= _LONGEST_S:
+            break
+    return rows
 
 
 def loaded_mission(sent: Sent) -> LoadedMission:
@@ -121,13 +135,15 @@ def loaded_mission(sent: Sent) -> LoadedMission:
 
 def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> Row:
     """Run a mission with one seed; whatever exception it raises is its outcome."""
-    order = replace(chunk.order, seed=seed)
+    order, drawn = replace(chunk.order, seed=seed), dict[str, float]()
     try:
+        drawn |= drawn_factors(order, loaded.loaded_robot.profile)
         outcome = watched_run(order, loaded, slides=False)
     except (UsageError, LoadError, BackendError) as error:
-        return _without_end(chunk.cell, seed, "refused", Verdict("failed", str(error), False, ""))
+        refused = Verdict("failed", str(error), False, "")
+        return _without_end(chunk.cell, seed, "refused", refused, drawn)
     except Exception as error:
-        return bug_row(chunk.cell, seed, _described(error))
+        return bug_row(chunk.cell, seed, _described(error), drawn)
     verdict = judge(outcome, chunk.end)
     return Row(
         chunk.cell,
@@ -138,16 +154,20 @@ def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> Row:
         outcome.distance_m,
         outcome.short_m,
         outcome.deepest_m,
+        drawn,
     )
 
 
-def bug_row(cell: str, seed: int, why: str) -> Row:
+def bug_row(cell: str, seed: int, why: str, drawn: Mapping[str, float]) -> Row:
     """Return the result of a run that a fault in this program has ended."""
-    return _without_end(cell, seed, "bug", Verdict("bug", why, False, "did not end by itself"))
+    verdict = Verdict("bug", why, False, "did not end by itself")
+    return _without_end(cell, seed, "bug", verdict, drawn)
 
 
-def _without_end(cell: str, seed: int, outcome: str, verdict: Verdict) -> Row:
-    return Row(cell, seed, outcome, *verdict, 0.0, 0.0, nan, nan)
+def _without_end(
+    cell: str, seed: int, outcome: str, verdict: Verdict, drawn: Mapping[str, float]
+) -> Row:
+    return Row(cell, seed, outcome, *verdict, 0.0, 0.0, nan, nan, drawn)
 
 
 def _described(error: Exception) -> str:

@@ -8,7 +8,7 @@ from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.campaign.chunk import CHUNK, Chunk, Row
+from pirate_sm.campaign.chunk import CHUNK, Chunk, Row, cut
 from pirate_sm.campaign.crew import Crew
 from pirate_sm.campaign.plan import FORMAT, Cell, Plan, plan_of
 from pirate_sm.campaign.store import DamagedMarkError, Store
@@ -154,6 +154,9 @@ class Conductor:
             for done in crew.wait(_LOOK_S):
                 self._store.add(done.rows)
                 self._count(done.rows)
+                left = done.chunk.seeds[len(done.rows) :]
+                if left and not self._by_key[done.chunk.cell].decided:
+                    crew.submit(cut(done.chunk, left))
             show(self.progress)
 
     def _count(self, rows: Iterable[Row]) -> None:

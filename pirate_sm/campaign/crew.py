@@ -177,7 +177,7 @@ class DaskCrew:
         if self._deaths[one] < _DEATHS:
             self.submit(chunk)
             return None
-        return Done(chunk, [bug_row(*one, "the worker process died each time")])
+        return Done(chunk, [bug_row(*one, "the worker process died each time", {})])
 
 
 def _same(sent: Sent) -> Sent:

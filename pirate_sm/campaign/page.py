@@ -2,11 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from html import escape
+from types import MappingProxyType
 from urllib.parse import quote
 
-from pirate_sm.campaign.results import CampaignResult, CauseResult, CellResult
+from pirate_sm.campaign.factors import FROM_FILES
+from pirate_sm.campaign.results import (
+    CampaignResult,
+    CauseResult,
+    CellResult,
+    FactorResult,
+    TimeCounts,
+)
+from pirate_sm.drawing.svg.plot import Plot, PlotSeries
 from pirate_sm.report.figure_page import FigureSection, figure_page
 
 _STYLE = """<style>
@@ -15,19 +24,34 @@ _STYLE = """<style>
 .heat .bad { outline: 2px solid var(--bad); outline-offset: -2px; }
 .heat small { display: block; color: var(--soft); }
 .causes code { font-size: 12px; user-select: all; }
+.figures .plot { display: inline-block; width: 100%; max-width: 440px; margin: 6px 10px 0 0; }
 </style>"""
 
 _MOST_SEEDS = 20
 
+_MOST_DRAWN = 200
+"""The most cells with plots: of more the page would be too large to be shown."""
 
-def page_of(result: CampaignResult, recordings: str, damaged: Sequence[str] = ()) -> str:
+_UNITS = {"m": ("mm", 1e3), "": ("%", 100.0)}
+"""The unit in which numbers are shown in place of their own, and how many of it make up one."""
+
+
+def page_of(
+    result: CampaignResult,
+    recordings: str,
+    damaged: Sequence[str] = (),
+    reports: Mapping[str, str] = MappingProxyType({}),
+) -> str:
     """Return the page: a map of all cells, and each cell with its interval and its causes.
 
     Args:
         result: The result.
         recordings: The folder of the recordings, as seen from the page.
         damaged: What is wrong with files of results that cannot be read.
+        reports: Links to the reports of recordings, by the paths of these.
     """
+    if len(result.cells) > _MOST_DRAWN:
+        damaged = [*damaged, f"Plots are shown of the first {_MOST_DRAWN} cells."]
     lines = [
         f"{result.summary}. Run with {result.version}; intervals of {result.confidence:.0%} "
         "(Wilson).",
@@ -36,7 +60,10 @@ def page_of(result: CampaignResult, recordings: str, damaged: Sequence[str] = ()
     ]
     sections = [
         FigureSection("Success", lines, markup=_STYLE + "".join(_map(result))),
-        *(_section(cell, recordings) for cell in result.cells),
+        *(
+            _section(cell, recordings, reports, plots=number < _MOST_DRAWN)
+            for number, cell in enumerate(result.cells)
+        ),
     ]
     return figure_page(f"Campaign {result.name}", sections)
 
@@ -74,7 +101,9 @@ def _id(cell: CellResult) -> str:
     return escape("".join(each if each.isalnum() else "-" for each in cell.name))
 
 
-def _section(cell: CellResult, recordings: str) -> FigureSection:
+def _section(
+    cell: CellResult, recordings: str, reports: Mapping[str, str], *, plots: bool
+) -> FigureSection:
     times = "/".join(f"{each:.1f}" for each in cell.times_s)
     lines = [
         f"{cell.summary}; {cell.held:,} passed or were held, "
@@ -88,10 +117,53 @@ def _section(cell: CellResult, recordings: str) -> FigureSection:
     if times:
         lines.append(f"Mission time of those that passed, least/median/most: {times} s.")
     anchor = f'<a id="{_id(cell)}"></a>'
-    return FigureSection(cell.name, lines, markup=anchor + "".join(_causes(cell, recordings)))
+    causes = "".join(_causes(cell, recordings, reports))
+    shown = tuple(_plots(cell)) if plots else ()
+    return FigureSection(cell.name, lines, markup=anchor + causes, plots=shown)
 
 
-def _causes(cell: CellResult, recordings: str) -> Iterator[str]:
+def _plots(cell: CellResult) -> Iterator[Plot]:
+    """Yield success against each factor that the runs have drawn, and how long they have taken."""
+    yield from map(_against, cell.factors)
+    if cell.took is not None:
+        yield _histogram(cell.took)
+
+
+def _against(factor: FactorResult) -> Plot:
+    """Return the share of runs that passed in each part of a factor's range, with its interval."""
+    unit, scale = _UNITS.get(factor.unit, (factor.unit, 1.0))
+    known = [part for part, runs in enumerate(factor.runs) if runs]
+    middles = [scale * sum(factor.edges[part : part + 2]) / 2 for part in known]
+    interval = PlotSeries(
+        "",
+        middles,
+        [100 * factor.least[part] for part in known],
+        "band",
+        upper=[100 * factor.most[part] for part in known],
+    )
+    shares = [100 * factor.passed[part] / factor.runs[part] for part in known]
+    name = factor.name.removesuffix("_m").replace("_", " ")
+    return Plot(
+        f"Success against {name}",
+        f"{'difference from the files' if factor.name in FROM_FILES else name}, {unit}",
+        "passed, %",
+        (interval, PlotSeries("", middles, shares), PlotSeries("", middles, shares, "dots")),
+    )
+
+
+def _histogram(took: TimeCounts) -> Plot:
+    """Return how many runs have taken how long, those that passed and the others."""
+    edges_s = [edge for edge in took.edges_s for _ in range(2)]
+    counts = (("passed", took.passed, 0), ("did not pass", took.others, 1))
+    series = [
+        PlotSeries(name, edges_s, [0, *(n for n in bars for _ in range(2)), 0], colour=colour)
+        for name, bars, colour in counts
+        if any(bars)
+    ]
+    return Plot("Mission time", "time, s", "runs", tuple(series))
+
+
+def _causes(cell: CellResult, recordings: str, reports: Mapping[str, str]) -> Iterator[str]:
     if not cell.causes:
         return
     yield (
@@ -102,7 +174,7 @@ def _causes(cell: CellResult, recordings: str) -> Iterator[str]:
         yield (
             f"<tr><td>{cause.count:,}</td><td>{cause.verdict}</td><td>{escape(cause.why)}</td>"
             f"<td>{_seeds(cause)}</td><td><code>{escape(cause.command)}</code>"
-            f"{_link(cause, recordings)}</td></tr>"
+            f"{_links(cause, recordings, reports)}</td></tr>"
         )
     yield "</tbody></table>"
 
@@ -113,8 +185,13 @@ def _seeds(cause: CauseResult) -> str:
     return ", ".join(map(str, cause.seeds[:_MOST_SEEDS])) + more + numbers
 
 
-def _link(cause: CauseResult, recordings: str) -> str:
-    if not cause.recording:
-        return ""
-    name = quote(cause.recording.rpartition("/")[2])
-    return f'<br><a href="{escape(quote(recordings))}/{name}">recording</a>'
+def _links(cause: CauseResult, recordings: str, reports: Mapping[str, str]) -> str:
+    """Return links to the recordings of a cause's runs, and to their reports."""
+    lines = []
+    for seed, place in cause.recordings.items():
+        name = quote(place.rpartition("/")[2])
+        links = f'<a href="{escape(quote(recordings))}/{name}">recording</a>'
+        if place in reports:
+            links = f'<a href="{escape(reports[place])}">report</a>, {links}'
+        lines.append(f"<br>seed {seed}: {links}")
+    return "".join(lines)

@@ -47,6 +47,25 @@ class Cell:
         """The name of the cell, which no other cell of its campaign has."""
         return f"{self.row}: {self.column}" if self.column else self.row
 
+    @property
+    def values(self) -> dict[str, str]:
+        """What its runs have in common, by name; what is left open is not there."""
+        order = self.order
+        named = {
+            "name": self.name,
+            "mission": order.mission,
+            "robot": order.robot,
+            "pipe": order.pipe,
+            "backend": order.backend,
+            "detector": order.detector,
+            "twin": order.twin,
+            "fidelity": order.fidelity,
+            "defects": " + ".join(order.defects),
+            "line": ", ".join(f"{name}={value}" for name, value in _faults(order.line)),
+        }
+        named |= {f"set_{name}": value for name, value in order.settings.items()}
+        return {name: value for name, value in named.items() if value}
+
 
 @dataclass(frozen=True)
 class Plan:
@@ -99,6 +118,7 @@ def mark_of(plan: Plan) -> dict[str, Any]:
             "row": cell.row,
             "column": cell.column,
             "key": cell.key,
+            "values": cell.values,
             "seeds": _plain_seeds(cell.seeds),
             "order": to_jsonable_python(cell.order),
             "end": cell.end.model_dump(),

@@ -3,21 +3,27 @@
 from __future__ import annotations
 
 import shlex
-from collections.abc import Iterator, Sequence
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
+from itertools import chain
 from pathlib import Path
 from statistics import median
 from typing import Any
 
+from pirate_sm.campaign.intervals import wilson
 from pirate_sm.campaign.plan import Plan, command_of
 from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.store import RECORDINGS
-from pirate_sm.campaign.tally import Cause, Tally
+from pirate_sm.campaign.tally import Cause, FactorCount, Tally
 from pirate_sm.model.campaign import Expectation
 from pirate_sm.on_disk import is_there
 
 _MOST_SEEDS = 10
 """The most seeds of a cause that are printed."""
+
+_BARS = 30
+"""The bars of a histogram."""
 
 
 @dataclass(frozen=True)
@@ -31,7 +37,7 @@ class CauseResult:
         count: How many runs.
         seeds: The first of their seeds.
         command: Repeats the first of them.
-        recording: Path of its recording; empty if there is none.
+        recordings: Paths of the recordings of seeds that have one, by seed.
     """
 
     verdict: str
@@ -40,7 +46,46 @@ class CauseResult:
     count: int
     seeds: tuple[int, ...]
     command: str
-    recording: str
+    recordings: Mapping[int, str]
+
+    @property
+    def recording(self) -> str:
+        """Path of the recording of its first run; empty if there is none."""
+        return self.recordings.get(self.seeds[0], "")
+
+
+@dataclass(frozen=True)
+class FactorResult:
+    """How success goes with a number that each run draws, in equal parts of its range.
+
+    Attributes:
+        name: Of the factor; ``unit`` is empty for a share.
+        edges: Where the parts begin, and where the last one ends.
+        runs: How many runs are in each part; likewise ``passed``.
+        least: Least share of the interval of success in each part; likewise ``most``.
+    """
+
+    name: str
+    unit: str
+    edges: tuple[float, ...]
+    runs: tuple[int, ...]
+    passed: tuple[int, ...]
+    least: tuple[float, ...]
+    most: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class TimeCounts:
+    """How many runs have taken how long, in bars of equal width.
+
+    Attributes:
+        edges_s: Where the bars begin, and where the last one ends.
+        passed: How many runs of each bar passed; likewise ``others`` that did not.
+    """
+
+    edges_s: tuple[float, ...]
+    passed: tuple[int, ...]
+    others: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -49,6 +94,7 @@ class CellResult:
 
     Attributes:
         name: Its name, made of ``row`` and ``column``.
+        values: What its runs have in common, by name.
         runs: How many runs count.
         of: How many seeds it has.
         passed: How many passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``.
@@ -62,11 +108,14 @@ class CellResult:
         expected: What is expected of it, in words.
         missed: Which of it is missed.
         causes: Why runs did not pass, or were not safe; the most frequent first.
+        factors: How success goes with what runs draw.
+        took: How long runs have taken; None without runs.
     """
 
     name: str
     row: str
     column: str
+    values: Mapping[str, str]
     runs: int
     of: int
     passed: int
@@ -84,6 +133,8 @@ class CellResult:
     expected: str
     missed: tuple[str, ...]
     causes: tuple[CauseResult, ...]
+    factors: tuple[FactorResult, ...]
+    took: TimeCounts | None
 
     @property
     def share(self) -> float | None:
@@ -177,6 +228,7 @@ def _cell(tally: Tally, recordings: Path) -> CellResult:
         cell.name,
         cell.row,
         cell.column,
+        cell.values,
         tally.runs,
         len(cell.seeds),
         tally.passed,
@@ -194,7 +246,36 @@ def _cell(tally: Tally, recordings: Path) -> CellResult:
         _expected(cell.expect),
         tally.missed(),
         tuple(_cause(tally, each, recordings) for each in found),
+        tuple(_factor(each, tally.confidence) for each in tally.factors if any(each.runs)),
+        _took(tally.times_s, tally.others_s),
     )
+
+
+def _factor(count: FactorCount, confidence: float) -> FactorResult:
+    shares = [wilson(*each, confidence) for each in zip(count.passed, count.runs, strict=True)]
+    return FactorResult(
+        count.factor.name,
+        count.factor.unit,
+        tuple(count.edges()),
+        tuple(count.runs),
+        tuple(count.passed),
+        tuple(each.least for each in shares),
+        tuple(each.most for each in shares),
+    )
+
+
+def _took(passed_s: Sequence[float], others_s: Sequence[float]) -> TimeCounts | None:
+    if not passed_s and not others_s:
+        return None
+    least_s, most_s = min(chain(passed_s, others_s)), max(chain(passed_s, others_s))
+    width_s = (most_s - least_s) / _BARS or 1.0
+
+    def counts(times_s: Sequence[float]) -> tuple[int, ...]:
+        bars = Counter(min(int((each - least_s) / width_s), _BARS - 1) for each in times_s)
+        return tuple(bars[bar] for bar in range(_BARS))
+
+    edges_s = tuple(least_s + bar * width_s for bar in range(_BARS + 1))
+    return TimeCounts(edges_s, counts(passed_s), counts(others_s))
 
 
 def _frequent(cause: Cause) -> tuple[int, str]:
@@ -202,16 +283,15 @@ def _frequent(cause: Cause) -> tuple[int, str]:
 
 
 def _cause(tally: Tally, cause: Cause, recordings: Path) -> CauseResult:
-    seed = cause.seeds[0]
-    place = recordings / recording_name(tally, seed)
+    places = {seed: recordings / recording_name(tally, seed) for seed in cause.seeds}
     return CauseResult(
         cause.verdict,
         cause.why,
         cause.varies,
         cause.count,
         tuple(cause.seeds),
-        command_of(tally.cell.order, seed),
-        str(place) if is_there(place) else "",
+        command_of(tally.cell.order, cause.seeds[0]),
+        {seed: str(place) for seed, place in places.items() if is_there(place)},
     )
 
 

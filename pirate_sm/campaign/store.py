@@ -12,7 +12,7 @@ import fcntl
 import json
 import os
 import shlex
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
 from pathlib import Path
@@ -41,6 +41,12 @@ _MOST_ROWS = 20_000
 _MOST_FILES = 64
 
 _TYPES = {str: "string", int: "int64", float: "float64", bool: "bool_"}
+
+_PLAIN = tuple(name for name in Row._fields if name != "drawn")
+"""The fields of a row that are a column of their own."""
+
+_DRAWN = "drawn_"
+"""Begins the names of columns of what a run has drawn."""
 
 
 def is_store(place: Path) -> bool:
@@ -82,6 +88,7 @@ class Store:
         self._rows: list[Row] = []
         self._due_s = clock() + _FLUSH_S
         self._numbers: dict[int, int] = {}
+        self._values: dict[str, dict[str, str]] = {}
         self._lock: TextIO | None = None
         self.damaged: dict[Path, str] = {}
 
@@ -99,6 +106,7 @@ class Store:
         with _writing(self.folder):
             (self.folder / _RESULTS).mkdir(parents=True, exist_ok=True)
             self._keep_others_out()
+            self._values = {cell["key"]: cell["values"] for cell in mark.get("cells", ())}
             for left in (self.folder / _RESULTS).glob(f"*{_PART}"):
                 left.unlink()
             text = json.dumps(mark, indent=1) + "\n"
@@ -166,9 +174,9 @@ class Store:
         Files that cannot be read are in :attr:`damaged` then.
         """
         for file in self._files():
-            rows = self._rows_of(file)
-            if rows is not None:
-                yield rows
+            table = self._table_of(file)
+            if table is not None:
+                yield _rows_in(table)
 
     def set_aside(self) -> None:
         """Rename the files that are damaged, as their runs are to be repeated.
@@ -181,10 +189,10 @@ class Store:
                 file.replace(file.with_name(file.name + _DAMAGED))
         self.damaged.clear()
 
-    def _rows_of(self, file: Path) -> list[Row] | None:
-        """Return the rows in a file; None if it is damaged."""
+    def _table_of(self, file: Path) -> ArrowTable | None:
+        """Return the table in a file; None if it is damaged."""
         try:
-            return _rows_in(file)
+            return _table_in(file)
         except _DamagedError as error:
             self.damaged[file] = str(error)
             return None
@@ -208,13 +216,17 @@ class Store:
         self._due_s = self._clock() + _FLUSH_S
         if self._rows:
             rows, self._rows = self._rows, []
-            self._write(rows, level=0)
+            self._write(_table(rows, self._values), level=0)
 
     def _merge(self, level: int) -> None:
         """Merge all files of a level into one of the next."""
-        read = {file: self._rows_of(file) for file in self._files(level)}
-        whole = {file: rows for file, rows in read.items() if rows is not None}
-        self._write([row for rows in whole.values() for row in rows], level + 1)
+        import pyarrow
+
+        read = {file: self._table_of(file) for file in self._files(level)}
+        whole = {file: table for file, table in read.items() if table is not None}
+        if whole:  # they may have different columns
+            merged = pyarrow.concat_tables(whole.values(), promote_options="default")
+            self._write(merged, level + 1)
         for file in whole:
             with suppress(OSError):
                 file.unlink()
@@ -224,7 +236,7 @@ class Store:
         which = "*" if level is None else level
         return sorted((self.folder / _RESULTS).glob(f"{which}-*.parquet"))
 
-    def _write(self, rows: Sequence[Row], level: int) -> None:
+    def _write(self, table: ArrowTable, level: int) -> None:
         from pyarrow import parquet
 
         folder, files = self.folder / _RESULTS, self._files(level)
@@ -235,7 +247,7 @@ class Store:
         name = f"{level}-{self._numbers[level]:08d}.parquet"
         with _writing(folder):
             write = partial(
-                parquet.write_table, _table(rows), compression="zstd", write_page_checksum=True
+                parquet.write_table, table, compression="zstd", write_page_checksum=True
             )
             _replace(folder / name, write)
         if len(files) + 1 >= _MOST_FILES:
@@ -274,22 +286,31 @@ def _replace(place: Path, write: Callable[[Path], Any]) -> None:
         raise
 
 
-def _table(rows: Sequence[Row]) -> ArrowTable:
+def _table(rows: Sequence[Row], values: Mapping[str, Mapping[str, str]]) -> ArrowTable:
+    """Return rows as a table: their fields, what they have drawn, and the values of their cells."""
     import pyarrow
 
-    schema = pyarrow.schema(
-        [(name, getattr(pyarrow, _TYPES[kind])()) for name, kind in get_type_hints(Row).items()]
+    kinds = get_type_hints(Row)
+    columns = {name: (kinds[name], [getattr(row, name) for row in rows]) for name in _PLAIN}
+    for name in dict.fromkeys(name for row in rows for name in row.drawn):
+        columns[_DRAWN + name] = float, [row.drawn.get(name) for row in rows]
+    cells = [values.get(row.cell, {}) for row in rows]
+    for name in dict.fromkeys(name for cell in cells for name in cell):
+        columns[name] = str, [cell.get(name) for cell in cells]
+    return pyarrow.table(
+        {
+            name: pyarrow.array(column, getattr(pyarrow, _TYPES[kind])())
+            for name, (kind, column) in columns.items()
+        }
     )
-    columns = [list(column) for column in zip(*rows, strict=True)]
-    return pyarrow.table(dict(zip(Row._fields, columns, strict=True)), schema=schema)
 
 
 class _DamagedError(Exception):
     """Raised for a file of results that cannot be read; its text says why."""
 
 
-def _rows_in(file: Path) -> list[Row]:
-    """Return the rows in a file.
+def _table_in(file: Path) -> ArrowTable:
+    """Return the table in a file.
 
     Raises:
         _DamagedError: It cannot be read.
@@ -303,10 +324,24 @@ def _rows_in(file: Path) -> list[Row]:
             parquet.ParquetFile(stream, page_checksum_verification=True) as rows,
         ):
             table = rows.read()
-        columns = [table.column(name).to_pylist() for name in Row._fields]
-    except KeyError as error:
-        raise _DamagedError(f"its columns are those of another version ({error})") from None
     except (OSError, ValueError, pyarrow.ArrowException) as error:
         why = (getattr(error, "strerror", None) or str(error)).partition("\n")[0]
         raise _DamagedError(why) from None
-    return [Row(*values) for values in zip(*columns, strict=True)]
+    if missing := sorted({*_PLAIN} - {*table.column_names}):
+        raise _DamagedError(
+            f"its columns are those of another version: {', '.join(missing)} is not there"
+        )
+    return table
+
+
+def _rows_in(table: ArrowTable) -> list[Row]:
+    """Return the rows of a table; what they have drawn is unknown in older ones."""
+    names = [name for name in table.column_names if name.startswith(_DRAWN)]
+    columns = [table.column(name).to_pylist() for name in (*_PLAIN, *names)]
+    keys = [name.removeprefix(_DRAWN) for name in names]
+    found = []
+    for row in zip(*columns, strict=True):
+        drawn = zip(keys, row[len(_PLAIN) :], strict=True)
+        known = {key: value for key, value in drawn if value is not None}
+        found.append(Row(*row[: len(_PLAIN)])._replace(drawn=known))
+    return found

@@ -13,6 +13,7 @@ from dataclasses import dataclass, field
 from math import isnan
 
 from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.factors import Factor, factors_of
 from pirate_sm.campaign.intervals import Interval, wilson
 from pirate_sm.campaign.plan import Cell
 from pirate_sm.model.campaign import StoppingRule
@@ -24,6 +25,36 @@ _MEASURED = re.compile(
     r"(?<![\w.])-?\d+\.\d+|(?<![\w.])-?\d+(?= (?:s|ms|mm|m|deg|rad/s|Nm|mNm|%|Hz|V|A|mA)\b)"
 )
 """Numbers in a message that differ from run to run."""
+
+
+_BINS = 10
+"""Into so many equal parts the range of a factor is cut."""
+
+
+@dataclass
+class FactorCount:
+    """How many runs passed in each part of the range of a factor.
+
+    Attributes:
+        factor: What is drawn.
+        runs: The runs in each part; likewise ``passed``.
+    """
+
+    factor: Factor
+    runs: list[int] = field(default_factory=lambda: [0] * _BINS)
+    passed: list[int] = field(default_factory=lambda: [0] * _BINS)
+
+    def count(self, value: float, passed: bool) -> None:
+        """Count a run with this value of the factor."""
+        _, _, low, high = self.factor
+        part = min(max(int((value - low) / (high - low) * _BINS), 0), _BINS - 1)
+        self.runs[part] += 1
+        self.passed[part] += passed
+
+    def edges(self) -> list[float]:
+        """Return where the parts begin, and where the last one ends."""
+        _, _, low, high = self.factor
+        return [low + (high - low) * part / _BINS for part in range(_BINS + 1)]
 
 
 @dataclass
@@ -56,7 +87,8 @@ class Tally:
         runs: How many runs count.
         passed: How many of them passed; likewise ``held``, ``false``, ``unsafe`` and ``bugs``.
         passes: For each run in the order of the seeds whether it passed, 1 or 0.
-        times_s: Mission time of each run that passed.
+        times_s: Mission time of each run that passed; ``others_s`` of each other one.
+        factors: How success goes with what runs have drawn.
         deepest_m: How deep a wheel or link was in a wall, at most; below zero if unknown.
         farthest_short_m: How far a wheel was short of where the last word says, at most, in runs
             that passed; None if no word was said.
@@ -78,6 +110,8 @@ class Tally:
     farthest_short_m: float | None = None
     passes: bytearray = field(default_factory=bytearray)
     times_s: array[float] = field(default_factory=lambda: array("d"))
+    others_s: array[float] = field(default_factory=lambda: array("d"))
+    factors: tuple[FactorCount, ...] = ()
     causes: dict[tuple[str, str], Cause] = field(default_factory=dict)
     unsafe_causes: dict[tuple[str, str], Cause] = field(default_factory=dict)
     decided: bool = False
@@ -85,6 +119,8 @@ class Tally:
     _positions: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
+        if not self.factors:
+            self.factors = tuple(map(FactorCount, factors_of(self.cell.order)))
         if not isinstance(self.cell.seeds, range):
             self._positions = {seed: n for n, seed in enumerate(self.cell.seeds)}
 
@@ -158,6 +194,9 @@ class Tally:
         self.bugs += row.verdict == "bug"
         self.unsafe += bool(row.unsafe)
         self.deepest_m = max(self.deepest_m, row.deepest_m)
+        for each in self.factors:
+            if each.factor.name in row.drawn:
+                each.count(row.drawn[each.factor.name], row.verdict == "passed")
         if row.verdict == "passed":
             self.times_s.append(row.time_s)
             if not isnan(row.short_m):
@@ -166,6 +205,7 @@ class Tally:
                     row.short_m if known_m is None else max(known_m, row.short_m)
                 )
         else:
+            self.others_s.append(row.time_s)
             _note(self.causes, row.verdict, row.why, row.seed)
         if row.unsafe:
             _note(self.unsafe_causes, "unsafe", row.unsafe, row.seed)

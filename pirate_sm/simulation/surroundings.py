@@ -37,6 +37,12 @@ class Jitter:
 NO_JITTER = Jitter()
 
 
+def drawn_jitter(jitter: Jitter, rng: np.random.Generator) -> Jitter:
+    """Return by how much one run differs from its files; a run's first random numbers draw it."""
+    start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
+    return Jitter(start * jitter.start_m, friction * jitter.friction, diameter * jitter.diameter_m)
+
+
 @dataclass(frozen=True)
 class Surroundings:
     """The surroundings and the pose at the start of a run.
@@ -79,13 +85,13 @@ def surroundings_of(
     Raises:
         UsageError: The robot does not fit into the pipe, or the pipe intersects itself.
     """
-    start, friction, diameter = rng.uniform(-1.0, 1.0, 3).tolist()
-    route = Route(pipe.network(diameter * jitter.diameter_m))
+    differs = drawn_jitter(jitter, rng)
+    route = Route(pipe.network(differs.diameter_m))
     _check(route.pieces)
     coefficients = pipe.friction if pipe.friction is not None else profile.simulation.friction
-    scale = 1.0 + friction * jitter.friction
+    scale = 1.0 + differs.friction
     scaled = {"static": coefficients.static * scale, "kinetic": coefficients.kinetic * scale}
-    arc_m = pipe.start_of(chain.length_m) + start * jitter.start_m
+    arc_m = pipe.start_of(chain.length_m) + differs.start_m
     roll = (pipe.start.roll if pipe.start else 0.0) - pipe.roll
     return Surroundings(
         route,

@@ -62,7 +62,17 @@ def _write_campaign(folder: Path, output: Path | None) -> int:
     link = Path(os.path.relpath(recordings.resolve(), place.resolve().parent))
     plan, tallies, damaged = stored(folder)
     result = result_of(plan, tallies, folder)
-    _write(place, page_of(result, link.as_posix(), damaged))
+    recorded = [
+        Path(each)
+        for cell in result.cells
+        for cause in cell.causes
+        for each in cause.recordings.values()
+    ]
+    pages = {path: _page(path, place) for path in dict.fromkeys(recorded)}
+    _refuse_foreign(*pages.values())
+    runs = {str(path): _one(path, page, place) for path, page in pages.items()}
+    reports = {path: run.link for path, run in runs.items() if run.link}
+    _write(place, page_of(result, link.as_posix(), damaged, reports))
     for each in damaged:
         say(each)
     for cell in result.cells if damaged else ():

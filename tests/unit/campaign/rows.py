@@ -55,11 +55,16 @@ def result(chunk: Chunk, seed: int) -> Row:
 
 
 class Hasty:
-    """A crew whose chunks come back in an order of chance."""
+    """A crew whose chunks come back in an order of chance, with ``each`` runs or all of them."""
 
     def __init__(
-        self, seed: int, room: int = 8, result: Callable[[Chunk, int], Row] = result
+        self,
+        seed: int,
+        room: int = 8,
+        result: Callable[[Chunk, int], Row] = result,
+        each: int | None = None,
     ) -> None:
+        self.each = each
         self.random, self.most, self.result = Random(seed), room, result
         self.under_way: list[Chunk] = []
         self.given: list[int] = []
@@ -76,4 +81,4 @@ class Hasty:
         assert self.under_way, "nothing will ever come"
         self.random.shuffle(self.under_way)
         chunk = self.under_way.pop()
-        return [Done(chunk, [self.result(chunk, seed) for seed in chunk.seeds])]
+        return [Done(chunk, [self.result(chunk, seed) for seed in chunk.seeds[: self.each]])]

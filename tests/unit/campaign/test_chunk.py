@@ -7,18 +7,21 @@ import subprocess
 import sys
 from dataclasses import replace
 from functools import cache
+from itertools import count
 from pathlib import Path
+from typing import cast
 
 import pytest
 
 from pirate_sm.campaign import chunk as chunks
 from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.chunk import Chunk, OtherVersionError, Sent, run_chunk
+from pirate_sm.campaign.chunk import Chunk, OtherVersionError, Sent, loaded_mission, run_chunk
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.conductor import chunk_of
 from pirate_sm.campaign.recorded_run import record_chunk
 from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.wiring import Order
+from pirate_sm.simulation.full_truth import FullTruth
+from pirate_sm.wiring import Order, Prepared, prepare
 
 ENTER = Path(__file__).parents[3] / "sequences" / "enter_2d.yaml"
 
@@ -48,6 +51,43 @@ def test_each_seed_has_a_row_and_the_same_one_each_time() -> None:
     assert [each.seed for each in rows] == [0, 1, 2]
     assert {(each.cell, each.verdict) for each in rows} == {(chunk.cell, "passed")}
     assert repr(run_chunk(chunk, sent, code_version())) == repr(rows)
+
+
+def test_a_row_has_what_its_run_drew() -> None:
+    chunk, sent = enter()
+    order = replace(
+        chunk.order,
+        start_jitter_m=0.02,
+        friction_jitter=0.2,
+        defects=("gamma_2_stiff:friction=0.1Nm..0.3Nm,after=5s",),
+    )
+    loaded = loaded_mission(sent)
+    rows = run_chunk(replace(chunk, order=order), sent, code_version())
+
+    for each in rows:
+        exact, drew = (
+            prepare(replace(order, seed=each.seed, start_jitter_m=most_m), loaded)
+            for most_m in (0.0, 0.02)
+        )
+        start_m = _first_wheel_m(drew) - _first_wheel_m(exact)
+        (defect,) = drew.order.defects
+        friction = float(defect.partition("friction=")[2].partition("Nm")[0])
+        assert {*each.drawn} == {"start_m", "friction", "gamma_2_stiff_friction"}
+        assert each.drawn["start_m"] == pytest.approx(start_m)
+        assert each.drawn["gamma_2_stiff_friction"] == pytest.approx(friction)
+        assert -0.2 < each.drawn["friction"] < 0.2
+    assert len({each.drawn["friction"] for each in rows}) == 3
+
+
+def _first_wheel_m(prepared: Prepared) -> float:
+    assert prepared.truth is not None
+    return cast("FullTruth", prepared.truth()).arcs_m[0]
+
+
+def test_long_runs_are_given_back_one_by_one(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(chunks, "monotonic", count(0.0, 40.0).__next__)
+
+    assert [each.seed for each in run_chunk(*enter(), code_version())] == [0]
 
 
 def test_a_worker_with_other_code_refuses() -> None:

@@ -38,6 +38,21 @@ def test_the_table_is_the_same_for_any_order_and_any_number_of_workers(
     assert table(TWO, tmp_path / "many", Hasty(seed, room=3 + 4 * seed)) == alone
 
 
+def test_what_a_chunk_comes_back_without_is_run_too_and_each_run_is_counted(
+    tmp_path: Path,
+) -> None:
+    whole = table(TWO, tmp_path / "whole", Hasty(1))
+    store, shown = Store(tmp_path / "slow"), list[int]()
+    store.begin(mark_of(TWO))
+    conductor = Conductor(TWO, store)
+    conductor.conduct(Hasty(2, room=2, each=1), lambda progress: shown.append(progress.done))
+    store.close()
+
+    text = as_text(result_of(TWO, conductor.results, tmp_path / "slow"))
+    assert text.replace(str(tmp_path / "slow"), "FOLDER") == whole
+    assert shown[:5] == [1, 2, 3, 4, 5]
+
+
 class KilledError(Exception):
     pass
 

@@ -117,7 +117,7 @@ def test_a_connection_that_is_cut_is_made_again(
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_that_is_gone_ends_the_campaign_and_results_are_kept(
-    plan: Plan, expected: str, tmp_path: Path
+    plan: Plan, expected: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     gone = Event()
     with ExitStack() as stack:
@@ -132,6 +132,7 @@ def test_a_scheduler_that_is_gone_ends_the_campaign_and_results_are_kept(
         with pytest.raises(BackendError, match="go on with --resume"):
             table(plan, tmp_path / "results", cluster.address, show=end)
 
+    assert "Traceback" not in capfd.readouterr().err
     assert sum(len(rows) for rows in Store(tmp_path / "results").read()) >= 100
     assert table(plan, tmp_path / "results", None, workers=2) == expected
 

@@ -6,7 +6,8 @@ import shlex
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
-from pirate_sm.campaign.conductor import Conductor
+from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.conductor import Conductor, stored
 from pirate_sm.campaign.junit import as_junit
 from pirate_sm.campaign.page import page_of
 from pirate_sm.campaign.plan import mark_of
@@ -39,6 +40,44 @@ def test_the_page_loads_nothing_and_links_to_recordings(tmp_path: Path) -> None:
     assert page.count('href="recordings/a_b_key_a') == 1
     assert "100 runs of 2 cells: 1 not as expected." in page
     assert "http" not in page.replace('http-equiv="Content', "")
+
+
+def test_success_is_drawn_against_what_runs_have_drawn_with_reports_of_failures(
+    tmp_path: Path,
+) -> None:
+    def drew(chunk: Chunk, seed: int) -> Row:
+        far = seed % 40 < 20
+        drawn = {"start_m": 0.015 if far else -0.015}
+        return row(chunk.cell, seed, "failed" if far else "passed", time_s=seed)._replace(
+            drawn=drawn
+        )
+
+    wanted, store = plan(cell("a", range(80))), Store(tmp_path)
+    store.begin(mark_of(wanted))
+    conductor = Conductor(wanted, store)
+    conductor.conduct(Hasty(1, result=drew))
+    store.close()
+    store.keep(recording_name(conductor.tallies[0], 0), b"recorded")
+    (only,) = result_of(wanted, stored(tmp_path).tallies, tmp_path).cells
+    (factor,) = only.factors
+
+    assert (factor.name, factor.unit, factor.edges[0], factor.edges[-1]) == (
+        *("start_m", "m"),
+        *(-0.02, 0.02),
+    )
+    assert [(n, factor.runs[n], factor.passed[n]) for n in range(10) if factor.runs[n]] == [
+        (1, 40, 40),
+        (8, 40, 0),
+    ]
+    assert only.took is not None
+    assert (only.took.edges_s[0], only.took.edges_s[-1]) == (0.0, 79.0)
+    assert (sum(only.took.passed), sum(only.took.others)) == (40, 40)
+    found = result_of(wanted, conductor.results, tmp_path)
+    page = page_of(found, "recordings", reports={only.causes[0].recording: "recordings/a.html"})
+    assert 'aria-label="Success against start"' in page
+    assert 'aria-label="Mission time"' in page
+    assert 'seed 0: <a href="recordings/a.html">report</a>' in page
+    assert found.as_data()["cells"][0]["values"]["mission"] == "mitre_bend"
 
 
 def test_junit_has_a_failure_for_each_cell_below_its_expectation(tmp_path: Path) -> None:

@@ -59,6 +59,48 @@ def test_rows_come_back_as_they_were(opened: Opened, tmp_path: Path) -> None:
     assert Store(tmp_path).mark() == {"campaign": "trial"}
 
 
+MARK = {
+    "campaign": "trial",
+    "cells": [
+        {"key": "key", "values": {"name": "bend", "pipe": "mitre_90"}},
+        {"key": "other", "values": {"name": "far", "set_way": "2 m"}},
+    ],
+}
+
+
+def test_files_have_what_runs_have_drawn_and_the_values_of_their_cells_also_merged(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(stores, "_MOST_FILES", 2)
+    store = Store(tmp_path, clock=count(0, 10).__next__)
+    store.begin(MARK)
+    added = [
+        row("key", 1)._replace(drawn={"start_m": 0.01}),
+        row("other", 2)._replace(drawn={"gamma_4_stiff_after": 3.5}),
+    ]
+    for each in added:
+        store.add([each])
+    store.close()
+    (file,) = (tmp_path / "results").glob("*.parquet")
+    read_back = parquet.read_table(file).to_pylist()
+
+    names = ("name", "pipe", "set_way", "drawn_start_m", "drawn_gamma_4_stiff_after")
+    assert [tuple(each[name] for name in names) for each in read_back] == [
+        ("bend", "mitre_90", None, 0.01, None),
+        ("far", None, "2 m", None, 3.5),
+    ]
+    (read,) = Store(tmp_path).read()
+    assert repr(read) == repr(added)
+
+
+def test_results_of_before_rows_had_what_was_drawn_are_read(opened: Opened, tmp_path: Path) -> None:
+    opened(tmp_path)
+    old = {name: [value] for name, value in rows(5)[0]._asdict().items() if name != "drawn"}
+    parquet.write_table(pyarrow.table(old), tmp_path / "results" / "0-00000001.parquet")
+
+    assert [each.drawn for found in Store(tmp_path).read() for each in found] == [{}]
+
+
 def test_a_torn_file_is_named_and_the_others_are_read(opened: Opened, tmp_path: Path) -> None:
     store = opened(tmp_path)
     for seeds in ((0, 1), (2, 3), (4, 5)):

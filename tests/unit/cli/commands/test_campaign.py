@@ -18,8 +18,10 @@ import pytest
 
 from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.conductor import stored
 from pirate_sm.campaign.crew import Done
 from pirate_sm.campaign.plan import mark_of
+from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.store import Store
 from pirate_sm.experiments import needed_extras
 from pirate_sm.loading import library
@@ -233,12 +235,31 @@ def test_the_report_of_results_is_a_page_in_their_folder(pirate: Any, filled: An
     assert "55 of 60" in (results / "index.html").read_text("utf-8")
 
 
+def test_a_campaigns_page_links_to_the_reports_of_its_recorded_runs(
+    pirate: Any, filled: Any, tmp_path: Path
+) -> None:
+    results = filled("results", 1)
+    tally = stored(results).tallies[1]
+    recorded = results / "recordings" / recording_name(tally, 0)
+    recorded.parent.mkdir()
+    words = ("--seed", "0", "--speed", "max", "--quiet", "--record", recorded)
+    assert pirate("run", "enter_2d", *words).exit_code == 0
+    pages = pirate("report", results), pirate("report", results, "--output", tmp_path / "p.html")
+
+    assert [each.exit_code for each in pages] == [0, 0]
+    assert recorded.with_suffix(".html").is_file()
+    link = f"recordings/{recorded.with_suffix('.html').name}"
+    assert f'<a href="{link}">report</a>' in (results / "index.html").read_text("utf-8")
+    assert f'"results/{link}">report</a>' in (tmp_path / "p.html").read_text("utf-8")
+
+
 def test_two_campaigns_are_compared(pirate: Any, filled: Any) -> None:
     before, after, alike = filled("before", 2), filled("after", 30), filled("alike", 3)
     worse, same = pirate("compare", before, after), pirate("compare", before, alike)
 
     assert (worse.exit_code, same.exit_code) == (1, 0)
     assert "B is worse than A" in worse.stdout
+    assert "McNemar" in worse.stdout
     assert "28 lost in B: seeds 2, 3, 4" in worse.stdout
     assert "B is not significantly worse than A" in same.stdout
 
