@@ -5,6 +5,8 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable, Mapping, Sequence
 from io import TextIOWrapper
+from math import nan
+from operator import itemgetter
 from pathlib import Path
 from typing import NamedTuple
 
@@ -84,6 +86,7 @@ def _recorded(path: Path) -> Measured:
     with recorded_mission(recording.header) as loaded:
         robot, profile = loaded.robot, loaded.loaded_robot.profile
         again = rerun(recording, loaded, every_signal=True)
+        unknown = (nan,) * len(robot.slots)
         for row in rows_of(loaded.robot, again, recording.origin_s):
             if row.table == SIGNALS:
                 rows.append(row.values)
@@ -91,6 +94,8 @@ def _recorded(path: Path) -> Measured:
                 sent.append((row.values[0], *row.values[2:]))
     if not rows:
         raise UsageError(f"{path} holds no frame of a sensor: nothing can be fitted")
+    sent += [(gap.from_s, *unknown) for gap in recording.gaps]  # others may have been sent in it
+    sent.sort(key=itemgetter(0))
     signals = _named((TIME, *robot.vocabulary.numbers), rows)
     slots = (TIME, *(slot.name for slot in robot.slots))
     return Measured(signals, _named(slots, sent) if sent else {}, profile, path)

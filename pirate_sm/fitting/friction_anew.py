@@ -46,9 +46,11 @@ def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
             return None
         robot, origin_s = loaded.robot, recording.origin_s
         motors_spec = _with_motors(spec, loaded.loaded_robot.profile, motors)
-        slipping = None
+        slipping, after_gaps = None, {gap.step for gap in recording.gaps}
         for each in rerun(recording, loaded):
             state, event = each.state, each.step.event
+            if each.step.number in after_gaps:
+                slipping = None  # what the wheels did in it is unknown
             if state is None or not isinstance(event, SensorFrame):
                 continue
             if robot.boards[event.board].position != motors_spec.board:

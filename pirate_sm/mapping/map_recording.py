@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import isfinite
+from itertools import takewhile
+from math import inf, isfinite
 
 from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.errors import RecordingError
@@ -21,7 +22,8 @@ def mapped(recording: Recording) -> Map:
 
     Of the recording it reads the robot's files, the frames of its boards, the detector's words, its
     states and its setpoints, and quotes what a person has said of places; neither truth, nor the
-    pipe's file, nor reports from outside.
+    pipe's file, nor reports from outside. It ends at the first gap of a repaired recording, as the
+    robot may have moved in it.
 
     Raises:
         RecordingError: The recording is damaged, its robot cannot be loaded any more, or no wheel
@@ -35,14 +37,19 @@ def mapped(recording: Recording) -> Map:
         mapper.look(look)
     found = mapper.finish()
     found.seen = seen
+    for gap in recording.gaps[:1]:
+        found.notes.append(
+            f"nothing is known from {gap.from_s:.1f} s to {gap.until_s:.1f} s, so it ends there"
+        )
     if not isfinite(found.legs[0].from_m):
         raise RecordingError("nothing to map: the recording shows no angle of any wheel")
     return found
 
 
 def _overheard(recording: Recording, seen: list[str]) -> Iterator[Step]:
-    """Yield the steps of the recording; note what a person says in them."""
-    for step in recording.steps():
+    """Yield the steps of the recording up to a gap; note what a person says in them."""
+    after = min((gap.step for gap in recording.gaps), default=inf)
+    for step in takewhile(lambda each: each.number < after, recording.steps()):
         if isinstance(step.event, Observation):
             seen.append(step.event.words)
         yield step

@@ -155,7 +155,7 @@ def _setpoints(it: Measured, unit: str, scale: float) -> Iterator[Series]:
         series = it.setpoints.series(
             index, slot.name, scale=scale, stepped=True, until_s=it.until_s
         )
-        if any(series.values):
+        if any(value and not isnan(value) for value in series.values):
             yield series
 
 

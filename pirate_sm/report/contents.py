@@ -196,6 +196,7 @@ class Report:
         files: Hash of each file by its name.
         recording: Hash of the recording; empty without one.
         photos: What the camera saw when words of the detector began.
+        gaps: From when until when nothing is known, as the recording was damaged there.
     """
 
     title: str
@@ -213,6 +214,7 @@ class Report:
     failures: tuple[Sentence, ...] = ()
     recording: str = ""
     photos: tuple[Photo, ...] = ()
+    gaps: tuple[tuple[float, float], ...] = ()
 
     @property
     def failure(self) -> Sentence | None:

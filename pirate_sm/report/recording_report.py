@@ -45,7 +45,8 @@ def report_of(recording: Recording) -> Report:
             known_poses(recording, loaded),
         )
     photos = photos_of(recording, report.lanes)
-    return replace(report, recording=recording.sha256, photos=photos)
+    gaps = tuple((gap.from_s, gap.until_s) for gap in recording.gaps)
+    return replace(report, recording=recording.sha256, photos=photos, gaps=gaps)
 
 
 def about_run(header: RunHeader, loaded: LoadedMission, notices: Iterable[str] = ()) -> About:

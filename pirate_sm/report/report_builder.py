@@ -128,7 +128,7 @@ class _Run:
 
     def _look(self, state: EngineState, event: Event | None, at_s: float) -> None:
         """Note the signals and states at this time."""
-        if self._state is None:
+        if self._state is None or isnan(state.robot.values[0]):  # at the start, or after a gap
             self._setpoints.take(at_s, state.robot.values)
         self._state = state
         measured = self._measured.get(event.board, ()) if isinstance(event, SensorFrame) else ()

@@ -83,6 +83,7 @@ def report_json(report: Report) -> Json:
         "lanes": [_lane(each) for each in report.lanes],
         "charts": [_chart(each, clocks) for each in report.charts],
         "scene": _scene(report.scene, clocks) if report.scene else None,
+        "gaps": [[_seconds(each) for each in gap] for gap in report.gaps],
     }
     return {**found, "clocks": clocks.written}
 

@@ -32,6 +32,9 @@ RUNS = {
 LIST = "list"
 """The page that lists all that were made."""
 
+GAP = "gap"
+"""The page of a repaired recording of which a piece was damaged."""
+
 CUT_SHORT = {"torn": 7, "empty": 0}
 """How many whole pieces of the run are left in a recording, before one that is torn."""
 
@@ -70,6 +73,12 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             get("bend")
             whole = (folder / "bend.mcap").read_bytes()
             run.write_bytes(whole[: _pieces(whole)[CUT_SHORT[name]] + 1_000])
+        elif name == GAP:
+            get("bend")
+            spoilt, torn = bytearray((folder / "bend.mcap").read_bytes()), folder / "spoilt.mcap"
+            spoilt[sum(_pieces(spoilt)[5:7]) // 2] ^= 1
+            torn.write_bytes(spoilt)
+            CliRunner().invoke(commands, ["repair", str(torn), "-o", str(run)])
         else:
             CliRunner().invoke(only_run, [*RUNS[name], "--quiet", "--record", str(run)])
         assert CliRunner().invoke(commands, ["report", str(run), "-o", str(told)]).exit_code == 0
@@ -79,7 +88,7 @@ def report(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
     return get
 
 
-def _pieces(recording: bytes) -> list[int]:
+def _pieces(recording: bytes | bytearray) -> list[int]:
     """Where the pieces of the run begin."""
     starts, at = [], len(MCAP0_MAGIC)
     while at < len(recording) - len(MCAP0_MAGIC):

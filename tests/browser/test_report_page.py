@@ -14,8 +14,18 @@ pytestmark = pytest.mark.browser
 
 Open = Callable[..., Opened]
 
+PIXEL = """at => {
+  const canvas = document.querySelector('#plots canvas'), box = canvas.getBoundingClientRect();
+  const over = canvas.parentElement.querySelector('.u-over').getBoundingClientRect();
+  const share = at / Number(document.getElementById('slider').max);
+  const x = over.left - box.left + share * over.width, y = over.top - box.top + 3;
+  const scale = canvas.width / box.width;
+  return [...canvas.getContext('2d').getImageData(x * scale, y * scale, 1, 1).data];
+}"""
+"""The colour of the first plot near its upper edge at a time of the whole run."""
 
-@pytest.mark.parametrize("name", ["bend", "dead", "trace", "patrol", "torn", "empty"])
+
+@pytest.mark.parametrize("name", ["bend", "dead", "trace", "patrol", "torn", "empty", "gap"])
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_a_page_opens_without_a_word_and_asks_for_nothing(
     opened: Open, name: str, scheme: str
@@ -105,6 +115,21 @@ def test_dragging_across_a_plot_shows_a_part_of_the_run_everywhere(opened: Open)
     assert ticks.all_text_contents() == whole
     assert it.page.locator("#whole").is_hidden()
     assert it.said == []
+
+
+def test_a_gap_is_a_grey_band_in_the_timeline_and_in_the_plots(opened: Open) -> None:
+    it = opened("gap")
+    it.page.clock.run_for(1_000)
+    band = it.page.locator("#timeline .gap")
+    begin, end = re.findall(r"([\d.]+) s\b", band.locator("title").text_content() or "")
+
+    assert 0.5 < float(end) - float(begin) < 3.0
+    assert "nothing is known" in it.page.locator("#key").inner_text()
+    inside, outside = (
+        it.page.evaluate(PIXEL, at_s) for at_s in (0.6 * float(end) + 0.4 * float(begin), 1.0)
+    )
+    assert inside[3] > 0
+    assert outside[3] == 0
 
 
 def test_a_click_on_the_timeline_moves_the_slider(opened: Open) -> None:

@@ -6,12 +6,14 @@ import sys
 
 from pirate_sm.cli.options.files import ImportOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.progress import progress
 from pirate_sm.interchange.chart_text import chart_text
 from pirate_sm.interchange.scxml_chart_reader import read_chart
 from pirate_sm.loading.chart.table_cache import cached_table
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import read_text
+from pirate_sm.visible import visible
 
 
 def import_chart(options: ImportOptions) -> int:
@@ -26,7 +28,8 @@ def import_chart(options: ImportOptions) -> int:
     name = shown(options.file)
     text = read_text(options.file, name, "SCXML")
     document, outline = read_chart(text, name, options.file.stem)
-    table = cached_table(document, outline, Problems(document))
+    with progress(f"exploring {visible(name)}") as watch:
+        table = cached_table(document, outline, Problems(document), watch)
     chart = chart_text(document.data, options.file.name)
     if options.output is None:
         sys.stdout.write(chart)

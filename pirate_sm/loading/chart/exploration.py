@@ -8,8 +8,8 @@ from __future__ import annotations
 
 import ast
 import json
-from collections.abc import Iterator, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Callable, Iterator, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
 from pirate_sm.loading.chart.guards import ANY_OF
@@ -26,7 +26,16 @@ MOST_RESULTS = 2_000_000
 """Largest number of configurations times commands: the table holds the result of each pair."""
 
 
-def compile_chart(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
+Watch: TypeAlias = Callable[[float], None]
+"""Is called with the explored share of the configurations that have been reached, 0 to 1."""
+
+
+def compile_chart(
+    document: Document,
+    outline: ChartOutline,
+    problems: Problems,
+    watch: Watch = lambda share: None,
+) -> ChartTable:
     """Return the table of every reachable configuration and every command in it.
 
     Raises:
@@ -42,7 +51,7 @@ def compile_chart(document: Document, outline: ChartOutline, problems: Problems)
         about.add("chart.invalid", (), f"the statechart library refuses this chart: {error}")
         about.raise_errors()
         raise
-    explored = _explore(machine, outline)
+    explored = _explore(machine, outline, watch)
     if explored is None:
         count = len(outline.commands)
         most = min(MOST_CONFIGURATIONS, MOST_RESULTS // max(count, 1))
@@ -107,7 +116,7 @@ def _event(number: int) -> str:
 
 
 def _explore(
-    machine: Any, outline: ChartOutline
+    machine: Any, outline: ChartOutline, watch: Watch
 ) -> tuple[tuple[Configuration, ...], tuple[tuple[int, ...], ...]] | None:
     """Return all configurations and transitions, breadth-first; None if there are too many."""
     from statemachine.orderedset import OrderedSet  # noqa: PLC0415
@@ -133,6 +142,7 @@ def _explore(
                     return None
             row.append(index)
         following.append(tuple(row))
+        watch(len(following) / len(order))
     return tuple(_names(outline, values) for values in order), tuple(following)
 
 

@@ -12,14 +12,19 @@ from platformdirs import user_cache_path
 
 from pirate_sm.engine.robot.chart_table import ChartTable
 from pirate_sm.loading.chart import exploration as chart
-from pirate_sm.loading.chart.exploration import compile_chart
+from pirate_sm.loading.chart.exploration import Watch, compile_chart
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.on_disk import replace_file
 
 
-def cached_table(document: Document, outline: ChartOutline, problems: Problems) -> ChartTable:
+def cached_table(
+    document: Document,
+    outline: ChartOutline,
+    problems: Problems,
+    watch: Watch = lambda share: None,
+) -> ChartTable:
     """Return the chart's table, from the cache or from a new exploration.
 
     A cache that cannot be read or written is ignored.
@@ -30,7 +35,7 @@ def cached_table(document: Document, outline: ChartOutline, problems: Problems) 
     path = cache_folder() / f"chart-{_key(document)}.json"
     table = _read(path)
     if table is None or not _is_sound(table, outline):
-        table = compile_chart(document, outline, problems)
+        table = compile_chart(document, outline, problems, watch)
         _write(path, table)
     return table
 

@@ -81,6 +81,17 @@ const drawPlots = () => {
         };
       })],
       hooks: {
+        draw: [({ ctx, bbox, valToPos }) => {
+          const end = bbox.left + bbox.width, at = (time) => Math.min(end, Math.max(bbox.left, valToPos(time, 'x', true)));
+          ctx.save();
+          ctx.globalAlpha = 0.3;
+          ctx.fillStyle = colour('--soft');
+          data.gaps.forEach(([from, until]) => {
+            if (until < shown.from || from > shown.to) return;
+            ctx.fillRect(at(from), bbox.top, Math.max(2, at(until) - at(from)), bbox.height);
+          });
+          ctx.restore();
+        }],
         setSelect: [(plot) => {
           const { left, width: wide } = plot.select;
           if (wide < 4) return;

@@ -93,6 +93,16 @@ const drawTimeline = () => {
     return top + ROW;
   };
 
+  /** Nothing is known there: the recording was damaged. */
+  const gap = ([start, end], y) => {
+    if (end < shown.from || start > shown.to) return;
+    const left = Math.max(gutter, xOf(start)), right = Math.min(width - EDGE, xOf(end));
+    const box = element('g', { class: 'gap' });
+    box.append(element('title', {}, `nothing is known: ${told(start)} to ${told(end)}`));
+    box.append(element('rect', { x: left, y: 0, width: Math.max(2, right - left), height: y }));
+    root.append(box);
+  };
+
   const axis = (y) => {
     const group = element('g', { class: 'axis' });
     ticksOf(shown.from, shown.to, width - gutter).forEach((at) => {
@@ -121,6 +131,7 @@ const drawTimeline = () => {
     defs.append(pattern);
     let y = 2;
     data.lanes.forEach((lane) => { y = row(lane, y); });
+    data.gaps.forEach((each) => gap(each, y));
     axis(y);
     cursor = element('line', { class: 'cursor', y1: 0, y2: y });
     root.prepend(defs);
@@ -149,6 +160,7 @@ const drawTimeline = () => {
   const key = Object.entries(MEANING).filter(([kind]) => used.has(kind) && kind !== 'done')
     .map(([kind, meaning]) => `${SIGNS[kind]} ${meaning}`);
   if (used.has('unconfirmed')) key.push('▨ commanded, not yet confirmed by sensors');
+  if (data.gaps.length) key.push('▒ nothing is known');
   byId('key').textContent = key.join('   ');
 
   new ResizeObserver(draw).observe(host);

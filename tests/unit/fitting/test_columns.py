@@ -5,6 +5,13 @@ import pytest
 
 from pirate_sm.errors import UsageError
 from pirate_sm.fitting.columns import column, has, read_measured
+from pirate_sm.fitting.friction_anew import signals_with
+from pirate_sm.loading import library
+from pirate_sm.loading.robot import load_robot
+from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.repair import repair
+from pirate_sm.wiring import Order
+from tests.unit.recording.recording_runs import record, spoilt_in
 
 
 def test_a_table_is_read_by_its_header_with_nan_for_empty_cells(tmp_path: Path) -> None:
@@ -44,3 +51,36 @@ def test_a_missing_table_is_refused(tmp_path: Path) -> None:
 def test_a_misspelt_signal_is_suggested() -> None:
     with pytest.raises(UsageError, match="did you mean 'slip_speed_1'"):
         column({"slip_speed_1": np.zeros(1)}, "slip_sped_1")
+
+
+def test_no_setpoint_of_before_a_gap_is_in_force_after_it(tmp_path: Path) -> None:
+    """Another one may have been sent in it: motors were fitted to a duty that they did not have."""
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    (gap,) = read_recording(tmp_path / "good.mcap").gaps
+    setpoints = read_measured(tmp_path / "good.mcap").setpoints
+    times, slots = setpoints["time_s"], {*setpoints} - {"time_s"}
+
+    (torn,) = np.flatnonzero(times == gap.from_s)[-1:]
+    assert all(np.isnan(setpoints[name][torn]) for name in slots)
+    assert np.all(np.diff(times) >= 0)
+    assert times[torn + 1] >= gap.until_s
+
+
+def test_slip_before_a_gap_does_not_count_after_it(tmp_path: Path) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    motors = load_robot(library.find_robot("pirate_ii")).profile.motors
+    whole = signals_with(tmp_path / "run.mcap", motors)
+    torn = signals_with(tmp_path / "good.mcap", motors)
+    assert whole is not None
+    assert torn is not None
+    (gap,) = read_recording(tmp_path / "good.mcap").gaps
+    soon = (torn["time_s"] >= gap.until_s) & (torn["time_s"] < gap.until_s + 0.1)
+
+    assert soon.any()
+    for name in (each for each in torn if each.startswith(("mu_", "slip_speed_"))):
+        assert np.all(np.isnan(torn[name][soon]))
+    before = torn["time_s"] <= gap.from_s
+    angle = torn["gamma_1"][before]
+    assert np.array_equal(angle, whole["gamma_1"][: len(angle)], equal_nan=True)

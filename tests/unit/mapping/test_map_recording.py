@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import replace
+from functools import partial
 from math import degrees, radians
 from types import SimpleNamespace
 
@@ -24,7 +25,7 @@ from pirate_sm.model.pipe_segments import Mitre, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import Gap, Step
 
 NEAR_M, NEAR_RAD = 0.020, radians(3)
 """The bar for a map."""
@@ -94,7 +95,7 @@ def test_neither_truth_nor_the_driven_pipe_is_read(recorded: Recording, found_ma
             if heard or told:
                 yield step._replace(event=step.event if heard else None, effects=told)
 
-    bare = SimpleNamespace(header=header, steps=steps, origin_s=recorded.origin_s)
+    bare = SimpleNamespace(header=header, steps=steps, origin_s=recorded.origin_s, gaps=())
     assert pipe_text(mapped(bare), "found", "x") == pipe_text(found_map, "found", "x")
 
 
@@ -110,6 +111,7 @@ def test_the_pipe_in_the_recording_makes_no_difference(recorded: Recording, foun
         header=replace(recorded.header, files=other),
         steps=recorded.steps,
         origin_s=recorded.origin_s,
+        gaps=(),
     )
     assert pipe_text(mapped(lying), "found", "x") == pipe_text(found_map, "found", "x")
 
@@ -117,9 +119,27 @@ def test_the_pipe_in_the_recording_makes_no_difference(recorded: Recording, foun
 def test_a_bend_that_was_not_passed_is_said_to_be_unsure(recorded: Recording) -> None:
     halfway = [step for step in recorded.steps() if step.at_s - recorded.origin_s < 22.0]
     cut = SimpleNamespace(
-        header=recorded.header, steps=lambda: iter(halfway), origin_s=recorded.origin_s
+        header=recorded.header, steps=lambda: iter(halfway), origin_s=recorded.origin_s, gaps=()
     )
     made = mapped(cut)
     assert len(made.bends) == 1
     assert made.notes == ["the last bend was not passed, so its angle and its place are not sure"]
     assert "# Incomplete: the last bend" in pipe_text(made, "found", "x")
+
+
+def test_a_map_ends_at_a_gap_in_which_the_robot_may_have_moved(recorded: Recording) -> None:
+    """A gap of 2 s made a straight 50 mm shorter and a bend 9° sharper, without a word."""
+    origin_s = recorded.origin_s
+    steps = [step for step in recorded.steps() if not 10.0 < step.at_s - origin_s < 12.0]
+    before = [step for step in steps if step.at_s - origin_s <= 10.0]
+    gap = Gap(steps[len(before)].number, 10.0, 12.0)
+    torn, short = (
+        SimpleNamespace(
+            header=recorded.header, steps=partial(iter, each), origin_s=origin_s, gaps=gaps
+        )
+        for each, gaps in ((steps, (gap,)), (before, ()))
+    )
+    made, until = mapped(torn), mapped(short)
+
+    assert made.legs == until.legs
+    assert made.notes == ["nothing is known from 10.0 s to 12.0 s, so it ends there"]

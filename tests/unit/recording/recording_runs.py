@@ -40,6 +40,16 @@ _PACED = 1e6
 """A speed at which nothing waits, but at which messages for viewers are recorded."""
 
 
+def spoilt_in(recording: Recording, path: Path, *places: int) -> Recording:
+    """The recording with a wrong bit in each of these pieces."""
+    data = bytearray(recording.path.read_bytes())
+    for place in places:
+        hit = recording.content.pieces[place]
+        data[hit.at + hit.size // 2] ^= 1
+    path.write_bytes(data)
+    return read_recording(path, damaged=True)
+
+
 def record(path: Path, order: Order) -> Recording:
     """The run has been made and kept in the file."""
     prepared = prepare(order)

@@ -7,9 +7,13 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.repair import repair
 from pirate_sm.report.contents import Chart, Report
 from pirate_sm.report.recording_report import report_of
+from pirate_sm.report.report_json import report_json
 from pirate_sm.report.sampling import MOST_POINTS, value_at
+from pirate_sm.wiring import Order
+from tests.unit.recording.recording_runs import record, spoilt_in
 
 Reports = Callable[[str], Report]
 
@@ -186,3 +190,17 @@ def test_of_a_recording_without_data_a_sentence_says_that_there_is_nothing_to_sh
     assert (found.duration_s, found.charts, found.scene) == (0.0, (), None)
     assert "there is nothing to show" in found.warnings[-1]
     assert "Nobody knew where" not in " ".join(found.warnings)
+
+
+def test_a_gap_is_marked_and_no_setpoint_of_before_it_is_drawn_after_it(tmp_path: Path) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    (gap,) = again.gaps
+
+    made = report_of(again)
+
+    assert made.gaps == ((gap.from_s, gap.until_s),)
+    assert report_json(made)["gaps"] == [[round(gap.from_s, 3), round(gap.until_s, 3)]]
+    duties = next(each for each in made.charts if each.title == "Setpoints: duty cycles")
+    assert all(isnan(value_at(each, gap.until_s)) for each in duties.series)

@@ -539,3 +539,16 @@ def test_another_text_has_another_table(tmp_path):
     )
 
     assert table_of(robot) != table_of(NEWT)
+
+
+def test_the_share_that_is_explored_is_shown_for_each_configuration() -> None:
+    document = read_document(NEWT / "chart.yaml")
+    problems = Problems(document)
+    outline = outline_chart(document, problems)
+    assert outline is not None
+    shares: list[float] = []
+
+    table = compile_chart(document, outline, problems, shares.append)
+
+    assert len(shares) == len(table.configurations)
+    assert 0.0 < shares[0] <= shares[-1] == 1.0

@@ -35,7 +35,7 @@ from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.showing.panels import states
 from pirate_sm.showing.progress_lines import idle
 from pirate_sm.wiring import Order
-from tests.unit.recording.recording_runs import read_end, record
+from tests.unit.recording.recording_runs import read_end, record, spoilt_in
 
 
 @pytest.fixture(scope="module")
@@ -219,16 +219,6 @@ def test_where_records_cannot_be_told_apart_the_file_ends(whole: bytes, tmp_path
     assert again.lost == done.damage
     assert "the recording ends early" in again.notices[0]
     assert is_whole(again)
-
-
-def spoilt_in(recording: Recording, path: Path, *places: int) -> Recording:
-    """The recording with a wrong bit in each of these pieces."""
-    data = bytearray(recording.path.read_bytes())
-    for place in places:
-        hit = recording.content.pieces[place]
-        data[hit.at + hit.size // 2] ^= 1
-    path.write_bytes(data)
-    return read_recording(path, damaged=True)
 
 
 @pytest.mark.parametrize("places", [(3,), (3, 4, 9), (0,), (24,)], ids=str)
