@@ -67,7 +67,7 @@ def table(
             conductor.conduct(crew, show)
     finally:
         store.close()
-    return as_text(result_of(plan, conductor.results, store.recordings))
+    return as_text(result_of(plan, conductor.results, folder)).replace(str(folder), "FOLDER")
 
 
 @pytest.fixture
@@ -160,7 +160,7 @@ def test_a_client_that_is_killed_goes_on(plan: Plan, expected: str, tmp_path: Pa
         text=True,
         check=False,
     )
-    assert resumed.stdout == expected, resumed.stderr
+    assert resumed.stdout.replace(str(folder), "FOLDER") == expected, resumed.stderr
     assert 0 < stored < 480
 
 
