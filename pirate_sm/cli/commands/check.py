@@ -33,6 +33,9 @@ from pirate_sm.visible import visible
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
+_MOST_ROUNDS = 10
+"""So often files are fixed and checked again, because one fault can hide the next. [decided]"""
+
 _STYLES = {
     "error": f"bold {ON_A_TERMINAL[BAD]}",
     "warning": f"bold {ON_A_TERMINAL[WARN]}",
@@ -71,7 +74,7 @@ def run_check(options: CheckOptions) -> int:
     if options.unsafe_fixes and not (options.fix or options.diff):
         raise UsageError("--unsafe-fixes is for --fix and --diff")
     fixed = 0
-    if options.fix or options.diff:
+    for _ in range(_MOST_ROUNDS if options.fix or options.diff else 0):
         report = _checked(options, replace(asked, rehearse=None, counterexamples=None))
         changes = changes_of(report, options.paths or (), unsafe=options.unsafe_fixes)
         if options.diff:
@@ -79,7 +82,9 @@ def run_check(options: CheckOptions) -> int:
             return FOUND if changes else CLEAN
         for change in changes:
             change.write()
-            fixed += change.fixed
+        fixed += sum(change.fixed for change in changes)
+        if not changes:
+            break
     report = replace(_checked(options, asked), fixed=fixed)
     print(writable(_written(report, options.format, fail_on)))
     if report.nothing:

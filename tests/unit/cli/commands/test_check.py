@@ -144,6 +144,19 @@ def test_what_is_sure_is_fixed_and_what_is_left_decides_the_exit_code(
     assert json.loads(third.stdout)["summary"]["fixed"] == 0
 
 
+def test_what_a_fault_has_hidden_is_fixed_too(pirate: Any, here: Path) -> None:
+    phase = "a: {wait: {when: speed >= 0 mm/s && phi => 2 deg, go: e}, within: {time: 5 s, go: e}}"
+    text = MISSION.replace("a: {do: [ClampFront], go: e}", phase)
+    (here / "s.yaml").write_text(text, encoding="utf-8")
+    result = pirate("check", "s.yaml", "--fix")
+
+    assert "\n3 findings fixed\n" in f"\n{result.stdout}"
+    right = text.replace("&&", "and").replace("=>", ">=")
+    assert (here / "s.yaml").read_text("utf-8") == right.replace("{when", "[{when").replace(
+        "go: e}, within", "go: e}], within"
+    )
+
+
 def test_what_would_be_fixed_is_shown_and_nothing_changes(pirate: Any, short: Path) -> None:
     before = short.read_bytes()
     result = pirate("check", short, "--diff", "--unsafe-fixes")
