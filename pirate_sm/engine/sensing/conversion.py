@@ -81,7 +81,7 @@ def _derive(
         numbers[target] = (numbers[source] - before[source]) / elapsed_s
     for source, slot, scale, target in board.torques:
         setpoint = setpoints[slot]
-        sign = 0.0 if setpoint == 0 else (1.0 if setpoint > 0 else -1.0)
+        sign = setpoint / abs(setpoint) if setpoint else 0.0  # NaN stays NaN
         numbers[target] = numbers[source] * scale * sign
     for vector in board.vectors:
         numbers[vector.target] = _vector(vector, numbers)

@@ -215,6 +215,7 @@ def test_a_word_is_said_once_it_holds_and_again_while_it_does() -> None:
 def test_a_place_that_is_lost_is_told_once_and_no_word_is_said_any_more() -> None:
     prepared = prepare(Order("mitre_bend", backend="trace"))
     companion = odometry()
+    assert companion.truth() is None, "it is not known before the first look either"
     state, _ = prepared.engine.start()
     nowhere = ChainInSpace(((nan, nan, nan),) * 6, DRAWING, DRAWING)
     companion.reckoned = Reckoned((nan,) * 6, nowhere, 0.0, 0, {}, 0.0)
@@ -252,3 +253,31 @@ def test_a_joint_may_be_silent_for_a_moment_while_the_hold_changes(
     result = MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
     assert held_s
     assert result.ended.outcome == outcome
+
+
+def test_a_robot_in_a_plane_is_shown_within_its_walls() -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    companion = reckoning(prepared)
+    companions = [*prepared.companions, FirstChoice()]
+    MissionRun(prepared.engine, prepared.backend, companions=companions).execute()
+
+    shown, truth = companion.truth(), prepared.backend.truth
+    assert (shown.walls, shown.wheel_radius_m) == (truth.walls, truth.wheel_radius_m)
+    assert shown.distance_m > 0.5
+    for one, other in zip(shown.wheels, truth.wheels, strict=True):
+        assert one == pytest.approx(other, abs=0.02)
+
+
+def test_a_robot_that_counts_from_zero_again_stays_where_it_is() -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    companion = reckoning(prepared)
+    run = MissionRun(
+        prepared.engine, prepared.backend, companions=[*prepared.companions, FirstChoice()]
+    )
+    end_s = run.execute().now_s
+    places_m = companion.reckoned.places_m
+
+    companion.restart(prepared.loaded.robot)
+    companion.look(run.state, end_s + 1.0)
+
+    assert companion.reckoned.places_m == pytest.approx(places_m, abs=0.001)

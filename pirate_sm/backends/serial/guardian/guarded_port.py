@@ -51,7 +51,6 @@ class GuardedPort:
         self._data: deque[bytes] = deque()
         self._acknowledged = SilenceTimer(_HUNG_AFTER_S / BEATS)
         self._heard_s = -inf
-        self._beat_s = -inf
         self._safe_frame = b""
         self._lost = ""
         self._opened = False

@@ -195,7 +195,6 @@ class Guardian:
 
     def _open(self) -> None:
         guard, now = self._guard, self._port.now
-        self._port.let_go()
         try:
             self._port.open()
         except BackendError as error:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+import multiprocessing
+import os
+import signal
 from itertools import pairwise
+from multiprocessing.pool import ThreadPool
+from types import SimpleNamespace
 
 import pytest
 from recording_runs import record
 
-from pirate_sm.recording.replay.parallel_replay import _stretches, replay_shared
+from pirate_sm.recording.replay.parallel_replay import _heed_no_keys, _stretches, replay_shared
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import replay
 from pirate_sm.recording.write import piece_maker, recorder
@@ -52,8 +57,12 @@ def test_so_is_a_stretch(run):
     assert replay_shared(run, 2, after=after, until_s=20.0) == alone(run, after=after, until_s=20.0)
 
 
-@pytest.mark.thorough
-def test_so_is_the_first_difference(wrong):
+@pytest.mark.parametrize("in_processes", [False, pytest.param(True, marks=pytest.mark.thorough)])
+def test_so_is_the_first_difference(wrong, in_processes, monkeypatch):
+    if not in_processes:
+        threads = SimpleNamespace(Pool=lambda processes, _: ThreadPool(processes))
+        monkeypatch.setattr(multiprocessing, "get_context", lambda _: threads)
+
     found = replay_shared(wrong, 2)
 
     assert found == alone(wrong)
@@ -69,3 +78,12 @@ def test_the_stretches_are_the_whole_run_without_a_gap(run, most):
     assert stretches[-1].until is None
     assert all(a.until == b.after for a, b in pairwise(stretches))
     assert len(stretches) <= min(most, len(list(run.checkpoints()))) + 1
+
+
+def test_an_interrupt_from_the_keyboard_is_left_to_the_main_process():
+    before = signal.getsignal(signal.SIGINT)
+    try:
+        _heed_no_keys()
+        os.kill(os.getpid(), signal.SIGINT)
+    finally:
+        signal.signal(signal.SIGINT, before)

@@ -5,20 +5,23 @@ from __future__ import annotations
 import json
 import shutil
 from itertools import pairwise
-from math import nan
+from math import isnan, nan
 
 import pytest
 from recording_runs import ROOT, record, record_serial
 from representative import MISSIONS, thorough_but
 
 from pirate_sm.bay.switches import Switches
+from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.loading.mission import load_mission
-from pirate_sm.model.effects import CommandStatus, Setpoints
+from pirate_sm.model.effects import CommandStatus, PhaseChange, Setpoints, StateChange
+from pirate_sm.model.events import SensorFrame
 from pirate_sm.recording.format.engine_state_text import state_from_text, state_to_text
 from pirate_sm.recording.read import piece_reader
 from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.recording.read.steps import Gap
 from pirate_sm.recording.replay.recorded_mission import as_recorded, recorded_mission
-from pirate_sm.recording.replay.replay import replay, rerun, same
+from pirate_sm.recording.replay.replay import engine_of, replay, rerun, rerun_steps, same
 from pirate_sm.recording.write import piece_maker, recorder
 from pirate_sm.wiring import Order
 
@@ -140,6 +143,41 @@ def test_a_rerun_knows_the_engine_after_every_step(bend):
 
     assert states[-1].mission.ended
     assert all(state is not None for state in states)
+
+
+def test_after_a_gap_that_is_known_which_the_records_after_it_say(bend):
+    with recorded_mission(bend.header) as loaded:
+        whole = list(rerun(bend, loaded))
+        engine = engine_of(bend.header, loaded)
+    kept = whole[-1].step.number - 100
+    steps = [it.step._replace(state=it.state if it.step.number == kept else None) for it in whole]
+    gap = Gap(steps[700].number, 0.0, steps[700].at_s)
+
+    again = list(rerun_steps(engine, steps[:600] + steps[700:], [gap]))[600:]
+
+    robot, heard, changed = loaded.robot, set(), False
+    assert [it.at_s for it in again] == [it.at_s for it in whole[700:]]
+    for it, right in zip(again, (it.state for it in whole[700:]), strict=True):
+        if it.step.number >= kept:
+            assert same(it.state, right)
+            continue
+        if isinstance(it.step.event, SensorFrame):
+            heard.add(it.step.event.board)
+        changed |= any(isinstance(each, StateChange) for each in it.step.effects)
+        assert not changed or it.state.robot.configuration == right.robot.configuration
+        assert confirmed_parts(robot, it.state.robot) <= confirmed_parts(robot, right.robot)
+        shown = it.state.sensing.numbers
+        assert isnan(shown[robot.odometry])
+        for board in map(robot.boards.__getitem__, heard):
+            assert not any(isnan(shown[at]) for _, at, _ in board.channels)
+            torques = {at for *_, at in board.torques}  # the echo of an array may be under way
+            for at in board.numbers:
+                true = right.sensing.numbers[at]
+                alike = shown[at] * true >= 0.0 if at in torques else same(shown[at], true)
+                assert isnan(shown[at]) or alike
+    assert changed
+    assert heard == set(robot.boards)
+    assert any(isinstance(each, PhaseChange) for it in again for each in it.step.effects)
 
 
 @pytest.mark.parametrize(

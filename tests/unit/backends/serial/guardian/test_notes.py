@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -28,3 +29,10 @@ def test_instructions_come_back_as_they_were_given_but_for_texts_for_people() ->
     given = Instructions(0.3, tuple(each._replace(text="uint8 x") for each in WANTED), 2.0, 60.0)
 
     assert Instructions.from_json(given.to_json()) == given._replace(wanted=WANTED)
+
+
+def test_bytes_that_are_no_note_are_refused_with_the_first_of_them() -> None:
+    garbage = b"\xff" * len(Note(Kind.DATA, b"").to_bytes())
+
+    with pytest.raises(ValueError, match="not a note"):
+        NoteReader().feed(garbage)
