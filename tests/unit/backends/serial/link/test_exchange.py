@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.model.events import FaultReport, SubmitResult
+from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.rosserial.frames import Decoder, encode
 
 from ..device import NUMBERS, Device
@@ -32,6 +32,7 @@ class Talk:
         self.now = 0.0
         self.exchange = Exchange(plan, self.now, 0.0, 57600)
         self.arrays: list[bytes] = []
+        self.events: list[Event] = []
         self.results: list[SubmitResult] = []
         self.faults: list[str] = []
         self.able = self.speaking = self.echoing = True
@@ -56,6 +57,7 @@ class Talk:
             while data := self.exchange.write(self.now, self.able):
                 self.answer(data)
             events = self.exchange.take()
+            self.events += events
             self.results += [event for event in events if isinstance(event, SubmitResult)]
             self.faults += [event.message for event in events if isinstance(event, FaultReport)]
 
@@ -270,3 +272,79 @@ def test_whoever_sleeps_until_something_is_due_writes_the_safe_array_ten_times_a
 
     assert talk.exchange.due_s(talk.now) == pytest.approx(written_s + 0.1)
     assert talk.exchange.due_s(written_s + 0.1) <= written_s + 0.1
+
+
+def test_an_array_is_given_up_where_the_robot_never_says_its_topics(plan: LinkPlan) -> None:
+    talk = Talk(plan)
+    talk.speaking = False
+    talk.submit(1, CLAMPING)
+
+    talk.run(20.0)
+
+    assert talk.arrays == []
+    assert [result.setpoint_id for result in talk.results] == [1]
+    assert talk.results[0].status != "accepted"
+
+
+def test_a_slot_that_a_loop_drives_is_not_held_while_nothing_is_heard(
+    talk: Talk, plan: LinkPlan
+) -> None:
+    talk.exchange.hold(CLAMPING, seeking=[5])
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+
+    [payload] = talk.arrays
+    held = {at for at in range(len(plan.slots)) if at not in plan.safe_zero} - {5}
+    assert plan.messages.setpoints.unpack(payload).hold == sum(1 << at for at in held)
+
+
+@pytest.mark.parametrize("silent", [False, True])
+def test_whoever_sleeps_until_something_is_due_waits_until_the_line_is_free(
+    talk: Talk, silent: bool
+) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    if silent:
+        talk.interrupt()
+        talk.run(0.15)
+    else:
+        talk.submit(2, OTHER)
+    talk.exchange.wrote(1000, talk.now)
+    now = talk.now + 0.11
+
+    assert talk.exchange.outage is not None or not silent
+    assert now < talk.exchange.due_s(now) <= talk.exchange.room_s(60, now)
+
+
+def test_what_the_boards_reported_since_its_return_follows_the_fault(
+    talk: Talk, plan: LinkPlan
+) -> None:
+    talk.submit(1, CLAMPING)
+    talk.run(0.1)
+    talk.interrupt()
+    talk.echoing = True
+    talk.events.clear()
+
+    talk.run(1.0)
+
+    fault, *after = talk.events
+    assert isinstance(fault, FaultReport)
+    frames = [each.board for each in after if isinstance(each, SensorFrame)]
+    assert set(frames[: len(plan.channels)]) == set(plan.channels)
+
+
+def test_a_controller_that_has_not_reported_since_it_was_reset_is_not_reset_again(
+    plan: LinkPlan,
+) -> None:
+    talk = Talk(plan)
+    talk.start(watched=False)
+    talk.speaking = False
+    for _ in range(2):
+        talk.run(SILENCE_S)
+        for _ in range(2):
+            for data in talk.device.introduce():
+                talk.exchange.receive(data, talk.now)
+    talk.run(0.1)
+
+    assert len(talk.faults) == 1
+    assert "it was reset or hung" in talk.faults[0]
