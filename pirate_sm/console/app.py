@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
-from pathlib import Path
-from typing import ClassVar, TypeVar
+from collections.abc import Iterable, Sequence, Set
+from typing import ClassVar
 
 from rich.text import Text
-from textual.app import App, ComposeResult, SystemCommand
+from textual.app import ComposeResult, SystemCommand
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, ItemGrid, Vertical
 from textual.content import Content
-from textual.events import Event, Key, Resize
+from textual.events import Event, Key
 from textual.screen import Screen
-from textual.widget import Widget
 from textual.widgets import Footer
 
 from pirate_sm.console import availability, hand_back_plan
@@ -35,50 +33,27 @@ from pirate_sm.console.panel_actions import PanelActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
-from pirate_sm.console.themes import next_theme, no_colour, wear
-from pirate_sm.console.widgets import (
-    EventLog,
-    Lines,
-    Picture,
-    Row,
-    is_whole,
-    panel,
-    show_robot,
-    turned,
-)
+from pirate_sm.console.widgets import EventLog, Lines, Picture, RobotApp, Row, panel
 from pirate_sm.control_panel.panel_reader import PanelReader
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import Stop
-from pirate_sm.showing import alarms, panels
+from pirate_sm.showing import panels
 from pirate_sm.showing.body_panel import travelled
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import FLAG, MUTED, Part, line
-
-_W = TypeVar("_W", bound=Widget)
 
 FRAMES_PER_S = 25
 _WORDS_EVERY = 3
 """Text is updated with every third frame, which is as fast as people can read."""
 
-_WIDE, _HIGH = 120, 36
-"""From this size on everything is visible at once."""
-
-_LARGE, _TALL = 150, 44
-"""From this size on there is room to spare."""
-
 _SHORT = {name: name.title() for name in ("pause", "step", "skip", "abort")}
 _SHORT |= {"go": "Run", "hand_back": "Hand"}
 """Labels of the controls in the footer."""
 
-_SHOWN = frozenset(
-    ["header", "alarm", "pages", "picture", "commands", "controls", "now", "why", "link"]
-).union(["states", "phases", "body", "motors", "log", "question"])
-"""Names of the widgets that show a snapshot."""
-
 CRASHED = Stop("a fault in the console", 4)
 
 
-class Console(PanelActions, App[None]):
+class Console(PanelActions, RobotApp):
     """The operator's console.
 
     Args:
@@ -93,8 +68,17 @@ class Console(PanelActions, App[None]):
         failure: The exception that ended the console; None without one.
     """
 
-    CSS_PATH = Path(__file__).with_name("console.tcss")
     TITLE = "pirate console"
+    pages: ClassVar[Sequence[str]] = ("drive", "mission", "body", "log", "motors")
+    shown: ClassVar[Set[str]] = {
+        *RobotApp.shown,
+        "pages",
+        "commands",
+        "controls",
+        "why",
+        "link",
+        "question",
+    }
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(STOP_KEY, "stop", "STOP", priority=True),
         *(
@@ -131,8 +115,7 @@ class Console(PanelActions, App[None]):
         theme: Theme = USUAL,
         **options: object,
     ) -> None:
-        super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
-        wear(self, theme)
+        super().__init__(theme, **options)
         self.session = session
         self.panel = panel
         self.seen: set[int] = set()
@@ -141,7 +124,6 @@ class Console(PanelActions, App[None]):
         self.failure: Exception | None = None
         self.faults = []
         self._frame = 0
-        self._page = 0
         scene = session.latest.scene
         names = list(scene.loaded.loaded_robot.profile.commands)
         self.letters = letters_for([*names, *scene.robot.detector_words])
@@ -176,10 +158,7 @@ class Console(PanelActions, App[None]):
                         yield panel("states", "States")
                         yield panel("phases", "Phases")
                 yield panel("body")
-        yield panel("motors")
-        log = EventLog(id="log", title="Log (Tab: motors)")
-        log.add_class("panel")
-        yield log
+        yield from self.below()
         yield Lines(id="question")
         yield Footer(show_command_palette=False, compact=True)
 
@@ -192,13 +171,9 @@ class Console(PanelActions, App[None]):
         for arrow, name in arrows_for(self.session.latest.scene.robot).items():
             drives = name in ways(self.session.latest.scene.robot)
             self.bind(arrow, f"{'drive' if drives else 'command'}('{name}')", show=False)
-        self.theme_changed_signal.subscribe(self, lambda theme: self._restyle())
         self.session.start()
         if self._frames_per_s:
             self.set_interval(1 / self._frames_per_s, self.show)
-
-    def _restyle(self) -> None:
-        self.query_one(Picture).restyle()
 
     async def on_event(self, event: Event) -> None:
         """Ignore a key that was pressed before the dialog that it would answer could be read."""
@@ -208,26 +183,15 @@ class Console(PanelActions, App[None]):
         if not (meant_for_it and self.is_unread(event.time)):
             await super().on_event(event)
 
-    def on_resize(self, event: Resize) -> None:
-        """Show everything, or one page if the terminal is too small."""
-        self._lay_out(event.size.width, event.size.height)
-
-    def _lay_out(self, width: int, height: int) -> None:
-        base = self.screen_stack[0]
-        base.set_class(width < _WIDE or height < _HIGH, "-paged")
-        base.set_class(width >= _LARGE and height >= _TALL, "-large")
-        for number, (name, _) in enumerate(PAGES):
-            base.set_class(number == self._page, f"-{name}")
-
     # --- what it shows ------------------------------------------------------------------------
 
     def show(self) -> None:
         """Show the newest snapshot."""
         snapshot = self.session.latest
-        if not is_whole(self, _SHOWN):
+        if not self.is_whole():
             return
         self._frame += 1
-        if self.is_visible("#picture"):
+        if self.is_visible("picture"):
             self.on_base(Picture, "picture").show(snapshot)
         if self._frame % _WORDS_EVERY == 1 or snapshot.over:
             self.show_words(snapshot)
@@ -244,24 +208,20 @@ class Console(PanelActions, App[None]):
 
     def show_words(self, snapshot: Snapshot) -> None:
         """Show everything but the picture, and what is open to be read."""
-        self.on_base(Lines, "header").show([panels.header(snapshot, self.size.width)])
-        self._show_bar("alarm", alarms.bar(snapshot, self.seen, self.size.width))
-        self.on_base(Lines, "alarm").set_class(alarms.shows_success(snapshot, self.seen), "good")
+        self.show_robot(snapshot, panels.header(snapshot, self.size.width), self.seen)
         series = hand_back_plan.bar(self.session.giver.series)
-        self._show_bar("question", series or panels.question(snapshot, self.size.width))
-        self.on_base(Lines, "pages").show([_tabs(self._page)])
+        self.show_bar("question", series or panels.question(snapshot, self.size.width))
+        self.on_base(Lines, "pages").show([_tabs(self.page)])
         self._show_rows(snapshot)
-        if self.is_visible("#now"):
+        if self.is_visible("now"):
             now = self.on_base(Lines, "now")
             by_hand = snapshot.state is not None and snapshot.state.mission.paused
             more = self.session.driving.lines() if by_hand else []
-            more += [] if self.is_visible("#body") else travelled(snapshot)
+            more += [] if self.is_visible("body") else travelled(snapshot)
             now.show([*panels.now(snapshot, now.content_size.width), *more])
-        show_robot(self, snapshot)
         link = self.on_base(Lines, "link")
         link.set_class(snapshot.link is not None, "on")
         link.show(panels.link(snapshot))
-        self.on_base(EventLog, "log").show_snapshot(snapshot)
         if isinstance(self.screen, Help):
             self.screen.renew()
 
@@ -280,22 +240,11 @@ class Console(PanelActions, App[None]):
             self._controls[control.name].show(control.label, control.reason)
             controls.append(Request(control.key, control.reason))
         asked = {"commands": commands, "mission control": controls}
-        shown = {name: each for name, each in asked.items() if self.is_visible(_PANELS[name])}
+        shown: ClassVar[Set[str]] = {
+            name: each for name, each in asked.items() if self.is_visible(_PANELS[name])
+        }
         why = self.on_base(Lines, "why")
         why.show(obstacles(shown, snapshot.scene.robot, *why.content_size) if shown else [])
-
-    def _show_bar(self, name: str, lines: Sequence[Text]) -> None:
-        bar = self.on_base(Lines, name)
-        bar.set_class(bool(lines), "on")
-        bar.show(lines)
-
-    def on_base(self, kind: type[_W], name: str) -> _W:
-        """Return a widget of the console itself, also behind a dialog."""
-        return self.screen_stack[0].query_one(f"#{name}", kind)
-
-    def is_visible(self, selector: str) -> bool:
-        """Return whether there is room for a widget on the screen."""
-        return bool(self.screen_stack[0].query_one(selector).size)
 
     # --- what does not move the robot ---------------------------------------------------------
 
@@ -303,22 +252,9 @@ class Console(PanelActions, App[None]):
         """Return whether an action is possible: no stop by a key that types a space."""
         return not (action == "stop" and self.typing)
 
-    def action_page(self, by: int) -> None:
-        """Show another page of a small terminal."""
-        if len(self.screen_stack) > 1:
-            (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
-            return
-        paged = self.screen_stack[0].has_class("-paged")
-        self._page = turned(self._page, by, PAGES, paged=paged)
-        self._lay_out(*self.size)
-
     def action_look_back(self, pages: int) -> None:
         """Show earlier or later lines of the log."""
         self.on_base(EventLog, "log").look_back(pages)
-
-    def action_other_theme(self) -> None:
-        """Choose the next theme."""
-        next_theme(self)
 
     def action_help(self) -> None:
         """Show the help page."""
@@ -348,16 +284,12 @@ class Console(PanelActions, App[None]):
         self._close_messages_no_wait()
 
 
-PAGES = (
-    *(("drive", "Drive"), ("mission", "Mission"), ("body", "Body"), ("log", "Log")),
-    ("motors", "Motors"),
-)
-_PANELS = {"commands": "#commands", "mission control": "#controls"}
+_PANELS = {"commands": "commands", "mission control": "controls"}
 
 
 def _tabs(page: int) -> Text:
     parts: list[Part] = [" "]
-    for number, (_, title) in enumerate(PAGES):
+    for number, title in enumerate(map(str.title, Console.pages)):
         here = number == page
         parts.append((f"[{title}]" if here else f" {title} ", FLAG if here else ""))
     return line(*parts, ("  Tab: next page", MUTED))

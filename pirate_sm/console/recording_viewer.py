@@ -2,44 +2,32 @@
 
 from __future__ import annotations
 
-from pathlib import Path
+from collections.abc import Sequence, Set
 from signal import SIGHUP
-from typing import ClassVar, TypeVar
+from typing import ClassVar
 
-from textual.app import App, ComposeResult
+from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Horizontal, Vertical
 from textual.events import Resize
-from textual.widget import Widget
 from textual.widgets import Footer
 
 from pirate_sm.console.dialogs import HelpDialog
 from pirate_sm.console.help_page import recording_lines
 from pirate_sm.console.key_bindings import LEAVE, both_cases
 from pirate_sm.console.recorded_snapshots import RecordedSnapshots
-from pirate_sm.console.themes import next_theme, no_colour, wear
-from pirate_sm.console.widgets import EventLog, Lines, Picture, is_whole, panel, show_robot, turned
+from pirate_sm.console.widgets import Lines, Picture, RobotApp, panel
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, StopRequests
-from pirate_sm.showing import alarms, panels
+from pirate_sm.showing import panels
 from pirate_sm.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
-
-_W = TypeVar("_W", bound=Widget)
 
 FRAMES_PER_S = 20
 
-_WIDE, _HIGH = 120, 36
 _RECORDING = "● RECORDING", f"{FLAG}.{ACCENT}"
-_PAGES = ("drive", "body", "log", "motors")
-"""Pages of a small terminal, as the stylesheet names them."""
-
-_SHOWN = frozenset(
-    ["header", "alarm", "now", "states", "phases", "picture", "body", "motors", "log", "slider"]
-)
-"""Names of the widgets that show a snapshot."""
 
 
-class RecordingViewer(App[None]):
+class RecordingViewer(RobotApp):
     """Scrubs through a recording.
 
     Args:
@@ -53,8 +41,9 @@ class RecordingViewer(App[None]):
         playing: Whether time goes on.
     """
 
-    CSS_PATH = Path(__file__).with_name("console.tcss")
     TITLE = "recording"
+    pages: ClassVar[Sequence[str]] = ("drive", "body", "log", "motors")
+    shown: ClassVar[Set[str]] = {*RobotApp.shown, "slider"}
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(both_cases("r"), "play(True)", "Play", key_display="r"),
         Binding(f"{both_cases('p')},space", "play(False)", "Pause", key_display="p"),
@@ -84,14 +73,12 @@ class RecordingViewer(App[None]):
         theme: Theme = USUAL,
         **options: object,
     ) -> None:
-        super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
-        wear(self, theme)
+        super().__init__(theme, **options)
         self.reel = reel
         self.time_s = 0.0
         self.playing = False
         self._recording = name
         self._requests = requests or StopRequests()
-        self._page = 0
 
     def compose(self) -> ComposeResult:
         """Lay out the console's panels, without those that control the robot."""
@@ -106,46 +93,30 @@ class RecordingViewer(App[None]):
                 with Horizontal(id="top"):
                     yield Picture(id="picture")
                 yield panel("body")
-        yield panel("motors")
-        log = EventLog(id="log", title="Log (Tab: motors)")
-        log.add_class("panel")
-        yield log
+        yield from self.below()
         yield Lines(id="slider")
         yield Footer(show_command_palette=False, compact=True)
 
     def on_mount(self) -> None:
         """Show the first snapshot."""
-        picture = self._base(Picture, "picture")
-        self.theme_changed_signal.subscribe(self, lambda _: picture.restyle())
         self.set_interval(1 / FRAMES_PER_S, self._tick)
         self.call_after_refresh(self.show)
 
     def on_resize(self, event: Resize) -> None:
-        """Show everything, or one page if the terminal is too small."""
-        base = self.screen_stack[0]
-        base.set_class(event.size.width < _WIDE or event.size.height < _HIGH, "-paged")
-        self._turn(0)
+        """Show everything in the new size."""
         self.call_after_refresh(self.show)
 
     def show(self) -> None:
         """Show the snapshot at ``time_s``."""
-        if not is_whole(self, _SHOWN):
+        if not self.is_whole():
             return
         snapshot = self.reel.at(self.time_s)
-        self._base(Picture, "picture").show(snapshot)
+        self.on_base(Picture, "picture").show(snapshot)
         header = panels.header(snapshot, self.size.width, flag=_RECORDING)
-        self._base(Lines, "header").show([header])
-        lines, bar = (
-            alarms.bar(snapshot, (), self.size.width, keys=False),
-            self._base(Lines, "alarm"),
-        )
-        bar.set_class(bool(lines), "on").set_class(alarms.shows_success(snapshot, ()), "good")
-        bar.show(lines)
-        now = self._base(Lines, "now")
+        now = self.on_base(Lines, "now")
         now.show(panels.now(snapshot, now.content_size.width))
-        show_robot(self, snapshot)
-        self._base(EventLog, "log").show_snapshot(snapshot)
-        self._base(Lines, "slider").show([line(*self._slider())])
+        self.show_robot(snapshot, header, (), keys=False)
+        self.on_base(Lines, "slider").show([line(*self._slider())])
 
     def _slider(self) -> list[Part]:
         """Return the slider with the position in the recording."""
@@ -174,15 +145,6 @@ class RecordingViewer(App[None]):
         self.time_s = min(max(time_s, 0.0), self.reel.length_s)
         self.show()
 
-    def _base(self, kind: type[_W], name: str) -> _W:
-        return self.screen_stack[0].query_one(f"#{name}", kind)
-
-    def _turn(self, by: int) -> None:
-        paged = self.screen_stack[0].has_class("-paged")
-        self._page = turned(self._page, by, _PAGES, paged=paged) if by else self._page
-        for number, name in enumerate(_PAGES):
-            self.screen_stack[0].set_class(number == self._page, f"-{name}")
-
     # --- what a person wants -------------------------------------------------------------------
 
     def action_play(self, on: bool) -> None:
@@ -210,15 +172,11 @@ class RecordingViewer(App[None]):
             earlier = [each for each in starts if each < self.time_s - 1e-6]
             self._move(earlier[-1] if earlier else 0.0)
 
-    def action_other_theme(self) -> None:
-        """Choose the next theme."""
-        next_theme(self)
-
     def action_help(self) -> None:
         """Show the help page."""
         self.push_screen(HelpDialog(recording_lines()))
 
-    def action_page(self) -> None:
+    def action_page(self, by: int = 1) -> None:
         """Show another page of a small terminal."""
-        self._turn(1)
+        super().action_page(by)
         self.call_after_refresh(self.show)

@@ -19,7 +19,7 @@ from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, Result
 from pirate_sm.runtime.pacer import Clock, WallClock
-from pirate_sm.runtime.pump import UNCONFIRMED, Resuming
+from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import Stop
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.showing.live_snapshots import scene_of
@@ -139,7 +139,6 @@ class OperatorSession:
             self.result = Result(Ended("fault", message), BUG, self.latest.now_s, error)
         finally:
             self.prepared.backend.close()
-            self._note_unconfirmed()
             self._bridge.end(self.latest.now_s)
 
     def _run_all(self) -> None:
@@ -193,11 +192,3 @@ class OperatorSession:
         at_once = result.now_s < self._began_s + short_s and not self._bridge.asked
         self._short = self._short + 1 if at_once and result.ended.outcome == "fault" else 0
         return self._short >= _MOST_SHORT
-
-    def _note_unconfirmed(self) -> None:
-        result = self.result
-        if result is None or getattr(self.prepared.backend, "confirmed", True):
-            return
-        if UNCONFIRMED not in result.ended.message:
-            ended = result.ended._replace(message=f"{result.ended.message} ({UNCONFIRMED})")
-            self.result = result._replace(ended=ended)

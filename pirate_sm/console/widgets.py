@@ -1,15 +1,17 @@
-"""The kinds of widgets of the console; each is given its content."""
+"""The kinds of widgets of the console, each given its content, and the panels of a robot."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from collections.abc import Container, Sequence, Set
+from pathlib import Path
+from typing import ClassVar, TypeVar
 
 from rich.segment import Segment
 from rich.style import Style
 from rich.text import Text
-from textual.app import App
+from textual.app import App, ComposeResult
 from textual.color import Color
-from textual.events import Click
+from textual.events import Click, Resize
 from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
@@ -17,10 +19,20 @@ from textual.widgets import Static
 
 from pirate_sm.console.reason_lines import sign_of
 from pirate_sm.console.themed_lines import themed
-from pirate_sm.showing import body_panel, motor_page, panels, picture
+from pirate_sm.console.themes import next_theme, no_colour, wear
+from pirate_sm.palette import Theme
+from pirate_sm.showing import alarms, body_panel, motor_page, panels, picture
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, line
 from pirate_sm.visible import visible
+
+_W = TypeVar("_W", bound=Widget)
+
+_WIDE, _HIGH = 120, 36
+"""From this size on everything is visible at once."""
+
+_LARGE, _TALL = 150, 44
+"""From this size on there is room to spare."""
 
 _COLOURS = {
     picture.WALL: "soft",
@@ -169,39 +181,114 @@ def panel(name: str, title: str = "") -> Lines:
     return found
 
 
-def is_whole(app: App[None], names: Set[str]) -> bool:
-    """Return whether the console runs and has a widget of each of these names.
+class RobotApp(App[None]):
+    """The panels of a robot and its mission, which the console and the viewer both show.
 
-    Widgets are added and removed one by one, so a frame that is due in between must be skipped.
+    Args:
+        theme: Name of its theme.
     """
-    if not (app.is_running and app.screen_stack):
-        return False
-    return names <= {each.id for each in app.screen_stack[0].walk_children()}
 
+    CSS_PATH = Path(__file__).with_name("console.tcss")
+    pages: ClassVar[Sequence[str]]
+    """Pages of a small terminal, as the stylesheet names them."""
 
-def turned(page: int, by: int, names: Sequence[object], *, paged: bool) -> int:
-    """Return the next page; where everything else is visible at once that is the last or first."""
-    if paged:
-        return (page + by) % len(names)
-    return 0 if page == len(names) - 1 else len(names) - 1
+    shown: ClassVar[Set[str]] = {
+        *("header", "alarm", "now", "states", "phases", "picture", "body", "motors", "log")
+    }
+    """Names of the widgets that show a snapshot."""
 
+    def __init__(self, theme: Theme, **options: object) -> None:
+        super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
+        wear(self, theme)
+        self.page = 0
 
-def show_robot(app: App[None], snapshot: Snapshot) -> None:
-    """Show the snapshot in the panels of the robot and its mission, as far as there is room."""
-    base = app.screen_stack[0]
-    states, body, phases = (
-        base.query_one(f"#{name}", Lines) for name in ("states", "body", "phases")
-    )
-    if states.size:
-        states.show(panels.states(snapshot, states.content_size.width))
-    if body.size:
-        body.border_title = body_panel.heading(body.content_size.width)
-        body.show(body_panel.body(snapshot, body.content_size.width))
-    motors = base.query_one("#motors", Lines)
-    if motors.size:
-        motors.border_title = motor_page.heading(motors.content_size.width)
-        motors.show(motor_page.motors(snapshot, *motors.content_size))
-    if phases.size:
-        width, rows = phases.content_size
-        phases.border_title = snapshot.scene.mission or "Phases"
-        phases.show(panels.phases(snapshot, width, max(rows, 1)))
+    def below(self) -> ComposeResult:
+        """Yield what is below the picture."""
+        yield panel("motors")
+        log = EventLog(id="log", title="Log (Tab: motors)")
+        log.add_class("panel")
+        yield log
+
+    def on_mount(self) -> None:
+        """Draw the picture again in each theme that is chosen."""
+        picture = self.on_base(Picture, "picture")
+        self.theme_changed_signal.subscribe(self, lambda _: picture.restyle())
+
+    def on_resize(self, event: Resize) -> None:
+        """Show everything, or one page if the terminal is too small."""
+        self.lay_out(event.size.width, event.size.height)
+
+    def lay_out(self, width: int, height: int) -> None:
+        """Fit everything to the size of the terminal and the chosen page."""
+        base = self.screen_stack[0]
+        base.set_class(width < _WIDE or height < _HIGH, "-paged")
+        base.set_class(width >= _LARGE and height >= _TALL, "-large")
+        for number, name in enumerate(self.pages):
+            base.set_class(number == self.page, f"-{name}")
+
+    def on_base(self, kind: type[_W], name: str) -> _W:
+        """Return a widget of the app itself, also behind a dialog."""
+        return self.screen_stack[0].query_one(f"#{name}", kind)
+
+    def is_visible(self, name: str) -> bool:
+        """Return whether there is room for a widget on the screen."""
+        return bool(self.on_base(Widget, name).size)
+
+    def is_whole(self) -> bool:
+        """Return whether the app runs and has every widget that shows a snapshot.
+
+        Widgets are added and removed one by one, so a frame that is due in between must be skipped.
+        """
+        if not (self.is_running and self.screen_stack):
+            return False
+        return self.shown <= {each.id for each in self.screen_stack[0].walk_children()}
+
+    def action_page(self, by: int = 1) -> None:
+        """Show another page of a small terminal; of a large one, the motors or everything else."""
+        if len(self.screen_stack) > 1:
+            (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
+            return
+        last = len(self.pages) - 1
+        paged = self.screen_stack[0].has_class("-paged")
+        self.page = (self.page + by) % (last + 1) if paged else 0 if self.page == last else last
+        self.lay_out(*self.size)
+
+    def action_other_theme(self) -> None:
+        """Choose the next theme."""
+        next_theme(self)
+
+    def show_bar(self, name: str, lines: Sequence[Text]) -> None:
+        """Show a bar if it has lines."""
+        bar = self.on_base(Lines, name)
+        bar.set_class(bool(lines), "on")
+        bar.show(lines)
+
+    def show_robot(
+        self, snapshot: Snapshot, header: Text, seen: Container[int], *, keys: bool = True
+    ) -> None:
+        """Show the snapshot in the panels of the robot and its mission, as far as there is room.
+
+        Args:
+            snapshot: The moment.
+            header: The first line.
+            seen: Numbers of the alarms that the operator has acknowledged.
+            keys: Whether there are keys for alarms.
+        """
+        self.on_base(Lines, "header").show([header])
+        self.show_bar("alarm", alarms.bar(snapshot, seen, self.size.width, keys=keys))
+        self.on_base(Lines, "alarm").set_class(alarms.shows_success(snapshot, seen), "good")
+        named = ("states", "body", "motors", "phases")
+        states, body, motors, phases = (self.on_base(Lines, name) for name in named)
+        if states.size:
+            states.show(panels.states(snapshot, states.content_size.width))
+        if body.size:
+            body.border_title = body_panel.heading(body.content_size.width)
+            body.show(body_panel.body(snapshot, body.content_size.width))
+        if motors.size:
+            motors.border_title = motor_page.heading(motors.content_size.width)
+            motors.show(motor_page.motors(snapshot, *motors.content_size))
+        if phases.size:
+            width, rows = phases.content_size
+            phases.border_title = snapshot.scene.mission or "Phases"
+            phases.show(panels.phases(snapshot, width, max(rows, 1)))
+        self.on_base(EventLog, "log").show_snapshot(snapshot)

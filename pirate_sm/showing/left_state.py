@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_state import DECLARED, Mark, at_rest_in, confirmed_parts
 from pirate_sm.engine.robot.sensor_verdict import verdict
 from pirate_sm.engine.state import EngineState
 
+if TYPE_CHECKING:
+    from pirate_sm.backends.serial.health import LinkHealth
+
 
 def left_state(
-    engine: Engine, state: EngineState, sent: tuple[float, ...], *, accepted: bool
+    engine: Engine, state: EngineState, sent: tuple[float, ...], link: LinkHealth | None
 ) -> str:
     """Return in what state a run has left the robot: its wheels and what holds it.
 
@@ -17,11 +22,14 @@ def left_state(
         engine: The engine of the run.
         state: The engine's state at the end.
         sent: The last array that was sent; empty if none was.
-        accepted: Whether the robot has accepted that array.
+        link: How the link is; None where there is none.
     """
     robot = engine.robot
     if not sent:
         return "nothing was sent: the robot is as it was"
+    accepted = state.robot.flight is None and state.robot.values == sent
+    if link is not None:  # it also knows what became of an array sent past the engine
+        accepted = link.stopped and (accepted or not state.mission.ended)
     stopped = not any(sent[slot] for slot in robot.safe_zero)
     wheels = "wheels set to zero" if stopped else "the wheels may TURN: no safe array was sent"
     if not accepted:

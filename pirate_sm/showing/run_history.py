@@ -61,7 +61,7 @@ class Memory:
         spent_s: How long it has been in each phase that it has left.
         wait: What it waits for, and since when; None while it does not.
         question: What the operator is asked; None while nothing is.
-        setpoints: The newest array.
+        setpoints: The newest array; empty before the first.
         changed: Slots that the newest array changed.
         recent: The last lines.
         banner: The last of them that says how a mission ended.
@@ -89,8 +89,7 @@ class Memory:
         self.phase = Visit("", 0.0)
         self.spent_s: dict[str, float] = {}
         self.wait: tuple[fx.WaitArmed, float] | None = None
-        self.states: fx.StateChange | None = None
-        self.setpoints: tuple[float, ...] = (0.0,) * len(robot.slots)
+        self.setpoints: tuple[float, ...] = ()
         self.changed: frozenset[int] = frozenset()
         self.recent: deque[NumberedLine] = deque(maxlen=_KEPT)
         self.banner: NumberedLine | None = None
@@ -113,7 +112,16 @@ class Memory:
         fresh = Memory(robot, nominal=self._nominal, quiet=self._quiet)
         undone = same_mission and self.ended is not None and self.ended.outcome != "succeeded"
         phases = ("spent_s", "stopped_in_phase", "passed") if undone else ()
-        for name in ("recent", "_told", "banner", "alarms", "stopped", "faults", *phases):
+        for name in (
+            "recent",
+            "_told",
+            "banner",
+            "alarms",
+            "stopped",
+            "faults",
+            "setpoints",
+            *phases,
+        ):
             setattr(fresh, name, getattr(self, name))
         self.__dict__.update(fresh.__dict__)
 
@@ -173,10 +181,9 @@ class Memory:
                 self.wait = None
                 if effect.trigger != TIME_LIMIT:
                     self.passed |= {effect.place}
-            case fx.StateChange():
-                self.states = effect
             case fx.Setpoints():
-                pairs = zip(self.setpoints, effect.values, strict=True)
+                before = self.setpoints or (0.0,) * len(effect.values)
+                pairs = zip(before, effect.values, strict=True)
                 self.changed = frozenset(i for i, (old, new) in enumerate(pairs) if old != new)
                 self.setpoints = effect.values
             case fx.Ended():

@@ -5,7 +5,7 @@ from __future__ import annotations
 import io
 import os
 from collections.abc import Callable, Sequence
-from dataclasses import replace
+from functools import partial
 from signal import SIGHUP, SIGINT, SIGTERM
 from threading import Event as Flag
 from threading import Thread
@@ -16,7 +16,7 @@ from textual.drivers._writer_thread import WriterThread
 from textual.events import Key
 from textual.widget import Widget
 
-from pirate_sm.cli.commands.console import standing
+from pirate_sm.cli.commands.console import _conclude
 from pirate_sm.console.app import Console
 from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.quitting import LEAVE_WITHIN_S, SAFE_WITHIN_S, Quitting, Watchdog
@@ -303,15 +303,22 @@ def test_the_process_ends_when_leaving_takes_long_and_nobody_is_there(
     assert found == codes
 
 
-def test_the_last_sentence_says_whether_anything_is_clamped() -> None:
-    async def story() -> None:
+def test_the_last_sentence_says_whether_anything_is_clamped(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    async def story(*commands: str) -> None:
         async with operator(trace(), size=SMALL) as me:
-            assert standing(me.latest) == "safe state, wheels stopped; no part is clamped"
-            await me.command("ClampFront")
-            assert standing(me.latest) == "safe state, wheels stopped and clamps held"
-            assert standing(replace(me.latest, state=None)) == "nothing has moved"
+            for each in commands:
+                await me.command(each)
+        assert _conclude(me.app, me.session, debug=False) == 0
 
     played(story)
+    assert capsys.readouterr().err.endswith("left: nothing was sent: the robot is as it was\n")
+    played(partial(story, "ToggleLighting"))
+    assert capsys.readouterr().err.endswith("left: wheels set to zero; no part is clamped\n")
+    played(partial(story, "ClampFront"))
+    left = "left: wheels set to zero; front clamped (without sensors)\n"
+    assert capsys.readouterr().err.endswith(left)
 
 
 def test_a_stop_before_anything_is_under_way_harms_nothing() -> None:

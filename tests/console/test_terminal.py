@@ -95,7 +95,7 @@ def test_every_way_out_ends_in_the_safe_state_with_the_terminal_as_it_was(
     assert there.code() == code
     last = there.shown[there.shown.rindex(NORMAL_SCREEN) :]
     assert CURSOR in last
-    assert f"{sentence}: safe state, wheels stopped and clamps held" in last
+    assert f"{sentence}: wheels set to zero; front clamped (" in last
     assert list((tmp_path / "runs").glob("*.mcap"))
 
 

@@ -30,7 +30,6 @@ if TYPE_CHECKING:
     from pirate_sm.control_panel.panel_reader import PanelReader
     from pirate_sm.loading.mission import LoadedMission
     from pirate_sm.runtime.pump import Resuming
-    from pirate_sm.showing.snapshot import Snapshot
 
 _LOOK_EVERY_S = 0.1
 
@@ -186,34 +185,28 @@ def _prepared(order: Order) -> Prepared:
 
 
 def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
-    """Print in a sentence how the session ended; return the exit code."""
+    """Print how the session ended and how it left the robot; return the exit code."""
+    from pirate_sm.showing.left_state import left_state
+
     if parting := session.prepared.parting():
         say(parting)
-    result, stop = session.result, session.quitting.stop
-    how = result.ended.message if result is not None else "nothing has moved"
     for each in app.faults:
         say_bug(each, debug)
-    if app.failure is not None and not _gone(app.failure, session):
+    result, stop, latest = session.result, session.quitting.stop, session.latest
+    crashed = app.failure is not None and not _gone(app.failure, session)
+    if crashed and app.failure is not None:
         say_bug(app.failure, debug)
-        say(f"{how}; the robot was brought to its safe state")
+    if result is not None:
+        left = "nothing was sent: the robot is as it was"
+        if latest.state is not None:
+            what = latest.scene.engine, latest.state, latest.story.setpoints, latest.link
+            left = left_state(*what)
+        say(f"{result.ended.message}: {left}")
+    if crashed:
         return BUG
-    if result is None:
-        return SUCCEEDED
-    if result.ended.outcome != "interrupted":
-        say(how)
+    if result is not None and result.ended.outcome != "interrupted":
         return result.exit_code
-    say(f"{how}: {standing(session.latest)}")
-    return stop.exit_code if stop is not None else SUCCEEDED
-
-
-def standing(snapshot: Snapshot) -> str:
-    """Return the state in which the robot was left, as far as commanded."""
-    state = snapshot.state
-    if state is None:
-        return "nothing has moved"
-    held = snapshot.scene.robot.held[state.robot.configuration]
-    clamped = " and clamps held" if held else "; no part is clamped"
-    return f"safe state, wheels stopped{clamped}"
+    return stop.exit_code if result is not None and stop is not None else SUCCEEDED
 
 
 def _gone(failure: Exception, session: OperatorSession) -> bool:

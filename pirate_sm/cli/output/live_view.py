@@ -192,7 +192,8 @@ def _brief(snapshot: Snapshot, width: int) -> list[Text]:
 
 def _setpoints(snapshot: Snapshot, changed: frozenset[int], rows: int) -> list[Text]:
     """Return every slot with its setpoint, with those of the last change emphasized."""
-    slots, values = snapshot.scene.robot.slots, snapshot.story.setpoints
+    slots = snapshot.scene.robot.slots
+    values = snapshot.story.setpoints or (0.0,) * len(slots)
     wide = max(len(slot.name) for slot in slots)
     down = min(rows, len(slots)) or 1
     lines = [line() for _ in range(down)]

@@ -57,10 +57,7 @@ class ObservedRun:
         ended, state, link = self._ended, self.state, self.prepared.link
         if ended is None or ended.outcome == "succeeded" or state is None:
             return ""
-        accepted = state.robot.flight is None and state.robot.values == self._sent
-        if link is not None:  # it also knows what became of an array sent past the engine
-            accepted = link().stopped and (accepted or not state.mission.ended)
-        return left_state(self.prepared.engine, state, self._sent, accepted=accepted)
+        return left_state(self.prepared.engine, state, self._sent, link() if link else None)
 
     def odometry_m(self) -> float | None:
         """Return the distance that the wheels have rolled, m, if it is measured."""

@@ -31,7 +31,7 @@ def test_what_holds_and_what_is_not_confirmed_is_named(held) -> None:
         robot=state.robot._replace(marks=frozenset({mark})), proofs=proofs, sensing=sensing
     )
 
-    assert left_state(engine, doubted, sent, accepted=False) == (
+    assert left_state(engine, doubted, sent, None) == (
         "wheels set to zero, NOT confirmed by the robot; front clamped (NOT confirmed by sensors); "
         "rear clamped (shown by sensors 32.0 s ago, NOT seen by them now)"
     )
@@ -40,8 +40,8 @@ def test_what_holds_and_what_is_not_confirmed_is_named(held) -> None:
 def test_wheels_that_may_turn_and_a_robot_that_was_left_alone_are_named(held) -> None:
     engine, state = held
     turning = (1.0,) * len(engine.robot.slots)
-    assert "may TURN" in left_state(engine, state, turning, accepted=True)
-    assert left_state(engine, state, (), accepted=True).startswith("nothing was sent")
+    assert "may TURN" in left_state(engine, state, turning, None)
+    assert left_state(engine, state, (), None).startswith("nothing was sent")
 
 
 def last_line(mission: str, **order) -> str:
