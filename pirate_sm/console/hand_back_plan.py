@@ -78,10 +78,16 @@ def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
 
 def leap(phase: str, waits: str) -> str:
     """Return the question before a hand-back without commands that skips waits."""
-    return (
-        f"Nothing checks where the robot stands, and in this run the mission has not passed "
-        f"{waits}. Hand back at {phase}?"
-    )
+    return f"Nothing checks where the robot stands{_unseen(waits)}. Hand back at {phase}?"
+
+
+def _unseen(waits: str) -> str:
+    """Return which waits were not passed, as far as the console can know; empty if all were.
+
+    Stopped runs of the same mission count; runs before the console was opened are not known.
+    """
+    seen = "this console has not seen the mission pass"
+    return f", and since its last start {seen} {waits}" if waits else ""
 
 
 def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: str) -> str:
@@ -96,9 +102,8 @@ def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: 
     """
     given = names(robot, plan)
     each = "It is awaited" if len(given) == 1 else "Each is awaited"
-    leaps = f", and in this run the mission has not passed {waits}" if waits else ""
     return (
-        f"Only states are restored. Nothing checks where the robot stands{leaps}. "
+        f"Only states are restored. Nothing checks where the robot stands{_unseen(waits)}. "
         f"{phase} needs {_needed(robot, plan, body)}. Give {', '.join(given)}, then hand back "
         f"there? {each}. A failure ends the series, and so do Esc and whatever else you ask for; "
         "Space stops the robot."

@@ -17,7 +17,7 @@ from pirate_sm.model.true_position import InSpace, Truth
 from pirate_sm.recording.format.samples import Placed
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Checkpoint, with_own_times
+from pirate_sm.recording.read.steps import Checkpoint, Gap, with_own_times
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import engine_of, rerun
 from pirate_sm.showing.live_snapshots import Trends
@@ -99,16 +99,23 @@ def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window]
     """Return a window from each checkpoint on, and when each phase was entered."""
     memory = Memory(loaded.robot, nominal=recording.header.nominal)
     windows, phases_s = [_Window(None, memory.twin(), 0.0)], [0.0]
-    checkpoints = recording.checkpoints()
+    checkpoints, gaps = recording.checkpoints(), _gaps(recording)
     due = next(checkpoints, None)
     for step in recording.effects():
         while due is not None and due.step < step.number:
             windows.append(_Window(due, memory.twin(), due.at_s))
             due = next(checkpoints, None)
+        if gap := gaps.get(step.number):
+            memory.lose(gap.from_s, gap.until_s)
         memory.see(step.effects, step.at_s)
         if memory.phase.since_s > phases_s[-1]:
             phases_s.append(memory.phase.since_s)
     return windows, phases_s
+
+
+def _gaps(recording: Recording) -> dict[int, Gap]:
+    """Return the gaps of a recording, each by the number of the first step after it."""
+    return {gap.step: gap for gap in recording.gaps}
 
 
 def _frames(
@@ -122,7 +129,7 @@ def _frames(
     engine = engine_of(recording.header, loaded)
     anatomy = anatomy_of(loaded.loaded_robot.profile, robot)
     scene = Scene(loaded, engine, anatomy, recording.header.backend)
-    memory = begin.memory.twin()
+    memory, gaps = begin.memory.twin(), _gaps(recording)
     places = _RecordedPlaces(recording, loaded)
     trends = Trends()
     every_s, due_s = max(FINEST_S, (until_s - window.start_s) / MOST_FRAMES), window.start_s
@@ -138,6 +145,8 @@ def _frames(
         at_s = last_s = again.at_s
         if at_s >= until_s and not last:
             return
+        if gap := gaps.get(again.step.number):
+            memory.lose(gap.from_s, gap.until_s)
         memory.see(with_own_times(again.effects, recording.origin_s), at_s)
         state = again.state or state
         if state is None:

@@ -13,13 +13,13 @@ from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.showing.effect_lines import UNCONFIRMED, Line, away
 from pirate_sm.showing.run_history import ENDED, NumberedLine
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.text_styles import fitted, line
+from pirate_sm.showing.text_styles import line
 
 _CASCADE_S = 10.0
 """What goes wrong so soon after the last thing is taken for its consequence [decided]."""
 
-_MOST_LINES = 2
-"""Lines of the bar for the link; as many follow for a cascade."""
+_MOST_LINES = 3
+"""Lines of the bar for the link, and for each alarm."""
 
 _GRAVE = 3
 
@@ -125,10 +125,12 @@ def bar(snapshot: Snapshot, seen: Container[int], width: int, *, keys: bool = Tr
     left = sum(not (each.seen or each.over) for each in alarms(snapshot, seen)) - len(shown)
     for each in shown:
         last = each is shown[-1]
-        more = f"   (Esc: seen, !: {f'{left} more' if left else 'all'}) " if keys and last else " "
+        more = f"  (Esc: seen, !: {f'{left} more' if left else 'all'}) " if keys and last else ""
         sign = "■" if each.entry.line.topic == ENDED else "⚠"
-        text = line(f" {sign} {each.entry.now_s:.1f} s  {each.text}")
-        lines.append(fitted(text, min(len(text), max(width - len(more), 0))).append(more))
+        rows = _rows(f"{sign} {each.entry.now_s:.1f} s  {each.text}", width)
+        if len(rows[-1]) + len(more) > width:
+            rows.append(line(" "))
+        lines += [*rows[:-1], rows[-1].append(more)]
     return lines
 
 
@@ -144,8 +146,13 @@ def trouble(snapshot: Snapshot, width: int) -> list[Text]:
     if not said and snapshot.held_s:
         held = f"this program has not looked at the robot for {snapshot.held_s:.1f} s"
         said = f"{held}; wheels may be turning: cut power"
+    return _rows(f"⚠ {said}", width) if said else []
+
+
+def _rows(said: str, width: int) -> list[Text]:
+    """Return what begins with a sign, in lines as long as there is room for."""
     rows = wrap(said, max(width - 4, 20), max_lines=_MOST_LINES, placeholder=" …")
-    return [line(f" {'⚠' if at == 0 else ' '} {row} ") for at, row in enumerate(rows)]
+    return [line(f" {row} " if at == 0 else f"   {row} ") for at, row in enumerate(rows)]
 
 
 def _is_over(snapshot: Snapshot, entry: NumberedLine) -> bool:

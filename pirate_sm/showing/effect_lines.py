@@ -171,8 +171,8 @@ def away(link: LinkHealth, *, stopping: bool = False, moving: bool = False) -> s
     waits = ""
     if stopping and link.patience_s:
         waits = f"; a stop waits for it, given up in {link.patience_s:.0f} s"
-    said = f"no word for {link.silent_s:.1f} s{waits}; {_may_move(link, moving=moving)}"
-    return f"{said} ({link.trouble})"
+    said = f"no word for {link.silent_s:.1f} s; {_may_move(link, moving=moving)}"
+    return f"{said}{waits} ({link.trouble})"
 
 
 def _may_move(link: LinkHealth, *, moving: bool) -> str:

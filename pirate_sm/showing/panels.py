@@ -136,15 +136,18 @@ def states(snapshot: Snapshot, width: int) -> list[Text]:
     cells = []
     for region, label, name in zip(robot.regions, labels, change.states, strict=True):
         mark, style, said = _state(snapshot, region, name, region in change.unconfirmed)
-        of = style if style != GOOD else ""
+        of, why = style if style != GOOD else "", []
         cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (said, of))
         if len(cell) > width // columns and said != name:
             short = f"{name}; sent: 0" if mark == "■" else said.partition(":")[0]
+            if mark == "?" and columns == 1:
+                short, _, doubt = said.partition(", ")
+                why = wrap(doubt, max(width - 4, 8))
             cell = line((f"{mark} ", style), (f"{label:<{wide}} ", MUTED), (short, of))
         age = f" {ago(snapshot.age_s(region))} "
         if len(cell) + len(age) <= width // columns:
             cell = fitted(cell, width // columns - len(age)).append(age, MUTED)
-        cells.append(cell)
+        cells += [cell, *(line((f"    {each}", of)) for each in why)]
     control = robot.controls[state.robot.control].name
     if control:
         cells.append(line(("◆ ", ACCENT), (f"{'Control':<{wide}} ", MUTED), (control, ACCENT)))

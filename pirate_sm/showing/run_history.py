@@ -151,6 +151,11 @@ class Memory:
         if line.topic == ENDED:
             self.banner = told
 
+    def lose(self, from_s: float, until_s: float) -> None:
+        """Forget where the mission is: nothing is known of it between these times."""
+        self._leave(from_s)
+        self.phase, self.wait, self.question = Visit("", until_s), None, None
+
     def story(self) -> Story:
         """Return all of it as it is now, in a form that does not change."""
         now = {name: getattr(self, name) for name in Story._fields}

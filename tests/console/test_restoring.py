@@ -130,7 +130,7 @@ def test_a_hand_back_that_needs_no_commands_asks_where_waits_were_not_passed() -
             await me.command("DriveForward")
             await listed(me)
             await choose(me, "pass")
-            assert "in this run the mission has not passed its waits of enter, prepare" in asked(me)
+            assert "not seen the mission pass its waits of enter, prepare" in asked(me)
             assert "Give" not in asked(me)
 
             await me.press("enter")  # the careful answer
@@ -265,8 +265,9 @@ def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
             await listed(me)
             await choose(me, "halt")
             assert asked(me).startswith(
-                "Only states are restored. Nothing checks where the robot stands, and in this run "
-                "the mission has not passed its waits of enter, prepare, pass. halt needs "
+                "Only states are restored. Nothing checks where the robot stands, and since its "
+                "last start this console has not seen the mission pass its waits of enter, "
+                "prepare, pass. halt needs "
             )
 
     played(story)

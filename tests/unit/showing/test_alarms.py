@@ -158,14 +158,19 @@ def test_what_is_acknowledged_makes_room_for_the_next_one_and_stays_in_the_list(
     assert [each.seen for each in alarms.alarms(told, shown)] == [True, False]
 
 
-def test_a_line_that_is_cut_says_where_all_of_it_is(snapshot: Snapshot) -> None:
-    told = story(snapshot, (1.0, Log("warning", "very long " * 20)))
-    (line,) = alarms.bar(told, (), 80)
+@pytest.mark.parametrize(("times", "cut"), [(18, False), (60, True)])
+def test_an_alarm_is_shown_in_full_unless_it_is_very_long_and_the_keys_always(
+    snapshot: Snapshot, times: int, cut: bool
+) -> None:
+    told = story(snapshot, (1.0, Log("warning", "very long " * times)))
+    lines = [each.plain for each in alarms.bar(told, (), 80)]
 
-    assert len(line) == 80
-    assert "…" in line.plain
-    assert "!: all" in line.plain
-    assert alarms.alarms(told, ())[0].text == "warning: " + "very long " * 20
+    assert max(map(len, lines)) <= 80
+    assert ("…" in "".join(lines)) == cut
+    assert cut or " ".join(lines).split().count("long") == times
+    assert "(Esc: seen, !: all)" in lines[-1]
+    assert len(lines) <= 4
+    assert alarms.alarms(told, ())[0].text == "warning: " + "very long " * times
 
 
 # --- what the robot may be doing while nothing is heard -------------------------------------------

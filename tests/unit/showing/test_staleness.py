@@ -88,7 +88,10 @@ def test_a_state_that_a_fault_speaks_against_is_a_question_until_it_is_shown_aga
     dead = next(rule for rule in rules if rule.code == "wheel.dead")
     faulty = after(live, Fault(dead.code, dead.message, "continue", dead.of))
 
-    assert words(panels.states(faulty, 44)).startswith("? FrontWheels Free, wheel.dead ")
+    narrow = words(panels.states(faulty, 40))
+    assert narrow.startswith("? FrontWheels Free ")
+    assert f"{dead.code}: {dead.message}" in " ".join(narrow.split())
+    assert max(map(len, narrow.splitlines())) <= 40
     assert dead.message in words(panels.states(faulty, 200))
     assert "Bending" not in "".join(faulty.doubts)
     assert drive_doubt(faulty, "DriveForward") == f"{dead.code}: {dead.message}"

@@ -32,7 +32,7 @@ from pirate_sm.recording.viewers.complete_recording import write_complete
 from pirate_sm.recording.write import recorder
 from pirate_sm.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
-from pirate_sm.showing.panels import states
+from pirate_sm.showing.panels import phases, states
 from pirate_sm.showing.progress_lines import idle
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import read_end, record, spoilt_in
@@ -438,6 +438,22 @@ def test_the_console_draws_no_clamp_and_no_drive_of_before_a_gap(tmp_path: Path)
     assert "driving forward" in idle(before)
     assert idle(after) == "what the wheels were last asked for is not known"
     assert not any(line.plain.startswith("●") for line in states(after, 60))
+
+
+def test_the_console_counts_no_time_of_a_gap_for_the_phase_before_it(tmp_path: Path) -> None:
+    recording = record(tmp_path / "run.mcap", Order("mitre_bend"))
+    repair(spoilt_in(recording, tmp_path / "spoilt.mcap", 5), tmp_path / "good.mcap")
+    again = read_recording(tmp_path / "good.mcap")
+    (gap,) = again.gaps
+    snapshots = recorded_snapshots(again)
+    phase, since_s = snapshots.at(gap.from_s).story.phase
+    spent_s = snapshots.at(gap.from_s).story.spent_s.get(phase, 0.0) + gap.from_s - since_s
+
+    for after in (snapshots.at(gap.until_s + 0.2), snapshots.at(snapshots.length_s)):
+        assert after.story.spent_s[phase] == pytest.approx(spent_s)
+        assert after.story.phase.phase != phase
+    (shown,) = (each.plain for each in phases(after, 60, 20) if f" {phase} " in each.plain)
+    assert float(shown.split()[-2]) == pytest.approx(spent_s, abs=0.1)
 
 
 def test_a_run_with_a_gap_is_not_resumed_from_what_was_known_before_it(tmp_path: Path) -> None:
