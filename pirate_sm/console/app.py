@@ -46,9 +46,8 @@ FRAMES_PER_S = 25
 _WORDS_EVERY = 3
 """Text is updated with every third frame, which is as fast as people can read."""
 
-_SHORT = {name: name.title() for name in ("pause", "step", "skip", "abort")}
-_SHORT |= {"go": "Run", "hand_back": "Hand"}
-"""Labels of the controls in the footer."""
+_SHORT = {"go": "Run", "pause": "Pause", "hand_back": "Hand"}
+"""Labels of the controls in the last line, which has no room for all of them at 80 columns."""
 
 CRASHED = Stop("a fault in the console", 4)
 
@@ -82,10 +81,18 @@ class Console(PanelActions, RobotApp):
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(STOP_KEY, "stop", "STOP", priority=True),
         *(
-            Binding(both_cases(letter), f"control('{name}')", _SHORT[name], key_display=letter)
+            Binding(
+                both_cases(letter),
+                f"control('{name}')",
+                _SHORT.get(name, name.title()),
+                show=name in _SHORT,
+                key_display=letter,
+            )
             for name, letter in CONTROLS.items()
         ),
         Binding(both_cases(MISSIONS), "missions", "Missions", key_display=MISSIONS),
+        Binding("number_sign", "preflight", "Checks", key_display="#"),
+        Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding(both_cases(LEAVE), "leave", "Quit", key_display=LEAVE),
         Binding("ctrl+q", "leave", "Quit", show=False),
@@ -95,8 +102,6 @@ class Console(PanelActions, RobotApp):
         Binding("pageup", "look_back(1)", "Earlier lines", show=False),
         Binding("pagedown", "look_back(-1)", "Later lines", show=False),
         Binding("escape", "seen", "Seen", show=False),
-        Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
-        Binding("number_sign", "preflight", "Pre-flight", show=False),
         Binding("at", "say", "Say a place", show=False),
         Binding("plus", "faster(1)", "Faster", show=False),
         Binding("minus", "faster(-1)", "Slower", show=False),
@@ -149,7 +154,7 @@ class Console(PanelActions, RobotApp):
                     controls.border_title = "Mission control"
                     yield from self._controls.values()
                 yield panel("now", "Now")
-                yield panel("why", "Not now")
+                yield panel("why", "Not now (?: in full)")
                 yield panel("link", "Link (#: checks)")
             with Vertical(id="rest"):
                 with Horizontal(id="top"):
@@ -215,7 +220,8 @@ class Console(PanelActions, RobotApp):
         self._show_rows(snapshot)
         if self.is_visible("now"):
             now = self.on_base(Lines, "now")
-            by_hand = snapshot.state is not None and snapshot.state.mission.paused
+            state = None if snapshot.over else snapshot.state
+            by_hand = state is not None and state.mission.paused
             more = self.session.driving.lines() if by_hand else []
             more += [] if self.is_visible("body") else travelled(snapshot)
             now.show([*panels.now(snapshot, now.content_size.width), *more])
@@ -240,9 +246,7 @@ class Console(PanelActions, RobotApp):
             self._controls[control.name].show(control.label, control.reason)
             controls.append(Request(control.key, control.reason))
         asked = {"commands": commands, "mission control": controls}
-        shown: ClassVar[Set[str]] = {
-            name: each for name, each in asked.items() if self.is_visible(_PANELS[name])
-        }
+        shown = {name: each for name, each in asked.items() if self.is_visible(_PANELS[name])}
         why = self.on_base(Lines, "why")
         why.show(obstacles(shown, snapshot.scene.robot, *why.content_size) if shown else [])
 

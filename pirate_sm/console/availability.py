@@ -18,7 +18,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.events import GoTo, Resume
 from pirate_sm.showing.snapshot import Snapshot
 
-OVER = "the run is over"
+OVER = "the session is over: q leaves"
 OPENING = "the backend is being opened"
 NO_MISSION = "no mission is chosen: press m"
 LOOKING = "being looked at"

@@ -105,10 +105,10 @@ class HandDriving:
         """Return how fast and how far the next drive by hand goes, for people."""
         far = "no limit" if self.limit_m == inf else f"{self.limit_m * 1e3:.0f} mm"
         far = "to the joint" if isnan(self.limit_m) else far
-        keys = ("by hand ", MUTED), f"{self.speed:.0%}", (" (+ -), ", MUTED), far, (" (=)", MUTED)
+        keys = ("↑↓ drive ", MUTED), f"{self.speed:.0%}", (" (+ -), ", MUTED), far, (" (=)", MUTED)
         here_m = place_m(self._latest(), self.place)
-        here = () if isnan(here_m) else (line(("wheel 1 at ", MUTED), f"{here_m:.2f} m"),)
-        return [line(*keys), *here]
+        here = "not said" if isnan(here_m) else f"at {here_m:.2f} m"
+        return [line(*keys), line(("wheel 1 ", MUTED), here, (" (@)", MUTED))]
 
     def why_not(self, command: str) -> str:
         """Return why this command cannot be given with the limit; empty if it can."""

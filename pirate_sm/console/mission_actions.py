@@ -17,6 +17,9 @@ class MissionActions(ConfirmedActions):
 
     def action_missions(self) -> None:
         """Read the missions in the background, then show the list."""
+        if self.session.latest.over:
+            self._refuse("missions", availability.OVER)
+            return
         look = partial(listed_missions, Path.cwd())
         self.run_worker(look, thread=True, group="missions", exclusive=True, exit_on_error=False)
 

@@ -46,7 +46,7 @@ TOPICS = {
 OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
 """Styles of how a run has ended; any other end is bad."""
 
-_PAUSED = "paused: drive by hand, or resume (r)"
+_PAUSED = "paused: drive by hand, or {} (r)"
 
 _TWO_COLUMNS = 70
 
@@ -216,7 +216,8 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
         lines.append(line(("? ", BAD), "no word: mission time stands still"))
     if state.mission.paused and snapshot.scene.mission:
         left = snapshot.story.stopped_in_phase
-        lines.append(line(("‖ ", WARN), f"stopped in {left}" if left else _PAUSED))
+        paused = _PAUSED.format("resume" if state.mission.begun else "start")
+        lines.append(line(("‖ ", WARN), f"stopped in {left}" if left else paused))
         lines += [line(("  r: choose the phase to resume at", MUTED))] if left else []
     return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
         line((idle(snapshot), MUTED))

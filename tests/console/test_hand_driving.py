@@ -132,7 +132,7 @@ def test_a_drive_has_the_speed_that_is_chosen_and_shown() -> None:
             await me.press("minus")
             await me.press("minus")
             await me.look()
-            assert "by hand 60% (+ -), no limit (=)" in text_of(me)
+            assert "↑↓ drive 60% (+ -), no limit (=)" in text_of(me)
             await me.press(me.app.letters["DriveForward"])
             me.wait(0.5)
             robot = me.latest.scene.robot
