@@ -69,14 +69,8 @@ class Console(PanelActions, RobotApp):
 
     TITLE = "pirate console"
     pages: ClassVar[Sequence[str]] = ("drive", "mission", "body", "log", "motors")
-    shown: ClassVar[Set[str]] = {
-        *RobotApp.shown,
-        "pages",
-        "commands",
-        "controls",
-        "why",
-        "link",
-        "question",
+    shown: ClassVar[Set[str]] = RobotApp.shown | {
+        *("pages", "commands", "controls", "why", "link", "question"),
     }
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(STOP_KEY, "stop", "STOP", priority=True),

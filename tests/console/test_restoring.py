@@ -288,7 +288,7 @@ def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
             lines = await listed(me)
             assert "first DriveForward" in lines["pass"]
             await choose(me, "pass")
-            assert "has not passed its wait of prepare." in asked(me)
+            assert "not seen the mission pass its wait of prepare." in asked(me)
 
     played(story)
 

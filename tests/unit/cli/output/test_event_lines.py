@@ -23,8 +23,8 @@ def test_it_is_said_once_for_what_a_stop_waits(capsys: pytest.CaptureFixture[str
     waits.pulse(1.1)
     waits.pulse(1.2)
     assert capsys.readouterr().err == (
-        "interrupted by Ctrl-C: no word for 2.5 s; a stop waits for it, given up in 8 s; "
-        "its wheels stood when it was last heard (nothing comes from the robot); "
+        "interrupted by Ctrl-C: no word for 2.5 s; its wheels stood when it was last heard; "
+        "a stop waits for it, given up in 8 s (nothing comes from the robot); "
         "a second signal ends at once\n"
     )
 
