@@ -255,7 +255,7 @@ def adopt(desk: Desk) -> None:
 def observe(desk: Desk) -> None:
     """What was recorded is shown again, and said to be a recording; so is what was seen."""
     runs = sorted((desk.folder / "runs").glob("*.mcap"))
-    newest, noted = runs[-1], [it for it in runs if b"crack, 3 o'clock now" in it.read_bytes()]
+    newest, noted = runs[-1], [it for it in runs if b"crack, 3 o'clock" in it.read_bytes()]
     assert "crack, 3 o'clock now" in said_by(desk, "map", str(noted[0]))
     said_by(desk, "report", str(noted[0]), "--output", "report.html")
     assert "crack, 3 o" in (desk.folder / "report.html").read_text(encoding="utf-8")
