@@ -125,12 +125,12 @@ def resumes_in_vain(view: MissionView) -> Iterator[Finding]:
 
 
 def _resting(view: MissionView) -> Mapping[str, Mapping[tuple[int, int], RobotState]]:
-    """Return for each phase some states of the robot in it, with nothing under way."""
+    """Return for each phase some states of the robot in it, as it stands once it is cut off."""
     found = defaultdict[str, dict[tuple[int, int], RobotState]](dict)
     phase_of = view.loaded.program.phase_of
     for node in view.explored[0].found.nodes:
         body, at = node.state.robot, node.state.mission.pc
-        if body.flight is None and body.motion is None and 0 <= at < len(phase_of):
+        if 0 <= at < len(phase_of):
             bodies, key = found[phase_of[at]], (body.configuration, body.control)
             if len(bodies) < _MOST_BODIES and key not in bodies:
                 rest = body.at_rest()._replace(control=body.control, next_id=1)

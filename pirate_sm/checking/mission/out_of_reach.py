@@ -145,7 +145,7 @@ class _Reach:
 
         Odometry is 0 there, and only commands have driven the robot since: in this wait, too, it
         drives only if the condition is false. What driving farther can only make false was true at
-        0, too.
+        0, too, and what is true at 0 and ahead of it is so at once.
         """
         node = condition.tree
         if trigger.held_s or self._odometry not in self._usual.free(node):
@@ -155,8 +155,8 @@ class _Reach:
         ways = self._ways_before(wait)
         span = self._driven_to(ways, self._no_load * BEGINNING_S)
         for way, side in ((1, Range(0.0, inf)), (-1, Range(-inf, 0.0))):
-            if ways == {way} and self._grows(node, side) == -way:
-                span = Range(0.0, 0.0)
+            if ways == {way}:
+                span = Range(0.0, 0.0) if self._grows(node, side) == -way else side
         false: list[Fact] = [(node, False), *numbers_known(node)]
         narrower = self._with({self._odometry: span})
         if not self._possible(wait, false, self._usual) or self._possible(wait, false, narrower):
@@ -189,7 +189,7 @@ class _Reach:
     # --- too fast, too far ------------------------------------------------------------------
 
     def too_far(self, at: int, wait: Wait, trigger: TriggerSpec) -> _Said | None:
-        """Return the finding about a way of a called mission that this pipe does not have."""
+        """Return the finding about a way of a called mission for which there is no room or time."""
         condition = trigger.condition
         if condition is None or self._route is None:
             return None
@@ -211,12 +211,21 @@ class _Reach:
         return None
 
     def _ways(self, at: int, wait: Wait) -> Iterator[Limit]:
-        """Yield how far the robot comes in a wait until its route turns or ends."""
+        """Yield how far the robot comes in a wait, on its route and in its time."""
         if self._route is not None:
             here_m, ever_m, why = self._route.most_m(at)
             yield self._odometry, about(ever_m), why
             if not wait.counts_on:
                 yield self._changed, about(here_m), why
+        fastest, there = self._fastest(wait)
+        mission_s = self._loaded.program.time_limit_s
+        ends_s = min([mission_s, wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
+        what = "mission" if ends_s == mission_s else "wait"
+        why = f"the {what} ends after {ends_s:g} s, in which it drives less{there}"
+        if not wait.counts_on:
+            yield self._changed, about(fastest * ends_s), why
+        if not any(wait.phase in phases for phases in self._driven):
+            yield self._odometry, about(fastest * ends_s + self._no_load * BEGINNING_S), why
 
     def _limits(self, at: int, wait: Wait) -> Iterator[Limit]:
         """Yield signals with their ranges in a wait, and the reasons."""
@@ -229,14 +238,6 @@ class _Reach:
         ways = {self._way(each) for each in at_wait}
         yield from kept_ranges(self._force, at_wait, ways, self._speed)
         yield from self._ways(at, wait)
-        mission_s = self._loaded.program.time_limit_s
-        ends_s = min([mission_s, wait.within_s, *(t.after_s for t in wait.triggers if t.after_s)])
-        what = "mission" if ends_s == mission_s else "wait"
-        why = f"the {what} ends after {ends_s:g} s, in which it drives less{there}"
-        if not wait.counts_on:
-            yield self._changed, about(fastest * ends_s), why
-        if not any(wait.phase in phases for phases in self._driven):
-            yield self._odometry, about(fastest * ends_s + self._no_load * BEGINNING_S), why
 
     def _fastest(self, wait: Wait) -> tuple[float, str]:
         """Return how fast the robot drives in a wait, m/s, and under which control, for people."""

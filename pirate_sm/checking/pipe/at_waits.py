@@ -2,14 +2,19 @@
 
 from __future__ import annotations
 
-from collections import defaultdict
-from collections.abc import Iterator
+from collections import defaultdict, deque
+from collections.abc import Iterator, Mapping
+from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
+from pirate_sm.checking.exploring.piecewise_linear import signals, value
 from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.engine.mission.program import Wait
+from pirate_sm.expressions import tree
+from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.geometry.joints import Joint
 from pirate_sm.model.profile import DetectorPoint
 
@@ -50,14 +55,16 @@ class AtWaits:
         words = profile.detector.words
         self._words = {w: it for w, it in words.items() if it.forward and w not in anywhere}
         self._anywhere = bool(anywhere)
+        numbers = robot.vocabulary.numbers
+        self._changed = change_of(numbers[robot.odometry]) if robot.odometry >= 0 else ""
+        self._blocked = self._bends_parts and all(_stops(joint) for joint in view.bends)
 
     # --- distances --------------------------------------------------------------------------
 
     def most_m(self, at: int) -> tuple[float, float, str]:
         """Return how far the robot comes in a wait and since its start, and what ends the way."""
         points = self._points[at]
-        blocked = all(_stops(joint) for joint in self._view.bends)
-        if not points or not self._bends_parts or not blocked:
+        if not points or not self._blocked:
             return inf, inf, ""
         found = [self._way(each) for each in points]
         most, what = max(found)
@@ -67,17 +74,64 @@ class AtWaits:
     def _way(self, point: CoursePoint) -> tuple[float, str]:
         """Return how far the robot can drive from a point, and what is there."""
         view = self._view
-        others = [view.course.leads[part] for part in point.bent[:1]]
-        numbers = sorted({point.passed, *(point.passed + each for each in others)})
-        first, last = view.arcs(numbers[0]), view.arcs(numbers[-1])
+        numbers, first, last = self._stretches(point)
         if first is None or last is None or not point.way:
             return inf, ""
         start_m = view.pipe.start_of(view.fit.stretched_m)
         begins_m = start_m if self._onward and not point.bent and not point.passed else first[0]
+        whole = len(point.bent) == len(view.fit.robot.parts)
+        if whole and view.course.leads[point.bent[0]] == point.way > 0:
+            begins_m = last[0]  # the first wheel is round the bend
         joint = view.bend(numbers[-1] if point.way > 0 else numbers[0] - 1)
         diameter_m = view.fit.route.diameter_at(begins_m)
         way_m = last[1] - begins_m + (diameter_m if joint is not None else 0.0)
+        way_m -= max(self._driven_m.get(point[:-1], 0.0), 0.0)
         return way_m, _described(view, joint, point.way)
+
+    def _stretches(
+        self, point: CoursePoint
+    ) -> tuple[list[int], tuple[float, float] | None, tuple[float, float] | None]:
+        """Return the stretches in which a robot can be, and the arc lengths of the outer two."""
+        others = [self._view.course.leads[part] for part in point.bent[:1]]
+        numbers = sorted({point.passed, *(point.passed + each for each in others)})
+        return numbers, self._view.arcs(numbers[0]), self._view.arcs(numbers[-1])
+
+    @cached_property
+    def _driven_m(self) -> Mapping[tuple[object, ...], float]:
+        """How far the robot has come at least since its last bend, by points; -inf if unknown."""
+        first, onward = self._view.course.situations[0], self._view.course.onward
+        least: dict[tuple[object, ...], float] = {first[:-1]: 0.0}
+        waiting = deque([first])
+        while waiting:
+            now = waiting.popleft()
+            for after in onward[now[:-1]]:
+                same = (now.bent, now.passed) == (after.bent, after.passed)
+                way_m = least[now[:-1]] + self._least_m(now.at, after.at) if same else 0.0
+                way_m = way_m if after.way >= 0 else -inf
+                if way_m < least.get(after[:-1], inf):
+                    least[after[:-1]] = way_m
+                    waiting.append(after)
+        return least
+
+    def _least_m(self, at: int, target: int) -> float:
+        """Return how far the robot has come at least in a wait that led to an instruction."""
+        program = self._view.loaded.program.instructions
+        it = program[at] if 0 <= at < len(program) else None
+        if not isinstance(it, Wait) or it.counts_on:
+            return 0.0
+        led = [each.condition for each in it.triggers if each.go == target]
+        return min(0.0 if each is None else self._change_m(each.tree) for each in led)
+
+    def _change_m(self, node: tree.Node) -> float:
+        """Return from which change of the odometry on a condition can be true; 0 if unknown."""
+        match node:
+            case tree.And(parts):
+                return max(map(self._change_m, parts))
+            case tree.Compare(">=" | ">", tree.Signal(self._changed), most) if not signals(most):
+                return max(value(most, 0.0), 0.0)
+            case tree.Compare("<=" | "<", least, tree.Signal(self._changed)) if not signals(least):
+                return max(value(least, 0.0), 0.0)
+        return 0.0
 
     # --- words ------------------------------------------------------------------------------
 
@@ -98,6 +152,11 @@ class AtWaits:
         yield Silent("detector", frozenset(of_kinds), "waits for a joint that the pipe has not")
         if not points or not all(each.way for each in points):
             return
+        if self._blocked and not self._anywhere and all(each.way > 0 for each in points):
+            ahead = {kind for each in points for kind in self._ahead(each)}
+            why = "waits for a joint that is not the next one here"
+            others = {"end", *(each.kind for each in route.joints)} - ahead
+            yield Silent("joint", frozenset(others), why, here=True)
         if self._view.bends and self._bends_parts:
             of_bends = [w for w, it in self._words.items() if it.joint in (None, "mitre", "elbow")]
             never = {word for word in of_bends if not any(self._said(word, p) for p in points)}
@@ -118,6 +177,17 @@ class AtWaits:
             number = ahead - point.way if self._leads_m(at, point.way) > 0 else ahead
             return view.bend(number) is not None
         return whole or lead != point.way or not self._is_last(at, point.way)
+
+    def _ahead(self, point: CoursePoint) -> set[str]:
+        """Return the kinds of the joints before which the robot can be in a wait, driving on."""
+        view = self._view
+        numbers, first, last = self._stretches(point)
+        if first is None or last is None:
+            return {"end"}
+        found: set[str] = {
+            each.kind for each in view.fit.route.joints if first[0] <= each.arc_m <= last[1]
+        }
+        return found if view.bend(numbers[-1]) is not None else found | {"end"}
 
     def _leads_m(self, at: DetectorPoint, way: int) -> float:
         """Return how far the first wheel is beyond the crossing when a word is said."""

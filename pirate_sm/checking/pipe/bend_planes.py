@@ -136,16 +136,13 @@ def _how_to_turn(view: PipeView, missed: _Missed) -> str:
 
 
 def _at_step(view: PipeView, missed: _Missed, code: str, message: str, mend: str) -> Finding:
-    """Return a finding at the step that bends, or at the pipe if a called mission bends."""
-    mission, point = view.loaded.documents[0], missed.bending.point
-    step = view.place_of_step(point.place)
-    bend = view.place_in_pipe(view.path_of(missed.joint))
-    related = [(bend, "into this")]
-    place = step
-    if not step.line or step.file != mission.name:
-        place = mission.place_of(("pipe",))
-        related[:0] = [(step, "this bends it")] if step.line else []
-    found = at(mission, place, code, message, mend=mend, related=related)
+    """Return a finding at the step that bends, or at the call of a mission that bends."""
+    point = missed.bending.point
+    step, mission = view.place_of_step(point.place), view.loaded.documents[0]
+    place = view.own_place(point.at - 1, point.place) if step.line else mission.place_of(("pipe",))
+    related = [(view.place_in_pipe(view.path_of(missed.joint)), "into this")]
+    related[:0] = [(step, "this bends it")] if place != step and step.line else []
+    found = at(view.document(place.file), place, code, message, mend=mend, related=related)
     return story_of(found, view, point)
 
 

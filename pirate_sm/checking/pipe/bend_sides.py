@@ -49,33 +49,21 @@ def side_of(joint: Joint) -> int:
 
 
 def _bent_in_vain(view: PipeView) -> Iterator[Finding]:
-    """Report parts that are bent in a pipe without bends."""
-    mission = view.loaded.documents[0]
-    called: list[tuple[Place, str]] = []
-    for where, parts in _bending(view).items():
-        place = view.place_of_step(where)
-        name = "' or '".join(view.fit.robot.parts[part] for part in sorted(parts))
-        if place.line and place.file == mission.name:
+    """Report parts that are bent in a pipe without bends, by handlers too."""
+    bends, reported = Bends(view.fit.robot, view.fit.profile), set[Place]()
+    steps = [(b.point.at - 1, b.point.place, {b.bend.part}) for b in view.course.bends]
+    for number, it in enumerate(view.loaded.program.instructions):
+        if isinstance(it, Do) and (parts := bends.always(it.command)):
+            steps.append((number, it.place, {*parts}))
+    for number, text, bent in steps:
+        step, place = view.place_of_step(text), view.own_place(number, text)
+        if step.line and place not in reported:
+            reported.add(place)
+            name = "' or '".join(view.fit.robot.parts[part] for part in sorted(bent))
             message = f"this bends '{name}', and the pipe has no bend"
-            yield at(mission, place, "geometry.no_bend", message)
-        elif place.line:
-            called.append((place, f"this bends '{name}'"))
-    if called:  # a called mission is valid itself: it names no pipe
-        message = f"{called[0][0]} bends a part, and this pipe has no bend"
-        place = mission.place_of(("pipe",))
-        yield at(mission, place, "geometry.no_bend", message, related=called)
-
-
-def _bending(view: PipeView) -> dict[str, frozenset[int]]:
-    """Return the parts by the places of the steps that bend them, including handlers."""
-    found = {each.point.place: frozenset({each.bend.part}) for each in view.course.bends}
-    bends = Bends(view.loaded.robot, view.loaded.loaded_robot.profile)
-    for each in view.loaded.program.instructions:
-        if isinstance(each, Do) and each.place not in found:
-            parts = bends.always(each.command)
-            if parts:
-                found[each.place] = parts
-    return found
+            related = [(step, "here")] if step != place else []
+            document = view.document(place.file)
+            yield at(document, place, "geometry.no_bend", message, related=related)
 
 
 def _wrong_side(view: PipeView, part: int, places: list[str]) -> Finding:

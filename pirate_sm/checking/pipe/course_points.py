@@ -87,6 +87,7 @@ class UsualCourse:
         turns: The commands that turn the roll joint, each from a point of its own.
         came: The point from which each point was reached first.
         leads: Of each part the direction in which it leads: 1 forward, -1 backward, 0 in neither.
+        onward: The points that may follow each point, by its fields without the place.
     """
 
     situations: tuple[CoursePoint, ...]
@@ -94,6 +95,7 @@ class UsualCourse:
     turns: tuple[Change, ...]
     came: Mapping[CoursePoint, CoursePoint]
     leads: tuple[int, ...]
+    onward: Mapping[tuple[object, ...], tuple[CoursePoint, ...]]
 
     def way_to(self, point: CoursePoint) -> tuple[CoursePoint, ...]:
         """Return the points with a step of their own that lead to a point, in order."""

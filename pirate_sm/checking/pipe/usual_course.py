@@ -166,9 +166,10 @@ def course_of(
     follower = _Follower(robot, program, Bends(robot, profile), joint, leads, joints)
     order, came = [_first(follower)], dict[CoursePoint, CoursePoint]()
     follower.note(order[0])
-    found = {order[0][:-1]}
+    found, onward = {order[0][:-1]}, dict[tuple[object, ...], tuple[CoursePoint, ...]]()
     for now in order:
-        for after in follower.after(now):
+        onward[now[:-1]] = tuple(follower.after(now))
+        for after in onward[now[:-1]]:
             if after != order[0]:
                 came.setdefault(after, now)
             if after[:-1] not in found:
@@ -177,7 +178,7 @@ def course_of(
                 if len(order) > MOST_SITUATIONS:
                     return None
     made = tuple(follower.made.values())
-    return UsualCourse(tuple(order), made, tuple(follower.turned), came, leads)
+    return UsualCourse(tuple(order), made, tuple(follower.turned), came, leads, onward)
 
 
 def _first(follower: _Follower) -> CoursePoint:
