@@ -258,18 +258,19 @@ class _Reading:
         if end.at_word and not (pipe is not None and worded and pipe.route().crossings_m):
             message = "at_word: nothing says a word here, which is about a bend of the pipe"
             self.problems.add("campaign.run", (*place, "at_word"), message)
-        if pipe is None or end.beyond is None:
+        if pipe is None or end.beyond is end.before is None:
             return
         length_m, fit = pipe.route().length_m, Fit(profile, loaded.robot, pipe)
         robot_m = min(fit.clamped_m(each.diameter_m) for each in pipe.route().pieces)
         before_m = length_m if end.before is None else end.before
-        if end.beyond >= length_m:
-            message = f"beyond: {end.beyond:g} m is not in the pipe, which is {length_m:g} m long"
+        key, beyond_m = ("before", 0.0) if end.beyond is None else ("beyond", end.beyond)
+        if beyond_m >= length_m:
+            message = f"beyond: {beyond_m:g} m is not in the pipe, which is {length_m:g} m long"
             self.problems.add("campaign.run", place, message)
-        elif before_m - end.beyond < robot_m:
-            between = f"the clamped robot, {robot_m:.3g} m long, is not between {end.beyond:g} m"
+        elif before_m - beyond_m < robot_m:
+            between = f"the clamped robot, {robot_m:.3g} m long, is not between {beyond_m:g} m"
             message = f"{between} and {before_m:g} m: no run can end there"
-            self.problems.add("campaign.run", (*place, "beyond"), message)
+            self.problems.add("campaign.run", (*place, key), message)
 
     def _fits(self, order: Order, loaded: LoadedMission, choices: Choices) -> bool:
         """Report if an order cannot be run; return whether it can."""

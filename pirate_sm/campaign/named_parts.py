@@ -272,6 +272,8 @@ class NameReader:
             written = () if listed == (NONE,) else listed
             for place, text in enumerate(written):
                 at = (*choices.place("defects"), number, place)
+                if text in written[:place] and text.partition(":")[0] != EACH:
+                    self.problems.add("campaign.defect", at, f"'{text}' is here twice")
                 for one in _each(text, known):
                     if not check_defect(one, profile, "campaign.defect", at, self.problems):
                         break

@@ -155,8 +155,12 @@ class _Reach:
         ways = self._ways_before(wait)
         span = self._driven_to(ways, self._no_load * BEGINNING_S)
         for way, side in ((1, Range(0.0, inf)), (-1, Range(-inf, 0.0))):
-            if ways == {way}:
-                span = Range(0.0, 0.0) if self._grows(node, side) == -way else side
+            if ways != {way}:
+                continue
+            if self._grows(node, side) == -way:
+                span = Range(0.0, 0.0)
+            elif "$" not in condition.text:  # a parameter may be 0 so that nothing is waited for
+                span = side
         false: list[Fact] = [(node, False), *numbers_known(node)]
         narrower = self._with({self._odometry: span})
         if not self._possible(wait, false, self._usual) or self._possible(wait, false, narrower):

@@ -111,3 +111,50 @@ def test_round_a_bend_the_way_leads_on_to_the_end(tmp_path: Path) -> None:
 
 def test_a_way_is_as_long_as_it_is_backward(tmp_path: Path) -> None:
     assert told(tmp_path, (BACK, "change(odometry) <= -400 mm")) == []
+
+
+def test_ways_one_after_the_other_are_longer_than_the_pipe(tmp_path: Path) -> None:
+    first, again = (GO, "change(odometry) >= 400 mm"), "change(odometry) >= 400 mm"
+    back = ("[Brake, DriveBackward]", "change(odometry) <= -400 mm")
+
+    (said,) = told(tmp_path, first, ("[Brake, DriveForward]", again), pipe="straight_113")
+
+    assert said.startswith("condition.beyond: ")
+    assert told(tmp_path, first, back, ("[Brake, DriveForward]", again), pipe="straight_113") == []
+
+
+@pytest.mark.parametrize(("patience", "fits"), [("5 s", False), ("1 min", True)])
+def test_a_called_mission_has_time_for_its_way(tmp_path: Path, patience: str, fits: bool) -> None:
+    call = f"{{call: drive_on, with: {{way: 600 mm, give_up: {patience}}}}}"
+    do = f"[ClampFront, ClampRear, {call}, DriveBackward]"
+
+    found = told(tmp_path, (do, "change(odometry) <= -50 mm"), pipe="straight_113")
+
+    assert any(each.startswith("condition.beyond: ") for each in found) is not fits
+
+
+def test_the_end_is_not_the_next_joint_before_a_bend(tmp_path: Path) -> None:
+    (said,) = told(tmp_path, (GO, "joint == end"))
+
+    assert said.startswith("word.route: ")
+    assert told(tmp_path, (GO, "joint == mitre")) == []
+    assert told(tmp_path, (GO, CLOSE), (INTO, IN), (ROUND, "joint == end")) == []
+
+
+def test_a_robot_leaves_a_pipe_through_an_open_end_only(tmp_path: Path) -> None:
+    run = "runs: {main: {from: entry, to: way, segments: [{straight: 2 m}]}}, start: {at: 700 mm}"
+    for end, fits in (("open", True), ("closed", False)):
+        pipe = f"{{diameter: 120 mm, section: round, {run}, ends: {{entry: open, way: {end}}}}}"
+
+        found = told(tmp_path, (GO, "segment == Out"), pipe=pipe)
+
+        assert [each.partition(":")[0] for each in found] == ([] if fits else ["word.never"])
+
+
+@pytest.mark.parametrize(("when", "fits"), [("0 mm", False), ("-5 mm", False), ("5 mm", True)])
+def test_a_way_that_is_driven_from_the_beginning_is_waited_for(
+    tmp_path: Path, when: str, fits: bool
+) -> None:
+    found = told(tmp_path, (GO, f"odometry >= {when}"))
+
+    assert [each.partition(":")[0] for each in found] == ([] if fits else ["trigger.at_start"])
