@@ -20,7 +20,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Collection, Sequence
-from math import copysign, isnan, pi, radians, remainder
+from math import copysign, isnan, nan, pi, radians, remainder
 
 from pirate_sm.detectors.place_filter import WINDOW_S
 from pirate_sm.detectors.word_timing import Word
@@ -51,6 +51,13 @@ _PARALLEL_RAD = radians(2)
 
 _ONE_AXIS_RAD = radians(5)
 """Parts that differ by more do not lie in one leg [measured]."""
+
+_SLIPPED_M = 0.015
+"""By up to so much less a part has travelled than a detector counts that goes by its wheels: 4 to
+9 mm in bends of six missions [measured]."""
+
+_READ_M = 0.005
+"""By up to so much more: a detector looks 20 times a second [decided]."""
 
 _WAITED_S = 0.25
 """A detector says that a bend is passed once the shape has fitted for four looks, which are 0.2 s
@@ -88,6 +95,8 @@ class Mapper:
         self._passage: Passage | None = None
         self._newest: Passage | None = None
         self._announced = ""
+        self._apart_m = nan
+        """Where the parts did not yet lie along one axis after the newest bend, as a way."""
 
     def look(self, look: Look) -> None:
         """Take what is known at another time into the map."""
@@ -102,6 +111,8 @@ class Mapper:
             self._begin(look)
             return
         self._release(look)
+        if self._newest is not None and self._apart_rad(look) > _PARALLEL_RAD:
+            self._apart_m = self._places.ways_m[0]
         self._tell(look)
         anchor, passage = self._places.anchor(look), self._passage
         for part in sorted(look.held - self._spots.keys()):
@@ -282,7 +293,10 @@ class Mapper:
             into = passage.bend + 1 if leads > 0 else passage.bend
             found, leg = self._place_of_word(look, told, {into}), self.map.legs[into]
             begins_m = leg.begins_m if leads > 0 else leg.ends_m
-            if found is None or (self._waited(look) and (found[1] - begins_m) * leads >= 0.0):
+            if found is None or (
+                self._waited(look, told, self.map.bends[passage.bend])
+                and (found[1] - begins_m) * leads >= 0.0
+            ):
                 return
             if not passage.new:
                 self._places.shift(into, begins_m - found[1])
@@ -295,18 +309,24 @@ class Mapper:
         """Return the look that came so long before another one."""
         return next(each for each in self._looks if each.at_s >= look.at_s - by_s)
 
-    def _waited(self, look: Look) -> bool:
+    def _waited(self, look: Look, told: WordPlace, bend: Bend) -> bool:
         """Return whether a word that a bend is passed may have waited for the robot's shape.
 
-        A detector may say it only once the parts lie along one axis; that begins just before then.
-        A word that has waited says only that the bend ends there or before.
+        A detector may say it only once the parts lie along one axis; that begins just before then,
+        or when its wheel has rolled the way that the word names since. A word that has waited says
+        only that the bend ends there or before.
         """
-        apart = []
-        for each in (self._before(look, _WAITED_S), look):
-            axes = [axis_at(self._body, each.numbers, part) for part in sorted(look.held)]
-            known = [axis for axis in axes if axis is not None]
-            apart.append(max((angle_between(known[0], axis) for axis in known[1:]), default=0.0))
-        return apart[0] > _PARALLEL_RAD and apart[1] <= _ONE_AXIS_RAD
+        beyond_m = abs(self._places.ways_m[0] - self._apart_m) - told.passed_m
+        # At the end of an elbow the parts come along one axis, so a word is as late there anyway.
+        slack_m = _SLIPPED_M / 2 if bend.is_round else _SLIPPED_M
+        late = self._apart_rad(self._before(look, _WAITED_S)) > _PARALLEL_RAD
+        return self._apart_rad(look) <= _ONE_AXIS_RAD and (late or -slack_m < beyond_m < _READ_M)
+
+    def _apart_rad(self, look: Look) -> float:
+        """Return by how much the axes of the held parts differ."""
+        axes = [axis_at(self._body, look.numbers, part) for part in sorted(look.held)]
+        known = [axis for axis in axes if axis is not None]
+        return max((angle_between(known[0], axis) for axis in known[1:]), default=0.0)
 
     def _place_of_word(
         self, look: Look, told: WordPlace, legs: Collection[int]
