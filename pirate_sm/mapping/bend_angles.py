@@ -10,6 +10,7 @@ from pirate_sm.engine.sensing.part_axes import axis_at, wheel_at
 from pirate_sm.geometry.space import Frame, between, combined, dot
 from pirate_sm.mapping.leg_meetings import angle_between, outermost
 from pirate_sm.mapping.legs import Bend
+from pirate_sm.mapping.looks import Look
 
 _BESIDE_RAD = radians(4)
 """The slope of a link and its direction from the corner agree up to this angle, unless the part
@@ -83,3 +84,10 @@ def angle_of_elbow(
         ahead = 1.0 - min(max(share, 0.0), _MOST_SHARE)
         found = Bend(angle_between(first, last) / ahead, 0.0, extent_m=elbow.extent_m)
     return found.angle_rad
+
+
+def apart_rad(body: BodySpec, look: Look) -> float:
+    """Return by how much the axes of the held parts differ; 0 if fewer than two are known."""
+    axes = [axis_at(body, look.numbers, part) for part in sorted(look.held)]
+    known = [axis for axis in axes if axis is not None]
+    return max((angle_between(known[0], axis) for axis in known[1:]), default=0.0)

@@ -28,7 +28,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.sensing.part_axes import axis_at
 from pirate_sm.geometry.space import Frame, between, dot
-from pirate_sm.mapping.bend_angles import angle_of_corner, angle_of_elbow
+from pirate_sm.mapping.bend_angles import angle_of_corner, angle_of_elbow, apart_rad
 from pirate_sm.mapping.bores import STEP
 from pirate_sm.mapping.leg_meetings import (
     Reached,
@@ -52,12 +52,9 @@ _PARALLEL_RAD = radians(2)
 _ONE_AXIS_RAD = radians(5)
 """Parts that differ by more do not lie in one leg [measured]."""
 
-_SLIPPED_M = 0.015
-"""By up to so much less a part has travelled than a detector counts that goes by its wheels: 4 to
-9 mm in bends of six missions [measured]."""
-
-_READ_M = 0.005
-"""By up to so much more: a detector looks 20 times a second [decided]."""
+_SLIPPED_M, _READ_M = 0.015, 0.005
+"""A part has travelled up to so much less than a detector counts that goes by its wheels, 4 to 9 mm
+in bends of six missions [measured], or more, since a detector looks 20 times a second [decided]."""
 
 _WAITED_S = 0.25
 """A detector says that a bend is passed once the shape has fitted for four looks, which are 0.2 s
@@ -111,7 +108,7 @@ class Mapper:
             self._begin(look)
             return
         self._release(look)
-        if self._newest is not None and self._apart_rad(look) > _PARALLEL_RAD:
+        if self._newest is not None and apart_rad(self._body, look) > _PARALLEL_RAD:
             self._apart_m = self._places.ways_m[0]
         self._tell(look)
         anchor, passage = self._places.anchor(look), self._passage
@@ -312,21 +309,16 @@ class Mapper:
     def _waited(self, look: Look, told: WordPlace, bend: Bend) -> bool:
         """Return whether a word that a bend is passed may have waited for the robot's shape.
 
-        A detector may say it only once the parts lie along one axis; that begins just before then,
-        or when its wheel has rolled the way that the word names since. A word that has waited says
-        only that the bend ends there or before.
+        A detector may say it only once the parts lie along one axis, or once its wheel has rolled
+        the word's way since. Such a word says only that the bend ends there or before.
         """
         beyond_m = abs(self._places.ways_m[0] - self._apart_m) - told.passed_m
         # At the end of an elbow the parts come along one axis, so a word is as late there anyway.
         slack_m = _SLIPPED_M / 2 if bend.is_round else _SLIPPED_M
-        late = self._apart_rad(self._before(look, _WAITED_S)) > _PARALLEL_RAD
-        return self._apart_rad(look) <= _ONE_AXIS_RAD and (late or -slack_m < beyond_m < _READ_M)
-
-    def _apart_rad(self, look: Look) -> float:
-        """Return by how much the axes of the held parts differ."""
-        axes = [axis_at(self._body, look.numbers, part) for part in sorted(look.held)]
-        known = [axis for axis in axes if axis is not None]
-        return max((angle_between(known[0], axis) for axis in known[1:]), default=0.0)
+        late = apart_rad(self._body, self._before(look, _WAITED_S)) > _PARALLEL_RAD
+        return apart_rad(self._body, look) <= _ONE_AXIS_RAD and (
+            late or -slack_m < beyond_m < _READ_M
+        )
 
     def _place_of_word(
         self, look: Look, told: WordPlace, legs: Collection[int]
