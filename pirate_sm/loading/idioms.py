@@ -7,7 +7,6 @@ from collections.abc import Iterable, Mapping
 from typing import Any, Final
 
 from pirate_sm.expressions.faults import ExpressionFault
-from pirate_sm.model.quantities import INCHES
 from pirate_sm.spelling import nearest
 
 _KEYS: Final = {
@@ -46,6 +45,8 @@ def step_form(step: Mapping[str, Any]) -> str:
 
 def expression_form(fault: ExpressionFault) -> str:
     """Return what is to be written in place of a faulty part of a condition, as far as known."""
+    from pirate_sm.model.quantities import INCHES  # noqa: PLC0415 - pydantic is slow to load
+
     if (unit := _UNKNOWN_UNIT.match(fault.message)) and unit[1].lower() in INCHES:
         return f"mm: 1 {unit[1]} is {25.4 * INCHES[unit[1].lower()]:g} mm"
     if (name := _UNKNOWN_PARAMETER.match(fault.message)) and not fault.suggestion:

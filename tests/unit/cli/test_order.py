@@ -79,7 +79,7 @@ def test_a_trigger_fires_after_seconds(text: str) -> None:
         (["--jitter", "start=20"], "--jitter start=20: "),
         (["--jitter", "friction=100%"], "friction=100%: expected less than 100 %, got '100%'"),
         (["--jitter", "start=-5mm"], "start=-5mm: expected at least 0 mm, got '-5mm'"),
-        (["--jitter", "start=5 inch"], "(unknown unit 'inch' in '5 inch'); expected a number with"),
+        (["--jitter", "start=5 inch"], "(unknown unit 'inch' in '5 inch'); did you mean '127 mm'?"),
         (["--backend", "bay", "--line", "loss=1%"], "--line loss: "),
     ],
 )
