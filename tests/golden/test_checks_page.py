@@ -15,7 +15,8 @@ HEADING = "## Every code\n"
 def table() -> Iterator[str]:
     yield "Severity is what a code usually has; ✓ marks what a comment can allow.\n"
     for group in catalogue.groups():
-        yield f"\n### {group.group}\n\n{group.about}\n\n"
+        yield f"\n### {group.group}\n\n{group.about}\n"
+        yield f"Decided by {group.decided_by}. Not decided: {group.not_decided}.\n\n"
         yield "| code | severity | | what is wrong |\n|---|---|---|---|\n"
         for code, entry in group.codes.items():
             mark = "✓" if code in catalogue.allowable() else ""

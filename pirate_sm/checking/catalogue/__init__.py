@@ -61,11 +61,15 @@ class Group(Frozen):
     Attributes:
         group: Its title.
         about: A description of the group.
+        decided_by: What shows whether there is such a fault.
+        not_decided: What the check cannot know of it.
         allowable: Whether comments can allow them; not for faults that prevent the use of a file.
     """
 
     group: str
     about: str
+    decided_by: str
+    not_decided: str
     codes: dict[str, Entry]
     allowable: bool = False
 
@@ -88,6 +92,11 @@ def entry_of(code: str) -> Entry:
     return entries().get(code) or Entry(
         severity="error", title=code, why="", mend="", wrong="", right=""
     )
+
+
+def group_of(code: str) -> Group:
+    """Return the group of a code that there is."""
+    return next(group for group in groups() if code in group.codes)
 
 
 def nearest_code(word: str) -> str | None:

@@ -195,13 +195,15 @@ def _seen_by(origin: Origin) -> str:
 
 
 def _finding_explained(code: str) -> str:
-    entry = catalogue.entries()[code]
+    entry, group = catalogue.entries()[code], catalogue.group_of(code)
     return "\n".join(
         [
             f"{code} ({entry.severity}): {entry.title}",
             "",
             f"Why it matters: {entry.why}",
             f"How to mend it: {entry.mend}",
+            f"Decided by: {group.decided_by}",
+            f"Not decided: {group.not_decided}",
             f"On its line it can be allowed: # pirate: allow {code}: <reason>"
             if code in catalogue.allowable()
             else "It cannot be allowed.",

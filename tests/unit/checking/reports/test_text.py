@@ -113,6 +113,7 @@ def test_a_code_is_explained_with_examples() -> None:
     assert "Wrong:\n  do: [ClampFront, ClampRear, ClampFront]\n" in text
     assert "# pirate: allow step.unneeded: <reason>" in text
     assert "cannot be allowed" in explained("syntax")
+    assert "\nDecided by: the text of the file\nNot decided: whether" in explained("syntax")
 
 
 def test_a_fault_is_explained() -> None:
