@@ -85,7 +85,7 @@ class Console(PanelActions, RobotApp):
             for name, letter in CONTROLS.items()
         ),
         Binding(both_cases(MISSIONS), "missions", "Missions", key_display=MISSIONS),
-        Binding("number_sign", "preflight", "Checks", key_display="#"),
+        Binding("number_sign", "preflight", "Pre-flight", key_display="#"),
         Binding("exclamation_mark", "alarms", "Alarms", key_display="!"),
         Binding("question_mark", "help", "Help", key_display="?"),
         Binding(both_cases(LEAVE), "leave", "Quit", key_display=LEAVE),

@@ -102,7 +102,9 @@ class CheckProcess:
                 raise CancelledError
         answer = self._connection.recv()
         if isinstance(answer, _Raised):
-            raise RuntimeError(answer.text)
+            error = RuntimeError(answer.text.strip().splitlines()[-1])
+            error.add_note(answer.text)
+            raise error
         return answer
 
     def _start(self) -> None:

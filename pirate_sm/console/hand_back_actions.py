@@ -10,7 +10,9 @@ from pirate_sm.console.confirmed_actions import ConfirmedActions
 from pirate_sm.console.dialogs import Choice, Pick
 from pirate_sm.console.waits_before import not_passed
 from pirate_sm.engine.robot.planning import Plan
-from pirate_sm.showing.snapshot import Snapshot
+from pirate_sm.showing.snapshot import Scene, Snapshot
+
+FAULT = "a fault in this program"
 
 
 class HandBackActions(ConfirmedActions):
@@ -23,8 +25,9 @@ class HandBackActions(ConfirmedActions):
     _entries: availability.Entries | None = None
     _picking: Pick | None = None
     _ways: hand_back_plan.Ways | None = None
-    _no_ways_in: availability.Situation | None = None
-    _looking_for: tuple[object, ...] | None = None
+    _searched: availability.Situation | None = None
+    _searched_scene: Scene | None = None
+    _search_failed_in: availability.Situation | None = None
     _reported: object = None
 
     def _choose_phase(self, snapshot: Snapshot) -> None:
@@ -38,6 +41,7 @@ class HandBackActions(ConfirmedActions):
 
     def _phase_choices(self, snapshot: Snapshot) -> list[Choice]:
         entries, phases = self.entries(snapshot), snapshot.scene.loaded.mission.phases
+        failed = self._search_failed_in == availability.situation_of(snapshot)
         found = []
         for name in snapshot.scene.loaded.program.phases:
             about = getattr(phases.get(name), "description", "")
@@ -45,6 +49,8 @@ class HandBackActions(ConfirmedActions):
             blocked = bool(reason) and entries is not None and reason == entries.get(name)
             if blocked and self._seeking(snapshot):
                 reason = hand_back_plan.SEEKING
+            elif blocked and failed and FAULT not in reason:
+                reason = f"{reason}; whether commands restore it is not known: {FAULT}"
             choice = Choice(name, name, about, reason)
             plan = self._plan(snapshot, name) if reason else None
             found.append(hand_back_plan.with_way(snapshot.scene.robot, choice, plan))
@@ -53,7 +59,7 @@ class HandBackActions(ConfirmedActions):
     def _seeking(self, snapshot: Snapshot) -> bool:
         """Return whether the search for restoring commands still goes on."""
         situation = availability.situation_of(snapshot)
-        looked_in = self._no_ways_in, self._ways and self._ways.situation
+        looked_in = self._search_failed_in, self._ways and self._ways.situation
         return situation is None or situation not in looked_in
 
     def _plan(self, snapshot: Snapshot, phase: str) -> Plan | None:
@@ -122,9 +128,11 @@ class HandBackActions(ConfirmedActions):
         situation, entries = availability.situation_of(snapshot), self.entries(snapshot)
         if situation is None or entries is None or snapshot.state is None:
             return
-        if self._looking_for == (situation, snapshot.scene) or self._no_ways_in == situation:
+        if (self._searched, self._searched_scene) == (situation, snapshot.scene):
             return
-        self._looking_for = (situation, snapshot.scene)
+        if self._search_failed_in == situation:
+            return
+        self._searched, self._searched_scene = situation, snapshot.scene
         blocked = tuple(phase for phase, reason in entries.items() if reason)
         body, places = snapshot.state.robot, snapshot.state.rules
         what = snapshot.scene.loaded, situation, body, places, blocked, self._ways

@@ -107,7 +107,8 @@ class HandDriving:
         far = "to the joint" if isnan(self.limit_m) else far
         keys = ("↑↓ drive ", MUTED), f"{self.speed:.0%}", (" (+ -), ", MUTED), far, (" (=)", MUTED)
         here_m = place_m(self._latest(), self.place)
-        here = "not said" if isnan(here_m) else f"at {here_m:.2f} m"
+        unknown = "not said" if isnan(self.place.said_m) else "not known"
+        here = unknown if isnan(here_m) else f"at {here_m:.2f} m"
         return [line(*keys), line(("wheel 1 ", MUTED), here, (" (@)", MUTED))]
 
     def why_not(self, command: str) -> str:

@@ -16,7 +16,7 @@ from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.checklist import Checklist
 from pirate_sm.console.dialogs import Say
-from pirate_sm.console.hand_back_actions import HandBackActions
+from pirate_sm.console.hand_back_actions import FAULT, HandBackActions
 from pirate_sm.console.hand_driving import (
     FIRST_REPEAT_S,
     NEXT_REPEAT_S,
@@ -42,6 +42,14 @@ from pirate_sm.model.events import (
 from pirate_sm.runtime.stop_requests import BY_SIGNAL
 from pirate_sm.showing.panels import choices
 
+_ASKED = {
+    "entries": "where the mission can start is",
+    "ways": "commands that restore a phase are",
+    "missions": "the missions are",
+    "load": "the mission is",
+}
+"""What each kind of worker finds out."""
+
 
 class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     """The acting half of the console; every refusal is shown with the engine's reason.
@@ -49,7 +57,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     Attributes:
         pressed_s: When the last key was pressed, by the monotonic clock.
         late_after_s: From which age on a key does not drive any more.
-        faults: The exceptions that have cost an answer, but did not end the console.
+        faults: The exceptions that left a question unanswered, but did not end the console.
     """
 
     letters: dict[str, str]
@@ -226,20 +234,23 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         if event.state is WorkerState.ERROR and isinstance(error, PirateError):
             self.notify(error.for_terminal, severity="error", timeout=10, markup=False)
         elif event.state is WorkerState.ERROR and isinstance(error, Exception):
-            self._do_without(worker.group, error)
+            self._note_fault(worker.group, error)
         elif event.state is WorkerState.SUCCESS:
             self._take_in(worker.group, worker.result)
 
-    def _do_without(self, what: str, error: Exception) -> None:
-        """Show a fault in this program that has cost an answer; what it was about stays unknown."""
-        self.faults.append(error)
-        said = f"not known: a fault in this program ({str(error).strip().splitlines()[-1]})"
-        self.notify(said, severity="error", timeout=10, markup=False)
-        if what in ("entries", "ways"):
-            self._no_ways_in = availability.situation_of(self.session.latest)
+    def _note_fault(self, what: str, error: Exception) -> None:
+        """Show, once, a fault in this program that left a question unanswered."""
+        reason = (str(error).strip() or type(error).__name__).splitlines()[-1]
+        said = f"{_ASKED[what]} not known: {FAULT} ({reason})"
+        if repr(error) not in map(repr, self.faults):
+            self.faults.append(error)
+            self.notify(said, severity="error", timeout=10, markup=False)
         if what == "entries":
+            self._search_failed_in = self._situation
             phases = self.session.latest.scene.loaded.program.phases
             self._take_in(what, dict.fromkeys(phases, said))
+        elif what == "ways":
+            self._search_failed_in = self._searched
 
     def _take_in(self, what: str, found: Any) -> None:
         if what == "entries":

@@ -136,10 +136,13 @@ def _frames(
     state, last_s = None, 0.0
     places.begin(window.start_s)
 
-    def shown(state: EngineState, at_s: float, *, over: bool = False) -> Snapshot:
+    def shown(
+        state: EngineState, at_s: float, *, over: bool = False, lost_s: float = 0.0
+    ) -> Snapshot:
         what = scene, at_s, state, memory.story(), places.at(at_s), not places.known
         ahead_s = recording.origin_s
-        return Snapshot(*what, trends=trends.latest, over=over, ahead_s=ahead_s)
+        found = Snapshot(*what, trends=trends.latest, over=over, ahead_s=ahead_s)
+        return replace(found, held_s=lost_s)
 
     for again in rerun(recording, loaded, begin.after):
         at_s = last_s = again.at_s
@@ -147,6 +150,9 @@ def _frames(
             return
         if gap := gaps.get(again.step.number):
             memory.lose(gap.from_s, gap.until_s)
+            if state is not None:
+                lost_s = gap.until_s - gap.from_s
+                yield shown(state, gap.from_s + min(FINEST_S, lost_s), lost_s=lost_s)
         memory.see(with_own_times(again.effects, recording.origin_s), at_s)
         state = again.state or state
         if state is None:

@@ -14,19 +14,21 @@ if TYPE_CHECKING:
 
 
 def left_state(
-    engine: Engine, state: EngineState, sent: tuple[float, ...], link: LinkHealth | None
+    engine: Engine, state: EngineState | None, sent: tuple[float, ...], link: LinkHealth | None
 ) -> str:
     """Return in what state a run has left the robot: its wheels and what holds it.
 
     Args:
         engine: The engine of the run.
-        state: The engine's state at the end.
+        state: The engine's state at the end; None if it has not begun.
         sent: The last array that was sent; empty if none was.
         link: How the link is; None where there is none.
     """
     robot = engine.robot
     if not sent:
         return "nothing was sent: the robot is as it was"
+    if state is None:
+        return "what holds the robot is not known"
     accepted = state.robot.flight is None and state.robot.values == sent
     if link is not None:  # it also knows what became of an array sent past the engine
         accepted = link.stopped and (accepted or not state.mission.ended)

@@ -153,6 +153,7 @@ class Memory:
 
     def lose(self, from_s: float, until_s: float) -> None:
         """Forget where the mission is: nothing is known of it between these times."""
+        self.tell(Line("recording", f"damaged: nothing is known until {until_s:.1f} s"), from_s)
         self._leave(from_s)
         self.phase, self.wait, self.question = Visit("", until_s), None, None
 

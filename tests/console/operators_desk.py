@@ -137,6 +137,11 @@ class Bay:
         self.frozen_s = None
         os.kill(self.process.pid, signal.SIGCONT)
 
+    def close(self) -> None:
+        """Take it away."""
+        self.process.kill()
+        self.process.communicate()
+
     @property
     def drives(self) -> bool:
         """Whether a wheel is driven."""

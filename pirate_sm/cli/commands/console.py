@@ -190,19 +190,16 @@ def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
 
     if parting := session.prepared.parting():
         say(parting)
-    for each in app.faults:
+    failures = [*app.faults]
+    if app.failure is not None and not _gone(app.failure, session):
+        failures.append(app.failure)
+    for each in failures:
         say_bug(each, debug)
     result, stop, latest = session.result, session.quitting.stop, session.latest
-    crashed = app.failure is not None and not _gone(app.failure, session)
-    if crashed and app.failure is not None:
-        say_bug(app.failure, debug)
     if result is not None:
-        left = "nothing was sent: the robot is as it was"
-        if latest.state is not None:
-            what = latest.scene.engine, latest.state, latest.story.setpoints, latest.link
-            left = left_state(*what)
-        say(f"{result.ended.message}: {left}")
-    if crashed:
+        what = latest.scene.engine, latest.state, latest.story.setpoints, latest.link
+        say(f"{result.ended.message}: {left_state(*what)}")
+    if failures:
         return BUG
     if result is not None and result.ended.outcome != "interrupted":
         return result.exit_code

@@ -449,7 +449,13 @@ def test_the_console_counts_no_time_of_a_gap_for_the_phase_before_it(tmp_path: P
     phase, since_s = snapshots.at(gap.from_s).story.phase
     spent_s = snapshots.at(gap.from_s).story.spent_s.get(phase, 0.0) + gap.from_s - since_s
 
+    within = snapshots.at((gap.from_s + gap.until_s) / 2)
+    assert not within.live
+    assert not within.story.phase.phase
+    assert "damaged" in within.story.recent[-1].line.text
+
     for after in (snapshots.at(gap.until_s + 0.2), snapshots.at(snapshots.length_s)):
+        assert after.live or after.over
         assert after.story.spent_s[phase] == pytest.approx(spent_s)
         assert after.story.phase.phase != phase
     (shown,) = (each.plain for each in phases(after, 60, 20) if f" {phase} " in each.plain)
