@@ -52,16 +52,19 @@ class Row:
         mission: Its name.
         pipe: Name of a pipe in place of the mission's own.
         barred: Whether the bar holds for it; else the row is only shown.
+        detector: Which detector says the words.
     """
 
     mission: str
     pipe: str | None = None
     barred: bool = False
+    detector: str = "sim"
 
     @property
     def name(self) -> str:
         """Return what is printed, and what ``--row`` takes."""
-        return self.pipe or self.mission
+        named = self.pipe or self.mission
+        return named if self.detector == "sim" else f"{named}_by_{self.detector}"
 
 
 ROWS = (
@@ -84,6 +87,8 @@ ROWS = (
     Row("mitre_bend", "mitre_45"),
     Row("mitre_bend", "mitre_90_105mm"),
     Row("mitre_bend_backward"),
+    Row("mitre_bend", "mitre_90", detector="odometry"),
+    Row("house_connection", detector="odometry"),
 )
 
 
@@ -158,6 +163,7 @@ def missed_in(row: Row, seed: int) -> Missed:
         run(
             row.mission,
             pipe=row.pipe,
+            detector=row.detector,
             seed=seed,
             record=path,
             start_jitter_m=0.02,

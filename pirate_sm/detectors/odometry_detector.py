@@ -251,6 +251,7 @@ class Odometry:
         self._take(robot)
         if self.reckoned is not None:
             self._bent_m -= self.reckoned.odometer_m
+            self._doubted_m -= self.reckoned.odometer_m
             self.reckoned = self.reckoned._replace(odometer_m=0.0)
 
     def speak(self, now_s: float) -> Sequence[Event]:

@@ -134,7 +134,7 @@ class Engine:
         following, _ = rules.follow(self.program, self.robot, progress, robot, 0)
         look = None if self.nominal else confirmation.begin(self.robot, robot, now_s)
         surveyed = environment.nothing_surveyed(nominal=self.nominal)
-        faults = no_faults(self.robot)
+        faults = no_faults(self.robot, now_s)
         state = EngineState(robot, sensing, mission, faults, words)
         state = state._replace(rules=following, surveyed=surveyed, look=look)
         if not self.nominal:

@@ -62,13 +62,15 @@ class Counted(NamedTuple):
     """A distance, from which later ones count.
 
     Attributes:
-        width_m: How far the robot could be from the odometry then.
+        width_m: How far the robot could be from the odometry then, where all wheels had reported.
+        late_m: How far it could have driven since they should have.
         rolled_m: How far it had driven, back and forth.
     """
 
     odometry_m: float = 0.0
     width_m: float = 0.0
     rolled_m: float = 0.0
+    late_m: float = 0.0
 
 
 @often_replaced
@@ -157,12 +159,14 @@ class FaultState(NamedTuple):
         since: Per rule when its condition became true, NaN while it is not.
         raised: Rules that were raised and still hold.
         silent: Boards reported as silent; ``blind``: numbers reported as without value.
+        listening_s: Since when the share of lost reports is counted.
     """
 
     since: tuple[float, ...]
     raised: frozenset[int] = frozenset()
     silent: frozenset[int] = frozenset()
     blind: frozenset[int] = frozenset()
+    listening_s: float = 0.0
 
 
 @often_replaced

@@ -31,7 +31,8 @@ def mapped(recording: Recording) -> Map:
     """
     loaded = recorded_robot_files(recording.header)
     robot = robot_as_recorded(loaded, recording.header)
-    mapper = Mapper(robot, words_of(loaded.profile))
+    waits = recording.header.detector == "odometry"
+    mapper = Mapper(robot, words_of(loaded.profile), waits=waits)
     seen: list[str] = []
     for look in looks(mapper.robot, _overheard(recording, seen), recording.origin_s):
         mapper.look(look)

@@ -52,9 +52,9 @@ _PARALLEL_RAD = radians(2)
 _ONE_AXIS_RAD = radians(5)
 """Parts that differ by more do not lie in one leg [measured]."""
 
-_SLIPPED_M, _READ_M = 0.015, 0.005
-"""A part has travelled up to so much less than a detector counts that goes by its wheels, 4 to 9 mm
-in bends of six missions [measured], or more, since a detector looks 20 times a second [decided]."""
+_SLIPPED_M = 0.02
+"""By up to so much less a part has travelled than a detector counts that goes by its wheels: 4 to
+9 mm in bends of six missions [measured]."""
 
 _WAITED_S = 0.25
 """A detector says that a bend is passed once the shape has fitted for four looks, which are 0.2 s
@@ -73,6 +73,7 @@ class Mapper:
     Args:
         robot: The robot.
         words: The detector's words that have points.
+        waits: Whether the detector says that a bend is passed only after a way rolled straight.
 
     Attributes:
         robot: The robot.
@@ -80,7 +81,7 @@ class Mapper:
         lost: Whether nothing is known any more of where the robot is.
     """
 
-    def __init__(self, robot: RobotSpec, words: Sequence[Word] = ()) -> None:
+    def __init__(self, robot: RobotSpec, words: Sequence[Word], *, waits: bool) -> None:
         self.map = Map()
         self.lost = False
         self.robot, self._body = robot, robot.body
@@ -92,7 +93,7 @@ class Mapper:
         self._passage: Passage | None = None
         self._newest: Passage | None = None
         self._announced = ""
-        self._apart_m = nan
+        self._waits, self._apart_m = waits, nan
         """Where the parts did not yet lie along one axis after the newest bend, as a way."""
 
     def look(self, look: Look) -> None:
@@ -312,13 +313,11 @@ class Mapper:
         A detector may say it only once the parts lie along one axis, or once its wheel has rolled
         the word's way since. Such a word says only that the bend ends there or before.
         """
-        beyond_m = abs(self._places.ways_m[0] - self._apart_m) - told.passed_m
-        # At the end of an elbow the parts come along one axis, so a word is as late there anyway.
-        slack_m = _SLIPPED_M / 2 if bend.is_round else _SLIPPED_M
         late = apart_rad(self._body, self._before(look, _WAITED_S)) > _PARALLEL_RAD
-        return apart_rad(self._body, look) <= _ONE_AXIS_RAD and (
-            late or -slack_m < beyond_m < _READ_M
-        )
+        if self._waits and not bend.is_round:
+            rolled_m = abs(self._places.ways_m[0] - self._apart_m)
+            late = late or rolled_m > told.passed_m - _SLIPPED_M
+        return late and apart_rad(self._body, look) <= _ONE_AXIS_RAD
 
     def _place_of_word(
         self, look: Look, told: WordPlace, legs: Collection[int]

@@ -133,11 +133,9 @@ def drive(desk: Desk) -> None:
     type_in(desk, "crack, 3 o'clock now")
     desk.press("\r")
     desk.until("wheel 1 at 0.40 m")
+    give(desk, "DriveForward", lambda: "DrivingFor" in desk.text)  # the robot has accepted it
     page(desk, "motors")
-    give(desk, "DriveForward", lambda: set(wheels_sent(desk.text)) == {"100 %", "-100 %"})
-    page(desk, "drive")
-    desk.until("DrivingFor")  # the robot has accepted it
-    page(desk, "motors")
+    desk.until(lambda: set(wheels_sent(desk.text)) == {"100 %", "-100 %"})
 
 
 def type_in(desk: Desk, text: str) -> None:

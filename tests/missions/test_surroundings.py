@@ -33,8 +33,9 @@ JOINT_REACH_M = 0.06
 LAG_S = 1.0
 """So much of a run the report may be behind: signals, words and noise take their time."""
 
-LATE_WORD_S = 1.5
-"""By odometry a bend is passed only once the robot has rolled on since it came straight."""
+LATE_WORD_S = 0.1
+"""By odometry a bend is passed only once the robot has rolled on since it came straight, which in
+one mission takes so much more than before."""
 
 NOTHING = Environment("", nan, nan, nan)
 Arcs = Callable[[], Sequence[float]]
@@ -133,8 +134,8 @@ def test_the_derived_environment_agrees_with_the_truth(
         )
         known_s["diameter"] += (next_s - now_s) * (not isnan(report.diameter_m))
         known_s["attitude"] += (next_s - now_s) * (not isnan(report.pitch_rad))
-    late_s = LATE_WORD_S if how is run_serial else LAG_S
-    assert wrong.pop("segment") == pytest.approx(0.0, abs=late_s)
+    more_s = LATE_WORD_S if (how, mission) == (run_serial, "exp_2c_tilted") else 0.0
+    assert wrong.pop("segment") == pytest.approx(0.0, abs=LAG_S + more_s)
     assert wrong == pytest.approx(dict.fromkeys(wrong, 0.0), abs=LAG_S)
     # Unknown is not wrong: no clamp is confirmed at first, a part that moves or stands askew over
     # the bend shows nothing, and the last part still opens when the robot ends. But 20 of the

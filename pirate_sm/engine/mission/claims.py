@@ -8,6 +8,7 @@ from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.mission.program import DRIVEN, TriggerSpec
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.safety.faults import FoundFault
+from pirate_sm.engine.sensing.distance import BASE_M
 from pirate_sm.engine.state import OUTSIDE, Counted, EngineState
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -21,7 +22,8 @@ def counted(moment: Moment, state: EngineState) -> Counted:
     """Return the distance as it is now, from which later ones can count."""
     at, memory = moment.robot.odometry, state.sensing.distance
     odometry_m = state.sensing.numbers[at] if at >= 0 else 0.0
-    return Counted(odometry_m, memory.width_m, memory.rolled_m)
+    late_m = max(0.0, memory.late_m - BASE_M)
+    return Counted(odometry_m, memory.width_m, memory.rolled_m, late_m)
 
 
 def claim_of(moment: Moment, state: EngineState, trigger: TriggerSpec) -> Counted | None:
@@ -83,5 +85,5 @@ def _driven(moment: Moment, state: EngineState, since: Counted) -> tuple[float, 
     """Return the distance driven since then, its bound, and the largest bound of a success, m."""
     now = counted(moment, state)
     limit_m = max(_LEAST_M, _SHARE * (now.rolled_m - since.rolled_m))
-    bound_m = state.sensing.distance.bound_m - since.width_m
+    bound_m = state.sensing.distance.bound_m - since.width_m + since.late_m
     return now.odometry_m - since.odometry_m, bound_m, limit_m

@@ -54,9 +54,9 @@ class FoundFault(NamedTuple):
         )
 
 
-def no_faults(robot: RobotSpec) -> FaultState:
-    """Return the fault state of a robot without known faults."""
-    return FaultState((nan,) * len(robot.faults))
+def no_faults(robot: RobotSpec, now_s: float = 0.0) -> FaultState:
+    """Return the fault state of a robot without known faults, which is listened to from now on."""
+    return FaultState((nan,) * len(robot.faults), listening_s=now_s)
 
 
 def look(
@@ -97,7 +97,8 @@ def look(
     if since is None and raised is faults.raised and blind is faults.blind:
         return (faults if silent == faults.silent else faults._replace(silent=silent)), ()
     times = faults.since if since is None else tuple(since)
-    return FaultState(times, raised, silent, blind), tuple(found)
+    known = faults._replace(since=times, raised=raised, silent=silent, blind=blind)
+    return known, tuple(found)
 
 
 def _blind(
@@ -184,7 +185,8 @@ def listen(
         )
     if newest_s <= now - silent_after_s / 2:
         return faults, ()
-    due = len(heard_s) * now / robot.link.period_s if alphabet >= EVIDENCE_ENDS else inf
+    due = len(heard_s) * (now - faults.listening_s) / robot.link.period_s
+    due = due if alphabet >= EVIDENCE_ENDS else inf
     limit_s = silent_limit_s(robot.link, sensing.loss, due)
     silent = frozenset(at for at, each_s in enumerate(heard_s) if each_s <= now - limit_s)
     new = silent - faults.silent

@@ -11,19 +11,22 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 from math import inf, isnan, nan, sin
-from statistics import fmean
+from statistics import fmean, median
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.board_spec import WheelSpec
 from pirate_sm.engine.sensing.environment import AGREEING
 from pirate_sm.engine.sensing.known_signals import DistanceMemory, Numbers, Sensing
-from pirate_sm.engine.sensing.wheel_belief import Believed, believed, late
+from pirate_sm.engine.sensing.wheel_belief import Believed, believed
 from pirate_sm.geometry.space import GRAVITY_M_S2
 
 BASE_M = 0.005
 """Reports are late by up to a round of the boards; that makes 4 mm [measured]. Where they are lost
 it is more."""
+
+_MISSED = 1.5
+"""After so many periods without one a report was lost."""
 
 _ROUND, _UNREAD_S = 0.95, 0.5
 """Wheels are judged once in a round of the boards, which rounding may shorten; where the mission
@@ -160,8 +163,10 @@ def judge(
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
     elif ways_m and not changes:  # beside the axis they differ by as much as the parts lack
         slipped_m = max(0.0, max(ways_m) - lacking * abs(by.moved_m)) * _SOME
+    paces_m_s = _paces_m_s(robot, sensing)
+    late_m, gone_m = _late_m(robot, sensing, by, paces_m_s, now_s)
     wrong = _SHARE + _LOST * sensing.loss + _LEANS * lacking
-    width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m)
+    width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m) + gone_m
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (changes or grip.vague)
     running = sensing.asked.driving or any(sensing.shares)
@@ -180,7 +185,8 @@ def judge(
         pitch_rad=pitch_rad,
         out=by.out,
         width_m=width_m if pending else width_m + slipped_m,
-        late_m=_late_m(robot, sensing, by, now_s) if running else BASE_M,
+        paces_m_s=paces_m_s,
+        late_m=BASE_M + late_m,
         pending_m=slipped_m if pending else 0.0,
         sliding_m_s=max(0.0, sliding_m_s) if grip.slips else 0.0,
         rolled_m=memory.rolled_m + abs(by.moved_m),
@@ -190,11 +196,34 @@ def judge(
     return _with_bound(robot, sensing, numbers, memory)
 
 
-def _late_m(robot: RobotSpec, sensing: Sensing, by: Believed, now_s: float) -> float:
-    """Return how far the robot may have driven since its wheels have reported."""
-    lost_s = sensing.loss * robot.link.period_s
-    late_m = late(robot, sensing, by.wheels, now_s + lost_s).values()
-    return max(BASE_M, abs(fmean(late_m))) if late_m else BASE_M
+def _paces_m_s(robot: RobotSpec, sensing: Sensing) -> Numbers:
+    """Return per wheel how fast it rolled when that was known last."""
+    paces = [sensing.numbers[wheel.speed] * wheel.metres_per_rad for wheel in robot.wheels]
+    before = sensing.distance.paces_m_s
+    return tuple(old if isnan(now) else now for now, old in zip(paces, before, strict=True))
+
+
+def _late_m(
+    robot: RobotSpec, sensing: Sensing, by: Believed, paces_m_s: Numbers, now_s: float
+) -> tuple[float, float]:
+    """Return how far the robot may have driven since its wheels should have reported.
+
+    Without its report nobody knows whether a wheel has stopped since, as others may have.
+
+    Returns:
+        That of the wheels that count, and of those that have just been silent for too long to.
+    """
+    period_s, driven = robot.link.period_s, [at for at, each in enumerate(sensing.shares) if each]
+    others_m_s = abs(median([paces_m_s[at] for at in driven] or [0.0]))
+    late_m = {}
+    for at in driven:
+        age_s = now_s - sensing.heard_s[robot.wheel_boards[at]]
+        late_s = (age_s if age_s > _MISSED * period_s else 0.0) + sensing.loss * period_s
+        late_m[at] = max(abs(paces_m_s[at]), others_m_s) * late_s
+    counted = [at for at, each in enumerate(sensing.distance.strayed_m) if not isnan(each)]
+    gone_m = sum(late_m.get(at, 0.0) for at in counted if isnan(by.strayed_m[at]))
+    heard_m = sum(late_m[at] for at in by.wheels)
+    return heard_m / max(len(by.wheels), 1), gone_m / max(len(counted), 1)
 
 
 def _tilted(
@@ -233,6 +262,7 @@ def _begun(robot: RobotSpec, sensing: Sensing, now_s: float) -> DistanceMemory:
         due_s=now_s + memory.every_s,
         angles=sensing.angles,
         joints=_joints(robot, sensing),
+        paces_m_s=(0.0,) * count,
         strayed_m=(0.0,) * count,
         odd_s=(inf,) * count,
         sliding_m_s=0.0,

@@ -35,6 +35,7 @@ class DistanceMemory(NamedTuple):
         running: Whether the robot drives, or has not reported the rest of its way yet.
         begun_s: Since when its wheels are driven in these directions, ``turns``: 1, 0 or -1.
         angles: Per wheel what its sensor showed then; ``joints``: what those of the joints showed.
+        paces_m_s: Per wheel how fast it rolled when that was known last.
         strayed_m: Per wheel how far it is from the others lately; NaN while it does not count.
         odd_s: Per wheel since when it is limp, or turns with the others again; infinite otherwise.
         out: Places of the wheels that are not believed.
@@ -56,6 +57,7 @@ class DistanceMemory(NamedTuple):
     turns: tuple[int, ...] = ()
     angles: Numbers = ()
     joints: Numbers = ()
+    paces_m_s: Numbers = ()
     strayed_m: Numbers = ()
     odd_s: Numbers = ()
     out: frozenset[int] = frozenset()

@@ -281,3 +281,21 @@ def test_a_robot_that_counts_from_zero_again_stays_where_it_is() -> None:
     companion.look(run.state, end_s + 1.0)
 
     assert companion.reckoned.places_m == pytest.approx(places_m, abs=0.001)
+
+
+@pytest.mark.parametrize(("straight_for_m", "said"), [(0.07, True), (0.02, False)])
+def test_a_robot_that_counts_from_zero_again_has_to_roll_on_only_for_the_rest(
+    straight_for_m: float, said: bool
+) -> None:
+    prepared = prepare(Order("mitre_bend", detector="odometry"))
+    companion = reckoning(prepared)
+    run = MissionRun(
+        prepared.engine, prepared.backend, companions=[*prepared.companions, FirstChoice()]
+    )
+    end_s = run.execute().now_s
+    companion._bent_m = companion.reckoned.odometer_m - straight_for_m
+
+    companion.restart(prepared.loaded.robot)
+    companion.look(run.state, end_s + 1.0)
+
+    assert companion._clear(run.state.sensing.numbers) == said

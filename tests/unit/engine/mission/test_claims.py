@@ -42,6 +42,7 @@ def driven(
     width_m: float = 0.0,
     before_m: float = 0.0,
     rolled_m: float = 1.0,
+    late_m: float = 0.0,
     handled: str = "go: unsure",
     go: str = "there",
     word: str = "detector == past",
@@ -49,7 +50,8 @@ def driven(
 ) -> Driver:
     """A robot that drives a metre, while its distance becomes less certain by this.
 
-    It had driven two, to 0.4 m, and was uncertain by `before_m` when its wait began.
+    It had driven two, to 0.4 m, and was uncertain by `before_m` when its wait began, and by
+    `late_m` for what its wheels had not reported yet.
     """
     body = (
         BODY.replace("succeed: There", f"succeed: '{said}'")
@@ -57,7 +59,7 @@ def driven(
         .replace("HANDLED", handled)
     )
     driver = drive(body.replace("NEXT", go).replace("WORD", word), states=BOTH_CLAMPED)
-    widen(driver, before_m, 2.0)
+    widen(driver, before_m, 2.0, late_m)
     numbers = list(driver.state.sensing.numbers)
     numbers[driver.robot.odometry] = 0.4
     sensing = driver.state.sensing._replace(numbers=tuple(numbers))
@@ -72,9 +74,11 @@ def driven(
     return driver
 
 
-def widen(driver: Driver, width_m: float, rolled_m: float = 0.0) -> None:
+def widen(driver: Driver, width_m: float, rolled_m: float = 0.0, late_m: float = 0.0) -> None:
     sensing = driver.state.sensing
-    memory = sensing.distance._replace(width_m=width_m, rolled_m=rolled_m, every_s=1e9)
+    memory = sensing.distance._replace(
+        width_m=width_m, rolled_m=rolled_m, late_m=BASE_M + late_m, every_s=1e9
+    )
     driver.state = driver.state._replace(sensing=sensing._replace(distance=memory))
 
 
@@ -103,6 +107,13 @@ def test_belief_in_a_success_ends_where_its_distance_is_wrong_by_a_quarter(
         assert "from there; this must be known within 250 mm" in ended.message
         assert f"but the robot may be {(width_m + BASE_M) * 1000:.0f} mm" in ended.message
         assert ended.message.startswith("distance.unknown: the wheels show 10")
+
+
+def test_belief_in_a_success_ends_where_the_wheels_were_late_when_its_distance_began(drive) -> None:
+    driver = driven(drive, width_m=0.22, late_m=0.04)
+
+    assert finish(driver)
+    assert driver.faults == [("distance.unknown", "unsure")]
 
 
 def test_a_success_names_the_distance_that_was_measured(drive) -> None:

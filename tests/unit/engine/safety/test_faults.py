@@ -792,6 +792,16 @@ class TestLooking:
         sensing = driver.state.sensing._replace(heard_s=tuple(times), loss=0.0)
         return faults.listen(robot, known, sensing, now)
 
+    @pytest.mark.parametrize("begun_s", [0.0, 60.0])
+    def test_belief_in_a_line_needs_reports_also_where_a_run_begins_late(self, driver, begun_s):
+        robot = replace(driver.robot, link=replace(driver.robot.link, period_s=0.1))
+        now, others = begun_s + 1.3, len(robot.boards) - 1
+        sensing = driver.state.sensing._replace(heard_s=(begun_s, *(now,) * others), loss=0.3)
+
+        begun = driver.engine.start(begun_s)[0].faults
+        for known, silent in ((begun, 0), (faults.no_faults(robot, begun_s - 60.0), 1)):
+            assert len(faults.listen(robot, known, sensing, now)[1]) == silent
+
     @pytest.mark.parametrize(("now", "silent"), [(11.0, True), (10.99, False)])
     def test_the_link_is_silent_once_no_board_has_reported_for_its_time(self, driver, now, silent):
         known = faults.no_faults(driver.robot)

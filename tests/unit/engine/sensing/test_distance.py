@@ -142,14 +142,39 @@ def test_belief_in_a_bound_ends_with_the_reports_that_are_lost() -> None:
 
     world.drive(3)
 
-    assert world.bound_m == pytest.approx(world.width_m + way_m(3) / 2)
+    assert world.bound_m == pytest.approx(world.width_m + BASE_M + way_m(3) / 2)
     world.sensing = world.sensing._replace(loss=0.4)
     lost_m = 0.4 * robot().link.period_s * SPEED * top_m_s()  # until the next reports
     world.drive(1)
-    assert world.bound_m == pytest.approx(world.width_m + way_m(4) / 2 + lost_m)
+    assert world.bound_m == pytest.approx(world.width_m + BASE_M + way_m(4) / 2 + lost_m)
     world.silent = set()
     world.drive(1)
-    assert world.bound_m == pytest.approx(world.width_m + BASE_M)
+    assert world.bound_m == pytest.approx(world.width_m + BASE_M + lost_m)
+
+
+def test_belief_in_a_bound_does_not_come_back_by_a_wheel_that_is_seen_to_brake() -> None:
+    """Nobody knows whether the wheels that are not heard have stopped, too."""
+    world = World()
+    world.drive(5)
+    world.silent = {0, 1, 2, 3, 4}
+    world.drive(2)
+    world.speeds = [0.0] * 6
+    world.drive(2)
+
+    assert world.bound_m > world.width_m + BASE_M + 0.9 * way_m(4) * 5 / 6
+
+
+def test_belief_in_a_bound_does_not_come_back_once_silent_wheels_count_no_more() -> None:
+    world = World()
+    world.drive(5)
+    world.silent = {0, 2, 4}
+    rounds = int(robot().link.silent_after_s / ROUND_S)
+    world.drive(rounds - 1)
+    before_m = world.bound_m
+
+    world.drive(3)  # they are silent for too long, and count no more
+
+    assert world.bound_m > before_m
 
 
 def test_backward_it_is_the_same() -> None:
