@@ -11,9 +11,12 @@ from __future__ import annotations
 import errno
 import os
 import stat
-import tempfile
 from io import BufferedReader
 from pathlib import Path
+from secrets import token_hex
+
+PART = ".part"
+"""Ending of a file that is not whole yet."""
 
 _NOTHING = {errno.ENOENT, errno.ENOTDIR, errno.ENAMETOOLONG}
 """Errors of a path at which nothing is."""
@@ -60,26 +63,39 @@ def opened(path: Path | str) -> BufferedReader:
     return open(path, "rb", opener=_without_waiting)
 
 
-def replace_file(path: Path, content: bytes, mode: int = 0o644) -> None:
+def replace_file(path: Path, content: bytes | memoryview) -> None:
     """Write a file at once, so that no reader sees half of it and a failure leaves the old one.
+
+    It is written next to the old one, synchronised, and takes its place.
 
     Args:
         path: The file; a link is replaced, not its target.
         content: All of it.
-        mode: Its permissions.
 
     Raises:
         OSError: It cannot be written.
     """
-    handle, name = tempfile.mkstemp(dir=path.parent, suffix=".part")
-    part = Path(name)
+    part = path.with_name(f".{path.name[:50]}.{token_hex(4)}{PART}")
     try:
-        with os.fdopen(handle, "wb") as file:
+        with part.open("xb") as file:
             file.write(content)
-        part.chmod(stat.S_IMODE(mode))
-        part.replace(path)
+            file.flush()
+            os.fsync(file.fileno())
+        take_place(part, path)
     finally:
         part.unlink(missing_ok=True)
+
+
+def take_place(part: Path, path: Path) -> None:
+    """Move a file to the place of another one, whose mode it gets; a link is replaced.
+
+    Raises:
+        OSError: The other file is read-only, or it is none.
+    """
+    if is_file(path):
+        path.open("r+b").close()  # a file that is read-only stays
+        part.chmod(stat.S_IMODE(path.stat().st_mode))
+    part.replace(path)
 
 
 def _without_waiting(path: str, flags: int) -> int:

@@ -10,18 +10,17 @@ from __future__ import annotations
 
 import fcntl
 import json
-import os
 import shlex
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from contextlib import suppress
-from functools import partial
+from contextlib import contextmanager, suppress
+from io import BytesIO
 from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
 from pirate_sm.campaign.chunk import Row
 from pirate_sm.errors import UsageError
-from pirate_sm.on_disk import is_file, opened
+from pirate_sm.on_disk import PART, is_file, opened, replace_file
 
 if TYPE_CHECKING:
     from pyarrow import Table as ArrowTable
@@ -29,7 +28,7 @@ if TYPE_CHECKING:
 MARK = "campaign.json"
 """The file that makes a folder a store of results; it has what a reader needs of the campaign."""
 
-_RESULTS, _PART, _LOCK, RECORDINGS = "results", ".part", "lock", "recordings"
+_RESULTS, _LOCK, RECORDINGS = "results", "lock", "recordings"
 
 _DAMAGED = ".damaged"
 """Ending of a file that was damaged, once its runs are to be repeated."""
@@ -107,10 +106,9 @@ class Store:
             (self.folder / _RESULTS).mkdir(parents=True, exist_ok=True)
             self._keep_others_out()
             self._values = {cell["key"]: cell["values"] for cell in mark.get("cells", ())}
-            for left in (self.folder / _RESULTS).glob(f"*{_PART}"):
+            for left in (self.folder / _RESULTS).glob(f"*{PART}"):
                 left.unlink()
-            text = json.dumps(mark, indent=1) + "\n"
-            _replace(self.folder / MARK, lambda place: place.write_text(text, "utf-8"))
+            replace_file(self.folder / MARK, f"{json.dumps(mark, indent=1)}\n".encode())
 
     def keep(self, name: str, recording: bytes) -> None:
         """Write the recording of a run.
@@ -120,7 +118,7 @@ class Store:
         """
         with _writing(self.recordings):
             self.recordings.mkdir(exist_ok=True)
-            _replace(self.recordings / name, lambda place: place.write_bytes(recording))
+            replace_file(self.recordings / name, recording)
 
     def _keep_others_out(self) -> None:
         """Lock the folder for this process; the lock ends with the process, however that ends.
@@ -245,45 +243,25 @@ class Store:
             [self._numbers.get(level, 0), *(int(file.stem.partition("-")[2]) for file in files)]
         )
         name = f"{level}-{self._numbers[level]:08d}.parquet"
+        content = BytesIO()
+        parquet.write_table(table, content, compression="zstd", write_page_checksum=True)
         with _writing(folder):
-            write = partial(
-                parquet.write_table, table, compression="zstd", write_page_checksum=True
-            )
-            _replace(folder / name, write)
+            replace_file(folder / name, content.getbuffer())
         if len(files) + 1 >= _MOST_FILES:
             self._merge(level)
 
 
-class _writing:  # noqa: N801 - used as a statement
-    """Turns an error of the file system into a message that says what to do."""
-
-    def __init__(self, folder: Path) -> None:
-        self._folder = folder
-
-    def __enter__(self) -> None:
-        pass
-
-    def __exit__(self, kind: Any, error: BaseException | None, trace: Any) -> None:
-        if isinstance(error, OSError):
-            why = error.strerror or str(error)
-            raise UsageError(
-                f"results cannot be written to '{self._folder}': {why}; what was written before is "
-                "kept: make it possible, then go on with --resume"
-            ) from None
-
-
-def _replace(place: Path, write: Callable[[Path], Any]) -> None:
-    """Write a file so that it is either whole or not there."""
-    part = place.with_name(place.name + _PART)
+@contextmanager
+def _writing(folder: Path) -> Iterator[None]:
+    """Turn an error of the file system into a message that says what to do."""
     try:
-        write(part)
-        with part.open("rb+") as file:
-            os.fsync(file.fileno())
-        part.replace(place)
-    except OSError:
-        with suppress(OSError):
-            part.unlink()
-        raise
+        yield
+    except OSError as error:
+        why = error.strerror or str(error)
+        raise UsageError(
+            f"results cannot be written to '{folder}': {why}; what was written before is "
+            "kept: make it possible, then go on with --resume"
+        ) from None
 
 
 def _table(rows: Sequence[Row], values: Mapping[str, Mapping[str, str]]) -> ArrowTable:

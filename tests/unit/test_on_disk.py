@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.on_disk import is_file, is_folder, is_there, opened, why_hidden
+from pirate_sm.on_disk import is_file, is_folder, is_there, opened, replace_file, why_hidden
 
 
 @pytest.fixture
@@ -73,6 +73,57 @@ def test_a_named_pipe_that_takes_the_place_of_a_file_is_refused_without_waiting(
         with pytest.raises(OSError, match="not a regular file"):
             opened(pipe)
     assert len(closed) == 1
+
+
+def test_a_file_is_replaced_whole_and_keeps_its_mode(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / ("a" * 250)
+    replace_file(file, b"first")
+    file.chmod(0o640)
+    synchronised: list[int] = []
+    monkeypatch.setattr(os, "fsync", synchronised.append)
+
+    replace_file(file, memoryview(b"second"))
+
+    assert len(synchronised) == 1
+    assert file.read_bytes() == b"second"
+    assert file.stat().st_mode & 0o777 == 0o640
+    assert list(tmp_path.iterdir()) == [file]
+
+
+def test_a_link_is_replaced_and_what_it_leads_to_stays(tmp_path: Path) -> None:
+    file, link, broken = (tmp_path / name for name in ("file", "link", "broken"))
+    file.write_bytes(b"first")
+    link.symlink_to(file)
+    broken.symlink_to(tmp_path / "nowhere")
+
+    for each in (link, broken):
+        replace_file(each, b"second")
+
+    assert [each.read_bytes() for each in (file, link, broken)] == [b"first", b"second", b"second"]
+    assert not (tmp_path / "nowhere").exists()
+
+
+def test_a_file_that_may_not_be_written_stays(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    file = tmp_path / "file"
+    file.write_bytes(b"first")
+    usual = Path.open
+
+    def refusing(self: Path, mode: str = "r", *rest: object) -> object:
+        if self == file:
+            raise PermissionError(13, "Permission denied")
+        return usual(self, mode, *rest)  # type: ignore[call-overload]
+
+    with monkeypatch.context() as patch:
+        patch.setattr(Path, "open", refusing)
+        with pytest.raises(PermissionError):
+            replace_file(file, b"second")
+
+    assert file.read_bytes() == b"first"
+    assert list(tmp_path.iterdir()) == [file]
 
 
 def test_a_regular_file_is_opened_to_be_read_and_nothing_else_is(tmp_path: Path) -> None:

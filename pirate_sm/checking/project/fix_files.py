@@ -45,10 +45,8 @@ class FileChange:
         Raises:
             UsageError: It cannot be written.
         """
-        path = Path(self.name).resolve()
         try:
-            path.open("r+b").close()  # a file that is read-only is not to be replaced
-            replace_file(path, self.after.encode(), path.stat().st_mode)
+            replace_file(Path(self.name).resolve(), self.after.encode())
         except OSError as error:
             raise UsageError(f"{self.name} cannot be changed: {error.strerror}") from None
 

@@ -10,11 +10,11 @@ from typing import TypeAlias
 
 from pirate_sm.cli.opened_recording import opened_recording, print_visible
 from pirate_sm.cli.options.recordings import ExportOptions
-from pirate_sm.cli.output.files import first_line, refuse_losses, take_place, write_file
+from pirate_sm.cli.output.files import first_line, refuse_losses, write_file
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.on_disk import is_there
+from pirate_sm.on_disk import is_there, take_place
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.tables.csv_files import write_tables
@@ -120,7 +120,7 @@ def _write_tables(
         refuse_losses(parts, tables=tables, overwrite=overwrite)
         for place, part in parts.items():
             with _said_of(place):
-                take_place(part, place)
+                take_place(part, place.resolve())
     return list(map(str, parts))
 
 

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterable
 from contextlib import suppress
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
-from pirate_sm.on_disk import is_file, is_folder, is_there, opened
+from pirate_sm.on_disk import is_file, is_folder, is_there, opened, replace_file
 from pirate_sm.report import GENERATOR
 
 HEAD = 20_000
@@ -59,7 +58,7 @@ def refuse_losses(
     """
     places, tables = list(places), frozenset(tables)
     whole = [place.resolve() for place in places]
-    read = _files(inputs)
+    read = [file for each in inputs for file in (each.rglob("*") if is_folder(each) else [each])]
     problems = []
     for place in dict.fromkeys(places):
         if is_recording(place):
@@ -84,14 +83,6 @@ def is_made(place: Path, tables: Iterable[str] = ()) -> bool:
     if not head or (suffix == ".csv" and first_line(place) in tables):
         return True
     return any(mark in head for mark in _MARKS.get(suffix, ()))
-
-
-def _files(inputs: Iterable[Path]) -> list[Path]:
-    """Return the files, and those in the folders."""
-    found: list[Path] = []
-    for each in inputs:
-        found += each.rglob("*") if is_folder(each) else [each]
-    return found
 
 
 def _is_same(place: Path, other: Path) -> bool:
@@ -139,8 +130,7 @@ def write_file(place: Path, text: str) -> None:
 def write_bytes(place: Path, content: bytes) -> None:
     """Write the content to the file: all of it, or nothing.
 
-    It is written beside the file and then takes its place; a link stays a link. What is no file,
-    such as a terminal or a pipe, is written to directly.
+    A link stays a link. What is no file, such as a terminal or a pipe, is written to directly.
 
     Raises:
         UsageError: It cannot be written; what was there before stays.
@@ -152,32 +142,7 @@ def write_bytes(place: Path, content: bytes) -> None:
         if is_there(whole) and not is_file(whole):
             whole.write_bytes(content)
         else:
-            _replace(whole, content)
+            replace_file(whole, content)
     except (OSError, RuntimeError) as error:  # RuntimeError: a link that leads to itself
         why = error.strerror if isinstance(error, OSError) else str(error)
         raise UsageError(f"'{place}' cannot be written: {why}") from None
-
-
-def _replace(place: Path, content: bytes) -> None:
-    part = place.with_name(f".{place.name[:200]}.{os.getpid()}.part")
-    try:
-        with part.open("xb") as file:
-            file.write(content)
-            file.flush()
-            os.fsync(file.fileno())
-        take_place(part, place)
-    finally:
-        part.unlink(missing_ok=True)
-
-
-def take_place(part: Path, place: Path) -> None:
-    """Move a file to the place of another one, which keeps its mode; a link stays a link.
-
-    Raises:
-        OSError: The other file is read-only, or it is none.
-    """
-    place = place.resolve()
-    if is_there(place):
-        place.open("r+b").close()  # a file that is read-only stays
-        part.chmod(place.stat().st_mode & 0o7777)
-    part.replace(place)

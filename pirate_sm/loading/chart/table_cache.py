@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from contextlib import suppress
 from dataclasses import asdict
 from hashlib import sha256
 from importlib.metadata import PackageNotFoundError, version
@@ -107,8 +108,6 @@ def _is_matrix(rows: tuple[tuple[object, ...], ...], table: ChartTable, limit: i
 def _write(path: Path, table: ChartTable) -> None:
     data = asdict(table)
     data.pop("_index")
-    try:
+    with suppress(OSError):
         path.parent.mkdir(parents=True, exist_ok=True)
         replace_file(path, json.dumps(data).encode())
-    except OSError:
-        return

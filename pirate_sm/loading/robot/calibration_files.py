@@ -127,8 +127,11 @@ def keep_calibration(calibration: Calibration, robot: LoadedRobot) -> Path:
     text = _text(calibration)
     reason = ""
     for folder in _folders(robot):
+        path = folder / f"calibration-{calibration.date}.yaml"
         try:
-            return _write(folder / f"calibration-{calibration.date}.yaml", text)
+            folder.mkdir(parents=True, exist_ok=True)
+            replace_file(path, text.encode())
+            return path
         except OSError as error:
             reason = reason or f"{shown(folder)}: {error.strerror}"
     raise UsageError(f"the calibration cannot be written, {reason}")
@@ -137,12 +140,6 @@ def keep_calibration(calibration: Calibration, robot: LoadedRobot) -> Path:
 def _folders(robot: LoadedRobot) -> tuple[Path, Path]:
     users = user_config_path("pirate_sm", appauthor=False) / "calibrations"
     return robot.folder, users / robot.profile.robot
-
-
-def _write(path: Path, text: str) -> Path:
-    path.parent.mkdir(parents=True, exist_ok=True)
-    replace_file(path, text.encode())
-    return path
 
 
 def _text(calibration: Calibration) -> str:

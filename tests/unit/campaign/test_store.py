@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import os
 from collections.abc import Iterator
 from contextlib import ExitStack
 from itertools import count
@@ -193,7 +194,7 @@ def test_a_full_disk_is_reported_and_what_was_written_is_kept(
         raise OSError(errno.ENOSPC, "No space left on device")
 
     with monkeypatch.context() as patch:
-        patch.setattr(stores.os, "fsync", full)
+        patch.setattr(os, "fsync", full)
         with pytest.raises(UsageError, match=r"No space left on device; .* go on with --resume"):
             store.add(rows(2))
     assert seeds_in(tmp_path) == [1]

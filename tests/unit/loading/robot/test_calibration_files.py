@@ -25,6 +25,7 @@ from pirate_sm.loading.robot.calibration_files import (
 )
 from pirate_sm.model.calibration import Calibration
 from pirate_sm.model.events import SensorFrame
+from pirate_sm.on_disk import replace_file
 
 ROOT = Path(__file__).resolve().parents[4]
 COUNTS_PER_REV = 4096
@@ -99,24 +100,22 @@ def test_of_one_day_the_one_beside_the_profile_counts(
 def test_it_goes_to_the_users_folder_where_the_robots_cannot_be_written_to(
     robot: LoadedRobot, users_folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    write = calibrations._write
-
-    def refuse(path: Path, text: str) -> Path:
+    def refuse(path: Path, content: bytes) -> None:
         if path.parent == robot.folder:
             raise PermissionError(13, "Permission denied")
-        return write(path, text)
+        replace_file(path, content)
 
-    monkeypatch.setattr(calibrations, "_write", refuse)
+    monkeypatch.setattr(calibrations, "replace_file", refuse)
 
     assert keep_calibration(made(), robot).parent == users_folder
     assert newest_calibration(robot) is not None
 
 
 def test_without_any_folder_it_says_so(robot: LoadedRobot, monkeypatch: pytest.MonkeyPatch) -> None:
-    def refuse(path: Path, text: str) -> Path:
+    def refuse(path: Path, content: bytes) -> None:
         raise PermissionError(13, "Permission denied")
 
-    monkeypatch.setattr(calibrations, "_write", refuse)
+    monkeypatch.setattr(calibrations, "replace_file", refuse)
 
     with pytest.raises(UsageError, match=r"cannot be written, .*Permission denied"):
         keep_calibration(made(), robot)
