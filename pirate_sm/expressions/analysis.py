@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from typing import Final, NamedTuple, cast
 
 from pirate_sm.expressions import tree
-from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault, refusal
 from pirate_sm.expressions.syntax import (
     AnyPart,
     ArithmeticPart,
@@ -74,7 +74,7 @@ class _Analysis:
         self._depth += 1
         if self._depth > DEEPEST_TREE:
             message = f"the expression is nested deeper than {DEEPEST_TREE} levels"
-            raise ExpressionError([ExpressionFault(message, part.offset)])
+            raise refusal(message, part.offset)
         typed = self._value(part)
         self._depth -= 1
         return typed

@@ -16,7 +16,7 @@ from typing import Any, Final, TypeAlias
 
 from pirate_sm.expressions import tree
 from pirate_sm.expressions.analysis import analyse
-from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
+from pirate_sm.expressions.faults import refusal
 from pirate_sm.expressions.parser import parse
 from pirate_sm.expressions.vocabulary import BooleanType, Constant, NumberType, Vocabulary
 
@@ -71,7 +71,7 @@ def compile_expression(
     if not isinstance(typed.type, NumberType | BooleanType):
         name = typed.node.name if isinstance(typed.node, tree.Signal) else text
         message = f"'{name}' is a word: compare it, as in '{name} == {typed.type.values[0]}'"
-        raise ExpressionError([ExpressionFault(message, 0, length=len(text))])
+        raise refusal(message, 0, length=len(text))
     return Expression(text, typed.type, typed.node)
 
 
@@ -86,7 +86,7 @@ def compile_condition(
     expression = compile_expression(text, vocabulary, parameters)
     if not isinstance(expression.type, BooleanType):
         message = f"a condition is expected, this is {expression.type}: compare it with something"
-        raise ExpressionError([ExpressionFault(message, 0, length=len(text))])
+        raise refusal(message, 0, length=len(text))
     return expression
 
 

@@ -15,14 +15,16 @@ class ExpressionFault:
     Attributes:
         message: What is wrong, for users.
         offset: Its position in characters from the start of the expression.
-        suggestion: The text that was probably meant; empty if unknown.
+        suggestion: The text to write instead, with the blanks that it needs; empty if unknown.
         length: Number of characters that it covers.
+        certain: Whether nothing else than the suggestion can have been meant.
     """
 
     message: str
     offset: int
     suggestion: str = ""
     length: int = 1
+    certain: bool = False
 
 
 class ExpressionError(UsageError):
@@ -33,10 +35,15 @@ class ExpressionError(UsageError):
         first = self.faults[0]
         self.message = first.message
         self.offset = first.offset
-        self.suggestion = first.suggestion
+        self.suggestion = first.suggestion.strip()
         super().__init__("; ".join(_line(fault) for fault in self.faults))
 
 
+def refusal(message: str, offset: int, suggestion: str = "", length: int = 1) -> ExpressionError:
+    """Return the error for one fault."""
+    return ExpressionError([ExpressionFault(message, offset, suggestion, length)])
+
+
 def _line(fault: ExpressionFault) -> str:
-    hint = f", did you mean '{fault.suggestion}'?" if fault.suggestion else ""
+    hint = f", did you mean '{fault.suggestion.strip()}'?" if fault.suggestion else ""
     return f"column {fault.offset + 1}: {fault.message}{hint}"

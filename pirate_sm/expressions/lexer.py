@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from typing import Final, Literal, NamedTuple, NoReturn, TypeAlias
 
-from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
+from pirate_sm.expressions.faults import ExpressionError, ExpressionFault, refusal
 from pirate_sm.expressions.vocabulary import KEYWORDS
 from pirate_sm.units import UNITS, Quantity, QuantityError, nearest_unit, parse_quantity
 
@@ -30,13 +30,18 @@ _PARAMETER: Final = re.compile(r"\$[A-Za-z_][A-Za-z0-9_]*")
 _UNIT: Final = re.compile(r"[ \t]*(%|°|[A-Za-z_µ][A-Za-z0-9_]*)(\^-?[0-9])?")
 # Blanks around '/' make it a division by a signal: `speed / 2 s`, but `2 m/s`.
 _UNIT_FACTOR: Final = re.compile(r"[*/·]([A-Za-z]+)(?:\^-?[0-9])?(?![A-Za-z0-9_(])")
-_FOREIGN: Final = re.compile(r"&&|\|\||:=|\*\*|//|<>|=>|=<|===|!==|[=!&|≤≥≠−×÷]")
-_OPERATOR: Final = re.compile(r"==|!=|<=|>=|[-+*/<>(),]")
-_MEANT: Final = {
+_OPERATOR: Final = re.compile(r"[=!]==?|[<>]=|=[<>]|<>|&&|\|\||:=|\*\*|//|[-+*/<>(),=!&|≤≥≠−×÷]")
+_FOREIGN: Final = {
     "&&": "and", "&": "and", "||": "or", "|": "or", "!": "not", "=": "==", "===": "==",
     "!==": "!=", "<>": "!=", "≠": "!=", "=>": ">=", "≥": ">=", "=<": "<=", "≤": "<=",
-    "−": "-", "×": "*", "÷": "/",
+    "−": "-", "×": "*", "÷": "/", ":=": "", "**": "", "//": "",
 }  # fmt: skip
+"""Operators of other languages, with what they mean; empty if there is no such thing here."""
+
+
+def translated(text: str) -> str:
+    """Return a text with the operators of other languages replaced by those that they mean."""
+    return _OPERATOR.sub(lambda found: _meant(found) or found[0], text)
 
 
 def tokenize(text: str) -> list[Token]:
@@ -47,7 +52,7 @@ def tokenize(text: str) -> list[Token]:
     """
     if len(text) > LONGEST_TEXT:
         message = f"the expression is longer than {LONGEST_TEXT} characters"
-        raise ExpressionError([ExpressionFault(message, LONGEST_TEXT)])
+        raise refusal(message, LONGEST_TEXT)
     tokens: list[Token] = []
     position = _skip_blanks(text, 0)
     while position < len(text):
@@ -70,23 +75,32 @@ def _next_token(text: str, position: int) -> Token:
         return Token("name", match[0], position)
     if match := _PARAMETER.match(text, position):
         return Token("parameter", match[0], position)
-    foreign = _FOREIGN.match(text, position)
     operator = _OPERATOR.match(text, position)
-    if operator and (foreign is None or len(foreign[0]) <= len(operator[0])):
+    if operator and operator[0] not in _FOREIGN:
         return Token("operator", operator[0], position)
-    _refuse(foreign[0] if foreign else text[position], position)
+    if operator:
+        _refuse(operator[0], position, _meant(operator))
+    _refuse(text[position], position)
 
 
-def _refuse(found: str, position: int) -> NoReturn:
-    suggestion = _MEANT.get(found, "")
+def _refuse(found: str, position: int, suggestion: str = "") -> NoReturn:
     if found in "'\"":
-        raise ExpressionError([ExpressionFault("words stand without quotes here", position)])
+        raise refusal("words stand without quotes here", position)
     if found == "$":
-        raise ExpressionError(
-            [ExpressionFault("a '$' needs the name of a parameter after it", position)]
-        )
+        raise refusal("a '$' needs the name of a parameter after it", position)
     message = f"{found!r} is not part of the language of conditions"
-    raise ExpressionError([ExpressionFault(message, position, suggestion, len(found))])
+    certain = suggestion != "" and found != "="  # which may lack a "<" or ">"
+    raise ExpressionError([ExpressionFault(message, position, suggestion, len(found), certain)])
+
+
+def _meant(found: re.Match[str]) -> str:
+    """Return what an operator means here, a word with blanks between it and its neighbours."""
+    meant, text = _FOREIGN.get(found[0], found[0]), found.string
+    if not meant.isalpha():
+        return meant
+    before = text[found.start() - 1 : found.start()].strip(" \t\r\n(")
+    after = text[found.end() : found.end() + 1].strip()
+    return f"{' ' if before else ''}{meant}{' ' if after else ''}"
 
 
 def _number(text: str, position: int) -> Token:
@@ -97,11 +111,8 @@ def _number(text: str, position: int) -> Token:
     unit = _UNIT.match(text, end)
     if unit is not None and unit[1] not in KEYWORDS:
         if unit[1] not in UNITS:
-            suggestion = nearest_unit(unit[1])
             message = f"unknown unit '{unit[1]}' after {number[0]}"
-            raise ExpressionError(
-                [ExpressionFault(message, unit.start(1), suggestion, len(unit[1]))]
-            )
+            raise refusal(message, unit.start(1), nearest_unit(unit[1]), len(unit[1]))
         end = unit.end()
         while (factor := _UNIT_FACTOR.match(text, end)) and factor[1] in UNITS:
             end = factor.end()
@@ -109,5 +120,4 @@ def _number(text: str, position: int) -> Token:
     try:
         return Token("number", written, position, parse_quantity(written))
     except QuantityError as error:
-        fault = ExpressionFault(error.message, position, error.suggestion, len(written))
-        raise ExpressionError([fault]) from None
+        raise refusal(error.message, position, error.suggestion, len(written)) from None

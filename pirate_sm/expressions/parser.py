@@ -16,10 +16,11 @@ In the place of an operand, `in` is a word and not the operator: `detector == in
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Final, NoReturn
 
-from pirate_sm.expressions.faults import ExpressionError, ExpressionFault
-from pirate_sm.expressions.lexer import Token, tokenize
+from pirate_sm.expressions.faults import ExpressionError, refusal
+from pirate_sm.expressions.lexer import Token, tokenize, translated
 from pirate_sm.expressions.syntax import (
     AnyPart,
     ArithmeticPart,
@@ -47,6 +48,20 @@ def parse(text: str) -> AnyPart:
     Raises:
         ExpressionError: The text is not in the grammar, too long or nested too deeply.
     """
+    try:
+        return _parsed(text)
+    except ExpressionError as error:
+        [fault] = error.faults
+        if not fault.certain:
+            raise
+    try:
+        _parsed(translated(text))
+    except ExpressionError:
+        fault = replace(fault, certain=False)
+    raise ExpressionError([fault])
+
+
+def _parsed(text: str) -> AnyPart:
     parser = _Parser(tokenize(text))
     part = parser.condition()
     if parser.token.kind != "end":
@@ -81,17 +96,17 @@ class _Parser:
         token = self.token
         if token.kind == "end":
             message = f"the end comes where {expected} is expected"
-            raise ExpressionError([ExpressionFault(message, token.offset)])
+            raise refusal(message, token.offset)
         meant = token.text.lower()
         suggestion = meant if meant != token.text and meant in ("and", "or", "not", "in") else ""
         message = f"'{token.text}' stands where {expected} is expected"
-        raise ExpressionError([ExpressionFault(message, token.offset, suggestion, len(token.text))])
+        raise refusal(message, token.offset, suggestion, len(token.text))
 
     def _deeper(self) -> None:
         self._depth += 1
         if self._depth > DEEPEST_NESTING:
             message = f"the expression is nested deeper than {DEEPEST_NESTING} levels"
-            raise ExpressionError([ExpressionFault(message, self.token.offset)])
+            raise refusal(message, self.token.offset)
 
     def condition(self) -> AnyPart:
         self._deeper()
@@ -198,9 +213,7 @@ class _Parser:
         if token.text not in FUNCTIONS:
             message = f"there is no function '{token.text}', only {one_of(sorted(FUNCTIONS))}"
             suggestion = nearest(token.text, FUNCTIONS) or ""
-            raise ExpressionError(
-                [ExpressionFault(message, token.offset, suggestion, len(token.text))]
-            )
+            raise refusal(message, token.offset, suggestion, len(token.text))
         self._advance()
         return CallPart(token.offset, len(token.text), token.text, self._list())
 

@@ -15,6 +15,9 @@ _KEYS: Final = {
     **dict.fromkeys(("print", "echo", "message"), "log"),
     **dict.fromkeys(("wait_until", "wait_for"), "wait"),
 }
+TRIGGER: Final = "after"
+"""The key of a trigger for which its value alone may be written."""
+
 _PAUSES: Final = {"sleep", "delay", "pause"}
 _UNKNOWN_UNIT: Final = re.compile(r"unknown unit '(\w+)'")
 _UNKNOWN_PARAMETER: Final = re.compile(r"there is no parameter '\$(\w+)'")

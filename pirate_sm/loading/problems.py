@@ -198,7 +198,8 @@ class Problems:
             edit = self._document.edit_of(
                 path, new, key=key and not write, within=within, safe=bool(write)
             )
-        self.put(Problem(code, place, message, expected, suggestion, excerpt, severity, edit))
+        meant = suggestion.strip()
+        self.put(Problem(code, place, message, expected, meant, excerpt, severity, edit))
 
     def add_unknown(
         self,
@@ -245,6 +246,7 @@ class Problems:
                 suggestion=fault.suggestion,
                 offset=fault.offset,
                 length=fault.length,
+                write=fault.suggestion if fault.certain else "",
             )
 
     @property

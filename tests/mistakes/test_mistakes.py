@@ -33,7 +33,7 @@ SAMPLE = (
 
 
 def test_there_are_enough_of_them_and_each_edit_fits_its_base() -> None:
-    assert len(MISTAKES) >= 740
+    assert len(MISTAKES) >= 746
     assert len(CORRECT) >= 185
     assert all(case.lines and case.why for case in MISTAKES.values())
 
@@ -92,9 +92,15 @@ def _fixed_one_by_one(case: Mistake, folder: Path) -> list[str]:
     ("name", "texts"),
     [
         ("missions.structure.do_text", ["[Brake]"]),
+        ("missions.structure.do_commas", ["[Brake, ToggleLighting]"]),
+        ("missions.structure.do_blanks", []),  # two commands, or a misspelt one?
+        ("missions.structure.do_log", []),
         ("missions.structure.end_text", ["{succeed: success}"]),
         ("missions.parameters.list", ["{type: length, default: 200 mm}"]),
         ("missions.conditions.and", ["and"]),
+        ("missions.conditions.and_unspaced", [" and "]),
+        ("missions.conditions.not_unspaced", ["not "]),
+        ("missions.conditions.and_space_and", []),
         ("missions.conditions.arrow", [">="]),
         ("missions.conditions.angle", []),  # which unit?
         ("missions.structure.key", []),  # a misspelt name is a guess

@@ -33,7 +33,7 @@ class Wishes:
         outside: Whether references may leave the project.
         others: Check files of the kinds that only layers above know; a kind without a check is
             not checked.
-        besides: Findings about files that are not checked here, such as the project's settings.
+        other_findings: About files that are not checked here, such as the project's settings.
     """
 
     robot: str | None = None
@@ -45,7 +45,7 @@ class Wishes:
     rehearse: Rehearse | None = None
     outside: bool = False
     others: Mapping[Kind, CheckOther] = field(default_factory=dict)
-    besides: tuple[Finding, ...] = ()
+    other_findings: tuple[Finding, ...] = ()
 
 
 Progress = Callable[[int, int, str], None]

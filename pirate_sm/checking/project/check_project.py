@@ -58,7 +58,7 @@ def check_paths(
     wishes = wishes or Wishes()
     check = _Check(wishes)
     found = find_targets(paths)
-    check.findings += (*wishes.besides, *found.findings)
+    check.findings += (*wishes.other_findings, *found.findings)
     with references.kept_inside(wanted=not wishes.outside):
         for number, target in enumerate(found.targets):
             if progress is not None:

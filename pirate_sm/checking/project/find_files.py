@@ -97,11 +97,8 @@ def _existing(name: str) -> Path:
         UsageError: Neither exists.
     """
     library.refuse_recording(name, "YAML file")
-    try:
-        if is_there(name):
-            return Path(name)
-    except ValueError:
-        pass  # no file can have this name
+    if is_there(name):
+        return Path(name)
     known = {path.stem: path for path in (*library.robots(), *library.pipes())}
     known |= {path.stem: path for path in (*library.cameras(), *library.panels())}
     known |= {path.stem: path for path in library.missions()}

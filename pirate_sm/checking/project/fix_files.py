@@ -27,12 +27,14 @@ class FileChange:
     Attributes:
         name: Its name in messages.
         fixed: How many findings it removes.
+        safe: How many of these surely as it was meant.
     """
 
     name: str
     before: str
     after: str
     fixed: int
+    safe: int
 
     def diff(self) -> str:
         """Return it as a unified diff."""
@@ -54,7 +56,8 @@ class FileChange:
 def changes_of(report: Report, paths: Iterable[str], *, unsafe: bool) -> list[FileChange]:
     """Return what fixing makes of the checked files.
 
-    Files that they use are left alone, and links out of the folders that were checked.
+    Files that they use are left alone, and links out of the folders that were checked, unless
+    they are named themselves.
 
     Args:
         report: The findings.
@@ -62,7 +65,7 @@ def changes_of(report: Report, paths: Iterable[str], *, unsafe: bool) -> list[Fi
         unsafe: Whether also edits count that may not be what was meant.
     """
     given = [Path(each) for each in paths if is_there(each)] if paths else [Path()]
-    folders = [each if is_folder(each) else each.parent for each in given]
+    folders = [*given, *(each.parent for each in given if not is_folder(each))]
     names = dict.fromkeys(file.name for file in report.files)
     own = [name for name in names if any(is_below(Path(name), folder) for folder in folders)]
     changes = (_change(name, list(_fixable(report.open, name, unsafe=unsafe))) for name in own)
@@ -99,5 +102,5 @@ def _change(name: str, wanted: list[_Line]) -> FileChange | None:
         lines[number - 1] = line[: column - 1] + edit.text + line[edit.end_column - 1 :]
         begin = number, column
         done.add(edit)
-    fixed = sum(edit in done for edit in sound)
-    return FileChange(name, before, bom + "".join(lines), fixed) if done else None
+    safe = [edit.safe for edit in sound if edit in done]
+    return FileChange(name, before, bom + "".join(lines), len(safe), sum(safe)) if done else None

@@ -26,6 +26,7 @@ class Report:
         files: The checked files.
         where: The searched files and folders.
         fixed: How many findings have been removed by changing files.
+        fixable: How many can be removed by changing files, surely and by a guess.
         nothing: Whether there was no file to check.
         rehearsals: Results of running missions, if requested.
     """
@@ -35,6 +36,7 @@ class Report:
     rehearsals: tuple[Rehearsal, ...] = ()
     where: tuple[str, ...] = ()
     fixed: int = 0
+    fixable: tuple[int, int] = (0, 0)
     nothing: bool = False
 
     @property

@@ -17,6 +17,7 @@ _WIDTH = 100
 _LEAST = 20
 """Columns for the text behind a label, however narrow the terminal is."""
 
+_FIXING = "by --fix", "by a guess, with --fix --unsafe-fixes"
 _MOST_CALLS = 3
 _MOST_PLACES = 3
 
@@ -131,12 +132,9 @@ def _fixes(report: Report) -> Iterator[str]:
     """Yield how many findings were removed by --fix, and how many can be."""
     if report.fixed:
         yield f"{count(report.fixed, 'finding')} fixed"
-    edits = [each.edit for each in report.open if each.edit is not None]
-    safe = sum(edit.safe for edit in edits)
-    if safe:
-        yield f"{count(safe, 'finding')} can be fixed by --fix"
-    if guesses := len(edits) - safe:
-        yield f"{count(guesses, 'finding')} can be fixed by a guess, with --fix --unsafe-fixes"
+    for number, how in zip(report.fixable, _FIXING, strict=True):
+        if number:
+            yield f"{count(number, 'finding')} can be fixed {how}"
 
 
 def _counted(report: Report) -> str:

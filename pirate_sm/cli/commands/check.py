@@ -34,7 +34,7 @@ from pirate_sm.visible import visible
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
 _MOST_ROUNDS = 10
-"""So often files are fixed and checked again, because one fault can hide the next. [decided]"""
+"""How often files are fixed and checked again, because one fault can hide the next. [decided]"""
 
 _STYLES = {
     "error": f"bold {ON_A_TERMINAL[BAD]}",
@@ -69,23 +69,31 @@ def run_check(options: CheckOptions) -> int:
             Kind.CAMPAIGN: _check_campaign,
             Kind.SCENE: _check_scene,
         },
-        besides=tuple(_refused_settings(options.paths)),
+        other_findings=tuple(_refused_settings(options.paths)),
     )
     if options.unsafe_fixes and not (options.fix or options.diff):
         raise UsageError("--unsafe-fixes is for --fix and --diff")
-    fixed = 0
-    for _ in range(_MOST_ROUNDS if options.fix or options.diff else 0):
-        report = _checked(options, replace(asked, rehearse=None, counterexamples=None))
+    changing, fixed = options.fix or options.diff, 0
+    quick = replace(asked, rehearse=None, counterexamples=None) if changing else asked
+    report = _checked(options, quick)
+    for _ in range(_MOST_ROUNDS if changing else 0):
         changes = changes_of(report, options.paths or (), unsafe=options.unsafe_fixes)
-        if options.diff:
-            print(writable(visible("\n".join(map(FileChange.diff, changes)), lines=True)))
-            return FOUND if changes else CLEAN
+        if options.diff or not changes:
+            break
         for change in changes:
             change.write()
         fixed += sum(change.fixed for change in changes)
-        if not changes:
-            break
-    report = replace(_checked(options, asked), fixed=fixed)
+        report = _checked(options, quick)
+    if options.diff and not report.nothing:
+        if changes:
+            print(writable(visible("\n".join(map(FileChange.diff, changes)), lines=True)))
+        return FOUND if changes else CLEAN
+    if quick != asked:
+        report = _checked(options, asked)
+    left = changes_of(report, options.paths or (), unsafe=True)
+    safe = sum(change.safe for change in left)
+    fixable = safe, sum(change.fixed for change in left) - safe
+    report = replace(report, fixed=fixed, fixable=fixable)
     print(writable(_written(report, options.format, fail_on)))
     if report.nothing:
         return NOTHING

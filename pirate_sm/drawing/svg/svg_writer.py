@@ -60,7 +60,7 @@ def paper(wide: float, high: float, about: str, style: str = "", colours: str = 
         wide: Width of the drawing, px.
         high: Height of the drawing, px.
         about: What it shows, for people who do not see it.
-        style: Rules of CSS besides those of every drawing.
+        style: Rules of CSS in addition to those of every drawing.
         colours: Likewise, with names of the palette in braces.
     """
     width, height = number(wide), number(high)

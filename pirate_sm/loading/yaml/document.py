@@ -28,8 +28,6 @@ _UNPRINTABLE: Final = re.compile(
     "[^\t\n\r\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 )
 _INK: Final = re.compile(r"\S")
-_FOREIGN_OPERATOR: Final = re.compile(r"&&?|\|\|?|!|!==|===|<>|=[<>]|[≠≥≤−×÷]")
-"""Operators of other languages that have one translation."""
 _QUANTITY: Final = re.compile(r"[-+.]?[0-9]")
 
 
@@ -118,15 +116,14 @@ class Document:
         """Return the change that writes another text at `path`; None if it cannot be made.
 
         It cannot where nothing is written yet, over several lines, which may hold comments, and at
-        an anchor or a tag. A name is
-        only changed to one that is spelt alike.
+        an anchor or a tag. A name is only changed to one that is spelt alike.
 
         Args:
             path: Keys and list indexes from the root; all must exist.
             text: The replacement, as YAML.
             key: Replace the key instead of the value.
             within: Replace only these characters of the value's text.
-            safe: Whether nothing else can have been meant; an operator has one translation.
+            safe: Whether nothing else can have been meant.
         """
         node = self._root
         for part in path:
@@ -141,7 +138,6 @@ class Document:
             old = str(path[-1])
         elif within is not None:
             old = str(node.value)[slice(*within)]
-            safe = safe or _FOREIGN_OPERATOR.fullmatch(old) is not None
         rest = self.excerpt(place.line, place.file)[place.column - 1 :]
         quoted = [mark + old + mark for mark in "\"'" if key and rest.startswith(mark + old + mark)]
         old = quoted[0] if quoted else old

@@ -11,13 +11,14 @@ from pydantic import StringConstraints
 from pydantic_core import ErrorDetails
 
 from pirate_sm.loading.idioms import meant_key, step_form
+from pirate_sm.loading.yaml.scalars import ScalarError, resolve_plain
 from pirate_sm.loading.yaml.schema_path import Schema
 from pirate_sm.model.base import FaultCode, Name
 from pirate_sm.model.calibration import Date
 from pirate_sm.model.pipe_runs import Port
 from pirate_sm.model.serial_link import TypeName
 from pirate_sm.spelling import nearest, one_of
-from pirate_sm.units import DIMENSIONLESS, QuantityError, in_unit_of, parse_quantity
+from pirate_sm.units import QuantityError, in_unit_of
 
 
 class Wording(NamedTuple):
@@ -107,16 +108,11 @@ def _wrong_kind(wanted: str, value: object) -> Wording:
     if wanted == "true or false" and isinstance(value, str):
         switch = _SWITCHES.get(value.lower(), "")
         return Wording("kind", message, suggestion=switch, write=switch)
-    if wanted in ("a whole number", "a number") and isinstance(value, str) and _is_number(value):
-        return Wording("kind", message, suggestion=value.strip(), write=value.strip())
+    if wanted == "a whole number" and isinstance(value, str):
+        with suppress(ScalarError):
+            if type(resolve_plain(value.strip())) is int:
+                return Wording("kind", message, suggestion=value.strip(), write=value.strip())
     return Wording("kind", message)
-
-
-def _is_number(text: str) -> bool:
-    try:
-        return parse_quantity(text).dimension == DIMENSIONLESS and "%" not in text
-    except QuantityError:
-        return False
 
 
 def _choice(error: ErrorDetails, schema: Schema | None) -> Wording:

@@ -6,6 +6,7 @@ value for a mapping. The first that the model accepts, but for keys still missin
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from itertools import islice, product
 from typing import Any, Final, NamedTuple
@@ -13,6 +14,7 @@ from typing import Any, Final, NamedTuple
 import yaml
 from pydantic import BaseModel, ValidationError
 
+from pirate_sm.loading.idioms import TRIGGER
 from pirate_sm.loading.problems import Path
 from pirate_sm.loading.yaml.schema_path import Schema, SchemaWalk
 from pirate_sm.model.parameters import ParameterDefinition, type_of
@@ -21,6 +23,8 @@ from pirate_sm.spelling import nearest
 
 _LONGEST: Final = 100
 _MOST_TRIED: Final = 30
+_QUANTITY: Final = re.compile(r"[-+.]?[0-9][^,]*")
+_ITEM: Final = re.compile(r"[^\s:{}\[\]0-9][^\s:{}\[\]]*")  # a name, or a path of a file
 _MOST_TEXT: Final = 1_000_000
 """Characters that are validated in search of forms [decided]: about a second."""
 
@@ -86,11 +90,11 @@ def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:
         return  # which says nothing of what was meant
     if kind in ("list", "tuple") and not isinstance(value, list):
         if not isinstance(value, dict):
-            yield [{"after": value}]
+            yield [{TRIGGER: value}]
         else:
             entries = [_pairs(walk.item(schema), *entry, walk) for entry in value.items()]
             yield from map(list, islice(product(*entries), _MOST_TRIED))
-        yield [value]
+        yield from _items(value)
     elif kind == "model-fields" and isinstance(value, dict) and len(value) == 1:
         yield from _pairs(schema, *next(iter(value.items())), walk)
     elif kind == "model-fields" and not isinstance(value, list | dict):
@@ -100,6 +104,19 @@ def _forms(schema: Schema, value: Any, walk: SchemaWalk) -> Iterator[Any]:
         yield from ({name: value} for name in walk.required(schema) or filter(None, [close]))
     elif isinstance(value, list) and len(value) == 1:
         yield value[0]
+
+
+def _items(value: Any) -> Iterator[list[Any]]:
+    """Yield the lists that a value may be short for: of it alone, or of the parts of a text."""
+    if not isinstance(value, str) or _QUANTITY.fullmatch(value):
+        yield [value]
+        return
+    parts = list(filter(None, map(str.strip, value.split(","))))
+    words = value.replace(",", " ").split()
+    if words and all(map(_ITEM.fullmatch, words)):
+        yield words
+        if words != parts:
+            yield parts  # a text with blanks
 
 
 def _pairs(schema: Schema | None, key: str, value: Any, walk: SchemaWalk) -> Iterator[Any]:

@@ -9,11 +9,13 @@ from hypothesis import strategies as st
 from pirate_sm.expressions import (
     EnumType,
     ExpressionError,
+    ExpressionFault,
     NumberType,
     Vocabulary,
     compile_condition,
     compile_expression,
 )
+from pirate_sm.expressions.lexer import tokenize
 from pirate_sm.units import ANGLE, LENGTH, SPEED, Quantity
 
 VOCABULARY = Vocabulary(
@@ -70,6 +72,81 @@ def test_what_was_meant_is_suggested_where_it_is_written(
     assert error.offset == text.index(at)
     assert error.suggestion == suggestion
     assert len(error.faults) == 1
+
+
+COMPARISONS = {">=": (">=", "=>", "≥"), "<=": ("<=", "=<", "≤"), "!=": ("!=", "<>", "≠", "!==")}
+JOINS = {"and": (" and ", "&&", "&"), "or": (" or ", "||", "|")}
+NEGATIONS = {"": ("",), "not": ("not ", "!", "! ")}
+blanks = st.sampled_from(("", " "))
+
+
+@st.composite
+def spellings(draw: st.DrawFn) -> tuple[str, str]:
+    """A condition as other languages write it, and as it is written here."""
+    foreign, right = "", ""
+    for number in range(draw(st.integers(1, 4))):
+        if number:
+            join = draw(st.sampled_from(sorted(JOINS)))
+            foreign += draw(blanks) + draw(st.sampled_from(JOINS[join])) + draw(blanks)
+            right += f" {join} "
+        negation = draw(st.sampled_from(sorted(NEGATIONS)))
+        comparison = draw(st.sampled_from(sorted(COMPARISONS)))
+        value = draw(st.sampled_from(("200 mm", "(1 m + 2 mm)", "$give_up")))
+        atom = f"path{draw(blanks)}{{}}{draw(blanks)}{value}"
+        if draw(st.booleans()):
+            atom = f"({atom})"
+        foreign += draw(st.sampled_from(NEGATIONS[negation]))
+        foreign += atom.format(draw(st.sampled_from(COMPARISONS[comparison])))
+        right += f"{negation} {atom.format(comparison)}"
+    return foreign, right
+
+
+def faults_of(text: str) -> tuple[ExpressionFault, ...]:
+    try:
+        compile_condition(text, VOCABULARY, PARAMETERS)
+    except ExpressionError as error:
+        return error.faults
+    return ()
+
+
+def made_right(text: str) -> str:
+    """The text after all corrections, one after the other; each is certain."""
+    while faults := faults_of(text):
+        [fault] = faults
+        assert fault.certain, (text, fault)
+        text = text[: fault.offset] + fault.suggestion + text[fault.offset + fault.length :]
+    return text
+
+
+@given(spellings())
+@example(("path>=200 mm&&path<=1 m", "path >= 200 mm and path <= 1 m"))
+@example(("path>=200 mm||!path<=1 m", "path >= 200 mm or not path <= 1 m"))
+def test_operators_of_other_languages_are_corrected_to_what_they_mean(
+    written: tuple[str, str],
+) -> None:
+    foreign, right = written
+
+    corrected = made_right(foreign)
+
+    assert [each.text for each in tokenize(corrected)] == [each.text for each in tokenize(right)]
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "path = 1 m",  # or >=, or <=
+        "path > = 1 m",
+        "path ! = 1 m",
+        "true & & true",
+        "true !true",
+        "true && (true",
+        "path >= 2 metres",
+        "path := 1 m",
+        "pth > 1 m",
+    ],
+)
+def test_no_correction_is_certain_where_the_result_is_no_condition(text: str) -> None:
+    assert [fault.certain for fault in refused(text).faults] == [False]
 
 
 @pytest.mark.parametrize(

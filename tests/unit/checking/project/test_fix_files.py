@@ -1,8 +1,9 @@
-"""Files are changed by the edits of their findings, and nothing else in them or beside them is."""
+"""Files are changed by the edits of their findings; nothing else in them or near them changes."""
 
 from __future__ import annotations
 
 import errno
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -129,7 +130,7 @@ def test_a_file_that_is_only_used_is_not_changed(here: Path) -> None:
     assert len(changes(unsafe=True)) == 1
 
 
-@pytest.mark.parametrize("paths", [(), (".",), ("link.yaml",)])
+@pytest.mark.parametrize("paths", [(), (".",)])
 def test_no_link_out_of_the_checked_folder_is_followed(here: Path, paths: tuple[str, ...]) -> None:
     outside = here.parent / "m.yaml"
     outside.write_text(SHORT, "utf-8")
@@ -137,6 +138,16 @@ def test_no_link_out_of_the_checked_folder_is_followed(here: Path, paths: tuple[
 
     assert check_paths(paths).open
     assert changes(*paths, unsafe=True) == []
+
+
+def test_a_link_that_is_named_itself_is_followed_and_stays_one(here: Path) -> None:
+    outside = here.parent / "m.yaml"
+    outside.write_text(SHORT, "utf-8")
+    (here / "link.yaml").symlink_to(outside)
+
+    assert fix("link.yaml") == 1
+    assert (here / "link.yaml").is_symlink()
+    assert outside.read_text("utf-8") == MISSION
 
 
 def test_a_link_within_the_checked_folder_stays_one(here: Path) -> None:
@@ -164,10 +175,10 @@ def test_a_file_that_cannot_be_written_stays_as_it_was(
     (here / "m.yaml").write_text(SHORT, "utf-8")
     [change] = changes("m.yaml")
 
-    def full(self: Path, target: Path) -> Path:
+    def full(descriptor: int) -> None:
         raise OSError(errno.ENOSPC, "No space left on device")
 
-    monkeypatch.setattr(Path, "replace", full)
+    monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(UsageError, match="cannot be changed: No space left on device"):
         change.write()
 

@@ -166,7 +166,48 @@ def test_what_would_be_fixed_is_shown_and_nothing_changes(pirate: Any, short: Pa
     assert "\n-  a: {do: ClampFront, goo: e}\n+  a: {do: [ClampFront], go: e}\n" in result.stdout
     assert short.read_bytes() == before
     short.write_text(MISSION, encoding="utf-8")
-    assert pirate("check", short, "--diff").exit_code == 0
+    nothing = pirate("check", short, "--diff")
+    assert (nothing.exit_code, nothing.stdout) == (0, "")
+
+
+def test_an_empty_folder_has_no_difference_either(pirate: Any, here: Path) -> None:
+    result = pirate("check", here, "--diff")
+
+    assert result.exit_code == 2
+    assert result.stdout.endswith("nothing checked in .: 1 error\n")
+
+
+def test_only_what_would_be_changed_can_be_fixed(pirate: Any, short: Path, here: Path) -> None:
+    own = here / "own"
+    own.mkdir()
+    call = MISSION.replace("ClampFront", "{call: ../s.yaml}").replace("mission: m", "mission: n")
+    (own / "n.yaml").write_text(call, encoding="utf-8")
+
+    for result in (pirate("check", own), pirate("check", own, "--fix", "--unsafe-fixes")):
+        assert "s.yaml:6:" in result.stdout
+        assert "fixed" not in result.stdout
+    assert "1 finding can be fixed by --fix\n" in pirate("check", here).stdout
+
+
+@pytest.mark.parametrize(("more", "checks"), [((), 2), (("--counterexamples", "found"), 3)])
+def test_files_are_not_checked_again_once_nothing_is_left_to_change(
+    pirate: Any,
+    short: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    more: tuple[str, ...],
+    checks: int,
+) -> None:
+    done, check_paths = [], check.check_paths
+
+    def counted(*asked: Any) -> Any:
+        done.append(asked)
+        return check_paths(*asked)
+
+    monkeypatch.setattr(check, "check_paths", counted)
+    assert pirate("check", short, "--fix", "--unsafe-fixes", *more).exit_code == 0
+
+    assert short.read_text("utf-8") == MISSION
+    assert len(done) == checks
 
 
 def test_another_robot_and_pipe_are_taken(pirate: Any, warned: Path) -> None:

@@ -30,6 +30,8 @@ def form(at: str, wrong: str) -> tuple[str, list[str]]:
     ("at", "wrong", "shown"),
     [
         (r"do: \[Brake\]", "do: Brake", "do: [Brake]"),
+        (r"do: \[Brake\]", "do: 'Brake,  ToggleLighting,'", "do: [Brake, ToggleLighting]"),
+        (r"do: \[Brake\]", "do: Brake ToggleLighting", "do: [Brake, ToggleLighting]"),
         (r"within: .*", "within: 20 s", "within: {time: 20 s, go: …}"),
         (r"wait: .*", "wait: {after: 20 s, go: halt}", "wait: [{after: 20 s, go: halt}]"),
         (r"arrived: \{.*", "arrived: success", "arrived: {succeed: success}"),
@@ -60,6 +62,10 @@ def test_a_value_of_the_wrong_kind_is_shown_as_it_is_to_be_written(
         (r"way: \{.*", "way: 200"),  # of which type?
         (r"starts_in: .*", "starts_in: Unclamped"),  # of which region?
         (r"do: \[Brake\]", "do: {}"),
+        (r"do: \[Brake\]", "do: ''"),
+        (r"do: \[Brake\]", "do: ','"),
+        (r"do: \[Brake\]", "do: 'log: 5'"),
+        (r"do: \[Brake\]", "do: 'Brake, 5 s'"),
         (r"wait: .*", "wait: {}"),
     ],
 )

@@ -7,7 +7,7 @@ from enum import Enum
 from typing import Annotated, Any, Literal, TypeAlias
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 from pydantic import BaseModel, ConfigDict, Discriminator, Field, Tag, field_validator
 from pydantic_core import PydanticCustomError
@@ -131,6 +131,66 @@ def fault(text: str) -> Problem:
     problems = faults(text)
     assert len(problems) == 1, [found.message for found in problems]
     return problems[0]
+
+
+class Written(Frozen):
+    """Values of each kind that is often written as another one."""
+
+    count: Count = 1
+    number: Number = 1.0
+    share: float = 0.5
+    switch: Flag = True
+    names: tuple[Annotated[str, Field(pattern=r"^[a-z]+$")], ...] = ()
+    lengths: tuple[Length, ...] = ()
+
+
+def problems_of(text: str) -> tuple[Problem, ...]:
+    try:
+        validate(parse_document(text, "m.yaml"), Written)
+    except LoadError as error:
+        return error.problems
+    return ()
+
+
+@given(
+    st.sampled_from(sorted(Written.model_fields)),
+    st.text("0123456789.eE+-_x ", max_size=6)
+    | st.text("ab, 12m:", max_size=8)
+    | st.sampled_from(["on", "No", "1e3", "1920.0", ".inf", "0x1f", "1e999", "−5", "٣", "a, b"]),
+)
+@example("count", "1e3")
+@example("count", "1920.0")
+@example("number", "1e3")
+@example("number", "−5")
+@example("number", ".inf")
+@example("names", "a, b")
+@example("lengths", "2 m")
+@example("lengths", "0,2 m")
+def test_whatever_is_surely_meant_is_valid_where_it_is_written(key: str, value: str) -> None:
+    text = json.dumps({key: value}, ensure_ascii=False)
+    for problem in problems_of(text):
+        if problem.edit is not None and problem.edit.safe:
+            begin, end = problem.edit.place.column - 1, problem.edit.end_column - 1
+            assert problems_of(text[:begin] + problem.edit.text + text[end:]) == ()
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "meant"),
+    [
+        ("count", "12", "12"),
+        ("count", "1e3", ""),
+        ("count", "1920.0", ""),
+        ("count", "−5", ""),
+        ("names", "a, b", "[a, b]"),
+        ("names", "a b", "[a, b]"),
+        ("lengths", "2 m", "[2 m]"),
+        ("lengths", "0,2 m", ""),
+    ],
+)
+def test_only_what_fits_is_surely_meant(key: str, value: str, meant: str) -> None:
+    [problem] = problems_of(json.dumps({key: value}))
+
+    assert (problem.edit.text if problem.edit and problem.edit.safe else "") == meant
 
 
 def test_a_sound_document_becomes_its_model() -> None:
