@@ -133,9 +133,9 @@ def drive(desk: Desk) -> None:
     type_in(desk, "crack, 3 o'clock now")
     desk.press("\r")
     desk.until("wheel 1 at 0.40 m")
-    give(desk, "DriveForward", lambda: "DrivingFor" in desk.text)  # the robot has accepted it
     page(desk, "motors")
-    desk.until(lambda: set(wheels_sent(desk.text)) == {"100 %", "-100 %"})
+    give(desk, "DriveForward", lambda: set(wheels_sent(desk.text)) == {"100 %", "-100 %"})
+    desk.wait(0.5)  # the robot accepts it
 
 
 def type_in(desk: Desk, text: str) -> None:
