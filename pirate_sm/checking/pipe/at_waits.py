@@ -12,7 +12,9 @@ from pirate_sm.checking.exploring.piecewise_linear import signals, value
 from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.checking.pipe.usual_course import course_of
 from pirate_sm.engine.mission.program import Wait
+from pirate_sm.engine.mission.successors import failures
 from pirate_sm.expressions import tree
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.geometry.joints import Joint
@@ -38,18 +40,24 @@ class Silent(NamedTuple):
 
 
 class AtWaits:
-    """What the course of a mission along its route says of its waits.
+    """What the ways of a mission along its route say of its waits.
 
-    Nothing is said of a wait that only failures and faults lead to.
+    All ways to a wait count, those after failures, time limits and faults too. Nothing is said of a
+    wait that only these lead to, nor if there are too many ways.
     """
 
     def __init__(self, view: PipeView) -> None:
         self._view = view
         robot, profile = view.fit.robot, view.fit.profile
+        program = view.loaded.program
+        self._course = course_of(robot, program, profile, len(view.bends), failing=True)
+        situations = self._course.situations if self._course is not None else ()
+        usual = {each.at for each in view.course.situations}
         self._points: dict[int, list[CoursePoint]] = defaultdict(list)
-        for each in view.course.situations:
-            self._points[each.at].append(each)
-        self._onward = all(each.way >= 0 for each in view.course.situations)
+        for each in situations:
+            if each.at in usual:
+                self._points[each.at].append(each)
+        self._onward = all(each.way >= 0 for each in situations)
         self._bends_parts = _bending(view)
         anywhere = {each.word for each in robot.word_conditions}
         words = profile.detector.words
@@ -99,7 +107,8 @@ class AtWaits:
     @cached_property
     def _driven_m(self) -> Mapping[tuple[object, ...], float]:
         """How far the robot has come at least since its last bend, by points; -inf if unknown."""
-        first, onward = self._view.course.situations[0], self._view.course.onward
+        assert self._course is not None  # there are points
+        first, onward = self._course.situations[0], self._course.onward
         least: dict[tuple[object, ...], float] = {first[:-1]: 0.0}
         waiting = deque([first])
         while waiting:
@@ -115,9 +124,9 @@ class AtWaits:
 
     def _least_m(self, at: int, target: int) -> float:
         """Return how far the robot has come at least in a wait that led to an instruction."""
-        program = self._view.loaded.program.instructions
-        it = program[at] if 0 <= at < len(program) else None
-        if not isinstance(it, Wait) or it.counts_on:
+        program = self._view.loaded.program
+        it = program.instructions[at]
+        if not isinstance(it, Wait) or it.counts_on or target in failures(program, at):
             return 0.0
         led = [each.condition for each in it.triggers if each.go == target]
         return min(0.0 if each is None else self._change_m(each.tree) for each in led)
@@ -146,10 +155,11 @@ class AtWaits:
         kinds = {"mitre", "elbow", "tee", "reducer"} - {each.kind for each in route.joints}
         said = {it.joint for it in self._view.fit.profile.detector.words.values()}
         if not self._anywhere:
-            why = "waits for a joint of a kind that the pipe has not"
+            why = "waits for a joint of a kind that the pipe does not have"
             yield Silent("joint", frozenset(kinds), why)
         of_kinds = {w for w, it in self._words.items() if it.joint in kinds & said}
-        yield Silent("detector", frozenset(of_kinds), "waits for a joint that the pipe has not")
+        why = "waits for a joint that the pipe does not have"
+        yield Silent("detector", frozenset(of_kinds), why)
         if not points or not all(each.way for each in points):
             return
         if self._blocked and not self._anywhere and all(each.way > 0 for each in points):

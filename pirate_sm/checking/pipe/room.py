@@ -42,13 +42,13 @@ def _not_clear(fit: Fit, *, clamped: bool) -> str:
     first = fit.pipe.start_of(fit.stretched_m)
     length = fit.clamped_m(fit.route.diameter_at(first)) if clamped else fit.stretched_m
     last = first - length
-    how = f"the robot, {mm(length)} long there, with its first wheel at {mm(first)}"
+    how = f"{fit.profile.robot}, {mm(length)} long there, with its first wheel at {mm(first)}"
     if last < 0 or first > fit.route.length_m:
         return f"{how} juts out of the {'beginning' if last < 0 else 'end'}"
     for joint in fit.route.joints:
         begins, ends = fit.walls_end(joint)
         if last < ends and first > begins:
-            return f"{how} stands in {_described(joint, begins, ends)}"
+            return f"{how} is in {_described(joint, begins, ends)}"
     return ""
 
 

@@ -1,7 +1,8 @@
-"""Follow the course of a mission without failures: its commands and configurations.
+"""Follow the course of a mission: its commands and configurations.
 
-Every command succeeds, and every trigger and answer is possible. Failures, faults and waits that
-time out are ignored. The geometry is checked against this intended course;
+Every trigger and answer is possible. Unless they are asked for, every command succeeds, and
+failures, faults and waits that time out are ignored. The geometry is checked against this intended
+course; what a wait can never see, against all ways to it;
 :mod:`pirate_sm.checking.exploring` covers everything else.
 """
 
@@ -15,6 +16,7 @@ from pirate_sm.checking.pipe.course_points import Bending, Change, CoursePoint, 
 from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
 from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
+from pirate_sm.engine.mission.successors import failures
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
 
@@ -29,6 +31,7 @@ class _Follower:
     Attributes:
         joints: How many bends the pipe has; more are not counted.
         ways: Directions of configurations that were looked up.
+        failing: Whether failures, time limits and fault handlers are followed too.
         made: The distinct bends.
         turned: The changes that turn the roll joint.
     """
@@ -39,6 +42,7 @@ class _Follower:
     roll_joint: RollJoint
     leads: tuple[int, ...]
     joints: int
+    failing: bool = False
     ways: dict[int, int] = field(default_factory=dict)
     made: dict[tuple[Bend, int, int, float | None], Bending] = field(default_factory=dict)
     turned: list[Change] = field(default_factory=list)
@@ -47,6 +51,16 @@ class _Follower:
         """Yield the possible next points."""
         if not 0 <= now.at < len(self.program.instructions):
             return
+        done = tuple(self._done(now))
+        yield from done
+        if self.failing:
+            # A command that failed may have been refused, or begun: states are as if it was done.
+            states = dict.fromkeys(each._replace(at=now.at) for each in (now, *done))
+            for target in failures(self.program, now.at):
+                yield from (each._replace(at=target) for each in states)
+
+    def _done(self, now: CoursePoint) -> Iterator[CoursePoint]:
+        """Yield the possible next points without a failure."""
         step = self.program.instructions[now.at]
         if isinstance(step, steps.Do):
             yield from self._command(step, now)
@@ -59,7 +73,8 @@ class _Follower:
     def _command(self, step: steps.Do, now: CoursePoint) -> Iterator[CoursePoint]:
         after = self.robot.table.follow(now.configuration, step.command)
         if after == now.configuration:
-            if step.skip_unneeded and self.robot.unneeded[after][step.command]:
+            # What a fault has stopped is not unneeded.
+            if (step.skip_unneeded or self.failing) and self.robot.unneeded[after][step.command]:
                 yield now._replace(at=step.next)
             return
         bent, passed = self.bent(now, after)
@@ -147,15 +162,16 @@ class _Follower:
 
 
 def course_of(
-    robot: RobotSpec, program: Program, profile: Profile, joints: int = 0
+    robot: RobotSpec, program: Program, profile: Profile, joints: int = 0, *, failing: bool = False
 ) -> UsualCourse | None:
-    """Return the course of the mission without failures; None if it is too large.
+    """Return the course of the mission; None if it is too large.
 
     Args:
         robot: The engine's specification of the robot, in the polarity of the mission.
         program: The mission.
         profile: The robot.
         joints: How many bends its pipe has.
+        failing: Whether failures, time limits and fault handlers are followed too.
     """
     wheels = profile.body.wheels
     leads = tuple(
@@ -163,7 +179,7 @@ def course_of(
         for part in robot.parts
     )
     joint = RollJoint(robot, profile)
-    follower = _Follower(robot, program, Bends(robot, profile), joint, leads, joints)
+    follower = _Follower(robot, program, Bends(robot, profile), joint, leads, joints, failing)
     order, came = [_first(follower)], dict[CoursePoint, CoursePoint]()
     follower.note(order[0])
     found, onward = {order[0][:-1]}, dict[tuple[object, ...], tuple[CoursePoint, ...]]()

@@ -15,7 +15,7 @@ from pirate_sm.checking.mission.rehearsal import Rehearsal, rehearsed
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.room import check_alone
 from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
-from pirate_sm.checking.project.find_files import CheckTarget, find_targets
+from pirate_sm.checking.project.find_files import CheckTarget, find_targets, robots_around
 from pirate_sm.checking.reports.check_report import CheckedFile, Report
 from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
@@ -30,7 +30,7 @@ from pirate_sm.loading.pipe_file import check_reach, load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
 from pirate_sm.loading.problems import Severity as LoadSeverity
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.robot.calibration_files import load_calibration
 from pirate_sm.loading.robot.twin_file import check_twin
 from pirate_sm.loading.trace_script import read_script
@@ -84,6 +84,7 @@ class _Check:
         self._unset: dict[str, tuple[Finding, ...]] = {}  # parameters of missions, by their files
         self._called: set[str] | None = set()  # files that others use; None: not all are known
         self._pipes: dict[str, tuple[CheckTarget, Pipe, Document]] = {}  # by their files
+        self._robots: set[Path] = set()  # folders
         self._used: set[str] = set()  # files that missions or campaigns were checked with
         self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
@@ -141,6 +142,7 @@ class _Check:
             message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
             self._add("check.kind", shown(target.path), message)
             return
+        self._robots.add(_folder(target.path))
         checked = check_robot(_folder(target.path))
         self._keep(checked.documents)
         self._files += [CheckedFile(each.name, Kind.CHART) for each in checked.documents[1:]]
@@ -167,19 +169,26 @@ class _Check:
             self._pipes[document.name] = target, pipe, document
 
     def _reached(self, path: Path, pipe: Pipe, document: Document) -> Problems:
-        """Return why the usual robot cannot clamp in a pipe, or begin in it."""
+        """Return why the usual robot cannot clamp in a pipe, or begin in it.
+
+        A pipe is for another robot if its project has robots, and the usual one is not one of them.
+        """
         problems = Problems(document)
+        own, usual = self._robots | robots_around(path), self._usual(path)
+        named = self._wishes.robot or self._wishes.usual_robot
+        if own and not named and usual not in own:
+            return problems
         with suppress(LoadError):  # reported for the robot
-            robot = self._usual(path)
+            robot = load_robot(usual)
             check_reach(pipe, robot.profile, document, problems)
             if not problems.errors:
                 check_alone(Fit(robot.profile, robot.normal, pipe), problems)
         return problems
 
-    def _usual(self, path: Path) -> LoadedRobot:
-        """Return the robot of a file that names none."""
+    def _usual(self, path: Path) -> Path:
+        """Return the folder of the robot of a file that names none."""
         wanted = self._wishes.robot or self._wishes.usual_robot
-        return load_robot(self._robot_of(path, wanted or library.robots()[0].name))
+        return self._robot_of(path, wanted or library.robots()[0].name)
 
     def mission(self, target: CheckTarget) -> None:
         """Check a mission with its robot, its pipe and the missions that it calls."""
@@ -235,7 +244,7 @@ class _Check:
         self._keep([document])
         problems = Problems(document)
         with suppress(LoadError):
-            usual = self._usual(target.path).profile
+            usual = load_robot(self._usual(target.path)).profile
             if {link.module for link in usual.body.links} & {*camera.modules}:
                 check_robot_seen(camera, usual, problems, LoadSeverity.WARNING)
         self.findings += map(finding_of, problems.all)

@@ -20,17 +20,24 @@ def successors(program: Program, at: int, *, fires: bool = True) -> Iterator[int
         case steps.Enter() | steps.Say() as it:
             yield it.next
         case steps.Do() | steps.SwitchControl() | steps.Require() as it:
-            yield from (it.next, it.failed)
+            yield it.next
         case steps.Branch() as it:
             yield from (it.if_true, it.if_false)
         case steps.Wait() as it:
             if fires:
                 yield from (each.go for each in it.triggers)
-            yield it.within
         case steps.Question() as it:
-            yield from (*(target for _, target in it.choices), it.failed)
-        case steps.Raise() as it:
-            yield it.failed
-        case steps.Finish():
+            yield from (target for _, target in it.choices)
+        case steps.Raise() | steps.Finish():
             pass
+    yield from failures(program, at)
+
+
+def failures(program: Program, at: int) -> Iterator[int]:
+    """Yield where a failure, a time limit and fault handlers lead from an instruction."""
+    it = program.instructions[at]
+    if isinstance(it, steps.Wait):
+        yield it.within
+    elif not isinstance(it, steps.Enter | steps.Say | steps.Branch | steps.Finish):
+        yield it.failed
     yield from (each.go for each in program.handlers[at] if each.go is not None)

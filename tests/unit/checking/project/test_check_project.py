@@ -249,6 +249,34 @@ def test_the_robot_of_a_pipe_alone_is_the_named_one_then_the_one_beside_it_then_
     assert check_paths([pipe], Wishes(robot="pirate_ii", usual_robot=str(NEWT))).findings == ()
 
 
+@pytest.mark.parametrize(("width", "start"), [("95 mm", "260 mm"), ("300 mm", "700 mm")])
+@pytest.mark.parametrize(
+    "folder", ["quad", "hardware_profiles/quad", "sequences/quad", "made/in/2026/quad"]
+)
+def test_a_pipe_in_a_project_of_another_robot_is_not_for_the_usual_one(
+    width: str, start: str, folder: str, tmp_path: Path
+) -> None:
+    text = f"{PIPE.replace('120 mm', width)}start: {{at: {start}}}\n"
+    pipe = write("sequences/pipes/p.yaml", text)
+    (found,) = check_paths(["."]).findings
+    assert "pirate_ii" in found.message
+
+    shutil.copytree(NEWT, tmp_path / folder, ignore=shutil.ignore_patterns("[!cpm]*", "p[ae]*"))
+
+    assert check_paths(["."]).findings == ()
+    if "made" not in folder:
+        assert check_paths([pipe]).findings == ()
+    assert check_paths([pipe], Wishes(robot="pirate_ii")).findings == (found,)
+
+
+def test_a_pipe_in_a_project_that_has_the_usual_robot_is_checked_with_it() -> None:
+    write("p.yaml", PIPE.replace("120 mm", "300 mm"))
+    shutil.copytree(NEWT, "newt")
+    wishes = Wishes(usual_robot="newt")
+
+    assert [each.code for each in check_paths(["."], wishes).findings] == ["pipe.reach"]
+
+
 def test_a_pipe_that_a_mission_uses_is_checked_with_its_robot_only(tmp_path: Path) -> None:
     shutil.copytree(NEWT, tmp_path / "newt")
     mission = MISSION.replace("start:", "pipe: p.yaml\nstart:")
