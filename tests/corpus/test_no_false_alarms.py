@@ -35,7 +35,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "sequences"
 
 
-def told(path: str, wishes: Wishes | None = None) -> list[str]:
+def shown(path: str, wishes: Wishes | None = None) -> list[str]:
     return [f"{e.place} {e.code}: {e.message}" for e in check_paths([path], wishes).open]
 
 
@@ -61,7 +61,7 @@ def test_examples_and_the_second_robot_are_clean(monkeypatch: pytest.MonkeyPatch
     monkeypatch.chdir(ROOT)
 
     for path in ("docs/examples", "tests/robots/newt"):
-        assert told(path) == []
+        assert shown(path) == []
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -76,7 +76,7 @@ def test_a_mission_in_the_other_polarity_fits_a_pipe_to_the_other_side(
         text = TURNS.sub(lambda m: "  - {mitre: " + ("" if m[1] else "-"), pipe.read_text("utf-8"))
         pipe.write_text(re.sub("^uphill: ", "uphill: -", text, flags=re.MULTILINE), "utf-8")
 
-    assert told(f"sequences/{name}.yaml") == []
+    assert shown(f"sequences/{name}.yaml") == []
 
 
 @pytest.mark.thorough
@@ -86,7 +86,7 @@ def test_missions_fit_other_pipes_of_their_kind(diameter: str, here: Path) -> No
         if "diameter: 120 mm" in file.read_text("utf-8"):
             put(file, {"diameter: 120 mm": f"diameter: {diameter}"})
 
-    assert told("sequences") == []
+    assert shown("sequences") == []
 
 
 @pytest.mark.parametrize("limit", ["min", "max"])
@@ -95,7 +95,7 @@ def test_parameters_may_have_any_value_within_their_limits(name: str, limit: str
     parameters = yaml.safe_load(SHIPPED[name].read_text("utf-8")).get("parameters", {})
     settings = {key: str(each[limit]) for key, each in parameters.items() if limit in each}
 
-    found = told(str(SHIPPED[name]), Wishes(settings=settings))
+    found = shown(str(SHIPPED[name]), Wishes(settings=settings))
     reasons = "the pipe is", "of the route before"
     beyond = [e for e in found if limit == "max" and any(each in e for each in reasons)]
     assert found == beyond  # a way may be longer than the pipe that the mission names
@@ -109,7 +109,7 @@ def test_steps_that_change_nothing_may_stand_anywhere(name: str, step: str, here
     lines = file.read_text("utf-8").splitlines(keepends=True)
     file.write_text("".join(_with(step, line) for line in lines), encoding="utf-8")
 
-    assert told(str(file)) == []
+    assert shown(str(file)) == []
 
 
 def _with(step: str, line: str) -> str:
@@ -127,7 +127,7 @@ def test_nothing_is_said_of_odd_missions_that_are_right(odd: Odd, here: Path) ->
     for name, text in {"odd.yaml": odd.text, **odd.beside}.items():
         (here / name).write_text(text, encoding="utf-8")
 
-    assert told("sequences/odd.yaml") == []
+    assert shown("sequences/odd.yaml") == []
 
 
 def test_there_are_sixty_odd_missions_of_different_names() -> None:
@@ -142,7 +142,7 @@ def test_bases_of_the_corpus_are_clean_in_one_project(here: Path) -> None:
     (here / "newt").mkdir()
     copied("newt", here / "newt")
 
-    assert told("sequences") == []
+    assert shown("sequences") == []
 
 
 def snippets() -> Iterator[tuple[str, str]]:
@@ -167,7 +167,7 @@ def snippets() -> Iterator[tuple[str, str]]:
 def test_what_the_docs_show_is_clean(name: str, text: str, here: Path) -> None:
     (here / f"{name}.yaml").write_text(text, encoding="utf-8")
 
-    assert told(f"sequences/{name}.yaml") == []
+    assert shown(f"sequences/{name}.yaml") == []
 
 
 def test_the_docs_show_missions() -> None:

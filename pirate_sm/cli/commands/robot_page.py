@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import sys
+from itertools import groupby
 from pathlib import Path
 
+from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.files import RobotOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
@@ -34,7 +36,14 @@ def write_page(options: RobotOptions) -> int:
     if alone and options.html:
         raise UsageError(f"'{output}' is a picture, --html writes a page: leave one of them out")
     loaded = load_robot(folder)
-    faults = {each.place: f"[{each.code}] {each.message}" for each in robot_findings(loaded)}
+    found = robot_findings(loaded)
+    # What follows them is about the comments.
+    settled = settle(found, {each.name: each.text for each in loaded.documents})[: len(found)]
+    wrong = (each for each in settled if not each.allowed)
+    faults = {
+        place: "; ".join(f"[{each.code}] {each.message}" for each in here)
+        for place, here in groupby(wrong, key=lambda each: each.place)
+    }
     note = f"Written by `pirate robot {loaded.profile.robot}` from the robot's profile and chart."
     if alone:
         text = side_svg(side_view(loaded, faults))

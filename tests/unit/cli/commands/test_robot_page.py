@@ -49,6 +49,24 @@ def test_its_picture_alone_is_written_to_an_svg_and_shows_a_wrong_sign(
 
 
 @pytest.mark.parametrize(
+    ("comment", "count"), [("", 1), ("  # pirate: allow robot.unseen: later", 0)]
+)
+def test_everything_wrong_at_a_place_is_shown_except_for_what_a_comment_allows(
+    pirate: Any, tmp_path: Path, comment: str, count: int
+) -> None:
+    shutil.copytree(NEWT, tmp_path / "newt")
+    profile = tmp_path / "newt" / "profile.yaml"
+    before, _, after = profile.read_text("utf-8").partition("seen:\n")
+    seen = f"seen:{comment}\n  within: 2.5 s\nsafe_state:"
+    profile.write_text(before + seen + after.partition("safe_state:")[2], "utf-8")
+
+    page = " ".join(pirate("robot", tmp_path / "newt").stdout.split())
+
+    for what in ("Grip: Loose", "Crawl: Resting", "Lamp: Dark", "held parts: nose, tail"):
+        assert page.count(f"[robot.unseen] `seen` has no criterion for {what}") == count
+
+
+@pytest.mark.parametrize(
     ("arguments", "says"),
     [
         (["pirate_3"], "did you mean 'pirate_ii'"),
