@@ -102,7 +102,7 @@ _loaded: OrderedDict[str, LoadedMission] = OrderedDict()
 def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
     """Run a chunk on this worker; return a row for each of its first seeds, in their order.
 
-    These are all, unless the runs are so long that the others had better be a chunk of their own.
+    These are all, unless the runs are so long that the others should be a chunk of their own.
 
     Args:
         chunk: The runs.

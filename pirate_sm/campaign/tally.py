@@ -28,7 +28,7 @@ _MEASURED = re.compile(
 
 
 _BINS = 10
-"""Into so many equal parts the range of a factor is cut."""
+"""The number of equal parts of a factor's range."""
 
 
 @dataclass

@@ -14,7 +14,7 @@ from pirate_sm.mapping.looks import Look
 
 _BESIDE_RAD = radians(4)
 """The slope of a link and its direction from the corner agree up to this angle, unless the part
-stands beside the axis of a round pipe: then the link is less oblique [decided]."""
+is off the axis of a round pipe: then the link is less oblique [decided]."""
 
 _MOST_SHARE = 0.8
 """A part that is farther into an elbow does not show its angle [decided]."""

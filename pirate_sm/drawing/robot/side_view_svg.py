@@ -10,7 +10,7 @@ from math import atan2, cos, degrees, hypot, radians, sin
 from pirate_sm.drawing.robot.criterion_text import angle
 from pirate_sm.drawing.robot.side_view import LEGEND, SCALE, WRONG, SideView
 from pirate_sm.drawing.svg.arrangement import MARGIN, TEXT_LINE, TITLE_LINE
-from pirate_sm.drawing.svg.svg_writer import escaped, number, paper, text_at
+from pirate_sm.drawing.svg.svg_writer import escaped, paper, px, text_at
 from pirate_sm.drawing.text_wrapping import cells, wrapped
 from pirate_sm.geometry.space import Place
 
@@ -129,7 +129,7 @@ class _Sheet:
         for link, ((x, y), (behind, _)) in zip(
             self.view.profile.body.links, pairwise(spots), strict=True
         ):
-            ends = f"M{number(behind)} {number(self.y - 4)}v8m0 -4H{number(x)}m0 -4v8"
+            ends = f"M{px(behind)} {px(self.y - 4)}v8m0 -4H{px(x)}m0 -4v8"
             yield f'<path class="line" d="{ends}"/>'
             lines, middle = [link.module, f"{link.length * 1e3:g} mm"], (x + behind) / 2
             if link.roll:
@@ -144,15 +144,15 @@ class _Sheet:
     def _angle(self, x: float, y: float) -> Iterator[str]:
         """Draw the zero of a joint, and the arc of a positive angle."""
         far = 1.5 * self.radius
-        yield f'<path class="zero" d="M{number(x)} {number(y)}h{number(far)}"/>'
+        yield f'<path class="zero" d="M{px(x)} {px(y)}h{px(far)}"/>'
         yield from _arc(x, y, far * 0.9, 0, -50)
 
     def _roll(self, x: float, y: float) -> Iterator[str]:
         """Draw which way the body ahead of a roll joint turns by a positive angle."""
         high = self.view.profile.body.body_half_thickness * self.scale + 6
         yield (
-            f'<path class="turn" d="M{number(x)} {number(y + high)}'
-            f'a{number(high / 2)} {number(high)} 0 0 0 0 {number(-2 * high + _HEAD)}"/>'
+            f'<path class="turn" d="M{px(x)} {px(y + high)}'
+            f'a{px(high / 2)} {px(high)} 0 0 0 0 {px(-2 * high + _HEAD)}"/>'
         )
         yield _tip((x, y - high), 60)
 
@@ -161,16 +161,15 @@ class _Sheet:
         for (x, y), (to_x, to_y) in pairwise(spots):
             long, turn = hypot(to_x - x, to_y - y), degrees(atan2(to_y - y, to_x - x))
             yield (
-                f'<rect class="link" y="{number(-half)}" width="{number(long)}" '
-                f'height="{number(2 * half)}" rx="4" '
-                f'transform="translate({number(x)} {number(y)}) rotate({number(turn)})"/>'
+                f'<rect class="link" y="{px(-half)}" width="{px(long)}" '
+                f'height="{px(2 * half)}" rx="4" '
+                f'transform="translate({px(x)} {px(y)}) rotate({px(turn)})"/>'
             )
 
     def _wheel(self, node: int, x: float, y: float) -> Iterator[str]:
         bad = node in self.view.bad_wheels
         yield (
-            f'<circle class="{"bad " * bad}wheel" cx="{number(x)}" cy="{number(y)}" '
-            f'r="{number(self.radius)}"/>'
+            f'<circle class="{"bad " * bad}wheel" cx="{px(x)}" cy="{px(y)}" r="{px(self.radius)}"/>'
         )
         yield _centred(x, y - TEXT_LINE / 2, f"{node + 1}{WRONG * bad}", "at bad" if bad else "at")
 
@@ -188,11 +187,11 @@ class _Sheet:
         middle = high + half
         left, right = _LABEL - MARGIN, self.width - 2 * MARGIN
         yield (
-            f'<rect class="bore" x="{number(left)}" y="{number(high)}" '
-            f'width="{number(right - left)}" height="{number(2 * half)}"/>'
+            f'<rect class="bore" x="{px(left)}" y="{px(high)}" '
+            f'width="{px(right - left)}" height="{px(2 * half)}"/>'
         )
         for name, y in (("A", high), ("B", high + 2 * half)):
-            yield f'<path class="wall" d="M{number(left)} {number(y)}H{number(right)}"/>'
+            yield f'<path class="wall" d="M{px(left)} {px(y)}H{px(right)}"/>'
             yield text_at("title", right + 6, y - TITLE_LINE / 2, TITLE_LINE, name)
         spots = [(self.front + x * self.scale, middle - y * self.scale) for x, y in view.places]
         yield from self._links(spots)
@@ -208,10 +207,7 @@ class _Sheet:
         """Draw the arrow with which a joint presses its wheel, from the rim outwards."""
         up, bad = -1 if arrow[0] == "↑" else 1, "bad " * (WRONG in arrow)
         begin, end = y + up * self.radius, y + up * (self.radius + 2 * MARGIN)
-        yield (
-            f'<path class="{bad}press" d="M{number(x)} {number(begin)}'
-            f'V{number(end - up * _HEAD)}"/>'
-        )
+        yield (f'<path class="{bad}press" d="M{px(x)} {px(begin)}V{px(end - up * _HEAD)}"/>')
         yield _tip((x, end), 90 * -up, bad, 2)
         if bad:
             yield _centred(x + 14, (begin + end) / 2 - TEXT_LINE / 2, WRONG, "at big bad")
@@ -221,8 +217,8 @@ class _Sheet:
         for place, row in enumerate(self.view.rows):
             if place % 2:
                 yield (
-                    f'<rect class="band" x="{number(MARGIN)}" y="{number(self.y)}" '
-                    f'width="{number(self.width - 2 * MARGIN)}" height="{number(TITLE_LINE)}"/>'
+                    f'<rect class="band" x="{px(MARGIN)}" y="{px(self.y)}" '
+                    f'width="{px(self.width - 2 * MARGIN)}" height="{px(TITLE_LINE)}"/>'
                 )
             kind = "text" if row.cells else "title soft"
             indent = MARGIN + (len(row.name) - len(row.name.lstrip())) * _LETTER
@@ -248,10 +244,7 @@ class _Sheet:
 
 
 def _centred(x: float, top: float, text: str, kind: str = "at", height: float = TEXT_LINE) -> str:
-    return (
-        f'<text class="{kind}" x="{number(x)}" y="{number(top + height * 0.75)}">'
-        f"{escaped(text)}</text>"
-    )
+    return f'<text class="{kind}" x="{px(x)}" y="{px(top + height * 0.75)}">{escaped(text)}</text>'
 
 
 def _arc(x: float, y: float, radius: float, begin: float, end: float) -> Iterator[str]:
@@ -261,8 +254,8 @@ def _arc(x: float, y: float, radius: float, begin: float, end: float) -> Iterato
     )
     large, back = int(abs(end - begin) > 180), int(end < begin)
     yield (
-        f'<path class="turn" d="M{number(x0)} {number(y0)}A{number(radius)} {number(radius)} 0 '
-        f'{large} {back} {number(x1)} {number(y1)}"/>'
+        f'<path class="turn" d="M{px(x0)} {px(y0)}A{px(radius)} {px(radius)} 0 '
+        f'{large} {back} {px(x1)} {px(y1)}"/>'
     )
     yield _tip((x1, y1), end + (-90 if back else 90))
 
@@ -271,7 +264,7 @@ def _tip(point: Place, towards: float, kind: str = "", size: float = 1) -> str:
     """Return the head of an arrow whose tip is at a point, by its direction in degrees."""
     long, half = _HEAD * size, _HEAD * size / 2
     return (
-        f'<polygon class="{kind}tip" points="0 0 {number(-long)} {number(half)} '
-        f'{number(-long)} {number(-half)}" transform="translate({number(point[0])} '
-        f'{number(point[1])}) rotate({number(-towards)})"/>'
+        f'<polygon class="{kind}tip" points="0 0 {px(-long)} {px(half)} '
+        f'{px(-long)} {px(-half)}" transform="translate({px(point[0])} '
+        f'{px(point[1])}) rotate({px(-towards)})"/>'
     )

@@ -63,7 +63,7 @@ def paper(wide: float, high: float, about: str, style: str = "", colours: str = 
         style: Rules of CSS in addition to those of every drawing.
         colours: Likewise, with names of the palette in braces.
     """
-    width, height = number(wide), number(high)
+    width, height = px(wide), px(high)
     return [
         f'<svg xmlns="http://www.w3.org/2000/svg" class="drawing" role="img" width="{width}" '
         f'height="{height}" viewBox="0 0 {width} {height}" aria-label={_quoted(about)}>',
@@ -82,13 +82,13 @@ def visits_text(visits: Sequence[int]) -> str:
 def _heading(whole: Arrangement) -> Iterator[str]:
     y = MARGIN
     yield text_at("title", MARGIN, y, TITLE_LINE, whole.heading[0])
-    for row, line in enumerate(whole.heading[1:]):
-        yield text_at("text soft", MARGIN, y + TITLE_LINE + row * TEXT_LINE, TEXT_LINE, line)
+    for number, line in enumerate(whole.heading[1:]):
+        yield text_at("text soft", MARGIN, y + TITLE_LINE + number * TEXT_LINE, TEXT_LINE, line)
 
 
 def _notes(whole: Arrangement) -> Iterator[str]:
-    for row, line in enumerate(whole.notes):
-        yield text_at("text soft", MARGIN, whole.notes_at + row * TEXT_LINE, TEXT_LINE, line)
+    for number, line in enumerate(whole.notes):
+        yield text_at("text soft", MARGIN, whole.notes_at + number * TEXT_LINE, TEXT_LINE, line)
 
 
 def _frame(frame: ClusterFrame) -> Iterator[str]:
@@ -96,8 +96,8 @@ def _frame(frame: ClusterFrame) -> Iterator[str]:
     yield "<g>"
     yield from _tooltip(frame.cluster.tooltip)
     yield (
-        f'<rect class="frame" x="{number(x)}" y="{number(y)}" width="{number(size.width)}" '
-        f'height="{number(size.height)}" rx="8"/>'
+        f'<rect class="frame" x="{px(x)}" y="{px(y)}" width="{px(size.width)}" '
+        f'height="{px(size.height)}" rx="8"/>'
     )
     yield text_at("title soft", x + PADDING, y + PADDING / 2, TITLE_LINE, frame.cluster.title)
     yield "</g>"
@@ -111,8 +111,7 @@ def _box(box: Box) -> Iterator[str]:
     if node.kind is NodeKind.INITIAL:
         radius = size.width / 2
         yield (
-            f'<circle class="box" cx="{number(x + radius)}" cy="{number(y + radius)}" '
-            f'r="{number(radius)}"/>'
+            f'<circle class="box" cx="{px(x + radius)}" cy="{px(y + radius)}" r="{px(radius)}"/>'
         )
     else:
         yield from _rectangle(box)
@@ -131,8 +130,8 @@ def _rectangle(box: Box) -> Iterator[str]:
     if ends:
         yield _sign(node.kind is NodeKind.SUCCEED, left, top + TITLE_LINE / 2)
     yield text_at("title", left + (SIGN if ends else 0.0), top, TITLE_LINE, node.title)
-    for row, line in enumerate(box.lines):
-        at = top + TITLE_LINE + PADDING / 4 + row * TEXT_LINE
+    for number, line in enumerate(box.lines):
+        at = top + TITLE_LINE + PADDING / 4 + number * TEXT_LINE
         indent = (len(line) - len(line.lstrip())) * TEXT_FONT * ADVANCE
         yield text_at("text", left + indent, at, TEXT_LINE, line.lstrip())
     if node.visits:
@@ -142,24 +141,24 @@ def _rectangle(box: Box) -> Iterator[str]:
         yield _rounded("badge", badge_x, badge_y, max(width, BADGE), BADGE, BADGE / 2)
         middle = badge_x + max(width, BADGE) / 2
         yield (
-            f'<text class="number" text-anchor="middle" x="{number(middle)}" '
-            f'y="{number(badge_y + BADGE * BASELINE)}">{escaped(text)}</text>'
+            f'<text class="number" text-anchor="middle" x="{px(middle)}" '
+            f'y="{px(badge_y + BADGE * BASELINE)}">{escaped(text)}</text>'
         )
 
 
 def _rounded(name: str, x: float, y: float, width: float, height: float, radius: float) -> str:
     return (
-        f'<rect class="{name}" x="{number(x)}" y="{number(y)}" width="{number(width)}" '
-        f'height="{number(height)}" rx="{number(radius)}"/>'
+        f'<rect class="{name}" x="{px(x)}" y="{px(y)}" width="{px(width)}" '
+        f'height="{px(height)}" rx="{px(radius)}"/>'
     )
 
 
 def _sign(good: bool, x: float, y: float) -> str:
-    left, top, low = number(x), number(y - 4), number(y + 4)
+    left, top, low = px(x), px(y - 4), px(y + 4)
     if good:
-        middle, right = number(x + 3), number(x + 9)
-        return f'<path class="sign" d="M{left} {number(y)}L{middle} {low}L{right} {top}"/>'
-    right = number(x + 8)
+        middle, right = px(x + 3), px(x + 9)
+        return f'<path class="sign" d="M{left} {px(y)}L{middle} {low}L{right} {top}"/>'
+    right = px(x + 8)
     return f'<path class="sign" d="M{left} {top}L{right} {low}M{left} {low}L{right} {top}"/>'
 
 
@@ -174,9 +173,9 @@ def _arrow(arrow: Arrow) -> Iterator[str]:
     yield f'<path class="line" d="{path}"/>'
     yield f'<polygon class="head" points="{head}"/>'
     x, y = arrow.route.label
-    for place, (line, edge) in enumerate(arrow.lines):
+    for number, (line, edge) in enumerate(arrow.lines):
         chosen = "label chosen" if edge.taken else "label"
-        yield text_at(chosen, x, y + place * LABEL_LINE, LABEL_LINE, line)
+        yield text_at(chosen, x, y + number * LABEL_LINE, LABEL_LINE, line)
     yield "</g>"
 
 
@@ -208,9 +207,9 @@ def _loop(route: EdgeRoute) -> tuple[str, str]:
 
 
 def text_at(name: str, x: float, top: float, height: float, text: str) -> str:
-    """Return a line of text of a class, whose line begins at ``top`` and is so high."""
+    """Return a line of text of a class, whose line begins at ``top`` and has this height."""
     y = top + height * BASELINE
-    return f'<text class="{name}" x="{number(x)}" y="{number(y)}">{escaped(text)}</text>'
+    return f'<text class="{name}" x="{px(x)}" y="{px(y)}">{escaped(text)}</text>'
 
 
 def _tooltip(text: str) -> Iterator[str]:
@@ -227,10 +226,10 @@ def _quoted(text: str) -> str:
     return quoteattr(printable(text))
 
 
-def number(value: float) -> str:
-    """Return a number of px as it is written."""
+def px(value: float) -> str:
+    """Return a number of pixels as it is written."""
     return f"{value:.1f}".removesuffix(".0")
 
 
 def _point(point: Point) -> str:
-    return f"{number(point[0])} {number(point[1])}"
+    return f"{px(point[0])} {px(point[1])}"

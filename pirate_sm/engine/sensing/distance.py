@@ -161,7 +161,7 @@ def judge(
     if grip.slips:
         slipped_m = max(abs(by.moved_m), *ways_m) + memory.pending_m
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
-    elif ways_m and not changes:  # beside the axis they differ by as much as the parts lack
+    elif ways_m and not changes:  # off the axis they differ by as much as the parts lack
         slipped_m = max(0.0, max(ways_m) - lacking * abs(by.moved_m)) * _SOME
     paces_m_s = _paces_m_s(robot, sensing)
     late_m, gone_m = _late_m(robot, sensing, by, paces_m_s, now_s)
@@ -231,7 +231,7 @@ def _tilted(
 ) -> tuple[float, bool]:
     """Return the share of the way that wheels lack because they run on the sides of their tyres.
 
-    A part in a plane beside the axis of a round pipe spans less than its diameter. Its wheels lean
+    A part in a plane off the axis of a round pipe spans less than its diameter. Its wheels lean
     on the wall, and roll on as much less than their radius as the part spans less. While another
     part lies along the axis, they turn faster than its wheels, which is seen without this.
 

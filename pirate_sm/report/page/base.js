@@ -41,7 +41,7 @@ const spanAt = (lane, at) => {
 
 const laneOf = (name) => data.lanes.find((lane) => lane.name === name);
 
-const told = (at) => {
+const timeText = (at) => {
   if (data.duration < 120) return `${at.toFixed(2)} s`;
   const minutes = Math.floor(at / 60);
   return `${minutes}:${(at - 60 * minutes).toFixed(1).padStart(4, '0')}`;
@@ -51,7 +51,7 @@ const told = (at) => {
 const STEPS = [0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1, 2, 5, 10, 20, 30, 60, 120, 300, 600, 1200, 1800, 3600, 7200, 21600];
 
 /** A moment as an axis has it. */
-const ticked = (at) => (data.duration < 120 ? `${+at.toFixed(3)}` : told(at).replace(/\.0$/, ''));
+const ticked = (at) => (data.duration < 120 ? `${+at.toFixed(3)}` : timeText(at).replace(/\.0$/, ''));
 
 const colour = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
 

@@ -14,9 +14,9 @@ const startPlayer = () => {
   };
   const show = () => {
     slider.value = shown.at;
-    clock.textContent = told(shown.at);
-    byId('moment').textContent = ` (${told(shown.at)})`;
-    slider.setAttribute('aria-valuetext', `${told(shown.at)}${phase() ? `, ${phase()}` : ''}`);
+    clock.textContent = timeText(shown.at);
+    byId('moment').textContent = ` (${timeText(shown.at)})`;
+    slider.setAttribute('aria-valuetext', `${timeText(shown.at)}${phase() ? `, ${phase()}` : ''}`);
   };
   const toggle = (wanted) => {
     player.playing = wanted;
@@ -100,7 +100,7 @@ const startDiagram = () => {
   moments.forEach((at, node) => {
     node.setAttribute('tabindex', '0');
     node.setAttribute('role', 'button');
-    node.setAttribute('aria-label', `${node.dataset.node}, at ${told(at)}`);
+    node.setAttribute('aria-label', `${node.dataset.node}, at ${timeText(at)}`);
     node.addEventListener('click', () => shown.goTo(at));
     node.addEventListener('keydown', (event) => {
       if (event.key !== 'Enter' && event.key !== ' ') return;

@@ -55,7 +55,7 @@ const drawTimeline = () => {
     const left = Math.max(gutter, xOf(start)), right = Math.min(width - EDGE, xOf(end));
     const wide = Math.max(2, right - left);
     const box = element('g', { class: `span ${kind} tint${tint}` });
-    box.append(element('title', {}, `${text}${about ? `, ${about}` : ''}: ${told(start)} to ${told(end)}`));
+    box.append(element('title', {}, `${text}${about ? `, ${about}` : ''}: ${timeText(start)} to ${timeText(end)}`));
     box.append(element('rect', { x: left, y: y + 3, width: wide, height: ROW - 6, rx: 3 }));
     if (kind === 'unconfirmed') {
       box.append(element('rect', { class: 'hatch', x: left, y: y + 3, width: wide, height: ROW - 6, rx: 3 }));
@@ -69,7 +69,7 @@ const drawTimeline = () => {
   const mark = (group, [at, text, kind, about], y, room) => {
     if (at < shown.from || at > shown.to) return;
     const x = xOf(at), box = element('g', { class: `mark ${kind}` });
-    box.append(element('title', {}, `${text}${about ? `: ${about}` : ''} at ${told(at)}`));
+    box.append(element('title', {}, `${text}${about ? `: ${about}` : ''} at ${timeText(at)}`));
     box.append(element('text', { class: 'sign', x, y: y + ROW / 2 + 5, 'text-anchor': 'middle' }, SIGNS[kind]));
     const label = fitted(about && kind === 'trigger' ? about : text, room - 10);
     if (label) box.append(element('text', { x: x + 9, y: y + ROW / 2 + 4 }, label));
@@ -98,7 +98,7 @@ const drawTimeline = () => {
     if (end < shown.from || start > shown.to) return;
     const left = Math.max(gutter, xOf(start)), right = Math.min(width - EDGE, xOf(end));
     const box = element('g', { class: 'gap' });
-    box.append(element('title', {}, `nothing is known: ${told(start)} to ${told(end)}`));
+    box.append(element('title', {}, `nothing is known: ${timeText(start)} to ${timeText(end)}`));
     box.append(element('rect', { x: left, y: 0, width: Math.max(2, right - left), height: y }));
     root.append(box);
   };

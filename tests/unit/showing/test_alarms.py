@@ -31,9 +31,9 @@ def said(snapshot: Snapshot, seen: object = ()) -> list[str]:
     return [each.plain for each in alarms.bar(snapshot, seen, 200, keys=False)]  # type: ignore[arg-type]
 
 
-def story(snapshot: Snapshot, *told: tuple[float, Fault | Ended | Log]) -> Snapshot:
+def story(snapshot: Snapshot, *effects: tuple[float, Fault | Ended | Log]) -> Snapshot:
     memory = Memory(snapshot.scene.robot)
-    for now_s, effect in told:
+    for now_s, effect in effects:
         memory.see([effect], now_s)
     return replace(snapshot, story=memory.story())
 
@@ -45,46 +45,46 @@ def test_a_fault_stays_when_its_rule_is_not_true_any_more_as_for_a_dead_wheel_th
     snapshot: Snapshot,
 ) -> None:
     code = snapshot.scene.robot.faults[0].code
-    told = after(snapshot, Fault(code, "it is so", "continue"))
-    assert told.state is not None
-    assert not told.state.faults.raised
+    shown = after(snapshot, Fault(code, "it is so", "continue"))
+    assert shown.state is not None
+    assert not shown.state.faults.raised
 
-    assert f"{code}: it is so" in said(told)[0]
-    assert not alarms.alarms(told, ())[0].over
-    assert said(told, EVERY) == []
+    assert f"{code}: it is so" in said(shown)[0]
+    assert not alarms.alarms(shown, ())[0].over
+    assert said(shown, EVERY) == []
 
 
 def test_a_warning_whose_cause_nobody_follows_stays_until_it_is_acknowledged(
     snapshot: Snapshot,
 ) -> None:
-    told = after(snapshot, FAULT)
+    shown = after(snapshot, FAULT)
 
-    assert "firmware.reset" in said(told)[0]
-    assert said(told, EVERY) == []
+    assert "firmware.reset" in said(shown)[0]
+    assert said(shown, EVERY) == []
 
 
 def test_a_silent_board_is_a_cause_that_may_go(snapshot: Snapshot) -> None:
-    told = after(snapshot, Fault("sensor.silent", "the board says nothing", "continue"))
-    assert told.state is not None
-    faults = told.state.faults._replace(silent=frozenset({0}))
+    shown = after(snapshot, Fault("sensor.silent", "the board says nothing", "continue"))
+    assert shown.state is not None
+    faults = shown.state.faults._replace(silent=frozenset({0}))
 
-    assert said(replace(told, state=told.state._replace(faults=faults)))
-    assert said(told) == []
+    assert said(replace(shown, state=shown.state._replace(faults=faults)))
+    assert said(shown) == []
 
 
 # --- which alarm is shown -------------------------------------------------------------------------
 
 
 def test_an_old_end_does_not_hide_a_new_fault(snapshot: Snapshot) -> None:
-    told = story(snapshot, (1.0, Ended("interrupted", "stopped by the operator")), (2.0, FAULT))
+    shown = story(snapshot, (1.0, Ended("interrupted", "stopped by the operator")), (2.0, FAULT))
 
-    (line,) = said(told)
+    (line,) = said(shown)
     assert line.startswith(" ⚠ 2.0 s  fault: firmware.reset")
-    assert "!: 1 more" in str(alarms.bar(told, (), 200)[0])
+    assert "!: 1 more" in str(alarms.bar(shown, (), 200)[0])
 
 
 def test_a_cascade_keeps_its_first_cause_and_says_how_it_ended(snapshot: Snapshot) -> None:
-    told = story(
+    shown = story(
         snapshot,
         (1.0, Log("warning", "old news")),
         (30.0, FAULT),
@@ -92,19 +92,19 @@ def test_a_cascade_keeps_its_first_cause_and_says_how_it_ended(snapshot: Snapsho
         (31.0, Ended("failed", "the command failed")),
     )
 
-    assert [each[:40].strip() for each in said(told)] == [
+    assert [each[:40].strip() for each in said(shown)] == [
         "⚠ 30.0 s  fault: firmware.reset: the co",
         "■ 31.0 s  FAILED: the command failed",
     ]
-    assert [each.first for each in alarms.alarms(told, ())] == [True, True, False, False]
+    assert [each.first for each in alarms.alarms(shown, ())] == [True, True, False, False]
 
 
 @pytest.mark.parametrize("at_s", [0.5, 1.2, 30.0])
 def test_a_warning_hides_no_fault(snapshot: Snapshot, at_s: float) -> None:
     lines = [(1.0, FAULT), (at_s, Log("warning", "gamma_3 is on its end stop"))]
-    told = story(snapshot, *sorted(lines, key=lambda each: each[0]))
+    shown = story(snapshot, *sorted(lines, key=lambda each: each[0]))
 
-    (line,) = said(told)
+    (line,) = said(shown)
     assert "firmware.reset" in line
 
 
@@ -113,32 +113,32 @@ def test_a_fault_that_the_mission_has_handled_stays_and_its_success_is_shown_bel
     snapshot: Snapshot, ended_s: float
 ) -> None:
     warned = Log("warning", "a consequence")
-    told = story(
+    shown = story(
         snapshot, (1.0, FAULT), (1.2, warned), (ended_s, Ended("succeeded", "It is there"))
     )
 
-    fault, success = said(told)
+    fault, success = said(shown)
     assert "⚠ 1.0 s  fault: firmware.reset" in fault
     assert "SUCCEEDED: It is there" in success
-    assert not alarms.shows_success(told, ())
+    assert not alarms.shows_success(shown, ())
 
 
 def test_a_success_of_an_older_run_is_not_how_a_fault_has_ended(snapshot: Snapshot) -> None:
     succeeded = Ended("succeeded", "It is there")
-    told = story(snapshot, (1.0, succeeded), (1.4, FAULT))
-    (line,) = said(told)
+    shown = story(snapshot, (1.0, succeeded), (1.4, FAULT))
+    (line,) = said(shown)
     assert "firmware.reset" in line
 
-    told = story(snapshot, (1.0, FAULT), (1.4, Ended("failed", "so")), (1.8, succeeded))
-    assert "FAILED: so" in said(told)[1]
+    shown = story(snapshot, (1.0, FAULT), (1.4, Ended("failed", "so")), (1.8, succeeded))
+    assert "FAILED: so" in said(shown)[1]
 
 
 @pytest.mark.parametrize("warned_s", [0.5, 1.5, 30.0])
 def test_a_warning_hides_no_success(snapshot: Snapshot, warned_s: float) -> None:
     lines = [(1.0, Ended("succeeded", "It is there")), (warned_s, Log("warning", "a warning"))]
-    told = story(snapshot, *sorted(lines, key=lambda each: each[0]))
+    shown = story(snapshot, *sorted(lines, key=lambda each: each[0]))
 
-    assert "SUCCEEDED: It is there" in said(told)[-1]
+    assert "SUCCEEDED: It is there" in said(shown)[-1]
 
 
 def test_an_end_that_says_its_cause_is_enough(snapshot: Snapshot) -> None:
@@ -151,26 +151,26 @@ def test_an_end_that_says_its_cause_is_enough(snapshot: Snapshot) -> None:
 def test_what_is_acknowledged_makes_room_for_the_next_one_and_stays_in_the_list(
     snapshot: Snapshot,
 ) -> None:
-    told = story(snapshot, (1.0, FAULT), (1.5, Log("warning", "a consequence")))
-    shown = {each.entry.number for each in alarms.pending(told, ())}
+    both = story(snapshot, (1.0, FAULT), (1.5, Log("warning", "a consequence")))
+    shown = {each.entry.number for each in alarms.pending(both, ())}
 
-    assert "a consequence" in said(told, shown)[0]
-    assert [each.seen for each in alarms.alarms(told, shown)] == [True, False]
+    assert "a consequence" in said(both, shown)[0]
+    assert [each.seen for each in alarms.alarms(both, shown)] == [True, False]
 
 
 @pytest.mark.parametrize(("times", "cut"), [(18, False), (60, True)])
 def test_an_alarm_is_shown_in_full_unless_it_is_very_long_and_the_keys_always(
     snapshot: Snapshot, times: int, cut: bool
 ) -> None:
-    told = story(snapshot, (1.0, Log("warning", "very long " * times)))
-    lines = [each.plain for each in alarms.bar(told, (), 80)]
+    shown = story(snapshot, (1.0, Log("warning", "very long " * times)))
+    lines = [each.plain for each in alarms.bar(shown, (), 80)]
 
     assert max(map(len, lines)) <= 80
     assert ("…" in "".join(lines)) == cut
     assert cut or " ".join(lines).split().count("long") == times
     assert "(Esc: seen, !: all)" in lines[-1]
     assert len(lines) <= 4
-    assert alarms.alarms(told, ())[0].text == "warning: " + "very long " * times
+    assert alarms.alarms(shown, ())[0].text == "warning: " + "very long " * times
 
 
 # --- what the robot may be doing while nothing is heard -------------------------------------------

@@ -1,4 +1,4 @@
-"""Times, counting, resuming and faults that lead nowhere are told; what is meant is left alone."""
+"""Times, counting, resuming and faults that lead nowhere are found; what is meant is left alone."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ END = "  c: {do: [Brake], go: good}\n  late: {do: [Brake], go: bad}\n"
 FLOW = {"limit.beyond", "handler.again", "wait.counts_on", "resume.refused"}
 
 
-def told(folder: Path, phases: str, head: str = "", within: str = "30 s") -> list[str]:
+def findings(folder: Path, phases: str, head: str = "", within: str = "30 s") -> list[str]:
     """The codes about the flow of a mission, each with the text at its place."""
     text = (
         f"format: 1\nmission: m\nrobot: pirate_ii\npipe: straight_113\n{head}start: a\nphases:\n"
@@ -42,7 +42,7 @@ def told(folder: Path, phases: str, head: str = "", within: str = "30 s") -> lis
 
 @pytest.mark.parametrize(("within", "late"), [("1 min", False), ("61 s", True)])
 def test_a_wait_is_over_before_the_mission_is(tmp_path: Path, within: str, late: bool) -> None:
-    found = told(tmp_path, CLAMP + DRIVE + END, "time_limit: 1 min\n", within)
+    found = findings(tmp_path, CLAMP + DRIVE + END, "time_limit: 1 min\n", within)
 
     assert found == ["limit.beyond 61 s, go: late}}"] * late
 
@@ -63,7 +63,7 @@ def test_a_fault_comes_again_where_only_the_drive_begins_again(
     head = f"on_fault: [{{fault: robot.stuck, go: {go}}}]\n"
 
     assert (
-        told(tmp_path, CLAMP + DRIVE + more + END, head)
+        findings(tmp_path, CLAMP + DRIVE + more + END, head)
         == [f"handler.again robot.stuck, go: {go}}}]"] * again
     )
 
@@ -73,7 +73,7 @@ def test_a_fault_comes_again_where_only_the_drive_begins_again(
 )
 def test_only_what_was_counted_counts_on(tmp_path: Path, when: str, counted: bool) -> None:
     on = f"  on: {{wait: [{{when: change({when}, go: c}}], counts_on: true, within: LATE}}\n"
-    found = told(tmp_path, CLAMP + DRIVE.replace("go: c", "go: on") + on + END)
+    found = findings(tmp_path, CLAMP + DRIVE.replace("go: c", "go: on") + on + END)
 
     assert [each.partition(" ")[0] for each in found] == ["wait.counts_on"] * (not counted)
 
@@ -83,7 +83,7 @@ def test_a_wait_counts_on_what_any_wait_before_it_has_counted(tmp_path: Path) ->
     turn = "  b: {wait: [{when: change(gamma_1) >= 5 deg, go: d}], within: LATE}\n"
     between = DRIVE.replace("  b: ", "  d: ").replace("go: c", "go: on")
 
-    assert told(tmp_path, CLAMP + turn + between + on + END) == []
+    assert findings(tmp_path, CLAMP + turn + between + on + END) == []
 
 
 def test_a_way_of_many_waits_is_followed_once(
@@ -101,7 +101,7 @@ def test_a_way_of_many_waits_is_followed_once(
         f" counts_on: {str(n > 0).lower()}, within: LATE}}\n"
         for n in range(30)
     )
-    told(tmp_path, CLAMP.replace("go: b", "go: w0") + waits + "  w30: {go: c}\n" + END)
+    findings(tmp_path, CLAMP.replace("go: b", "go: w0") + waits + "  w30: {go: c}\n" + END)
 
     assert 1 <= max(asked.values()) <= 3
 
@@ -125,7 +125,7 @@ def test_resuming_is_explored_once_for_each_phase_and_state(
         for n in range(5)
     )
 
-    found = told(tmp_path, CLAMP + let_go + waits)
+    found = findings(tmp_path, CLAMP + let_go + waits)
 
     assert found == ["resume.refused a}"] * 5
     limits = [limit for _, limit in explored]
@@ -139,7 +139,7 @@ def test_resuming_is_explored_within_one_limit(
     monkeypatch.setattr(flow, "MOST_WORK", 0)
     waits = "  b: {do: [RelaxFront], go: w}\n  w: {wait: [{after: 3 s, go: good}], resume: a}\n"
 
-    assert told(tmp_path, CLAMP + waits) == []
+    assert findings(tmp_path, CLAMP + waits) == []
 
 
 @pytest.mark.parametrize(
@@ -152,5 +152,5 @@ def test_a_phase_resumes_where_its_commands_can_be_given(
     waits = f"  w: {{wait: [{{after: 3 s, go: rest}}], resume: {resume}}}\n"
     rest = "  rest: {do: [{command: ClampFront, unneeded: skip}], go: good}\n"
 
-    found = told(tmp_path, CLAMP + let_go + waits + rest)
+    found = findings(tmp_path, CLAMP + let_go + waits + rest)
     assert found == [f"resume.refused {resume}}}"] * (not fits)
