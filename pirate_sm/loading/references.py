@@ -73,10 +73,16 @@ def _roots(folder: FilePath) -> Iterator[FilePath]:
     yield from (library.shipped() / name for name in ("sequences", "hardware_profiles"))
     if here.is_relative_to(FilePath.cwd()):
         yield FilePath.cwd()
-    for above in (here, *here.parents):
-        if any(is_there(above / mark) for mark in ROOT_MARKS):
-            yield above
-            return
+    if (root := project_of(here)) is not None:
+        yield root
+
+
+def project_of(folder: FilePath) -> FilePath | None:
+    """Return the nearest folder of a project that a folder is in; None without one."""
+    marked = (
+        each for each in (folder, *folder.parents) for mark in ROOT_MARKS if is_there(each / mark)
+    )
+    return next(marked, None)
 
 
 def tell(

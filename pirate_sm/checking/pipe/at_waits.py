@@ -49,8 +49,8 @@ class AtWaits:
     def __init__(self, view: PipeView) -> None:
         self._view = view
         robot, profile = view.fit.robot, view.fit.profile
-        program = view.loaded.program
-        self._course = course_of(robot, program, profile, len(view.bends), failing=True)
+        bends, program = len(view.bends), view.loaded.program
+        self._course = course_of(robot, program, profile, bends, failing=True)
         situations = self._course.situations if self._course is not None else ()
         usual = {each.at for each in view.course.situations}
         self._points: dict[int, list[CoursePoint]] = defaultdict(list)
@@ -59,10 +59,9 @@ class AtWaits:
                 self._points[each.at].append(each)
         self._onward = all(each.way >= 0 for each in situations)
         self._bends_parts = _bending(view)
-        anywhere = {each.word for each in robot.word_conditions}
-        words = profile.detector.words
-        self._words = {w: it for w, it in words.items() if it.forward and w not in anywhere}
-        self._anywhere = bool(anywhere)
+        self._anywhere = {each.word for each in robot.word_conditions}
+        said = ((w, it) for w, it in profile.detector.words.items() if w not in self._anywhere)
+        self._words = {word: it for word, it in said if it.forward}
         numbers = robot.vocabulary.numbers
         self._changed = change_of(numbers[robot.odometry]) if robot.odometry >= 0 else ""
         self._blocked = self._bends_parts and all(_stops(joint) for joint in view.bends)
@@ -154,11 +153,10 @@ class AtWaits:
                 yield Silent("segment", frozenset({_JOINT}), why)
         kinds = {"mitre", "elbow", "tee", "reducer"} - {each.kind for each in route.joints}
         said = {it.joint for it in self._view.fit.profile.detector.words.values()}
+        why = "waits for a joint of a kind that the pipe does not have"
         if not self._anywhere:
-            why = "waits for a joint of a kind that the pipe does not have"
             yield Silent("joint", frozenset(kinds), why)
         of_kinds = {w for w, it in self._words.items() if it.joint in kinds & said}
-        why = "waits for a joint that the pipe does not have"
         yield Silent("detector", frozenset(of_kinds), why)
         if not points or not all(each.way for each in points):
             return

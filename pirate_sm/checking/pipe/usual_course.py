@@ -16,7 +16,7 @@ from pirate_sm.checking.pipe.course_points import Bending, Change, CoursePoint, 
 from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
 from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.mission.successors import failures
+from pirate_sm.engine.mission.successors import failures, successes
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.profile import Profile
 
@@ -55,20 +55,28 @@ class _Follower:
         yield from done
         if self.failing:
             # A command that failed may have been refused, or begun: states are as if it was done.
-            states = dict.fromkeys(each._replace(at=now.at) for each in (now, *done))
             for target in failures(self.program, now.at):
-                yield from (each._replace(at=target) for each in states)
+                yield from (each._replace(at=target) for each in (now, *done))
 
     def _done(self, now: CoursePoint) -> Iterator[CoursePoint]:
         """Yield the possible next points without a failure."""
-        step = self.program.instructions[now.at]
-        if isinstance(step, steps.Do):
-            yield from self._command(step, now)
-        elif isinstance(step, steps.SwitchControl):
-            yield now._replace(at=step.next, control=step.control, place=step.place)
-        else:
-            for target in self._targets(step, now.configuration):
-                yield now._replace(at=target)
+        step, states = (
+            self.program.instructions[now.at],
+            self.robot.table.configurations[now.configuration],
+        )
+        match step:
+            case steps.Do():
+                yield from self._command(step, now)
+            case steps.SwitchControl():
+                yield now._replace(at=step.next, control=step.control, place=step.place)
+            case steps.Require() if any(states[region] != state for region, state in step.states):
+                pass
+            case steps.Branch() if step.condition.names <= set(self.robot.regions):
+                numbers = (0.0,) * len(self.robot.vocabulary.numbers)
+                true = step.condition.evaluate(numbers, states) is True
+                yield now._replace(at=step.if_true if true else step.if_false)
+            case _:
+                yield from (now._replace(at=to) for to in successes(self.program, now.at))
 
     def _command(self, step: steps.Do, now: CoursePoint) -> Iterator[CoursePoint]:
         after = self.robot.table.follow(now.configuration, step.command)
@@ -132,33 +140,6 @@ class _Follower:
                 if write.turns:
                     values[write.slot] = write.value
         return self.ways.setdefault(configuration, self.robot.travel(values))
-
-    def _targets(self, step: steps.Instruction, configuration: int) -> tuple[int, ...]:
-        match step:
-            case steps.Enter() | steps.Say():
-                return (step.next,)
-            case steps.Require(states=states):
-                current = self.robot.table.configurations[configuration]
-                fits = all(current[region] == state for region, state in states)
-                return (step.next,) if fits else ()
-            case steps.Branch():
-                return self._branch(step, configuration)
-            case steps.Wait(triggers=triggers):
-                return tuple(trigger.go for trigger in triggers)
-            case steps.Question(choices=choices):
-                return tuple(target for _, target in choices)
-            case steps.Do() | steps.SwitchControl() | steps.Raise() | steps.Finish():
-                return ()
-
-    def _branch(self, step: steps.Branch, configuration: int) -> tuple[int, ...]:
-        """Return both targets, unless the states alone decide."""
-        known = step.condition.names <= set(self.robot.regions)
-        if not known:
-            return (step.if_true, step.if_false)
-        states = self.robot.table.configurations[configuration]
-        numbers = (0.0,) * len(self.robot.vocabulary.numbers)
-        true = step.condition.evaluate(numbers, states) is True
-        return (step.if_true,) if true else (step.if_false,)
 
 
 def course_of(

@@ -84,7 +84,6 @@ class _Check:
         self._unset: dict[str, tuple[Finding, ...]] = {}  # parameters of missions, by their files
         self._called: set[str] | None = set()  # files that others use; None: not all are known
         self._pipes: dict[str, tuple[CheckTarget, Pipe, Document]] = {}  # by their files
-        self._robots: set[Path] = set()  # folders
         self._used: set[str] = set()  # files that missions or campaigns were checked with
         self._rehearsals: list[Rehearsal] = []
         self._examples = wishes.counterexamples and Examples(wishes.counterexamples)
@@ -142,7 +141,6 @@ class _Check:
             message = f"the profile of a robot is named {PROFILE_FILE} and has a folder of its own"
             self._add("check.kind", shown(target.path), message)
             return
-        self._robots.add(_folder(target.path))
         checked = check_robot(_folder(target.path))
         self._keep(checked.documents)
         self._files += [CheckedFile(each.name, Kind.CHART) for each in checked.documents[1:]]
@@ -174,9 +172,9 @@ class _Check:
         A pipe is for another robot if its project has robots, and the usual one is not one of them.
         """
         problems = Problems(document)
-        own, usual = self._robots | robots_around(path), self._usual(path)
-        named = self._wishes.robot or self._wishes.usual_robot
-        if own and not named and usual not in own:
+        known = {_folder(Path(each)) for each in self._texts if Path(each).name == PROFILE_FILE}
+        own, usual = known | robots_around(path), self._usual(path)
+        if own and usual not in own and not (self._wishes.robot or self._wishes.usual_robot):
             return problems
         with suppress(LoadError):  # reported for the robot
             robot = load_robot(usual)

@@ -13,7 +13,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.file_kinds import Kind, kind_of
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
-from pirate_sm.loading.references import ROOT_MARKS
+from pirate_sm.loading.references import project_of
 from pirate_sm.on_disk import is_folder, is_there
 from pirate_sm.spelling import nearest
 
@@ -92,17 +92,13 @@ def _project(findings: list[Finding]) -> list[Path]:
 
 
 def robots_around(path: Path) -> set[Path]:
-    """Return the folders of the robots of the project in which a file is.
+    """Return the folders of the robots next to a file, and in its project.
 
     The project is the nearest folder with the marks of one, else the working directory.
     """
-    here, working = path.resolve().parent, Path.cwd()
-    above = [here, *here.parents]
-    marked = (each for each in above if any(is_there(each / mark) for mark in ROOT_MARKS))
-    root = next(marked, working if working in above else here)
-    inside = above[: above.index(root) + 1]
-    profiles = (f"{depth}{PROFILE_FILE}" for depth in ("", "*/", "*/*/"))
-    return {file.parent for name in profiles for each in inside for file in each.glob(name)}
+    here, places = path.resolve().parent, ("", "*/", "*/*/")
+    folders = (here, project_of(here) or Path.cwd())
+    return {f.parent for each in folders for at in places for f in each.glob(at + PROFILE_FILE)}
 
 
 def _existing(name: str) -> Path:

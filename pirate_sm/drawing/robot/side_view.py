@@ -159,11 +159,9 @@ class _Reader(NamedTuple):
 
     def rows(self) -> Iterator[Row]:
         slots = sorted(self.slots, key=lambda each: not each.slot.wheel)
-        values = [Duty(1.0) if each.slot.unit == "duty" else None for each in slots]
-        positive = zip(slots, values, strict=True)
-        yield Row(
-            "positive setpoint", _joined((each.column, self._text(each, v)) for each, v in positive)
-        )
+        ones = ((each, Duty(1.0) if each.slot.unit == "duty" else None) for each in slots)
+        positive = _joined((each.column, self._text(each, value)) for each, value in ones)
+        yield Row("positive setpoint", positive)
         for region, states in self.robot.profile.actuation.items():
             rows = [
                 Row("  " + (f"{state}, stage {n + 1}" if n else state), cells)

@@ -10,7 +10,7 @@ from math import atan2, cos, degrees, hypot, radians, sin
 from pirate_sm.drawing.robot.criterion_text import angle
 from pirate_sm.drawing.robot.side_view import LEGEND, SCALE, WRONG, SideView
 from pirate_sm.drawing.svg.arrangement import MARGIN, TEXT_LINE, TITLE_LINE
-from pirate_sm.drawing.svg.svg_writer import escaped, paper, px, text_at
+from pirate_sm.drawing.svg.svg_writer import at, circle, paper, px, rectangle, text_at
 from pirate_sm.drawing.text_wrapping import cells, wrapped
 from pirate_sm.geometry.space import Place
 
@@ -126,9 +126,8 @@ class _Sheet:
     def _lengths(self, spots: list[Place]) -> Iterator[str]:
         """Draw the lengths of the links, with their modules and roll joints."""
         rows = 0
-        for link, ((x, y), (behind, _)) in zip(
-            self.view.profile.body.links, pairwise(spots), strict=True
-        ):
+        links = zip(self.view.profile.body.links, pairwise(spots), strict=True)
+        for link, ((x, y), (behind, _)) in links:
             ends = f"M{px(behind)} {px(self.y - 4)}v8m0 -4H{px(x)}m0 -4v8"
             yield f'<path class="line" d="{ends}"/>'
             lines, middle = [link.module, f"{link.length * 1e3:g} mm"], (x + behind) / 2
@@ -150,10 +149,8 @@ class _Sheet:
     def _roll(self, x: float, y: float) -> Iterator[str]:
         """Draw which way the body ahead of a roll joint turns by a positive angle."""
         high = self.view.profile.body.body_half_thickness * self.scale + 6
-        yield (
-            f'<path class="turn" d="M{px(x)} {px(y + high)}'
-            f'a{px(high / 2)} {px(high)} 0 0 0 0 {px(-2 * high + _HEAD)}"/>'
-        )
+        path = f"M{at((x, y + high))}a{at((high / 2, high))} 0 0 0 0 {px(-2 * high + _HEAD)}"
+        yield f'<path class="turn" d="{path}"/>'
         yield _tip((x, y - high), 60)
 
     def _links(self, spots: list[Place]) -> Iterator[str]:
@@ -163,14 +160,12 @@ class _Sheet:
             yield (
                 f'<rect class="link" y="{px(-half)}" width="{px(long)}" '
                 f'height="{px(2 * half)}" rx="4" '
-                f'transform="translate({px(x)} {px(y)}) rotate({px(turn)})"/>'
+                f'transform="translate({at((x, y))}) rotate({px(turn)})"/>'
             )
 
     def _wheel(self, node: int, x: float, y: float) -> Iterator[str]:
         bad = node in self.view.bad_wheels
-        yield (
-            f'<circle class="{"bad " * bad}wheel" cx="{px(x)}" cy="{px(y)}" r="{px(self.radius)}"/>'
-        )
+        yield circle(f"{'bad ' * bad}wheel", x, y, self.radius)
         yield _centred(x, y - TEXT_LINE / 2, f"{node + 1}{WRONG * bad}", "at bad" if bad else "at")
 
     # --- clamped, and its states ---------------------------------------------------------------
@@ -186,10 +181,7 @@ class _Sheet:
         high, half = self.y + 2 * MARGIN, view.diameter_m / 2 * self.scale
         middle = high + half
         left, right = _LABEL - MARGIN, self.width - 2 * MARGIN
-        yield (
-            f'<rect class="bore" x="{px(left)}" y="{px(high)}" '
-            f'width="{px(right - left)}" height="{px(2 * half)}"/>'
-        )
+        yield rectangle("bore", left, high, right - left, 2 * half)
         for name, y in (("A", high), ("B", high + 2 * half)):
             yield f'<path class="wall" d="M{px(left)} {px(y)}H{px(right)}"/>'
             yield text_at("title", right + 6, y - TITLE_LINE / 2, TITLE_LINE, name)
@@ -214,12 +206,9 @@ class _Sheet:
 
     def states(self) -> Iterator[str]:
         """Write a line for each state, with what it does under each wheel, joint and roll joint."""
-        for place, row in enumerate(self.view.rows):
-            if place % 2:
-                yield (
-                    f'<rect class="band" x="{px(MARGIN)}" y="{px(self.y)}" '
-                    f'width="{px(self.width - 2 * MARGIN)}" height="{px(TITLE_LINE)}"/>'
-                )
+        for number, row in enumerate(self.view.rows):
+            if number % 2:
+                yield rectangle("band", MARGIN, self.y, self.width - 2 * MARGIN, TITLE_LINE)
             kind = "text" if row.cells else "title soft"
             indent = MARGIN + (len(row.name) - len(row.name.lstrip())) * _LETTER
             yield text_at(kind, indent, self.y, TITLE_LINE, row.name.lstrip())
@@ -244,27 +233,24 @@ class _Sheet:
 
 
 def _centred(x: float, top: float, text: str, kind: str = "at", height: float = TEXT_LINE) -> str:
-    return f'<text class="{kind}" x="{px(x)}" y="{px(top + height * 0.75)}">{escaped(text)}</text>'
+    return text_at(kind, x, top, height, text)
 
 
 def _arc(x: float, y: float, radius: float, begin: float, end: float) -> Iterator[str]:
     """Draw an arrow along a circle, by angles in degrees, 0 ahead and 90 up."""
-    ((x0, y0), (x1, y1)) = (
+    first, last = (
         (x + radius * cos(radians(each)), y - radius * sin(radians(each))) for each in (begin, end)
     )
     large, back = int(abs(end - begin) > 180), int(end < begin)
-    yield (
-        f'<path class="turn" d="M{px(x0)} {px(y0)}A{px(radius)} {px(radius)} 0 '
-        f'{large} {back} {px(x1)} {px(y1)}"/>'
-    )
-    yield _tip((x1, y1), end + (-90 if back else 90))
+    path = f"M{at(first)}A{at((radius, radius))} 0 {large} {back} {at(last)}"
+    yield f'<path class="turn" d="{path}"/>'
+    yield _tip(last, end + (-90 if back else 90))
 
 
 def _tip(point: Place, towards: float, kind: str = "", size: float = 1) -> str:
     """Return the head of an arrow whose tip is at a point, by its direction in degrees."""
     long, half = _HEAD * size, _HEAD * size / 2
     return (
-        f'<polygon class="{kind}tip" points="0 0 {px(-long)} {px(half)} '
-        f'{px(-long)} {px(-half)}" transform="translate({px(point[0])} '
-        f'{px(point[1])}) rotate({px(-towards)})"/>'
+        f'<polygon class="{kind}tip" points="0 0 {at((-long, half))} {at((-long, -half))}" '
+        f'transform="translate({at(point)}) rotate({px(-towards)})"/>'
     )

@@ -95,10 +95,7 @@ def _frame(frame: ClusterFrame) -> Iterator[str]:
     (x, y), size = frame.corner, frame.size
     yield "<g>"
     yield from _tooltip(frame.cluster.tooltip)
-    yield (
-        f'<rect class="frame" x="{px(x)}" y="{px(y)}" width="{px(size.width)}" '
-        f'height="{px(size.height)}" rx="8"/>'
-    )
+    yield rectangle("frame", x, y, size.width, size.height, 8)
     yield text_at("title soft", x + PADDING, y + PADDING / 2, TITLE_LINE, frame.cluster.title)
     yield "</g>"
 
@@ -110,35 +107,33 @@ def _box(box: Box) -> Iterator[str]:
     yield from _tooltip(node.tooltip)
     if node.kind is NodeKind.INITIAL:
         radius = size.width / 2
-        yield (
-            f'<circle class="box" cx="{px(x + radius)}" cy="{px(y + radius)}" r="{px(radius)}"/>'
-        )
+        yield circle("box", x + radius, y + radius, radius)
     else:
-        yield from _rectangle(box)
+        yield from _described(box)
     yield "</g>"
 
 
-def _rectangle(box: Box) -> Iterator[str]:
+def _described(box: Box) -> Iterator[str]:
     node, (x, y), size = box.node, box.corner, box.size
     ends = node.kind in {NodeKind.SUCCEED, NodeKind.FAIL}
     radius = 15 if ends or node.kind is NodeKind.STATE else 5
     if node.current:
         wide, high = size.width + 2 * RING, size.height + 2 * RING
-        yield _rounded("ring", x - RING, y - RING, wide, high, radius + RING)
-    yield _rounded("box", x, y, size.width, size.height, radius)
+        yield rectangle("ring", x - RING, y - RING, wide, high, radius + RING)
+    yield rectangle("box", x, y, size.width, size.height, radius)
     left, top = x + PADDING, y + PADDING / 2
     if ends:
         yield _sign(node.kind is NodeKind.SUCCEED, left, top + TITLE_LINE / 2)
     yield text_at("title", left + (SIGN if ends else 0.0), top, TITLE_LINE, node.title)
     for number, line in enumerate(box.lines):
-        at = top + TITLE_LINE + PADDING / 4 + number * TEXT_LINE
+        line_top = top + TITLE_LINE + PADDING / 4 + number * TEXT_LINE
         indent = (len(line) - len(line.lstrip())) * TEXT_FONT * ADVANCE
-        yield text_at("text", left + indent, at, TEXT_LINE, line.lstrip())
+        yield text_at("text", left + indent, line_top, TEXT_LINE, line.lstrip())
     if node.visits:
         text = visits_text(node.visits)
         width = cells(text) * LABEL_FONT * ADVANCE + PADDING
         badge_x, badge_y = x - BADGE / 2, y - BADGE / 2
-        yield _rounded("badge", badge_x, badge_y, max(width, BADGE), BADGE, BADGE / 2)
+        yield rectangle("badge", badge_x, badge_y, max(width, BADGE), BADGE, BADGE / 2)
         middle = badge_x + max(width, BADGE) / 2
         yield (
             f'<text class="number" text-anchor="middle" x="{px(middle)}" '
@@ -146,7 +141,15 @@ def _rectangle(box: Box) -> Iterator[str]:
         )
 
 
-def _rounded(name: str, x: float, y: float, width: float, height: float, radius: float) -> str:
+def circle(name: str, x: float, y: float, radius: float) -> str:
+    """Return a circle of a class."""
+    return f'<circle class="{name}" cx="{px(x)}" cy="{px(y)}" r="{px(radius)}"/>'
+
+
+def rectangle(
+    name: str, x: float, y: float, width: float, height: float, radius: float = 0.0
+) -> str:
+    """Return a rectangle of a class, whose corners have a radius."""
     return (
         f'<rect class="{name}" x="{px(x)}" y="{px(y)}" width="{px(width)}" '
         f'height="{px(height)}" rx="{px(radius)}"/>'
@@ -185,25 +188,25 @@ def _way(route: EdgeRoute) -> tuple[str, str]:
     (tip_x, tip_y), (_, before) = points[-1], points[-2]
     down = 1.0 if tip_y > before else -1.0
     points[-1] = (tip_x, tip_y - down * HEAD)
-    path = [f"M{_point(points[0])}"]
+    path = [f"M{at(points[0])}"]
     for (x, y), (to_x, to_y) in pairwise(points):
         if abs(x - to_x) < 0.05:
-            path.append(f"L{_point((to_x, to_y))}")
+            path.append(f"L{at((to_x, to_y))}")
             continue
         half = (y + to_y) / 2
-        path.append(f"C{_point((x, half))} {_point((to_x, half))} {_point((to_x, to_y))}")
+        path.append(f"C{at((x, half))} {at((to_x, half))} {at((to_x, to_y))}")
     base = tip_y - down * HEAD
     corners = [(tip_x, tip_y), (tip_x - HEAD / 2, base), (tip_x + HEAD / 2, base)]
-    return "".join(path), " ".join(map(_point, corners))
+    return "".join(path), " ".join(map(at, corners))
 
 
 def _loop(route: EdgeRoute) -> tuple[str, str]:
     begin, apex, end = route.points
     base = (end[0] + HEAD, end[1])
     reach = begin[0] + (apex[0] - begin[0]) * 4 / 3  # a cubic reaches three quarters of the way
-    path = f"M{_point(begin)}C{_point((reach, begin[1]))} {_point((reach, end[1]))} {_point(base)}"
+    path = f"M{at(begin)}C{at((reach, begin[1]))} {at((reach, end[1]))} {at(base)}"
     corners = [end, (base[0], end[1] - HEAD / 2), (base[0], end[1] + HEAD / 2)]
-    return path, " ".join(map(_point, corners))
+    return path, " ".join(map(at, corners))
 
 
 def text_at(name: str, x: float, top: float, height: float, text: str) -> str:
@@ -231,5 +234,6 @@ def px(value: float) -> str:
     return f"{value:.1f}".removesuffix(".0")
 
 
-def _point(point: Point) -> str:
+def at(point: Point) -> str:
+    """Return a point as paths and lists of points have it."""
     return f"{px(point[0])} {px(point[1])}"

@@ -16,21 +16,25 @@ def successors(program: Program, at: int, *, fires: bool = True) -> Iterator[int
         at: Index of the instruction.
         fires: Whether a trigger of a wait may fire.
     """
+    yield from successes(program, at, fires=fires)
+    yield from failures(program, at)
+
+
+def successes(program: Program, at: int, *, fires: bool = True) -> Iterator[int]:
+    """Yield where an instruction leads that does not fail; of a wait only if a trigger may fire."""
     match program.instructions[at]:
-        case steps.Enter() | steps.Say() as it:
-            yield it.next
-        case steps.Do() | steps.SwitchControl() | steps.Require() as it:
+        case (
+            steps.Enter() | steps.Say() | steps.Do() | steps.SwitchControl() | steps.Require()
+        ) as it:
             yield it.next
         case steps.Branch() as it:
             yield from (it.if_true, it.if_false)
-        case steps.Wait() as it:
-            if fires:
-                yield from (each.go for each in it.triggers)
+        case steps.Wait() as it if fires:
+            yield from (each.go for each in it.triggers)
         case steps.Question() as it:
             yield from (target for _, target in it.choices)
-        case steps.Raise() | steps.Finish():
+        case steps.Wait() | steps.Raise() | steps.Finish():
             pass
-    yield from failures(program, at)
 
 
 def failures(program: Program, at: int) -> Iterator[int]:

@@ -158,9 +158,9 @@ STILL = "[ClampFront]"
 @pytest.mark.parametrize(
     ("segments", "at", "said"),
     [
-        (BENT.replace("700", "950"), "950 mm", "stands in the bend at 1000 mm"),
-        (BENT.replace("700", "945"), "945 mm", "stands in the bend"),
-        (BENT.replace("700", "1200"), "1200 mm", "stands in the bend"),
+        (BENT.replace("700", "950"), "950 mm", "is in the bend at 1000 mm"),
+        (BENT.replace("700", "945"), "945 mm", "is in the bend"),
+        (BENT.replace("700", "1200"), "1200 mm", "is in the bend"),
         (BENT.replace("700", "400"), "400 mm", "juts out of the beginning"),
         ("[{straight: 400 mm}]", "{straight: 400 mm}", "juts out of the beginning"),
         ("[{straight: 300 mm}, {mitre: 90 deg}, {straight: 2 m}]", "{straight: 300 mm}",

@@ -295,8 +295,8 @@ def test_the_module_stands_as_obliquely_as_the_pipe_is_wide(tmp_path: Path) -> N
 @pytest.mark.parametrize(
     ("fitting", "at", "said"),
     [
-        (TEE, "1.2 m", "stands in the tee 'tee_1' at 1000 mm, whose opening begins at 940 mm"),
-        (TEE, "950 mm", "stands in the tee"),
+        (TEE, "1.2 m", "is in the tee 'tee_1' at 1000 mm, whose opening begins at 940 mm"),
+        (TEE, "950 mm", "is in the tee"),
         (TEE.replace("on}", "on, diameter: 80 mm}"), "1.2 m", "whose opening begins at 960 mm"),
         ("{elbow: 90 deg, radius: 180 mm}", "1.1 m", "the elbow from 1000 mm to 1283 mm"),
         ("{elbow: 90 deg, radius: 180 mm}", "1.7 m", "the elbow"),
