@@ -63,7 +63,6 @@ ALPHABETS = {
         "NewInstruction(NamedTuple)",
         (
             "checking/diff/read_behaviour.py",
-            "checking/pipe/usual_course.py",
             "engine/mission/successors.py",
             "engine/mission/interpreter.py",
             "engine/mission/signals_read.py",

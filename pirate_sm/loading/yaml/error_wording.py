@@ -85,7 +85,7 @@ def word(error: ErrorDetails, schema: Schema | None) -> Wording:
     """
     wanted = _WANTED.get(error["type"])
     if wanted is not None:
-        return _wrong_kind(wanted, error["input"])
+        return _wrong_kind(wanted, error["input"], schema or {})
     speak = _SPEAKERS.get(error["type"])
     if speak is not None:
         return speak(error, schema)
@@ -100,7 +100,7 @@ def word(error: ErrorDetails, schema: Schema | None) -> Wording:
     )
 
 
-def _wrong_kind(wanted: str, value: object) -> Wording:
+def _wrong_kind(wanted: str, value: object, schema: Mapping[str, Any]) -> Wording:
     message = f"expected {wanted}, got {kind_of(value)}"
     if wanted == "text" and isinstance(value, bool | int | float):
         shown = str(value).lower() if isinstance(value, bool) else value
@@ -110,7 +110,8 @@ def _wrong_kind(wanted: str, value: object) -> Wording:
         return Wording("kind", message, suggestion=switch, write=switch)
     if wanted == "a whole number" and isinstance(value, str):
         with suppress(ScalarError):
-            if type(resolve_plain(value.strip())) is int:
+            number = resolve_plain(value.strip())
+            if type(number) is int and number >= schema.get("ge", number):
                 return Wording("kind", message, suggestion=value.strip(), write=value.strip())
     return Wording("kind", message)
 

@@ -159,6 +159,7 @@ def problems_of(text: str) -> tuple[Problem, ...]:
     | st.sampled_from(["on", "No", "1e3", "1920.0", ".inf", "0x1f", "1e999", "−5", "٣", "a, b"]),
 )
 @example("count", "1e3")
+@example("count", "-1")
 @example("count", "1920.0")
 @example("number", "1e3")
 @example("number", "−5")
