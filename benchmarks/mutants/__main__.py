@@ -6,7 +6,8 @@ by the tests that run its line. ``equivalent.yaml`` lists those that change noth
 with the reason; of the others 95 % must die in each package.
 
 `--paths` takes files and folders in place of the packages. Their mutants are tried by the files and
-folders of tests that mirror them, without a record of what all tests run, which takes many minutes.
+folders of tests that mirror them and by the files in the folders above, without a record of what
+all tests run, which takes many minutes.
 """
 
 from __future__ import annotations
@@ -80,11 +81,15 @@ def mirrored(path: str) -> list[str]:
 
 
 def nearby(path: str) -> Parts:
-    """Return the file of tests that mirrors a file, then the nearest folder of tests there is."""
-    folder = Path("tests", "unit", *Path(path).parts[1:-1])
+    """Return the file of tests that mirrors a file, its folder of tests, and files around that."""
+    unit = Path("tests", "unit")
+    folder = unit.joinpath(*Path(path).parts[1:-1])
     while not (ROOT / folder).exists():
         folder = folder.parent
-    return [each for each in (mirrored(path), [str(folder)]) if each]
+    parents = [each for each in folder.parents if each.is_relative_to(unit) and each != unit]
+    around = [file for each in parents for file in sorted((ROOT / each).glob("test_*.py"))]
+    files = [str(file.relative_to(ROOT)) for file in around]
+    return [part for part in (mirrored(path), [str(folder)], files) if part]
 
 
 def sample(
@@ -143,9 +148,10 @@ def try_all(
 def which_tests(options: argparse.Namespace, copy: Copy) -> Callable[[Mutant], Parts]:
     """Return what says which tests try a mutant; exit where these fail without one."""
     if options.paths:
-        for folder in {nearby(path)[-1][0] for path in files_of(tuple(options.paths))}:
-            if not copy.passes([[folder]]):
-                raise SystemExit(f"{folder} fails without any mutant: mend that first")
+        files = files_of(tuple(options.paths))
+        near = sorted({test for path in files for part in nearby(path) for test in part})
+        if not copy.passes([near]):
+            raise SystemExit(f"{', '.join(near)}: fail without any mutant: fix that first")
         return lambda mutant: nearby(mutant.path)
     files = [path for places in PACKAGES.values() for path in files_of(places)]
     coverage = measure(ROOT, files, KEPT, options.at_once, options.tests)

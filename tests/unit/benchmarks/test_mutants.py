@@ -17,9 +17,20 @@ def test_what_runs_in_another_process_is_tried_by_the_file_that_mirrors_it() -> 
 def test_a_file_is_tried_by_the_tests_that_mirror_it_and_then_by_those_next_to_them() -> None:
     folder = "tests/unit/engine/resuming"
 
-    assert nearby("pirate_sm/engine/resuming/entry.py") == [[f"{folder}/test_entry.py"], [folder]]
-    assert nearby("pirate_sm/engine/resuming/no_test.py") == [[folder]]
-    assert nearby("pirate_sm/engine/gliding/no_tests/file.py") == [["tests/unit/engine/gliding"]]
+    mirror, next_to_it, _ = nearby("pirate_sm/engine/resuming/entry.py")
+
+    assert (mirror, next_to_it) == ([f"{folder}/test_entry.py"], [folder])
+    assert nearby("pirate_sm/engine/resuming/no_test.py")[0] == [folder]
+    assert nearby("pirate_sm/engine/gliding/no_tests/file.py")[0] == ["tests/unit/engine/gliding"]
+
+
+def test_a_file_is_tried_last_by_the_tests_in_the_folders_above() -> None:
+    backends = "tests/unit/backends"
+
+    above = nearby("pirate_sm/backends/serial/link/exchange.py")[-1]
+
+    assert f"{backends}/serial/test_backend.py" in above
+    assert {each.rpartition("/")[0] for each in above} <= {f"{backends}/serial", backends}
 
 
 def test_another_seed_makes_other_mutants_of_the_same_files() -> None:
