@@ -90,11 +90,8 @@ class Exchange:
         self._unreadable = 0
         self._flowing = False
         self._watching = False
-        self.given_up = False
         self.outage: Outage | None = None
-        self.aside = False
-        self.brief = False
-        self.newer = False
+        self.given_up = self.aside = self.newer = self.brief = False
         self.heard: set[int] = set()
         self.refused: list[str] = []
         self.conversation = self._begin(now)
@@ -299,7 +296,7 @@ class Exchange:
             # Had this program stood still, no more mission time must pass than otherwise.
             since_s = min(now, heard_s + self._silent_s)
             outage = self.outage = Outage(heard_s, since_s, sign_s=heard_s)
-            self.aside = self.newer = False
+            self.aside = self.newer = self.brief = False
         return outage
 
     def _notice_return(self, now: float) -> None:

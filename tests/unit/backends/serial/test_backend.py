@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from itertools import pairwise
-from math import isnan, nan
+from math import inf, isnan, nan
 from pathlib import Path
 
 import pytest
@@ -480,6 +480,20 @@ def test_a_line_that_is_silent_for_a_moment_is_no_fault_and_takes_no_mission_tim
     assert faults(told) == []
     assert port.now() - opened_s == pytest.approx(3.0, abs=0.01)
     assert [at for at, _ in told] == sorted(at for at, _ in told)
+
+
+def test_a_silence_that_is_given_up_takes_no_mission_time_after_one_that_was_brief(
+    backend: SerialBackend, port: VirtualPort
+) -> None:
+    backend.open()
+    run(backend, 1.0)
+    port.deaf_until_s = port.now() + 0.55
+    run(backend, 3.0)
+    port.deaf_until_s = inf
+    told = run(backend, 5.0)
+
+    [at_s] = [at for at, event in told if isinstance(event, FaultReport)]
+    assert at_s == pytest.approx(3.4, abs=0.05)
 
 
 def test_a_controller_that_hangs_and_goes_on_is_taken_for_one_that_was_reset(

@@ -80,6 +80,17 @@ def test_the_stretches_are_the_whole_run_without_a_gap(run, most):
     assert len(stretches) <= min(most, len(list(run.checkpoints()))) + 1
 
 
+@pytest.mark.parametrize(("after_s", "until_s"), [(0.0, 1e9), (0.0, 12.0), (12.0, 1e9)])
+def test_the_stretches_are_of_similar_length(run, after_s, until_s):
+    stretches = list(_stretches(run, 3, run.checkpoint(after_s), until_s))
+
+    begins_s = [each.after.at_s if each.after else 0.0 for each in stretches]
+    share_s = (min(until_s, run.until_s) - begins_s[0]) / 3
+    assert len(stretches) == 3
+    for begin_s, end_s in pairwise(begins_s):
+        assert share_s <= end_s - begin_s < share_s + 2.1, "there is a checkpoint each 2 s"
+
+
 def test_an_interrupt_from_the_keyboard_is_left_to_the_main_process():
     before = signal.getsignal(signal.SIGINT)
     try:

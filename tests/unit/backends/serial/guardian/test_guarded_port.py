@@ -269,6 +269,8 @@ class TestInVirtualTime:
             port.read(guardian.now)
         assert guardian.done == ["hang up"]
         with pytest.raises(PortLostError, match="has died"):
+            port.read(guardian.now)
+        with pytest.raises(PortLostError, match="has died"):
             port.write(b"out")
         guardian.heard.clear()
         guardian.says = [[Note(Kind.OPENED)]]
