@@ -66,7 +66,7 @@ def _finding(finding: Finding, paint: Paint, columns: int) -> Iterator[str]:
     for place, what in finding.related:
         yield f"  {paint('place', str(place))}: {paint('', what)}"
     yield from _story(finding, paint, columns)
-    said = ("why", entry.why), ("mend", _mend(finding, entry.mend)), ("example", finding.example)
+    said = ("why", entry.why), ("fix", _fix(finding, entry.mend)), ("example", finding.example)
     for label, text in said:
         if text:
             yield from _wrapped(f"  {label + ': ':6}", text, paint, columns)
@@ -112,10 +112,10 @@ def _wrapped(label: str, text: str, paint: Paint, columns: int) -> Iterator[str]
         yield f"{margin}{paint('', line)}"
 
 
-def _mend(finding: Finding, usual: str) -> str:
-    """Return how to mend a finding: a suggestion, the expected input, or the usual advice."""
+def _fix(finding: Finding, default: str) -> str:
+    """Return how to fix a finding: a suggestion, the expected input, or the default advice."""
     if not finding.suggestion:
-        return finding.mend or usual
+        return finding.mend or default
     names = finding.mend.startswith("expected ")  # of which the suggestion is the nearest
     return f"did you mean '{finding.suggestion}'? {'' if names else finding.mend}".rstrip()
 
@@ -199,7 +199,7 @@ def _finding_explained(code: str) -> str:
             f"{code} ({entry.severity}): {entry.title}",
             "",
             f"Why it matters: {entry.why}",
-            f"How to mend it: {entry.mend}",
+            f"How to fix it: {entry.mend}",
             f"Decided by: {group.decided_by}",
             f"Not decided: {group.not_decided}",
             f"On its line it can be allowed: # pirate: allow {code}: <reason>"

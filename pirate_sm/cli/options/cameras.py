@@ -15,11 +15,9 @@ camera_file = partial(argument, "CAMERA", named_files.cameras, "Name or path of 
 inside = partial(option, "NxM", None, "Corners inside of the chessboard.", "--board", default="9x6")
 square_sides = partial(option, "LENGTH", None, "Sides of its squares.", default="25 mm")
 pictures = partial(
-    option, "FILES", named_files.files, "Pictures in place of the camera, such as 'seen/*.png'."
+    option, "FILES", named_files.files, "Images instead of the camera, such as 'seen/*.png'."
 )
-writes = partial(
-    flag, "Whether it is put into the camera's file.", "--write/--no-write", default=True
-)
+writes = partial(flag, "Write it into the camera's file.", "--write/--no-write", default=True)
 
 
 @dataclass(frozen=True, kw_only=True)

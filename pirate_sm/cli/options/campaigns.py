@@ -18,7 +18,7 @@ _MOST_SEEDS = 10**9
 class CampaignOptions:
     """Run missions many times and count successes.
 
-    A success counts if the simulator's truth agrees. A campaign file says which missions, pipes,
+    A success counts if the ground truth agrees. A campaign file says which missions, pipes,
     defects and parameters; of a mission, --seeds says how often. Results are kept in a folder,
     which the last line names: `pirate report FOLDER` writes a page of them, `pirate compare A B`
     says whether B is worse.
@@ -31,7 +31,7 @@ class CampaignOptions:
         "FILE|MISSION", named_files.campaigns, "A campaign file, or a mission: name or file."
     )
     seeds: int | None = typed(
-        "Seeds 0 to N-1, in place of the file's.", min=1, max=_MOST_SEEDS, metavar="N"
+        "Seeds 0 to N-1, instead of the file's.", min=1, max=_MOST_SEEDS, metavar="N"
     )
     cells: list[str] | None = option(
         "NAME", candidates.cells, "Only the cells of this name. Repeatable.", "--cell"
@@ -40,7 +40,7 @@ class CampaignOptions:
         "Processes that are started; one each processor.", min=1, metavar="N"
     )
     scheduler: str | None = option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
-    resume: bool = flag("Go on with the results that are there.", "--resume")
+    resume: bool = flag("Keep existing results and run what is missing.", "--resume")
     output: Path | None = option(
         "FOLDER", named_files.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
     )

@@ -27,7 +27,7 @@ class CheckOptions:
         named_files.checkable,
         "Files and folders; robots, missions, pipes and panels are known by their "
         "content. Without any: the folders sequences, hardware_profiles and panels and the "
-        "files beside them; where there is no folder sequences, all that the working "
+        "files next to them; if there is no folder sequences, all that the working "
         "directory holds.",
         default=None,
     )

@@ -41,9 +41,9 @@ debug = partial(flag, "Show tracebacks.", "--debug")
 
 a_robot = partial(option, "NAME", named_files.robots)
 a_pipe = partial(option, "NAME", named_files.pipes)
-robot_of_missions = partial(a_robot, "In place of the missions' own.", "--robot")
-pipe_of_missions = partial(a_pipe, "In place of the missions' own.", "--pipe")
-one_robot = partial(a_robot, "Which robot; the first one shipped.", "--robot")
+robot_of_missions = partial(a_robot, "Robot to use instead of the missions'.", "--robot")
+pipe_of_missions = partial(a_pipe, "Pipe to use instead of the missions'.", "--pipe")
+one_robot = partial(a_robot, "Robot (default: the first bundled one).", "--robot")
 a_speed = partial(option, "max|realtime|FACTOR", candidates.words("max", "realtime"))
 settings = partial(
     option, "NAME=VALUE", candidates.parameters, "A parameter's value. Repeatable.", "--set"
@@ -58,18 +58,16 @@ defects = partial(
 )
 a_port = partial(option, "PORT", candidates.ports)
 port = partial(a_port, "/dev/ttyACM0, or a pyserial URL.")
-baud = partial(typed, "In place of the robot's own rate.", min=1)
+baud = partial(typed, "Rate to use instead of the robot's.", min=1)
 guard_for = partial(
     option,
     "DURATION",
     None,
     "How long the port is guarded if the robot does not confirm that it has stopped; 10 min.",
 )
-calibration = partial(
-    flag, "Whether its joint zeros are used.", "--calibration/--no-calibration", default=True
-)
-check = partial(flag, "Whether a faulty mission is refused.", "--check/--no-check", default=True)
+calibration = partial(flag, "Use its joint zeros.", "--calibration/--no-calibration", default=True)
+check = partial(flag, "Reject missions with errors.", "--check/--no-check", default=True)
 
 recording = partial(argument, "RUN.mcap", named_files.recordings, "A recording.")
 output = partial(option, "OUT", named_files.files, "Write to this file.", "--output", "-o")
-overwrite = partial(flag, "Write over files that may be somebody's work.", "--overwrite")
+overwrite = partial(flag, "Replace files that this program did not write.", "--overwrite")

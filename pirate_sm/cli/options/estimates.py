@@ -63,7 +63,7 @@ class FitOptions:
 class ExperimentOptions:
     """Repeat the experiments of the thesis.
 
-    Its values are printed beside ours. Each row has a verdict: reproduced, shape only, or not
+    Its values are printed next to ours. Each row has a verdict: reproduced, shape only, or not
     reproducible, with the reason.
 
     Exit codes: 0 every value that can be reproduced is, 1 one is not, 2 a file cannot be used.

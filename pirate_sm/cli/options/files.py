@@ -78,7 +78,7 @@ class GraphOptions:
         "A,B,C", candidates.phases_in_order, "Phases or states to mark, in order.", "--highlight"
     )
     counterexample: Path | None = option(
-        "SCRIPT", named_files.scripts, "Mark the way that this course of events takes."
+        "SCRIPT", named_files.scripts, "Mark the path of this event sequence."
     )
     calls: bool = flag("Draw the missions that it calls, too.", "--calls")
     settings: list[str] | None = common.settings()
@@ -105,7 +105,7 @@ class ImportOptions:
 class PlanOptions:
     """Print the fewest commands from one configuration to another.
 
-    No command is proposed that lets go of a clamp while no other part holds.
+    No command is proposed that releases a clamp while no other part holds.
 
     Exit codes: 0 there are commands, or none are needed, 1 there are none, 2 invalid files or
     arguments.
@@ -124,7 +124,7 @@ class PlanOptions:
     begin: list[str] | None = option(
         "REGION=STATE,…",
         candidates.states_of_several,
-        "From where, in place of its initial states.",
+        "Start, instead of its initial states.",
         "--from",
     )
     json: bool = flag("One JSON object, for programs.", "--json")
@@ -144,10 +144,10 @@ class RobotOptions:
     name: str | None = argument(
         "ROBOT",
         named_files.robots,
-        "A shipped robot, or its folder; the first shipped.",
+        "Robot or its folder (default: the first bundled one).",
         default=None,
     )
-    html: bool = flag("One HTML file in place of Markdown.", "--html")
+    html: bool = flag("One HTML file instead of Markdown.", "--html")
     output: Path | None = common.output()
     overwrite: bool = common.overwrite()
     debug: bool = common.debug()
@@ -162,11 +162,9 @@ class NewMissionOptions:
     """
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
-    robot: str | None = common.a_robot("For which robot; the first one shipped.")
+    robot: str | None = common.a_robot("Robot it is for (default: the first bundled one).")
     pipe: str | None = common.a_pipe("Along a route of this pipe: name or file.")
-    route: str | None = option(
-        "NAME", candidates.routes, "Along this route, in place of the first."
-    )
+    route: str | None = option("NAME", candidates.routes, "Along this route, instead of the first.")
     debug: bool = common.debug()
 
 
@@ -175,7 +173,7 @@ class NewPipeOptions:
     """Write a pipe with one bend, or a network of round pipes."""
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
-    robot: str | None = common.a_robot("For which robot; the first one shipped.")
+    robot: str | None = common.a_robot("Robot it is for (default: the first bundled one).")
     round: bool = flag("Round pipes, with a tee and a branch.", "--round")
     debug: bool = common.debug()
 
@@ -230,10 +228,10 @@ class NewPanelOptions:
 
 @dataclass(frozen=True, kw_only=True)
 class ConfigOptions:
-    """Show the settings in force and where each comes from.
+    """Show the active settings and where each comes from.
 
     The command line comes before the environment, that before pirate.toml of a project, that
-    before the person's own file.
+    before the user's own file.
 
     Exit codes: 0 shown, 2 a file has faults.
     """

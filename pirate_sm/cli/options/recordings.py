@@ -19,7 +19,7 @@ class ReplayOptions:
 
     recording: str = common.recording()
     mission: str | None = option(
-        "MISSION", named_files.missions, "In place of the one in the recording."
+        "MISSION", named_files.missions, "Mission to use instead of the recording's."
     )
     robot: str | None = common.a_robot("With --mission: the robot.")
     pipe: str | None = common.a_pipe("With --mission: the pipe.")
@@ -96,8 +96,8 @@ class MapOptions:
 class ReportOptions:
     """Write a recorded run as one HTML page that works offline.
 
-    Of several recordings, or of a folder, each has its page beside it, and index.html lists them.
-    Pages of a folder that is read-only stand beside the list: name that with --output.
+    Of several recordings, or of a folder, each gets a page next to it, and index.html lists them.
+    Pages of a read-only folder are written next to the list: name that with --output.
     Of a folder with the results of a campaign, index.html shows all cells and why runs failed.
     Pages that are newer than their recording are kept.
 

@@ -24,13 +24,13 @@ class _RobotRunOptions:
         "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
         default="sim",
     )
-    robot: str | None = common.a_robot("In place of the mission's own.", "--robot")
-    pipe: str | None = common.a_pipe("In place of the mission's own.", "--pipe")
+    robot: str | None = common.a_robot("Robot to use instead of the mission's.", "--robot")
+    pipe: str | None = common.a_pipe("Pipe to use instead of the mission's.", "--pipe")
     settings: list[str] | None = common.settings()
     states: list[str] | None = option(
         "REGION=STATE",
         candidates.states,
-        "The robot is in this state, in place of starts_in.",
+        "The robot is in this state, instead of starts_in.",
         "--state",
     )
     seed: int = common.seed()
@@ -60,7 +60,7 @@ class _RobotRunOptions:
         "A MIDI control panel, with its stop; others: pirate panel.",
         "--panel",
     )
-    adopt: bool = flag("Take a robot that is clamped already as its sensors show it.", "--adopt")
+    adopt: bool = flag("Adopt a robot that is clamped already, as its sensors show it.", "--adopt")
     ruler: bool = flag("In sim: a ruler outside measures the robot's speed, for slip.", "--ruler")
     start_at: str | None = option("LENGTH", None, "Where the first wheel begins, for odometry.")
     calibration: bool = common.calibration()
@@ -76,7 +76,7 @@ class _RobotRunOptions:
     )
     start_phase: str | None = option("PHASE", candidates.phases, "Begin with this phase.", "--from")
     no_record: bool = flag("Record nothing.", "--no-record")
-    live: bool = flag("Let Foxglove or Lichtblick look on, on this machine.", "--live")
+    live: bool = flag("Stream to Foxglove or Lichtblick on this machine.", "--live")
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -84,7 +84,7 @@ class RunOptions(_RobotRunOptions):
     """Run a mission.
 
     Exit codes: 0 succeeded, 1 mission failed, 2 invalid files or arguments (nothing moved),
-    3 backend or link fault, 4 a fault in this program, 5 succeeded but the recording that was asked
+    3 backend or link fault, 4 an internal error, 5 succeeded but the recording that was asked
     for is incomplete, 129/130/141/143 stopped from outside; the robot is brought to its safe state
     on every way out.
     """
@@ -92,14 +92,12 @@ class RunOptions(_RobotRunOptions):
     mission: str | None = argument(
         "[MISSION]", named_files.missions, "A shipped mission's name, or a file.", default=None
     )
-    resume: str | None = option(
-        "RUN.mcap", named_files.recordings, "Go on with a run that was cut off."
-    )
+    resume: str | None = option("RUN.mcap", named_files.recordings, "Resume an interrupted run.")
     at: str | None = option(
-        "PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"
+        "PHASE", candidates.phases, "With --resume: continue with this phase.", "--at"
     )
-    look: bool = flag("With --resume: only see whether it can go on.", "--look")
-    accept: bool = flag("With --resume: go on without asking, if all is seen.", "--accept")
+    look: bool = flag("With --resume: only check whether it can continue.", "--look")
+    accept: bool = flag("With --resume: continue without asking, if all is seen.", "--accept")
     speed: str | None = common.a_speed("Mission time over wall time. On a terminal 4, else max.")
     jitter: list[str] | None = option(
         "NAME=VALUE",
@@ -130,12 +128,12 @@ class RunOptions(_RobotRunOptions):
         "FILE", named_files.scripts, "In a trace: a YAML list of {phase, trigger, after}."
     )
     record: str | None = option(
-        "FILE.mcap", named_files.files, "Where the run is kept, in place of runs/."
+        "FILE.mcap", named_files.files, "Where the run is recorded, instead of runs/."
     )
-    yes: bool = flag("Take the first answer to every question.", "--yes", "-y")
+    yes: bool = flag("Give the first answer to every question.", "--yes", "-y")
     plain: bool = flag("Lines instead of the live view.", "--plain")
     json: bool = flag("JSON Lines on standard output.", "--json")
-    quiet: bool = flag("Only how it ended.", "--quiet", "-q")
+    quiet: bool = flag("Print only the result.", "--quiet", "-q")
     debug: bool = common.debug()
     version: bool = common.version()
 
@@ -154,11 +152,9 @@ class ConsoleOptions(_RobotRunOptions):
         "A shipped mission's name, or a file; a recording to look through.",
         default=None,
     )
-    resume: str | None = option(
-        "RUN.mcap", named_files.recordings, "Take over a run that was cut off."
-    )
+    resume: str | None = option("RUN.mcap", named_files.recordings, "Take over an interrupted run.")
     at: str | None = option(
-        "PHASE", candidates.phases, "With --resume: go on with this phase.", "--at"
+        "PHASE", candidates.phases, "With --resume: continue with this phase.", "--at"
     )
     speed: str = common.a_speed("Mission time over wall time.", default="realtime")
     theme: Theme = typed("Its colours. NO_COLOR in the environment: none.", default=USUAL_THEME)
