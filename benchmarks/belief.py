@@ -147,7 +147,7 @@ def judged(case: Case) -> Judged:
         outcome = finished(watched, perf_counter(), slides=False)
     except PirateError as error:
         return Judged(case, "refused", str(error).replace("\n", " "))
-    except Exception as error:  # a fault of this program is a finding, too
+    except Exception as error:  # an internal error is a finding, too
         return Judged(case, "bug", repr(error))
     said = f"{outcome.outcome}: {outcome.message}"
     claim = witness.claim(outcome.message)

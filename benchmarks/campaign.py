@@ -41,7 +41,7 @@ def _loaded(mission: str, pipe: str | None, settings: tuple[tuple[str, str], ...
 
 
 def run(order: Order) -> Outcome:
-    """Run the mission to its end; a fault in this program is raised."""
+    """Run the mission to its end; an internal error is raised."""
     return watched_run(order, _loaded(order.mission, order.pipe, tuple(order.settings.items())))
 
 

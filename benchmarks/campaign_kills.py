@@ -80,7 +80,7 @@ def _command(file: Path, folder: Path, *more: str) -> list[str]:
 
 
 def _finished(file: Path, folder: Path, *more: str) -> str:
-    """Run the campaign, or go on with it, to its end; return what it prints, without the folder."""
+    """Run or continue the campaign to its end; return what it prints, without the folder."""
     done = subprocess.run(
         _command(file, folder, *more), capture_output=True, text=True, check=False
     )

@@ -53,7 +53,7 @@ class Row:
 
     Attributes:
         name: What is printed, and what ``--row`` takes.
-        mission: Name of the mission; ``pipe`` in place of its own.
+        mission: Name of the mission; ``pipe`` instead of its own.
         beyond: Whether the robot must end beyond the joint at 1 m.
     """
 

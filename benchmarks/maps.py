@@ -50,7 +50,7 @@ class Row:
 
     Attributes:
         mission: Its name.
-        pipe: Name of a pipe in place of the mission's own.
+        pipe: Name of a pipe instead of the mission's own.
         barred: Whether the bar holds for it; else the row is only shown.
         detector: Which detector says the words.
     """

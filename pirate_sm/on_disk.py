@@ -52,7 +52,7 @@ def is_folder(path: Path | os.DirEntry[str]) -> bool:
 def opened(path: Path | str) -> BufferedReader:
     """Return a regular file, opened to be read.
 
-    Whoever reads a named pipe or a device may wait for ever, and opening a serial port resets its
+    Whoever reads a named pipe or a device may wait forever, and opening a serial port resets its
     board; so these are not opened at all.
 
     Raises:

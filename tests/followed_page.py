@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 ORDER = re.compile(
     r"([Ii]n|New file|[Ss]ave this as|At the end of)\s`([^`]+)`"
-    r"(?:, (before|after|in place of|replace the line|insert below the line)"
+    r"(?:, (before|after|instead of|replace the line|insert below the line)"
     r"(?: that begins with)? (`+) ?(.+?)\4(?: with)?)?:\n"
 )
 """The end of the paragraph before a block of code: where the block goes."""

@@ -124,7 +124,7 @@ class Reader:
         return ready
 
     def _port(self, plan: LinkPlan, url: str, baud: int | None, stay_s: float) -> VirtualPort:
-        """Return a port to a bay of its own, in place of the one that a guide has started."""
+        """Return a port to a bay of its own, instead of the one that a guide has started."""
         assert url == "bay"
         loaded = load_robot(self.folder / "my_pirate")
         texts = message_texts(loaded.folder, loaded.profile)

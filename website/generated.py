@@ -37,7 +37,7 @@ EXIT_CODES = {
     "found errors; two runs that were compared differ.",
     pirate_sm.UsageError.exit_code: "Files or arguments are refused. Nothing has moved.",
     BACKEND: "The backend, the link to the robot or a detector of another package has failed.",
-    BUG: "A fault in this program. `--debug` shows the traceback.",
+    BUG: "An internal error. `--debug` shows the traceback.",
     RECORDING_LOST: "The mission has succeeded, but the recording that was asked for is incomplete "
     "(a full disk).",
     OUTPUT_LOST: "Nobody reads the output any more (a closed pipe, a full disk).",
@@ -61,7 +61,7 @@ def pages() -> Iterator[tuple[str, str]]:
 
 
 def with_drawings(text: str, page: str) -> str:
-    """Return the text of a robot's page with pictures in place of graphs in Mermaid.
+    """Return the text of a robot's page with pictures instead of graphs in Mermaid.
 
     Viewers of repositories draw Mermaid; the site would have to fetch a script for it.
     """

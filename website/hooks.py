@@ -55,7 +55,7 @@ def on_page_content(html: str, page: Page, config: MkDocsConfig, files: Files) -
 
 
 def _filled(entries: list[Any], names: list[str]) -> Iterator[Any]:
-    """Yield the entries of ``nav`` with the pages of each folder in place of its name."""
+    """Yield the entries of ``nav`` with the pages of each folder instead of its name."""
     for entry in entries:
         if isinstance(entry, Mapping):
             yield {

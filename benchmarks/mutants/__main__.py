@@ -5,7 +5,7 @@ comparisons, dropped terms, removed statements, swapped arguments, changed const
 by the tests that run its line. ``equivalent.yaml`` lists those that change nothing that matters,
 with the reason; of the others 95 % must die in each package.
 
-`--paths` takes files and folders in place of the packages. Their mutants are tried by the files and
+`--paths` takes files and folders instead of the packages. Their mutants are tried by the files and
 folders of tests that mirror them and by the files in the folders above, without a record of what
 all tests run, which takes many minutes.
 """

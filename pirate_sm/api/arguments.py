@@ -33,11 +33,11 @@ class Options(TypedDict, total=False):
     """Options that ``run``, ``session`` and ``sweep`` share; all may be left out.
 
     Attributes:
-        robot: Name or path of a robot, in place of the mission's own.
-        pipe: Name or path of a pipe, in place of the mission's own.
+        robot: Name or path of a robot, instead of the mission's own.
+        pipe: Name or path of a pipe, instead of the mission's own.
         set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
-        start_phase: The phase to begin with, in place of the mission's own.
-        states: State names by region that the robot is in, in place of ``starts_in``.
+        start_phase: The phase to begin with, instead of the mission's own.
+        states: State names by region that the robot is in, instead of ``starts_in``.
         defects: Known defects of the simulated robot, each as text,
             ``"stiff_joint:friction=0.5Nm,after=2s"``, or as a mapping,
             ``{"defect": "stiff_joint", "after": "2 s"}``.
@@ -47,12 +47,12 @@ class Options(TypedDict, total=False):
             ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
         fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, with half the
             iterations, which is coarser.
-        detector: Name of a detector, in place of the backend's usual one.
+        detector: Name of a detector, instead of the backend's usual one.
         also: A second detector, whose words are logged and do nothing.
         ruler: Whether a simulated ruler measures the robot's speed from outside, for slip.
         view: Whether MuJoCo's own viewer shows the run; the backend ``physics`` alone has one.
-        start_at_m: Where odometry takes the first wheel to begin, in place of the pipe's own.
-        port: Where a real robot is, a device or a URL of pyserial; ``baud`` in place of its rate.
+        start_at_m: Where odometry takes the first wheel to begin, instead of the pipe's own.
+        port: Where a real robot is, a device or a URL of pyserial; ``baud`` instead of its rate.
     """
 
     robot: str | PathLike[str] | None
@@ -88,8 +88,8 @@ def load(
 
     Args:
         mission: A shipped mission's name, or the path of a file.
-        robot: Name or path of a robot, in place of the mission's own.
-        pipe: Name or path of a pipe, in place of the mission's own.
+        robot: Name or path of a robot, instead of the mission's own.
+        pipe: Name or path of a pipe, instead of the mission's own.
         set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
         fitted: File with numbers of the robot's motors, from ``pirate fit --robot``.
 
@@ -117,8 +117,8 @@ def check(
 
     Args:
         mission: The mission; also a robot's folder, a pipe or a project's folder.
-        robot: Name or path of a robot, in place of the mission's own.
-        pipe: Name or path of a pipe, in place of the mission's own.
+        robot: Name or path of a robot, instead of the mission's own.
+        pipe: Name or path of a pipe, instead of the mission's own.
         set: Values of parameters by name.
 
     Raises:

@@ -96,7 +96,7 @@ class SimulatorBackend:
             clamped parts; None for a straight robot.
         jitter: How far start, friction and diameter may differ from the files.
         defects: Which of the profile's defects to switch on, as text with their numbers.
-        put_back: How the robot stands, in place of where its pipe says; None: there.
+        put_back: How the robot stands, instead of where its pipe says; None: there.
         physics: Makes the physics that moves the robot.
         name: Name of the backend with this physics.
 

@@ -53,7 +53,7 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
 
     Args:
         path: The file.
-        seeds: Seeds in place of the file's; a mission needs them.
+        seeds: Seeds instead of the file's; a mission needs them.
         check: Whether a mission in which the check finds errors is refused.
 
     Raises:
@@ -121,7 +121,7 @@ class _Reading:
     Attributes:
         document: The file.
         folder: Its folder, to which paths in it refer.
-        seeds: Seeds in place of the file's.
+        seeds: Seeds instead of the file's.
     """
 
     document: Document

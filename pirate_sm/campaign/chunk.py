@@ -159,7 +159,7 @@ def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> Row:
 
 
 def bug_row(cell: str, seed: int, why: str, drawn: Mapping[str, float]) -> Row:
-    """Return the result of a run that a fault in this program has ended."""
+    """Return the result of a run that an internal error has ended."""
     verdict = Verdict("bug", why, False, "did not end by itself")
     return _without_end(cell, seed, "bug", verdict, drawn)
 

@@ -334,6 +334,6 @@ def _connected() -> Iterator[None]:
 def _lost(error: object = "") -> BackendError:
     why = f": {error}" if str(error) else ""
     return BackendError(
-        f"the connection to the Dask scheduler is lost{why}; results so far are kept: go on with "
-        "--resume"
+        f"the connection to the Dask scheduler is lost{why}; results so far are kept: continue "
+        "with --resume"
     )

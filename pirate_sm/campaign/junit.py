@@ -20,7 +20,7 @@ def as_junit(result: CampaignResult) -> str:
             SubElement(case, "system-out").text = _body(cell)
         else:
             kind = "bug" if cell.bugs else "expectation"
-            what = ", ".join(cell.missed) or "a fault in this program"
+            what = ", ".join(cell.missed) or "an internal error"
             SubElement(case, "failure", type=kind, message=what).text = _body(cell)
     for left_out in result.left_out:
         case = SubElement(suite, "testcase", name=visible(left_out), classname=name, time="0")

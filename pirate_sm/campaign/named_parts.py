@@ -36,7 +36,7 @@ class Named(NamedTuple):
 
     Attributes:
         mission: The mission, as :class:`~pirate_sm.wiring.Order` names it; so are the others.
-        robot: The robot, in place of the mission's.
+        robot: The robot, instead of the mission's.
         twin: The file with numbers of the simulated robot.
         pipes: The pipes as they are written and as orders name them.
         detectors: The detectors, likewise.

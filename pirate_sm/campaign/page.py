@@ -33,7 +33,7 @@ _MOST_DRAWN = 200
 """The most cells with plots: of more the page would be too large to be shown."""
 
 _UNITS = {"m": ("mm", 1e3), "": ("%", 100.0)}
-"""The unit in which numbers are shown in place of their own, and how many of it make up one."""
+"""The unit in which numbers are shown instead of their own, and how many of it make up one."""
 
 
 def page_of(
@@ -108,7 +108,7 @@ def _section(
     lines = [
         f"{cell.summary}; {cell.held:,} passed or were held, "
         f"{cell.false:,} falsely said to have succeeded, {cell.unsafe:,} were not safe, "
-        f"{cell.bugs:,} met a fault in this program.",
+        f"{cell.bugs:,} met an internal error.",
         f"Expected: {cell.expected}.",
         *([f"Missed: {', '.join(cell.missed)}."] if cell.missed else []),
     ]

@@ -81,7 +81,7 @@ class Outcome:
     """One run and what was true at its end.
 
     Attributes:
-        exit_code: As of `pirate run`; 4 is a fault in this program.
+        exit_code: As of `pirate run`; 4 is an internal error.
         gone: Whether the robot has left the pipe.
         arcs_m: Where each wheel ended along the pipe.
         stopped: Whether the last setpoints that were sent had every wheel at zero.
@@ -135,7 +135,7 @@ def watched_run(
 
     Raises:
         UsageError: The order does not fit.
-        Exception: Whatever a fault in this program raises.
+        Exception: Whatever an internal error raises.
     """
     began = perf_counter()
     return finished(prepare(order, loaded), began, slides=slides, tap=tap)

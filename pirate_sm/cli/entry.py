@@ -102,7 +102,7 @@ class _Group(TyperGroup):
 
 
 def _suggested_line(word: str, known: Iterable[str]) -> str | None:
-    """Return the command line that a word in place of a command is short for, None if unknown."""
+    """Return the command line that a word instead of a command is short for, None if unknown."""
     import shlex
 
     from pirate_sm.loading import library

@@ -76,7 +76,7 @@ def say_bug(error: BaseException, debug: bool) -> None:
     if debug:
         show_traceback(error)
     hint = "" if debug else "; run again with --debug for the traceback, and please report it"
-    say(f"a fault in this program: {type(error).__name__}: {error}{hint}")
+    say(f"an internal error: {type(error).__name__}: {error}{hint}")
 
 
 def show_traceback(error: BaseException) -> None:

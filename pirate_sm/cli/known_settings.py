@@ -51,7 +51,7 @@ SETTINGS: Mapping[str, Setting] = {
 
 
 def expanded(path: str) -> str:
-    """Return a path with the person's home in place of `~`; as it is if nobody has that home."""
+    """Return a path with the person's home instead of `~`; as it is if nobody has that home."""
     try:
         return str(Path(path).expanduser()) if path.startswith("~") else path
     except RuntimeError:

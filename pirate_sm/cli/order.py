@@ -128,7 +128,7 @@ def _seconds(text: str, whole: str) -> float:
 
 
 def read_script(path: Path) -> tuple[list[Firing], tuple[Happening, ...]]:
-    """Return the firings in a file, or its whole course of events.
+    """Return the firings in a file, or its whole event sequence.
 
     Raises:
         LoadError: The file has errors; it lists all of them.

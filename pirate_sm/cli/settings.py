@@ -24,7 +24,7 @@ RUNS_VARIABLE = "PIRATE_SM_RUNS"
 """Names the folder for recordings, before any file; empty: no recording by default."""
 
 ROBOT_BY_OPTION = frozenset({"doctor", "calibrate", "bay", "camera calibrate", "camera survey"})
-"""Commands whose option ``--robot`` says which robot it is, in place of the first one shipped."""
+"""Commands whose option ``--robot`` says which robot it is, instead of the first one shipped."""
 
 RUNNING = frozenset({"run", "console"})
 

@@ -138,7 +138,7 @@ class _Raised(NamedTuple):
 
 
 class _Packer(MissionPickler):
-    """Writes a reference in place of the mission that the other process has."""
+    """Writes a reference instead of the mission that the other process has."""
 
     mission: LoadedMission | None = None
 

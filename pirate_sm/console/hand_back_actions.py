@@ -12,7 +12,7 @@ from pirate_sm.console.waits_before import not_passed
 from pirate_sm.engine.robot.planning import Plan
 from pirate_sm.showing.snapshot import Scene, Snapshot
 
-FAULT = "a fault in this program"
+FAULT = "an internal error"
 
 
 class HandBackActions(ConfirmedActions):

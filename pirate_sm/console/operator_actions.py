@@ -186,7 +186,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self._refuse("not recorded", "the robot by hand is not; choose a mission first")
 
     def action_word(self, word: str) -> None:
-        """Send one of the detector's words in place of a detector."""
+        """Send one of the detector's words instead of a detector."""
         prepared = self.session.prepared
         if prepared.others_words:
             self._refuse(word, f"the detector speaks for itself ({prepared.others_words})")
@@ -239,7 +239,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self._take_in(worker.group, worker.result)
 
     def _note_fault(self, what: str, error: Exception) -> None:
-        """Show, once, a fault in this program that left a question unanswered."""
+        """Show, once, an internal error that left a question unanswered."""
         reason = (str(error).strip() or type(error).__name__).splitlines()[-1]
         said = f"{_ASKED[what]} not known: {FAULT} ({reason})"
         if repr(error) not in map(repr, self.faults):

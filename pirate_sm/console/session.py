@@ -135,7 +135,7 @@ class OperatorSession:
             with entered(self.prepared.companions):
                 self._run_all()
         except Exception as error:
-            message = f"a fault in this program: {type(error).__name__}: {error}"
+            message = f"an internal error: {type(error).__name__}: {error}"
             self.result = Result(Ended("fault", message), BUG, self.latest.now_s, error)
         finally:
             self.prepared.backend.close()

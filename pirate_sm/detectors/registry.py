@@ -65,7 +65,7 @@ class Asked:
         profile: The robot's profile.
         robot: The robot as the engine knows it.
         pipe: The pipe, if it is known.
-        first_wheel_m: Position of the first wheel at the start, in place of the pipe's.
+        first_wheel_m: Position of the first wheel at the start, instead of the pipe's.
         places: The backend's true positions; None if it knows none.
         wheels: Returns the true position of each wheel in the plane of the pipe, m.
         seed: Seed of the detector's errors.

@@ -63,7 +63,7 @@ def _usual_address() -> Address:
 
 
 def open_socket(address: Address) -> tuple[socket.socket, Address]:
-    """Return a socket that listens, and its address with the assigned port in place of 0.
+    """Return a socket that listens, and its address with the assigned port instead of 0.
 
     Raises:
         UsageError: The address cannot be used.

@@ -57,7 +57,7 @@ class Listener:
         token: What a program must give in its first line, ``{"token": "…"}``; empty for nothing.
 
     Attributes:
-        address: The address; once open, with the assigned port in place of 0.
+        address: The address; once open, with the assigned port instead of 0.
     """
 
     def __init__(self, address: Address, token: str = "") -> None:

@@ -100,7 +100,7 @@ class Engine:
             body: The robot's state after an earlier mission. None declares it at rest in the
                 configuration in which the program begins.
             paused: Whether the mission starts paused, with the operator in control.
-            resumed: With what a mission goes on whose run was cut off; in place of ``body``. The
+            resumed: With what a mission goes on whose run was cut off; instead of ``body``. The
                 program of the engine is then that of the resumption. The first array holds the
                 robot, and nothing is confirmed or commanded before it is accepted.
         """

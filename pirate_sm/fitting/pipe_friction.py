@@ -17,7 +17,7 @@ def friction_line(static: float, kinetic: float) -> str:
 
 
 def pipe_with_friction(path: Path, static: float, kinetic: float) -> str:
-    """Return the text of a pipe file with this friction in place of its own; all else stays.
+    """Return the text of a pipe file with this friction instead of its own; all else stays.
 
     Raises:
         LoadError: The file is no pipe.

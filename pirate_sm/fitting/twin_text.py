@@ -18,7 +18,7 @@ def twin_text(profile: Profile, numbers: Iterable[RobotNumber], source: str) -> 
     """
     lines = [
         f"# Numbers of one robot, estimated from {source} by `pirate fit --robot`.",
-        "# The simulator takes them in place of the profile's: pirate-run MISSION --twin FILE",
+        "# The simulator takes them instead of the profile's: pirate-run MISSION --twin FILE",
         "format: 1",
         f"robot: {profile.robot}",
     ]

@@ -1,7 +1,7 @@
 """Guards of charts as conditions of SCXML, and back.
 
 A guard is written in the part of ECMAScript that python-statemachine reads too: ``In('…')``,
-``&&``, ``||``, and ``== false`` in place of ``!``. What is read may use ``!`` as well, and the
+``&&``, ``||``, and ``== false`` instead of ``!``. What is read may use ``!`` as well, and the
 ``and``, ``or`` and ``not`` of Python.
 """
 
@@ -119,7 +119,7 @@ class _Parser:
             return found
         if not self._takes("In"):
             what = f"'{self._tokens[-1]}'" if self._tokens else "the end"
-            raise ConditionError(f"In('…') was expected in place of {what}")
+            raise ConditionError(f"In('…') was expected instead of {what}")
         self._needs("(")
         name = self._tokens.pop() if self._tokens else ""
         if name[:1] not in {"'", '"'} or len(name) < 2:
@@ -137,4 +137,4 @@ class _Parser:
     def _needs(self, token: str) -> None:
         if not self._takes(token):
             what = f"'{self._tokens[-1]}'" if self._tokens else "the end"
-            raise ConditionError(f"'{token}' was expected in place of {what}")
+            raise ConditionError(f"'{token}' was expected instead of {what}")

@@ -19,7 +19,7 @@ PER_COMMAND = 0.02
 """What a command costs; the bend of the thesis takes 16, which is less than reaching is worth."""
 
 PER_SECOND = 0.001
-"""What a second costs, so that an agent that waits for ever is worse off than one that arrives."""
+"""What a second costs, so that an agent that waits forever is worse off than one that arrives."""
 
 PER_METRE = 1.0
 """What a metre of slip costs, averaged over the wheels."""

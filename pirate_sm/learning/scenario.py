@@ -35,8 +35,8 @@ class Scenario:
     Attributes:
         mission: Name or file of a mission, whose robot, pipe and start count; None: the shipped
             bend, or, with both a robot and a pipe, no mission: the robot lies straight in the pipe.
-        robot: Name or path of a robot, in place of the mission's; likewise ``pipe``.
-        states: States of the robot at the start by region, in place of the mission's.
+        robot: Name or path of a robot, instead of the mission's; likewise ``pipe``.
+        states: States of the robot at the start by region, instead of the mission's.
         backend: ``sim`` or ``physics``.
         fidelity: ``usual`` or ``fast``, as for :func:`pirate_sm.run`.
         defects: Known defects of the robot, as for :func:`pirate_sm.run`.

@@ -31,7 +31,7 @@ def pose_line(pose: CameraPose) -> str:
 
 
 def with_lens(path: Path, lens: Lens) -> str:
-    """Return the text of a camera file with this lens in place of its own.
+    """Return the text of a camera file with this lens instead of its own.
 
     Raises:
         LoadError: The file is no camera.
@@ -44,7 +44,7 @@ def with_lens(path: Path, lens: Lens) -> str:
 
 
 def with_pose(path: Path, pose: CameraPose) -> str:
-    """Return the text of a camera file with this pose in place of its own.
+    """Return the text of a camera file with this pose instead of its own.
 
     Raises:
         LoadError: The file is no camera.

@@ -99,7 +99,7 @@ def kind_of_text(text: str) -> Kind:
 
 
 def refuse_other(document: Document, wanted: Kind) -> None:
-    """Refuse a file of another known kind in one sentence, in place of all its unknown keys.
+    """Refuse a file of another known kind in one sentence, instead of all its unknown keys.
 
     Raises:
         LoadError: The file is of another kind.

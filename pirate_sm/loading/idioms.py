@@ -47,7 +47,7 @@ def step_form(step: Mapping[str, Any]) -> str:
 
 
 def expression_form(fault: ExpressionFault) -> str:
-    """Return what is to be written in place of a faulty part of a condition, as far as known."""
+    """Return what is to be written instead of a faulty part of a condition, as far as known."""
     from pirate_sm.model.quantities import INCHES  # noqa: PLC0415 - pydantic is slow to load
 
     if (unit := _UNKNOWN_UNIT.match(fault.message)) and unit[1].lower() in INCHES:

@@ -47,7 +47,7 @@ def robot_of(
         panel: The panel.
         beside: Folder of its file.
         problems: Takes an unknown name.
-        instead: Name or path of a robot in place of the panel's own.
+        instead: Name or path of a robot instead of the panel's own.
     """
     name = instead or panel.robot
     if name is None:

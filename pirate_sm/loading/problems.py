@@ -221,7 +221,7 @@ class Problems:
             kind: What is named, such as `joint`.
             name: The unknown name.
             known: The valid names.
-            message: What is wrong, in place of `there is no KIND 'NAME'`.
+            message: What is wrong, instead of `there is no KIND 'NAME'`.
             none: What is expected if no name is valid.
             key: Point at the key instead of at its value.
         """

@@ -1,4 +1,4 @@
-"""Read trace scripts: a list of triggers to fire, or a course of events."""
+"""Read trace scripts: a list of triggers to fire, or an event sequence."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ class Script(NamedTuple):
 
     Attributes:
         entries: The triggers to fire.
-        course: The course of events.
+        course: The event sequence.
     """
 
     entries: tuple[ScriptEntry, ...] = ()
@@ -47,7 +47,7 @@ def read_script(document: Document) -> Script:
         return Script(course=validate(document, Course).course)
     problems = Problems(document)
     if not isinstance(document.data, list):
-        message = "expected a list of {phase: …, trigger: …, after: 1 s}, or a course of events"
+        message = "expected a list of {phase: …, trigger: …, after: 1 s}, or an event sequence"
         problems.add("script.list", (), message)
         problems.raise_errors()
     entries = [

@@ -80,7 +80,7 @@ class Setup(Frozen):
         tags: Family of the tags on the setup.
         size: Length of their sides.
         at: Place of the middle of each tag, by its number. Its upper edge points along x.
-        points: Measured points, in place of tags.
+        points: Measured points, instead of tags.
         pose: Where the camera hangs.
     """
 

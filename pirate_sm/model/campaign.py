@@ -208,14 +208,14 @@ class RunChoices(Frozen):
     """What a campaign and each of its missions can say about runs.
 
     Attributes:
-        robot: Name or path, in place of the missions' own.
-        pipe: Names or paths, in place of the missions' own; one, or a list.
+        robot: Name or path, instead of the missions' own.
+        pipe: Names or paths, instead of the missions' own; one, or a list.
         defects: Each item is `none`, a defect with its numbers, or a list of defects at once;
             `each` stands for every defect of the robot, with numbers too, and twice in a list for
             every pair.
         set: Values of parameters by name: one, a list, or a range with `from`, `to` and `by`.
         backend: `sim`, `physics`, or `bay`, the serial link to an emulated robot; one, or a list.
-        detector: Names of detectors, in place of the backend's usual one; one, or a list.
+        detector: Names of detectors, instead of the backend's usual one; one, or a list.
         line: Faults of the serial line, for the backend `bay`.
         jitter: How far each run may differ from the files.
         twin: File with numbers of the simulated robot.
@@ -245,7 +245,7 @@ class CampaignMission(RunChoices):
 
     Attributes:
         mission: Name or path.
-        name: What its cells are called, in place of the mission's name.
+        name: What its cells are called, instead of the mission's name.
     """
 
     mission: str

@@ -124,11 +124,11 @@ class Pipe(Frozen):
         uphill: Uphill direction in the tilted plane, measured from the axis of the first segment
             towards side A. 0 deg: the first segment goes up. 90 deg: a leg behind a mitre of
             +90 deg goes up.
-        frame: How the first run lies, in place of tilt and uphill.
+        frame: How the first run lies, instead of tilt and uphill.
         roll: Roll of the pipe's plane about the axis of its first segment, relative to the robot's
             plane.
         segments: Straights, joined by fittings.
-        runs: The runs of a network by name, in place of segments; the first fixes its frame.
+        runs: The runs of a network by name, instead of segments; the first fixes its frame.
         junctions: The tees by name.
         ends: The other places where runs begin or end: whether the pipe is open there.
         routes: By name the runs that a route leads through, in order.

@@ -185,7 +185,7 @@ class FaultRule(Frozen):
         held: How long it must have been true without interruption.
         message: The message for the operator.
         catchable: ``false`` for a fault that no mission may handle.
-        for_each: The rule is repeated for each of these numbers, in place of ``{i}``.
+        for_each: The rule is repeated for each of these numbers, instead of ``{i}``.
         denies: Parts whose clamps do not hold: while the rule is true they are not confirmed,
             whatever a command's criterion shows.
         of: Boards, joints, wheels and parts that it is a fault of, by name, with ``{i}`` as above;

@@ -298,7 +298,7 @@ AnyQuantity: TypeAlias = Annotated[Quantity, BeforeValidator(_read_any), _ANY_SC
 
 @dataclass(frozen=True, slots=True)
 class Parameter:
-    """A reference to a mission's parameter in place of a quantity."""
+    """A reference to a mission's parameter instead of a quantity."""
 
     name: str
 
@@ -340,7 +340,7 @@ def _read_count(value: Any, info: ValidationInfo) -> int:
 
 
 class _OrParameter:
-    """JSON Schema annotation for `$name` in place of a quantity or a count."""
+    """JSON Schema annotation for `$name` instead of a quantity or a count."""
 
     def __get_pydantic_json_schema__(
         self, schema: CoreSchema, handler: GetJsonSchemaHandler

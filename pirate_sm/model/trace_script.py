@@ -1,6 +1,6 @@
-"""Trace scripts: triggers to fire, or a course of events, in order.
+"""Trace scripts: triggers to fire, or an event sequence, in order.
 
-``pirate check --counterexamples`` writes files with a course of events.
+``pirate check --counterexamples`` writes files with an event sequence.
 """
 
 from __future__ import annotations
@@ -65,7 +65,7 @@ class Happening(Frozen):
 
 
 class Course(Frozen):
-    """A course of events from the start of a mission; after it, everything succeeds."""
+    """An event sequence from the start of a mission; after it, everything succeeds."""
 
     format: Literal[1]
     course: Annotated[tuple[Happening, ...], Field(min_length=1)]

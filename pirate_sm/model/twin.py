@@ -12,7 +12,7 @@ from pirate_sm.model.simulation import Friction
 
 
 class MotorNumbers(Frozen):
-    """Numbers of a kind of motor, in place of the profile's; what is left out stays.
+    """Numbers of a kind of motor, instead of the profile's; what is left out stays.
 
     Attributes:
         no_load_speed: Speed at full duty without load.
@@ -30,14 +30,14 @@ class MotorNumbers(Frozen):
 
 
 class Twin(Frozen):
-    """What a simulated robot has in place of its profile's numbers.
+    """What a simulated robot has instead of its profile's numbers.
 
     Attributes:
         format: Version of this format.
         robot: Name of the robot.
         motors: By kind of motor.
-        joints: The same of the motor of one joint, in place of those of its kind.
-        friction: Between wheel and wall, in place of the profile's.
+        joints: The same of the motor of one joint, instead of those of its kind.
+        friction: Between wheel and wall, instead of the profile's.
     """
 
     format: Format

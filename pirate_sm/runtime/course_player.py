@@ -1,4 +1,4 @@
-"""Plays a course of events in a trace: its events happen one after the other, and no others."""
+"""Plays an event sequence in a trace: its events happen one after the other, and no others."""
 
 from __future__ import annotations
 
@@ -79,7 +79,7 @@ class CoursePlayer:
         self._after = (
             LoopWatch(lambda: 0),
             TriggerScript(program),
-            FirstChoice("the course of events is over"),
+            FirstChoice("the event sequence is over"),
         )
         self.over = False
         self.due_s = 0.0
@@ -126,13 +126,13 @@ class CoursePlayer:
     def _said(self, event: Happening) -> Sequence[Event]:
         match event.happens:
             case "accepted" | "rejected" as fate:
-                self._decide(fate, "" if fate == "accepted" else "so the course of events")
+                self._decide(fate, "" if fate == "accepted" else "so the event sequence")
             case "not_done":
-                return (CommandFailed("not done in time, so the course of events"),)
+                return (CommandFailed("not done in time, so the event sequence"),)
             case "answer":
                 return (Answer(event.answer or ""),)
             case "fault":
-                message = event.message or "so the course of events"
+                message = event.message or "so the event sequence"
                 return (FaultReport(event.fault or "", message, of=event.of),)
             case "time" | "sensors":
                 return (Tick(),)

@@ -146,7 +146,7 @@ class MissionRun:
             ended = Ended("interrupted", f"interrupted{twice}, stopped at once")
             return self._abandon(ended, stop.exit_code if stop else INTERRUPTED)
         except Exception as error:
-            message = f"a fault in this program: {described(error)}"
+            message = f"an internal error: {described(error)}"
             return self._abandon(Ended("fault", message), BUG, error)
         except BaseException:
             self._abandon(Ended("interrupted", "this program was asked to exit"), BUG)

@@ -19,7 +19,7 @@ class Result(NamedTuple):
     Attributes:
         ended: The effect that ended the run.
         exit_code: 0 succeeded, 1 mission failed (also by a fault of the robot), 3 backend or link
-            fault, 4 a fault in this program, 129, 130, 141 and 143 stopped from outside.
+            fault, 4 an internal error, 129, 130, 141 and 143 stopped from outside.
         now_s: Mission time, s.
         error: The exception that ended the run, if any.
     """

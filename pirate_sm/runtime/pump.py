@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 UNCONFIRMED = "the safe setpoints were not confirmed"
 
 _MOST_IDLE_TURNS = 10_000
-"""More turns than this within ``_MOMENT_S`` of mission time show a fault of this program."""
+"""More turns than this within ``_MOMENT_S`` of mission time show an internal error."""
 
 _MOMENT_S = 1e-4
 

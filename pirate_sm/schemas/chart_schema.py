@@ -103,7 +103,7 @@ def _transition() -> Schema:
                     "pattern": _EVENTS,
                     "items": {"type": "string", "pattern": _EVENT},
                     "minItems": 1,
-                    "description": "The command, or several: with blanks between them, or as a "
+                    "description": "The command, or several: with spaces between them, or as a "
                     "list. One may move several regions at once.",
                 },
                 "target": _text("The state that it leads to, `<Region>.<State>` of this region."),

@@ -95,7 +95,7 @@ class Effect:
         return -math.inf
 
     def forced(self, now: float) -> Mapping[int, float]:
-        """Return the counts that it shows in place of those measured, by row of the channels."""
+        """Return the counts that it shows instead of those measured, by row of the channels."""
         return {}
 
     def took(self, board: int, counts: Counts) -> None:

@@ -216,7 +216,7 @@ class ControllerHang(Sudden):
     _until = -math.inf
 
     def strike(self, now: float) -> Incident:
-        """Begin the silence, which lasts for ever without `lasting`."""
+        """Begin the silence, which lasts forever without `lasting`."""
         self._until = now + (self.defect.lasting or math.inf)
         return Incident("controller_hangs", self._until)
 

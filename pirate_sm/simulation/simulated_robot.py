@@ -93,7 +93,7 @@ class SimulatedRobot:
         jitter: How far start, friction and diameter may differ from the files.
         defects: Which of the profile's defects to switch on, as text with their numbers.
         more_defects: Further defects.
-        put_back: How the robot stands, in place of where its pipe says; None: there.
+        put_back: How the robot stands, instead of where its pipe says; None: there.
 
     Attributes:
         electronics: Its boards.
@@ -219,7 +219,7 @@ class SimulatedRobot:
         return until_s if len(self._effects) < 2 or not self.forced(now_s) else -math.inf
 
     def forced(self, now_s: float) -> dict[int, float]:
-        """Return the counts that defects show in place of those measured, by row."""
+        """Return the counts that defects show instead of those measured, by row."""
         return {row: shown for each in self._effects for row, shown in each.forced(now_s).items()}
 
     def glided(

@@ -240,7 +240,7 @@ def again(prepared: Prepared, loaded: LoadedMission, *, other: bool = False) -> 
     Args:
         prepared: The run before.
         loaded: The mission.
-        other: Whether the mission was chosen in place of the ordered one.
+        other: Whether the mission was chosen instead of the ordered one.
 
     Raises:
         UsageError: The mission is for another robot.

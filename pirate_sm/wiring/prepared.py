@@ -89,7 +89,7 @@ class Prepared(Equipment):
         detector: Name of the detector; ``operator`` still needs a keyboard or a panel.
         detecting: The detector itself.
         panel: The control panel, unopened; None if there is none.
-        resumed: The header of the run that it goes on from, with what it goes on with; None if it
+        resumed: The header of the run that it goes on from, with what it continues with; None if it
             is a run of its own.
     """
 

@@ -49,7 +49,7 @@ COMMITTED_S = 0.5
 
 
 _MAY_DIFFER = ("port", "baud", "guard_for_s", "detector", "panel")
-"""What a run that goes on may have in place of what its recording says."""
+"""What a run that goes on may have instead of what its recording says."""
 
 
 def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> Prepared:

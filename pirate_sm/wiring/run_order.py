@@ -42,16 +42,16 @@ class Order:
     Attributes:
         mission: Name of a shipped mission, or the path of a file.
         backend: Name of a backend, as ``pirate list backends`` shows them.
-        robot: Name or path, in place of the mission's own; likewise ``pipe``.
+        robot: Name or path, instead of the mission's own; likewise ``pipe``.
         settings: Values of parameters, as text.
-        start_phase: The phase to begin with, in place of the mission's own.
-        states: The robot's states at the start, by region, in place of the mission's own.
+        start_phase: The phase to begin with, instead of the mission's own.
+        states: The robot's states at the start, by region, instead of the mission's own.
         seed: Seed of all random numbers.
         start_jitter_m: How far a simulated robot may start from its position; likewise
             ``diameter_jitter_m`` for the pipe, and ``friction_jitter`` as a share.
         fidelity: How finely the kinematic simulator computes; ``fast`` has half the iterations.
         defects: Defects of the simulated robot, as text with their numbers.
-        twin: File with numbers of the simulated robot, in place of its profile's.
+        twin: File with numbers of the simulated robot, instead of its profile's.
         fitted: File with numbers of the robot's motors, by which it is judged on every backend.
         firings: Triggers that a trace fires instead of the first trigger of each wait.
         course: All events of a trace, in order.
@@ -59,9 +59,9 @@ class Order:
             None for the backend's default.
         also: A second detector, whose words are logged only.
         ruler: Whether a simulated ruler measures the speed of the robot from outside.
-        start_at_m: Position of the first wheel at the start of odometry, in place of the pipe's.
+        start_at_m: Position of the first wheel at the start of odometry, instead of the pipe's.
         line: Faults of the line to the emulated bay; None: none.
-        port: Port of the real robot, a device or a URL of pyserial; ``baud`` in place of the
+        port: Port of the real robot, a device or a URL of pyserial; ``baud`` instead of the
             profile's rate.
         guard_for_s: How long a guardian goes on without the runner if the robot does not confirm
             its stop; None: the default.

@@ -42,9 +42,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
 
 def _course(order: Order, loaded: LoadedMission) -> Equipment:
-    """Return a trace that plays a course of events."""
+    """Return a trace that plays an event sequence."""
     if order.firings:
-        raise UsageError("a course of events cannot be combined with triggers to fire")
+        raise UsageError("an event sequence cannot be combined with triggers to fire")
     events = resolve_course(order.course, loaded.robot)
     known = [each.report for each in events if each.happening.happens == "start" and each.report]
     later = [each for each in events if each.happening.happens != "start"]

@@ -18,7 +18,7 @@ from pirate_sm.wiring import Order, prepare
 
 REFUSED = re.compile(r"step\..*|call\..*|handler\..*")
 MOST_EFFECTS = 1_000
-"""Of a course of events and what comes after it, which may go on for ever."""
+"""Of an event sequence and what comes after it, which may go on forever."""
 
 _FILE = re.compile(r"[^\s(]*\.yaml:")
 

@@ -1,4 +1,4 @@
-"""All courses of events of a small mission up to a length, one after the other, by brute force.
+"""All event sequences of a small mission up to a length, one after the other, by brute force.
 
 It knows nothing of how the exploration tells states apart, or of what conditions can be: sensors
 show every combination of some values, and two moments are one only if all times agree as well.

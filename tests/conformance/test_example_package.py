@@ -166,7 +166,7 @@ def test_a_detector_that_fails_in_a_run_is_named_with_its_entry_point(site: Path
     whose = "the detector 'blinking' (package pirate-faulty: blinks:PART)"
     assert result.returncode == 3
     assert f"{whose} fails in look with AttributeError: 'EngineState'" in result.stdout
-    assert "a fault in this program" not in result.stdout + result.stderr
+    assert "an internal error" not in result.stdout + result.stderr
 
 
 def test_the_api_names_a_faulty_package_in_the_same_words(example: Path) -> None:

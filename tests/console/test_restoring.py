@@ -237,7 +237,7 @@ def test_a_check_that_fails_costs_its_answer_and_not_the_console(
             found = await listed(me)
             assert found["prepare"].startswith("✕")
             assert "looking" not in found["prepare"]
-            assert "a fault in this program" in found["prepare"]
+            assert "an internal error" in found["prepare"]
             assert ("dictionary changed" in found["prepare"]) == (broken is look_at_entries)
             assert found["enter"].startswith("✕") == (broken is look_at_entries)
             await me.press("escape")

@@ -233,7 +233,7 @@ def hand_back(desk: Desk) -> None:
 
 
 def resume(desk: Desk) -> None:
-    """The console is killed while the mission runs, and another one goes on with it."""
+    """The console is killed while the mission runs, and another one continues with it."""
     desk.wait(2.0)  # what it has done is on the disk
     desk.end(signal.SIGKILL)
     (newest,) = sorted((desk.folder / "runs").glob("*.mcap"))[-1:]

@@ -9,7 +9,7 @@ A case of ``cases/*.yaml`` has these keys:
 - ``change``: Texts of that file and what stands in their place.
 - ``also``: The same for further files by name, where one fault needs a change in two places.
 - ``beside``: The robot whose files stand beside, in a folder of its name.
-- ``files``: Further files by name, or whole ones in place of those of the base.
+- ``files``: Further files by name, or whole ones instead of those of the base.
 - ``check``: What is given to the check; else the folder that holds it all.
 - ``severity``: Where it is another one than the code usually has.
 - ``finds``: ``CODE at FILE``, or ``CODE at FILE:LINE``, where no comment can mark the line.

@@ -25,7 +25,7 @@ FIRST = {
 BASES = [*ROBOTS, *sorted(path.name for path in (HERE / "bases").iterdir())]
 
 NOT_SEEDED = {
-    "check.failed": "is a fault of this program; test_project.py makes one",
+    "check.failed": "is an internal error; test_project.py makes one",
     "check.untrusted": "is about settings; test_settings.py seeds it",
     "chart.invalid": "every chart that its outline accepts is built without names of its own",
     "more": "stands beside the faults that are too many to be shown: see below",

@@ -40,7 +40,7 @@ def guarded_port(plan: LinkPlan, url: str, baud: int | None, stay_s: float = STA
     Args:
         plan: The robot's link plan.
         url: A device such as ``/dev/ttyACM0``, or any URL of pyserial.
-        baud: Baud rate in place of the profile's.
+        baud: Baud rate instead of the profile's.
         stay_s: How long the guardian goes on without a runner if the robot does not confirm its
             stop.
 

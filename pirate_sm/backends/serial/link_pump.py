@@ -76,7 +76,7 @@ class LinkPump:
         exchange.wrote(len(data), port.now())
 
     def _heed_guardian(self) -> None:
-        """Report a fault if the guardian has stopped the robot in place of this program."""
+        """Report a fault if the guardian has stopped the robot instead of this program."""
         try:
             overruled = self._port.overruled()
         except PortLostError as error:

@@ -275,7 +275,7 @@ def _end_words(name: str) -> str:
 
 def _names_of_ends(names: frozenset[str]) -> str:
     """Return the names of ends."""
-    return " or ".join(map(_end_words, sorted(names))) or "nothing: it goes round for ever"
+    return " or ".join(map(_end_words, sorted(names))) or "nothing: it goes round forever"
 
 
 def _handling(go: str) -> str:

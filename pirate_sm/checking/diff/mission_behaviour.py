@@ -14,7 +14,7 @@ STOPPED = "(safe stop)"
 """Name of the safe stop after an unhandled failure or fault; no end can have this name."""
 
 IGNORED = "(go on)"
-"""In place of a fault's target phase: the mission continues after the fault."""
+"""Instead of a fault's target phase: the mission continues after the fault."""
 
 
 class Trigger(NamedTuple):

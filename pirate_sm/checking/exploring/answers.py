@@ -54,7 +54,7 @@ Trigger: TypeAlias = tuple[int, int]
 """Index of a wait and number of one of its triggers."""
 
 NOWHERE = -1
-"""In place of a wait's index: the result does not wait."""
+"""Instead of a wait's index: the result does not wait."""
 
 
 class TooManyQuestionsError(Exception):

@@ -91,7 +91,7 @@ class Exploration:
     _mishaps: list[int] = field(default_factory=list)
 
     def path(self, step: int) -> list[ExploredStep]:
-        """Return the shortest course of events from the start to this step."""
+        """Return the shortest event sequence from the start to this step."""
         found = []
         while step >= 0:
             found.append(self.steps[step])

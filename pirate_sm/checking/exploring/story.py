@@ -1,4 +1,4 @@
-"""Describe a course of events, with one sentence for each event."""
+"""Describe an event sequence, with one sentence for each event."""
 
 from __future__ import annotations
 

@@ -169,9 +169,9 @@ def _way_to(
     if failed:
         stand, its = ("stands", "its") if len(failed) == 1 else ("stand", "their")
         message = f"{', '.join(failed)} {stand} before the call and can fail: let {its} failure"
-        return f"{message} lead elsewhere, or say `on_failure` at the call"
+        return f"{message} lead elsewhere, or set `on_failure` at the call"
     each = "each " if len(commands) > 1 else ""
-    return f"{before}, {each}with `unneeded: skip`, or say `on_failure` at the call"
+    return f"{before}, {each}with `unneeded: skip`, or set `on_failure` at the call"
 
 
 def _failed(book: Explored, step: int) -> set[str]:
@@ -189,4 +189,4 @@ def _mend(visits: Visits, first: int, *, always: bool) -> str:
         if always:
             return "leave the step out, or say `unneeded: skip`"
         return "say `unneeded: skip`: then it is passed over where it is not needed"
-    return "put the commands before it that make it possible, or say `on_failure` at the step"
+    return "put the commands before it that make it possible, or set `on_failure` at the step"

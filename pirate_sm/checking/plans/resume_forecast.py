@@ -30,7 +30,7 @@ class Forecast(NamedTuple):
             ``fails``: it can only come to ends that fail. ``impossible``: it cannot go on.
             ``not explored``: there are too many possibilities.
         why: Why it is not simply possible; else empty.
-        course: A course of events that shows it, one sentence for each.
+        course: An event sequence that shows it, one sentence for each.
     """
 
     word: Word

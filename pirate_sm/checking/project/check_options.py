@@ -19,7 +19,7 @@ CheckOther: TypeAlias = Callable[[Path], tuple[Sequence[Document], Iterable[Find
 
 @dataclass(frozen=True)
 class Wishes:
-    """The options with which missions are checked, in place of their own settings.
+    """The options with which missions are checked, instead of their own settings.
 
     Attributes:
         robot: Name or path of a robot.
@@ -27,7 +27,7 @@ class Wishes:
         usual_robot: Name or path of the robot of pipes that no mission here uses; None for the
             first one shipped.
         settings: Parameter values, for every mission that has the parameters.
-        keep_going: Whether a fault of this program becomes a finding.
+        keep_going: Whether an internal error becomes a finding.
         counterexamples: The folder for counterexamples; None to write none.
         rehearse: Runs a mission in the simulator; None to run none.
         outside: Whether references may leave the project.

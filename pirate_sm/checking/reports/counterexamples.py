@@ -42,7 +42,7 @@ def write_counterexample(
 ) -> Finding:
     """Write the counterexample of a finding, and return the finding with the script's name.
 
-    A finding without a course of events, or of a mission that does not load, is returned unchanged.
+    A finding without an event sequence, or of a mission that does not load, is returned unchanged.
 
     Args:
         finding: A finding of the check.
@@ -177,7 +177,7 @@ class Examples:
                 self._checks[id(found)] = (check, path, options)
 
     def write(self, findings: Iterable[Finding]) -> list[Finding]:
-        """Write a counterexample for every finding with a course of events that is not allowed.
+        """Write a counterexample for every finding with an event sequence that is not allowed.
 
         Raises:
             UsageError: The folder is not writable.

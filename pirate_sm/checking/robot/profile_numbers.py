@@ -94,7 +94,7 @@ def _unheard(view: RobotView, done: CriterionSpec) -> str:
 
 
 def hidden_motors(view: RobotView) -> Iterator[Finding]:
-    """Yield torques and speeds in place of shares of what motors do whose numbers are known."""
+    """Yield torques and speeds instead of shares of what motors do whose numbers are known."""
     commands, seen = view.profile.commands, view.profile.seen
     states = ((r, name, how) for r, given in seen.states.items() for name, how in given.items())
     found: list[tuple[Path, object]] = [

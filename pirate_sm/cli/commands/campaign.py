@@ -112,8 +112,8 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
     if is_store(folder):
         if not options.resume:
             raise UsageError(
-                f"there are results in '{folder}' already: go on with them with --resume, or name "
-                "another folder with --output"
+                f"there are results in '{folder}' already: continue with --resume, or name another "
+                "folder with --output"
             )
         before = _refuse_another(plan, store)
         described = _with_others(plan, before) if options.cells and before else plan
@@ -131,7 +131,7 @@ def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
             yield store
     except KeyboardInterrupt:
         stop = stops[0] if stops else BY_SIGNAL[signal.SIGINT]
-        reason = f"{stop.reason}; results so far are in '{folder}': go on with --resume"
+        reason = f"{stop.reason}; results so far are in '{folder}': continue with --resume"
         raise StoppedError(stop._replace(reason=reason)) from None
     finally:
         store.close()

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
 _LOOK_EVERY_S = 0.1
 
 SWITCH_EVERY_S = 0.001
-"""How long a thread of Python may keep the others waiting, in place of 5 ms. A stop on a panel goes
+"""How long a thread of Python may keep the others waiting, instead of 5 ms. A stop on a panel goes
 through two threads, the panel's and the run's, and either waits for the one that draws."""
 
 RECORDING = ".mcap"

@@ -1,4 +1,4 @@
-"""The phases of a course of events, which `pirate graph --counterexample` marks."""
+"""The phases of an event sequence, which `pirate graph --counterexample` marks."""
 
 from __future__ import annotations
 
@@ -24,16 +24,16 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
 
     Args:
         mission: Its file.
-        script: The course of events.
+        script: The event sequence.
         settings: Values of parameters.
 
     Raises:
         LoadError: The files have errors.
-        UsageError: The script is for another mission or contains no course of events.
+        UsageError: The script is for another mission or contains no event sequence.
     """
     _, course = read_script(script)
     if not course:
-        raise UsageError(f"'{script}' lays down no course of events")
+        raise UsageError(f"'{script}' lays down no event sequence")
     order = Order(str(mission), backend="trace", settings=settings, course=course)
     prepared = prepare(order)
     requests, way = StopRequests(), RunPath()
@@ -49,7 +49,7 @@ def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> l
 
 
 class _EndOfCourse:
-    """A companion that stops a run when its course of events is over."""
+    """A companion that stops a run when its event sequence is over."""
 
     due_s = inf
     listening = False
@@ -61,7 +61,7 @@ class _EndOfCourse:
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
         """Ask the run to stop after the last event."""
         if self._player.over:
-            self._requests.ask(Stop("the course of events is over", SUCCEEDED))
+            self._requests.ask(Stop("the event sequence is over", SUCCEEDED))
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return no event."""

@@ -116,7 +116,8 @@ def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
     plan = restoring(mission, [phase], body, beginnings(mission)).get(phase)
     if plan is None:
         way = Way(
-            None, f"no commands lead to states from which {name} can go on with {phase} and succeed"
+            None,
+            f"no commands lead to states from which {name} can continue with {phase} and succeed",
         )
     else:
         way = Way(None, hindered(loaded.normal, plan)) if plan.hindered else Way(plan)

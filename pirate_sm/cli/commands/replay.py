@@ -194,7 +194,7 @@ def _listed(effects: tuple[Effect, ...]) -> Iterator[str]:
 
 
 def _renamed(line: str, loaded: LoadedMission, header: RunHeader) -> str:
-    """Return the line with the names of the replayed files in place of the recorded ones."""
+    """Return the line with the names of the replayed files instead of the recorded ones."""
     for old, new in zip(header.files, loaded.documents, strict=False):
         line = line.replace(f"{old.name}:", f"{new.name}:")
     return line

@@ -157,7 +157,7 @@ def _one(path: Path, page: Path, index: Path) -> ListedRun:
     except RecordingError as error:
         say(str(error))
         return unreadable(path, str(error))
-    except Exception as error:  # a fault of this program, which the other runs do not have
+    except Exception as error:  # an internal error, which the other runs do not have
         why = f"no page can be made of it: {type(error).__name__}: {error}"
         say(f"{path}: {why}")
         return unreadable(path, why)

@@ -86,7 +86,7 @@ def drawable(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 
 def scripts(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield files with triggers, or with a course of events."""
+    """Yield files with triggers, or with an event sequence."""
     yield from _yaml(typed, {"trace script"})
 
 

@@ -135,4 +135,4 @@ class Graph:
 
 
 class GraphError(PirateError):
-    """Is raised for an inconsistent graph, which is a fault of this program."""
+    """Is raised for an inconsistent graph, which is an internal error."""

@@ -13,7 +13,7 @@ from pirate_sm.expressions.bytecode import Code, code_of, never_true, words_in
 Words = Sequence[str | None]
 
 ANY_BOARD = -1
-"""In place of boards: every one."""
+"""Instead of boards: every one."""
 
 
 @lru_cache(maxsize=16)

@@ -1,4 +1,4 @@
-"""Signals from a script in place of sensors, in runs where commands take their nominal time."""
+"""Signals from a script instead of sensors, in runs where commands take their nominal time."""
 
 from __future__ import annotations
 

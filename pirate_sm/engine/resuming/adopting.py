@@ -19,7 +19,7 @@ def adoptable(robot: RobotSpec, declared: int) -> tuple[Hypothesis, ...]:
 
 
 def shown_instead(robot: RobotSpec, shows: Reconciled) -> tuple[VerdictTable, ...]:
-    """Return the configurations that the sensors show in place of the declared one.
+    """Return the configurations that the sensors show instead of the declared one.
 
     Of those without a contradiction the ones count of which most is confirmed. What the sensors
     cannot tell apart is taken as declared; otherwise a person must choose.

@@ -65,7 +65,7 @@ def entry(
 ) -> Entry | Refused:
     """Return where the mission goes on.
 
-    It goes on with the instruction that it was at, begun anew: what was done is not repeated, a
+    It continues with the instruction that it was at, begun anew: what was done is not repeated, a
     command under way is given again, a wait is armed again for the rest of its time limit, a
     question is asked again. The phase's key ``resume`` may say otherwise.
 

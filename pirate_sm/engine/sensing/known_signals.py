@@ -92,7 +92,7 @@ class Sensing(NamedTuple):
         records: Per board what is remembered of its sensors, to know which values to believe.
         asked: What the motors have been asked, which tells what can move.
         loss: Share of the boards' reports that is lost, lately.
-        told: In place of ``numbers``, what a script says that conditions see; empty without one.
+        told: Instead of ``numbers``, what a script says that conditions see; empty without one.
             Changes of signals may follow, see :func:`with_changes`.
         traction: What is remembered of the wheels' slip and normal forces.
         outside_until_s: Per outside signal that is known its number index, and until when it

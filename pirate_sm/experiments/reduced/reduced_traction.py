@@ -82,7 +82,7 @@ def run_traction(
         variant: Which parts of the controller work.
         noise: On what the controller measures.
         seed: Of the noise.
-        sticks: Whether friction sticks, in place of the law of fig. 4-3.
+        sticks: Whether friction sticks, instead of the law of fig. 4-3.
 
     Raises:
         UsageError: The setup does not fit the robot.

@@ -80,7 +80,7 @@ def load_mission(
         settings: Parameter values as text, by name.
         start_phase: The first phase; overrides the mission's.
         states: Initial states of the robot by region; override ``starts_in``.
-        fitted: A file with numbers of the robot's motors, in place of the profile's.
+        fitted: A file with numbers of the robot's motors, instead of the profile's.
 
     Raises:
         LoadError: The files have faults; holds all of them.

@@ -74,7 +74,7 @@ def check_twin(twin: Twin, profile: Profile, problems: Problems) -> None:
 
 
 def with_twin(profile: Profile, twin: Twin) -> Profile:
-    """Return the profile with the twin's numbers in place of its own.
+    """Return the profile with the twin's numbers instead of its own.
 
     A joint with numbers of its own gets a kind of motor of its own.
     """

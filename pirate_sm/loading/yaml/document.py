@@ -76,7 +76,7 @@ class Document:
 
         Args:
             line: Number of the line.
-            file: Name of one of the files that it extends, in place of its own.
+            file: Name of one of the files that it extends, instead of its own.
         """
         lines = self._home(file).lines
         return lines[line - 1] if 1 <= line <= len(lines) else ""

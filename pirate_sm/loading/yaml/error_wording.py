@@ -156,7 +156,7 @@ def _tag(error: ErrorDetails, schema: Schema | None) -> Wording:
 
 
 def misspelt_kind(error: ErrorDetails, schema: Schema | None) -> tuple[str, str] | None:
-    """Return the key in place of the one that says a mapping's kind, and what that should be."""
+    """Return the key instead of the one that says a mapping's kind, and what that should be."""
     if schema is None or schema.get("custom_error_type") != error["type"]:
         return None
     known, value = _tags(schema), error["input"]

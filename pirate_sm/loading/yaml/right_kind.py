@@ -116,7 +116,7 @@ def _items(value: Any) -> Iterator[list[Any]]:
     if words and all(map(_ITEM.fullmatch, words)):
         yield words
         if words != parts:
-            yield parts  # a text with blanks
+            yield parts  # a text with spaces
 
 
 def _pairs(schema: Schema | None, key: str, value: Any, walk: SchemaWalk) -> Iterator[Any]:

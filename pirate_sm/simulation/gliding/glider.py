@@ -136,7 +136,7 @@ class Glider:
         return self._passed(watch, asked, words, cycles)
 
     def _force(self, now_s: float) -> None:
-        """Show what defects show in place of what is measured."""
+        """Show what defects show instead of what is measured."""
         forced = self._simulated.forced(now_s)
         if forced != self._shown:
             self._shown = forced

@@ -129,7 +129,7 @@ def test_a_scheduler_that_is_gone_ends_the_campaign_and_results_are_kept(
                 gone.set()
                 stack.close()
 
-        with pytest.raises(BackendError, match="go on with --resume"):
+        with pytest.raises(BackendError, match="continue with --resume"):
             table(plan, tmp_path / "results", cluster.address, show=end)
 
     assert "Traceback" not in capfd.readouterr().err

@@ -195,7 +195,7 @@ def test_a_full_disk_is_reported_and_what_was_written_is_kept(
 
     with monkeypatch.context() as patch:
         patch.setattr(os, "fsync", full)
-        with pytest.raises(UsageError, match=r"No space left on device; .* go on with --resume"):
+        with pytest.raises(UsageError, match=r"No space left on device; .* continue with --resume"):
             store.add(rows(2))
     assert seeds_in(tmp_path) == [1]
     assert not list((tmp_path / "results").glob("*.part"))

@@ -172,7 +172,7 @@ def test_a_file_that_is_no_toml_is_refused(project: Path, pirate: Pirate, text: 
 
     assert result.exit_code == 2
     assert str(project) in result.stderr
-    assert "a fault in this program" not in result.stderr
+    assert "an internal error" not in result.stderr
 
 
 @pytest.mark.parametrize(

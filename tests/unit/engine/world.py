@@ -1,4 +1,4 @@
-"""Random courses of events for the engine, and what must hold after every single one of them."""
+"""Random event sequences for the engine, and what must hold after every single one of them."""
 
 from __future__ import annotations
 
@@ -318,7 +318,7 @@ class Course:
             assert self.robot.commands[motion.command].lets_go
 
     def _check_waking(self) -> None:
-        """Whoever is woken as asked gets on; nobody is woken for ever in one moment."""
+        """Whoever is woken as asked gets on; nobody is woken forever in one moment."""
         for _ in range(MOST_TICKS_IN_A_MOMENT):
             if self.ended or self.state.wake_at_s > self.now:
                 return

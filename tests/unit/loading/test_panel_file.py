@@ -29,7 +29,7 @@ buttons:
 
 
 def faults(tmp_path: Path, old: str, new: str) -> list[str]:
-    """What is said of the good panel with one text in place of another."""
+    """What is said of the good panel with one text instead of another."""
     assert old in GOOD
     path = tmp_path / "small.yaml"
     path.write_text(GOOD.replace(old, new))

@@ -1,4 +1,4 @@
-"""A course of events, played to a mission in a trace."""
+"""An event sequence, played to a mission in a trace."""
 
 from __future__ import annotations
 

@@ -99,7 +99,7 @@ class SetpointLink:
     # --- what is wanted ---------------------------------------------------------------------
 
     def submit(self, setpoint_id: int, values: Sequence[float], now: float) -> None:
-        """Queue an array in place of one that still waits, or reject it.
+        """Queue an array instead of one that still waits, or reject it.
 
         The replaced array ends as ``superseded``. An array under way goes on until its echo comes
         or is overdue. It then ends as ``accepted`` or ``unknown``, and the newest is written.

@@ -8,7 +8,7 @@ _OVERSLEPT = 2.0
 """A look that is this many intervals late shows that this process did not run in between."""
 
 _LEAST_S = 1e-3
-"""The shortest wait. Without it, rounding could make the last wait zero for ever."""
+"""The shortest wait. Without it, rounding could make the last wait zero forever."""
 
 
 class SilenceTimer:

@@ -61,7 +61,7 @@ class Port(Protocol):
         """Send the guardian a sign of life and the frame to send if these signs stop."""
 
     def overruled(self) -> bool:
-        """Return whether the guardian has acted in place of this program since the last call."""
+        """Return whether the guardian has acted instead of this program since the last call."""
 
     def remark(self) -> str:
         """Return, once, what a person must know about other users of the port; else empty."""

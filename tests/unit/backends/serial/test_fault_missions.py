@@ -294,7 +294,7 @@ def test_even_a_broken_program_has_the_safe_state_confirmed_or_says_that_it_coul
 ) -> None:
     course = go(hang_at_s=12.0, hang_for_s=lasting_s, breaks=True)
 
-    assert course.message == f"a fault in this program: RuntimeError: {ending}"
+    assert course.message == f"an internal error: RuntimeError: {ending}"
     assert course.is_safe == (lasting_s == 3.0)
 
 

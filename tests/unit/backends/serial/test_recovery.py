@@ -48,7 +48,7 @@ def test_a_controller_that_falls_silent_again_is_given_up_when_that_is_due_and_n
 def test_a_controller_that_comes_and_goes_is_given_up_in_the_end(recovery: Recovery) -> None:
     outage, now = Outage(heard_s=0.0, since_s=0.5, sign_s=0.0), 1.0
     while recovery.verdict(outage, now, stopped=True) is None:
-        assert now <= 0.5 + 3 * WITHIN_S, "it may come and go for ever"
+        assert now <= 0.5 + 3 * WITHIN_S, "it may come and go forever"
         outage.return_(now, {3}, safe_needed=True)
         outage.report(SensorFrame(3, (1.0,)))
         outage.sign_s = now

@@ -146,16 +146,16 @@ def test_the_mend_of_a_call_names_the_commands_that_lead_there(
         (
             "{command: HoldNose, on_failure: continue}",
             "HoldNose stands before the call and can fail: let its failure lead elsewhere, "
-            "or say `on_failure` at the call",
+            "or set `on_failure` at the call",
         ),
         (
             "{command: HoldNose, if: known(neck)}",
-            "put HoldNose before the call, with `unneeded: skip`, or say `on_failure` at the call",
+            "put HoldNose before the call, with `unneeded: skip`, or set `on_failure` at the call",
         ),
         (
             "{command: HoldNose, if: known(neck)}, {command: HoldTail, if: known(neck)}",
             "put HoldNose, HoldTail before the call, each with `unneeded: skip`, "
-            "or say `on_failure` at the call",
+            "or set `on_failure` at the call",
         ),
     ],
 )

@@ -256,7 +256,7 @@ JUNK = (None, True, 7, -1.5, "", "120", "x y", "1 mm", "-3 deg", "9e99 m", [], {
 
 
 def junk_in(net: Network, rng: Random) -> None:
-    """Something else stands in place of one value anywhere in a network."""
+    """Something else stands instead of one value anywhere in a network."""
     spots = list(_spots(net))
     where, key = rng.choice(spots)
     where[key] = rng.choice(JUNK)

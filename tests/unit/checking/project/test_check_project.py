@@ -409,7 +409,7 @@ def test_a_reference_out_of_the_project_is_refused_and_nothing_of_the_file_shown
     assert (finding.code, finding.place.file) == ("reference.outside", "m.yaml")
     assert "secret_words" not in str(finding)
     page = text_report(report, lambda _, text: text)
-    assert "mend: Move the file into the project, or check with `--outside`." in page
+    assert "fix:  Move the file into the project, or check with `--outside`." in page
 
 
 def test_a_reference_may_leave_the_project_where_that_is_wanted(

@@ -34,7 +34,7 @@ def test_a_finding_says_what_where_why_and_how_to_mend_it(report: Report) -> Non
         "    1. the mission begins\n"
         "    2. RelaxRear is refused: wheels turn\n"
         "  why:  It works until a trigger, failure or fault takes the other path.\n"
-        "  mend: did you mean 'RelaxFront'? brake first\n"
+        "  fix:  did you mean 'RelaxFront'? brake first\n"
         "  example: loss_1\n"
     )
     assert "/tmp/gone.yaml: error [file] there is no such file\n  why:" in text

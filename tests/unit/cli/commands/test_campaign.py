@@ -130,7 +130,7 @@ def test_results_that_are_there_are_not_touched_without_resume(
     result = pirate("campaign", file, "-o", filled("results", 5), "--no-check")
 
     assert result.exit_code == 2
-    assert "go on with them with --resume" in result.stderr
+    assert "continue with --resume" in result.stderr
 
 
 def test_a_folder_of_something_else_is_not_written_to(
@@ -435,5 +435,5 @@ main()
     )  # fmt: skip
 
     assert (ended.returncode, ended.stdout) == (status, "")
-    assert ended.stderr.endswith("; results so far are in 'results': go on with --resume\n")
+    assert ended.stderr.endswith("; results so far are in 'results': continue with --resume\n")
     assert ended.stderr.count("\n") == 1

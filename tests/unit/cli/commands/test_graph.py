@@ -193,7 +193,7 @@ def test_the_way_of_a_counterexample_is_marked(
         (["climb", "--counterexample", "nowhere.yaml"], "nowhere.yaml"),
         (["climb", "--counterexample", "SCRIPT", "--highlight", "up"], "exclude each other"),
         (["pirate_ii", "--counterexample", "SCRIPT"], "is no mission"),
-        (["climb", "--counterexample", "LIST"], "lays down no course of events"),
+        (["climb", "--counterexample", "LIST"], "lays down no event sequence"),
     ],
 )
 def test_what_cannot_be_marked_is_said(

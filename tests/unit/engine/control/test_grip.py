@@ -131,7 +131,7 @@ def test_it_stays_within_its_bounds():
 
 @pytest.mark.parametrize(("mu", "exhausted"), [(0.13, False), (0.12, True), (0.0, True)])
 def test_it_is_exhausted_where_the_margin_is_less_than_a_quarter(mu, exhausted):
-    # Twice the safety needs 0.70 Nm at 0.2; a margin of 1.25 in place of 2 needs 0.70 at 0.125.
+    # Twice the safety needs 0.70 Nm at 0.2; a margin of 1.25 instead of 2 needs 0.70 at 0.125.
     assert course(CORRECTED, seen(0.0, mu=mu)).exhausted is exhausted
 
 

@@ -63,7 +63,7 @@ class CutOff:
         return hypotheses(self.robot, self.program, self.last)[0]
 
     def go_on(self, at: str = "here", **signals: float) -> Driver:
-        """The mission goes on with the recorded hypothesis."""
+        """The mission continues with the recorded hypothesis."""
         way = self.look(**signals).way
         found = resumption(self.robot, self.program, self.last, self.last_s, self.recorded, way, at)
         assert isinstance(found, Resumption), found

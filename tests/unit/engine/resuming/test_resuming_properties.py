@@ -41,7 +41,7 @@ def loaded(name: str) -> LoadedMission:
 
 
 class Resumed(Course):
-    """A course of events after a crash; what must hold is checked after every event."""
+    """An event sequence after a crash; what must hold is checked after every event."""
 
     def __init__(self, before: Course, found: Resumption, *, recorded: bool) -> None:
         self.found = found
@@ -132,7 +132,7 @@ AT = st.sampled_from(["here", "here", FAILURE, "nowhere"])
 
 
 def go_on(run: Course, which: int, way: DarkWay, at: str) -> Resumed | None:
-    """The mission goes on with one of the hypotheses; None if it refuses, with a reason."""
+    """The mission continues with one of the hypotheses; None if it refuses, with a reason."""
     found = hypotheses(run.robot, run.program, run.state)
     chosen = found[which % len(found)]
     it = resumption(run.robot, run.program, run.state, run.now, chosen, way, at)

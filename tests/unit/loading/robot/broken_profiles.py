@@ -11,7 +11,7 @@ _CASE = "postures: {bowed: [{when: Grip == NoseHeld, set: {fold_neck: -50 %, fol
 
 
 def _posture(old: str, new: str) -> tuple[str, str]:
-    """Puts in a posture in which something stands in place of what is right."""
+    """Puts in a posture in which something stands instead of what is right."""
     assert old in _CASE
     return _BEFORE, _CASE.replace(old, new) + _BEFORE
 
@@ -26,7 +26,7 @@ _CONTROLS = """controls:
 
 
 def _control(old: str, new: str) -> tuple[str, str]:
-    """Puts in controls in which something stands in place of what is right."""
+    """Puts in controls in which something stands instead of what is right."""
     assert old in _CONTROLS
     return "aliases: {", _CONTROLS.replace(old, new) + "aliases: {"
 

@@ -32,7 +32,7 @@ BOUND_S = 4.0
 
 @dataclass
 class Device:
-    """A controller that goes on with what it was told until it is told something else."""
+    """A controller that continues with what it was told until it is told something else."""
 
     resets: bool
     shift: int = 0

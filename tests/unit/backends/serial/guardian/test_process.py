@@ -484,7 +484,7 @@ def test_whoever_writes_to_a_guardian_that_has_died_is_told_so(bench: Bench) -> 
 
 
 def test_a_test_that_fails_leaves_no_guardian_that_hangs(bench: Bench, tmp_path: Path) -> None:
-    """They stayed for ever; the input of the process that kills them also ends with pytest."""
+    """They stayed forever; the input of the process that kills them also ends with pytest."""
     with _guardian_killer(tmp_path):
         port = _opened(bench, PATIENT)
         hung = _guardian_of(port)
