@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import re
 from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ TEXTS = {
     for file in sorted(PACKAGE.rglob("*.py"))
 }
 """The source files by their names in the package."""
+_WORD = re.compile(r"[A-Za-z]\w*")
 LONGEST_FILE = 400
 LONGEST_FUNCTION = 60
 # `advance` cuts its arguments up into the arrays that all others take, a line for each.
@@ -60,6 +62,7 @@ def _names(node: object) -> Iterator[str]:
             yield from _names(value)
 
 
+@cache  # a few thousand words occur half a million times
 def _parts(name: str) -> tuple[str, ...]:
     """The words of a name in any spelling: ClampFront, clamp_front and CLAMP_FRONT are the same."""
     return tuple(re.findall(r"[a-z]+|\d+", re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).lower()))
@@ -81,14 +84,19 @@ def _shipped_names() -> set[str]:
 def _foreign_words(text: str, names: set[str]) -> list[str]:
     """Each `line: word` of `text` that is one of `names`, or holds a compound one."""
     compounds = {parts for name in names if len(parts := _parts(name)) > 1}
-    found = []
-    for number, line in enumerate(text.splitlines(), 1):
-        for word in re.findall(r"[A-Za-z]\w*", line):
-            parts = _parts(word)
-            spans = {parts[i:j] for j in range(len(parts) + 1) for i in range(j)}
-            if word in names or spans & compounds:
-                found.append(f"{number}: {word}")
-    return found
+
+    def is_foreign(word: str) -> bool:
+        parts = _parts(word)
+        spans = {parts[i:j] for j in range(len(parts) + 1) for i in range(j)}
+        return word in names or bool(spans & compounds)
+
+    foreign = {word for word in set(_WORD.findall(text)) if is_foreign(word)}
+    return [
+        f"{number}: {word}"
+        for number, line in enumerate(text.splitlines() if foreign else (), 1)
+        for word in _WORD.findall(line)
+        if word in foreign
+    ]
 
 
 @pytest.fixture(scope="module")
@@ -143,8 +151,17 @@ def test_files_and_functions_stay_small() -> None:
 
 def _bodies(tree: ast.Module) -> Iterator[tuple[str, int]]:
     """Each function with the lines of its body; a long signature or docstring does not count."""
-    for node in ast.walk(tree):
+    for node in _statements(tree):
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef):
             documented = ast.get_docstring(node) is not None and len(node.body) > 1
             first = node.body[1 if documented else 0]
             yield node.name, (node.end_lineno or first.lineno) - first.lineno + 1
+
+
+def _statements(block: ast.AST) -> Iterator[ast.stmt]:
+    """Each statement in a block and in the blocks within it, without their expressions."""
+    for branch in ("body", "orelse", "finalbody", "handlers", "cases"):
+        for inner in getattr(block, branch, ()):
+            if isinstance(inner, ast.stmt):
+                yield inner
+            yield from _statements(inner)

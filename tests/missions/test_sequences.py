@@ -8,7 +8,7 @@ import shutil
 from pathlib import Path
 
 import pytest
-from representative import thorough_but
+from representative import MISSIONS, thorough_but
 
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import load_mission
@@ -17,6 +17,10 @@ from pirate_sm.model.effects import CommandStatus, Fault, StateChange
 
 ROOT = Path(__file__).resolve().parents[2]
 SHIPPED = library.missions()
+DRIVEN = thorough_but(
+    [path for path in SHIPPED if path.stem in {*MISSIONS, "house_and_back", "two_bends_up"}],
+    SHIPPED,
+)
 PRINTED = Path(__file__).parent / "enter_3d_as_printed.yaml"
 
 # Fig. 6-9 of the thesis: FrontWheels, RearWheels, Bending, Rotation, Lighting.
@@ -54,7 +58,7 @@ def test_a_shipped_mission_succeeds_in_a_trace(run, path):
     assert record.ended.outcome == "succeeded", record.ended.message
 
 
-@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.stem)
+@pytest.mark.parametrize("path", DRIVEN, ids=lambda path: path.stem)
 def test_a_shipped_mission_succeeds_never_lets_go_and_ends_with_stopped_wheels(run, path):
     record = run(path, backend="sim")
     assert record.ended.outcome == "succeeded", record.ended.message
@@ -83,7 +87,9 @@ def test_the_bend_backward_shows_them_with_front_and_rear_exchanged(run):
     assert record.prepared.truth().distance_m < -0.6
 
 
-@pytest.mark.parametrize("name", ["exp_1a_both", "exp_1b_front", "exp_1c_rear"])
+@pytest.mark.parametrize(
+    "name", thorough_but(["exp_1a_both"], ["exp_1a_both", "exp_1b_front", "exp_1c_rear"])
+)
 def test_experiment_1_goes_up_and_down_three_times_and_meets_a_block_each_way(run, name):
     fired = run(name, backend="sim").fired
     assert [trigger for trigger in fired if trigger.endswith("_end")] == ["far_end", "near_end"] * 3
@@ -97,7 +103,7 @@ def test_climbing_holds_its_place(run):
     assert record.prepared.truth().distance_m == pytest.approx(0.0, abs=0.02)
 
 
-@pytest.mark.parametrize("seed", thorough_but(range(4), range(20)))
+@pytest.mark.parametrize("seed", thorough_but(range(2), range(20)))
 def test_entering_in_3d_turns_both_parts_from_upright_into_the_horizontal_plane(run, seed):
     record = run(
         "enter_3d", backend="sim", seed=seed,
@@ -139,7 +145,7 @@ ends: {turned: {succeed: Turned}}
 """
 
 
-@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("seed", thorough_but([0], range(4)))
 def test_in_a_vertical_pipe_the_robot_turns_without_falling_also_while_it_climbs(
     run, tmp_path, seed
 ):
@@ -207,7 +213,7 @@ def test_a_stuck_robot_ends_clamped_and_says_so(run, tmp_path, mission):
     assert record.states[-1][:3] == ("Fixed", "Fixed", "DoubleClamped")
 
 
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", thorough_but([2], range(3)))
 def test_a_stuck_robot_that_opens_to_118_deg_has_not_lost_its_clamp(run, tmp_path, seed):
     pipe = _changed(tmp_path, "mitre_90", blockages="[{at: 850 mm, lasting: 1 h}]")
     record = run("mitre_bend", backend="sim", pipe=pipe, seed=seed)
@@ -259,7 +265,7 @@ def test_a_robot_whose_wheels_spin_at_the_edge_of_a_slippery_stretch_does_not_fa
     assert [clamp > 0 for clamp in clamps] == [False, True, False, True]
 
 
-@pytest.mark.parametrize("seed", thorough_but(range(2), range(8)))
+@pytest.mark.parametrize("seed", thorough_but([0], range(8)))
 @pytest.mark.parametrize("mission", ["climb", "mitre_bend"])
 def test_boards_that_repeat_their_values_for_a_tenth_of_a_second_stop_no_mission(
     run, mission, seed

@@ -56,6 +56,7 @@ def held_by_little(run, tmp_path):
     return go
 
 
+@pytest.mark.thorough
 def test_it_is_reported_neither_as_lost_nor_as_slipping(held_by_little):
     record = held_by_little("2.4 m", "3 s", 2)
 

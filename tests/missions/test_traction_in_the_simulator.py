@@ -122,6 +122,7 @@ def test_wheels_that_do_not_slip_show_no_friction(upright):
     )
 
 
+@pytest.mark.thorough
 def test_such_a_run_replays_exactly(tmp_path):
     mission, file = tmp_path / "upright.yaml", tmp_path / "run.mcap"
     mission.write_text(UPRIGHT, encoding="utf-8")
