@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import logging
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from numbers import Integral, Real
 from os import PathLike, fspath
-from typing import Any, TypeAlias, TypedDict, Unpack, cast
+from typing import Any, TypeAlias, Unpack, cast, get_type_hints
 
 from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
@@ -18,7 +18,7 @@ from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.defect_text import as_text
-from pirate_sm.model.fidelity import Fidelity
+from pirate_sm.model.run_options import OPTIONS, Options
 from pirate_sm.spelling import unknown
 from pirate_sm.wiring import Order, Prepared
 
@@ -27,53 +27,6 @@ LOG = logging.getLogger("pirate_sm")
 
 Mission: TypeAlias = str | PathLike[str] | LoadedMission
 """A shipped mission's name, the path of a file, or what :func:`load` has returned."""
-
-
-class Options(TypedDict, total=False):
-    """Options that ``run``, ``session`` and ``sweep`` share; all may be left out.
-
-    Attributes:
-        robot: Name or path of a robot, instead of the mission's own.
-        pipe: Name or path of a pipe, instead of the mission's own.
-        set: Values of parameters by name, as a mission writes them: ``{"give_up": "30 s"}``.
-        start_phase: The phase to begin with, instead of the mission's own.
-        states: State names by region that the robot is in, instead of ``starts_in``.
-        defects: Known defects of the simulated robot, each as text,
-            ``"stiff_joint:friction=0.5Nm,after=2s"``, or as a mapping,
-            ``{"defect": "stiff_joint", "after": "2 s"}``.
-        twin: File with numbers of the simulated robot, from ``pirate fit --robot``.
-        fitted: Such a file with numbers of the motors, by which any robot is judged.
-        start_jitter_m: How far a simulated robot may start from its place; likewise
-            ``diameter_jitter_m`` of the pipe, and ``friction_jitter`` as a share.
-        fidelity: How finely the backend ``sim`` computes: ``"usual"``, or ``"fast"``, with half the
-            iterations, which is coarser.
-        detector: Name of a detector, instead of the backend's usual one.
-        also: A second detector, whose words are logged and do nothing.
-        ruler: Whether a simulated ruler measures the robot's speed from outside, for slip.
-        view: Whether MuJoCo's own viewer shows the run; the backend ``physics`` alone has one.
-        start_at_m: Where odometry takes the first wheel to begin, instead of the pipe's own.
-        port: Where a real robot is, a device or a URL of pyserial; ``baud`` instead of its rate.
-    """
-
-    robot: str | PathLike[str] | None
-    pipe: str | PathLike[str] | None
-    set: Mapping[str, object] | None
-    start_phase: str | None
-    states: Mapping[str, str] | None
-    defects: Iterable[str | Mapping[str, object]]
-    twin: str | None
-    fitted: str | PathLike[str] | None
-    start_jitter_m: float
-    diameter_jitter_m: float
-    friction_jitter: float
-    fidelity: Fidelity
-    detector: str | None
-    also: str | None
-    ruler: bool
-    view: bool
-    start_at_m: float | None
-    port: str | None
-    baud: int | None
 
 
 def load(
@@ -176,8 +129,9 @@ def _order(
         UsageError: The mission is loaded already and an option would have to change that.
     """
     rest: dict[str, Any] = dict(options)
-    _refuse_unknown(rest)
-    settings, defects = texts(rest.pop("set", None)), rest.pop("defects", ())
+    if wrong := unknown("there is no option", rest, sorted(_TYPES)):
+        raise UsageError(wrong)
+    settings = texts(rest.pop("set", None))
     if isinstance(mission, LoadedMission):
         _refuse_options(set=settings, **{name: rest.get(name) for name in _PATHS})
         if any(map(rest.get, _OF_START)):
@@ -185,22 +139,36 @@ def _order(
         name = mission.documents[0].name
     else:
         name = path_of(mission)
-    for option in _PATHS:
-        rest[option] = _path_or_none(rest.get(option))
-    defects = (defects,) if isinstance(defects, str | Mapping) else defects
-    if isinstance(defects, Iterable):
-        defects = tuple(as_text(each) for each in defects)
-    _refuse_kinds({**rest, "backend": backend, "defects": defects})
-    rest |= {name: float(rest[name]) for name in _NUMBERS if rest.get(name) is not None}
+    if not isinstance(backend, str):
+        raise UsageError(f"backend: expected the name of a backend, got {backend!r}")
     return Order(
         name,
         backend,
         seed=whole(seed, "seed", 0),
         settings=settings,
-        defects=defects,
         check=check,
-        **rest,
+        **{option: _taken(option, value) for option, value in rest.items()},
     )
+
+
+def _taken(name: str, value: Any) -> Any:
+    """Return the value of an option as an order has it.
+
+    Raises:
+        UsageError: It is of another kind.
+    """
+    kind = _TYPES[name]
+    if kind == _TYPES["pipe"]:
+        return _path_or_none(value)
+    if name == "defects":
+        listed = (value,) if isinstance(value, str | Mapping) else value
+        value = tuple(map(as_text, listed)) if isinstance(listed, Iterable) else listed
+    if kind == int | None and value is not None:
+        return whole(value, name, OPTIONS[name].least or 0)
+    fits, expected = _EXPECTED.get(kind, (lambda value: True, ""))
+    if not fits(value):
+        raise UsageError(f"{name}: expected {expected}, got {value!r}")
+    return value if value is None or OPTIONS[name].unit is None else float(value)
 
 
 def loaded_once(mission: Mission, **options: Unpack[Options]) -> tuple[Mission, Options]:
@@ -248,21 +216,6 @@ def whole(number: Any, what: str, least: int) -> int:
     return int(number)
 
 
-def _refuse_kinds(options: Mapping[str, object]) -> None:
-    for names, fits, expected in (
-        (_NUMBERS[:3], is_number, "a number"),
-        (_NUMBERS[3:], lambda value: value is None or is_number(value), "a number of m"),
-        (("detector", "start_phase", "port"), lambda v: isinstance(v, str | None), "a text"),
-        (("ruler", "view"), lambda value: isinstance(value, bool), "True or False"),
-        (("backend",), lambda value: isinstance(value, str), "the name of a backend"),
-        (("states",), _are_states, "names of states by region"),
-        (("defects",), _are_defects, "names of defects"),
-    ):
-        for name in names:
-            if name in options and not fits(options[name]):
-                raise UsageError(f"{name}: expected {expected}, got {options[name]!r}")
-
-
 def _are_states(value: object) -> bool:
     if not isinstance(value, Mapping):
         return value is None
@@ -273,12 +226,17 @@ def _are_defects(value: object) -> bool:
     return isinstance(value, tuple) and all(isinstance(each, str) for each in value)
 
 
-def _refuse_unknown(options: Mapping[str, object]) -> None:
-    if wrong := unknown("there is no option", options, sorted(Options.__annotations__)):
-        raise UsageError(wrong)
+_TYPES = get_type_hints(Options)
+_EXPECTED: Mapping[Any, tuple[Callable[[Any], bool], str]] = {
+    float: (is_number, "a number"),
+    float | None: (lambda value: value is None or is_number(value), "a number of m"),
+    str | None: (lambda value: isinstance(value, str | None), "a text"),
+    bool: (lambda value: isinstance(value, bool), "True or False"),
+    _TYPES["states"]: (_are_states, "names of states by region"),
+    _TYPES["defects"]: (_are_defects, "names of defects"),
+}
+"""What a value must be, and what is said where it is not, by the type that is declared."""
 
-
-_NUMBERS = ("start_jitter_m", "diameter_jitter_m", "friction_jitter", "start_at_m")
 _PATHS = ("robot", "pipe", "fitted")
 _OF_LOADING = (*_PATHS, "set")
 _OF_START = ("start_phase", "states")

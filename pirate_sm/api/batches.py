@@ -5,8 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Unpack
 
-from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared, whole
+from pirate_sm.api.arguments import Mission, loaded_once, prepared, whole
 from pirate_sm.errors import UsageError
+from pirate_sm.model.run_options import Options
 
 if TYPE_CHECKING:
     from pirate_sm.simulation.batch import Batch
@@ -29,7 +30,7 @@ def batch(
         backend: ``sim`` or ``physics``.
         threads: How many threads share the work; one for each processor by default.
         check: Whether a mission in which the check finds errors is refused.
-        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``friction_jitter``.
+        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

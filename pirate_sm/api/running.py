@@ -6,11 +6,12 @@ from contextlib import ExitStack
 from os import PathLike
 from typing import Unpack
 
-from pirate_sm.api.arguments import Mission, Options, prepared
+from pirate_sm.api.arguments import Mission, prepared
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import noted
 from pirate_sm.companion import entered
 from pirate_sm.errors import BackendError
+from pirate_sm.model.run_options import Options
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
@@ -41,7 +42,7 @@ def run(
         check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
         adopt: Whether a robot that stands elsewhere than declared is taken as its sensors show it.
-        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -9,7 +9,7 @@ from os import PathLike
 from types import TracebackType
 from typing import Self, Unpack
 
-from pirate_sm.api.arguments import Mission, Options, is_number, prepared, whole
+from pirate_sm.api.arguments import Mission, is_number, prepared, whole
 from pirate_sm.api.guarded_pump import AbandonOnError
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import Notes, noted
@@ -20,6 +20,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.expressions import Expression, compile_condition
 from pirate_sm.model.effects import CommandStatus, Effect, Ended
 from pirate_sm.model.events import Answer, Event, OperatorCommand, Pause, Resume
+from pirate_sm.model.run_options import Options
 from pirate_sm.runtime.pump import Pump
 from pirate_sm.simulation.crew import Crew
 from pirate_sm.spelling import meant
@@ -306,7 +307,7 @@ def session(
         check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
         adopt: Whether a robot that stands elsewhere than declared is taken as its sensors show it.
-        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -9,9 +9,10 @@ from multiprocessing import get_context, parent_process
 from os import cpu_count
 from typing import NamedTuple, Unpack
 
-from pirate_sm.api.arguments import Mission, Options, loaded_once, prepared, whole
+from pirate_sm.api.arguments import Mission, loaded_once, prepared, whole
 from pirate_sm.api.result import Columns
 from pirate_sm.errors import UsageError
+from pirate_sm.model.run_options import Options
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import BUG, INTERRUPTED
@@ -49,7 +50,7 @@ def sweep(
         workers: How many processes share the work; 1: this one does all. One for each processor
             by default.
         check: Whether a mission in which the check finds errors is refused.
-        options: :class:`pirate_sm.api.arguments.Options`, such as ``pipe``, ``defects``, ``set``.
+        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -10,9 +10,8 @@ import gc
 import os
 import sys
 from collections.abc import Iterable
-from dataclasses import fields
 from importlib import import_module
-from inspect import Parameter, signature
+from inspect import Parameter, Signature
 from typing import Annotated, Any
 
 import typer
@@ -21,6 +20,7 @@ from typer.core import TyperCommand, TyperGroup
 from pirate_sm.cli import ctrl_c
 from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.options.common import VERSION
+from pirate_sm.cli.options.declaring import made, parameters_of
 from pirate_sm.cli.output.encoding import degrade
 
 COMMANDS = {
@@ -173,20 +173,14 @@ def _single(name: str) -> typer.Typer:
             return source is not None and source.name == "COMMANDLINE"
 
         def work() -> int:
-            chosen = options(**with_settings(name, given, is_given))
+            chosen = made(options, with_settings(name, given, is_given))
             ctrl_c.answer(moves=name in _MOVE)
             return int(_work(work_at)(chosen))
 
         raise typer.Exit(guarded(work, given["debug"]))
 
-    declared = {each.name: each.metadata["parameter"] for each in fields(options)}
-    taken = signature(options, eval_str=True)
     context = Parameter("context", Parameter.KEYWORD_ONLY, annotation=typer.Context)
-    parameters = [
-        each.replace(annotation=Annotated[each.annotation, declared[each.name]])
-        for each in taken.parameters.values()
-    ]
-    vars(command)["__signature__"] = taken.replace(parameters=[context, *parameters])
+    vars(command)["__signature__"] = Signature([context, *parameters_of(options)])
     app = _app()
     app.command(name.rsplit(maxsplit=1)[-1], cls=_Command, help=options.__doc__)(command)
     return app

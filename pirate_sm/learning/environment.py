@@ -2,17 +2,18 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
 
 from pirate_sm.errors import UsageError
 from pirate_sm.learning.rewards import Reward, reward_of
-from pirate_sm.learning.scenario import Scenario
+from pirate_sm.learning.scenario import OPTIONAL, Scenario
 from pirate_sm.learning.spaces import Mask, Observation, Spaces
 from pirate_sm.learning.transition import Moment, Transition
 from pirate_sm.learning.trial import Course, Trial
+from pirate_sm.model.run_options import Options
 from pirate_sm.spelling import unknown
 
 
@@ -140,7 +141,9 @@ def scenario_of(options: dict[str, Any]) -> Scenario:
     Raises:
         UsageError: There is no such option, or one does not fit.
     """
-    known = [name for name in Scenario.__dataclass_fields__ if not name.startswith("_")]
-    if wrong := unknown("there is no option", options, sorted(known)):
+    own = [name for name in Scenario.__dataclass_fields__ if name[0] != "_" and name != "options"]
+    if wrong := unknown("there is no option", options, sorted([*own, *OPTIONAL])):
         raise UsageError(wrong)
-    return Scenario(**options)
+    optional = {name: options[name] for name in OPTIONAL if name in options}
+    own_values = {name: value for name, value in options.items() if name not in optional}
+    return Scenario(**own_values, options=cast(Options, optional))

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from math import inf
 from os import PathLike
 from pathlib import Path
-from typing import cast
 
-from pirate_sm.api.arguments import Options, is_number, path_of, prepared
+from pirate_sm.api.arguments import is_number, path_of, prepared
 from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
@@ -17,6 +16,7 @@ from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.mission.manual_mission import by_hand
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.run_options import OPTIONS, Options
 from pirate_sm.wiring import Prepared
 
 USUAL = "mitre_bend"
@@ -24,6 +24,11 @@ USUAL = "mitre_bend"
 
 _BEHIND_M = 0.3
 """How far every wheel must come in a pipe that does not turn, where no place is named."""
+
+OPTIONAL = ("defects", *(name for name, each in OPTIONS.items() if each.in_campaigns == "one"))
+"""Options of runs that episodes take too: those by which simulated runs differ."""
+
+_USUAL_OPTIONS: Options = {"start_jitter_m": 0.01, "friction_jitter": 0.1}
 
 Name = str | PathLike[str]
 
@@ -38,13 +43,11 @@ class Scenario:
         robot: Name or path of a robot, instead of the mission's; likewise ``pipe``.
         states: States of the robot at the start by region, instead of the mission's.
         backend: ``sim`` or ``physics``.
-        fidelity: ``usual`` or ``fast``, as for :func:`pirate_sm.run`.
-        defects: Known defects of the robot, as for :func:`pirate_sm.run`.
-        start_jitter_m: How far the robot may start from its place; likewise ``diameter_jitter_m``
-            of the pipe, and ``friction_jitter`` as a share.
         reach_m: The place along the pipe that every wheel must reach; None: behind the last bend
             by half a diameter, or 0.3 m ahead of the last wheel's start where nothing turns.
         time_limit_s: Mission time after which an episode is truncated.
+        options: What else is as for :func:`pirate_sm.run`, see :data:`OPTIONAL`; ``gymnasium.make``
+            takes each by its name.
     """
 
     mission: Name | None = None
@@ -52,13 +55,9 @@ class Scenario:
     pipe: Name | None = None
     states: Mapping[str, str] | None = None
     backend: str = "sim"
-    fidelity: str = "usual"
-    defects: Iterable[str | Mapping[str, object]] = ()
-    start_jitter_m: float = 0.01
-    friction_jitter: float = 0.1
-    diameter_jitter_m: float = 0.0
     reach_m: float | None = None
     time_limit_s: float = 180.0
+    options: Options = field(default_factory=Options)
     _loaded: list[LoadedMission] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
@@ -66,8 +65,6 @@ class Scenario:
             value = getattr(self, name)
             if value is not None and (not is_number(value) or not 0 < value < inf):
                 raise UsageError(f"{name}: expected a number above 0, got {value!r}")
-        if isinstance(self.defects, str | Mapping):
-            object.__setattr__(self, "defects", (self.defects,))
 
     @property
     def loaded(self) -> LoadedMission:
@@ -99,11 +96,8 @@ class Scenario:
             LoadError: Everything that is wrong with the files.
             UsageError: An option does not fit, or the backend simulates no robot.
         """
-        names = ("fidelity", "start_jitter_m", "friction_jitter", "diameter_jitter_m")
-        options = {name: getattr(self, name) for name in names} | {"defects": self.defects}
-        ready = prepared(
-            self.loaded, self.backend, seed, check=False, yes=False, **cast(Options, options)
-        )
+        options: Options = {**_USUAL_OPTIONS, **self.options}
+        ready = prepared(self.loaded, self.backend, seed, check=False, yes=False, **options)
         if not isinstance(ready.backend, SimulatorBackend):
             raise UsageError(
                 f"the backend {self.backend} simulates no robot: take 'sim' or 'physics'"

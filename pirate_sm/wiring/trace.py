@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 from pirate_sm.backends import known
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.errors import Hint, UsageError
+from pirate_sm.loading import trace_script
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.trace_script import resolve_course
+from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.model.trace_script import Happening
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.course_player import CoursePlayer, longest_s
 from pirate_sm.runtime.trace_repeats import LoopWatch
@@ -45,7 +48,7 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
     """Return a trace that plays an event sequence."""
     if order.firings:
         raise UsageError("an event sequence cannot be combined with triggers to fire")
-    events = resolve_course(order.course, loaded.robot)
+    events = trace_script.resolve_course(order.course, loaded.robot)
     known = [each.report for each in events if each.happening.happens == "start" and each.report]
     later = [each for each in events if each.happening.happens != "start"]
     verdicts = Verdicts(scripted=True)
@@ -60,6 +63,17 @@ def _course(order: Order, loaded: LoadedMission) -> Equipment:
         notices=(SCRIPTED,),
         attended=True,
     )
+
+
+def read_script(path: Path) -> tuple[tuple[Firing, ...], tuple[Happening, ...]]:
+    """Return the firings in a file, or its whole event sequence.
+
+    Raises:
+        LoadError: The file has errors; it lists all of them.
+    """
+    script = trace_script.read_script(read_document(path))
+    firings = (Firing(each.trigger, each.after, each.phase) for each in script.entries)
+    return tuple(firings), script.course
 
 
 def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:

@@ -51,7 +51,7 @@ def test_its_mission_is_paused_where_it_was_and_goes_on_when_the_operator_says_s
     ("options", "why"),
     [
         (ConsoleOptions(resume="x.mcap", mission="mitre_bend"), "leave out: a mission"),
-        (ConsoleOptions(resume="x.mcap", settings=["a=1"]), "leave out: --set"),
+        (ConsoleOptions(resume="x.mcap", written={"settings": ["a=1"]}), "leave out: --set"),
     ],
 )
 def test_options_that_the_recording_has_are_refused(options: ConsoleOptions, why: str) -> None:

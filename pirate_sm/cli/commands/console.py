@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 from pirate_sm.cli.errors import say, say_bug
 from pirate_sm.cli.options.running import ConsoleOptions
 from pirate_sm.cli.options.values import read_speed
-from pirate_sm.cli.order import order_of
 from pirate_sm.cli.output.encoding import shows_signs
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.cli.output.terminal import is_terminal
@@ -50,7 +49,7 @@ def open_console(options: ConsoleOptions) -> int:
         LoadError: The files have errors; nothing has moved.
         UsageError: An argument does not fit; nothing has moved.
     """
-    order, factor = order_of(options), read_speed(options.speed, 1.0)
+    order, factor = options.order(), read_speed(options.speed, 1.0)
     _check_terminal()
     if order.mission.endswith(RECORDING):
         return _view(order.mission, options.theme)

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 
-from pirate_sm.cli.order import read_script
 from pirate_sm.drawing.graph.highlight import Stop as Reached
 from pirate_sm.drawing.graph.run_path import RunPath
 from pirate_sm.errors import UsageError
@@ -17,6 +16,7 @@ from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.outcome import SUCCEEDED
 from pirate_sm.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring.trace import read_script
 
 
 def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> list[Reached]:

@@ -10,7 +10,6 @@ from typing import NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.cli.order import order_of
 from pirate_sm.cli.output.resume_report import Facts, report_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.shown_run import Manner, run_prepared
@@ -20,6 +19,7 @@ from pirate_sm.engine.mission.program import HERE
 from pirate_sm.engine.resuming.entry import FAILURE
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.errors import UsageError
+from pirate_sm.model.run_options import OPTIONS
 from pirate_sm.recording.replay.end_of_run import EndOfRun, end_of_run
 from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
@@ -31,12 +31,10 @@ from pirate_sm.wiring.resumed_run import driven_s, prepare_again, with_resumptio
 CAN, CANNOT, LEFT = 0, 1, 2
 
 _MEANT_FOR = {
-    *("resume", "look", "at", "accept", "states", "start_at", "port", "baud", "guard_for"),
+    *("resume", "look", "at", "accept", "states", "start_at_m", "port", "baud", "guard_for_s"),
     *("detector", "panel", "record", "no_record", "live", "yes", "plain", "json", "quiet"),
-    *("debug", "version", "speed", "theme"),
+    *("debug", "version", "speed", "theme", "written"),
 }
-
-_FLAGS = {"states": "--state", "settings": "--set", "start_phase": "--from", "defects": "--defect"}
 
 _QUESTION = "[g]o on, [r]egrip (on_failure), [l]ook again, or leave [enter]? "
 
@@ -68,7 +66,7 @@ def resume_dialog(options: RunOptions | ConsoleOptions, requests: StopRequests) 
     """
     _check_options(options)
     end = end_of_run(Path(options.resume or ""))
-    asked = order_of(options)
+    asked = options.order()
     said = Said(options.at or HERE, asked.states, asked.start_at_m)
     check_said(end.loaded, said)
     if isinstance(options, RunOptions):
@@ -84,10 +82,13 @@ def _check_options(options: RunOptions | ConsoleOptions) -> None:
     Raises:
         UsageError: One or more are given.
     """
+    usual = {each.name: each.default for each in fields(options)}
+    given = {**options.written, **{name: getattr(options, name) for name in usual}}
+    usual |= {name: each.on_command_line for name, each in OPTIONS.items()}
     wrong = [
-        "a mission" if each.name == "mission" else _FLAGS.get(each.name, _flag(each.name))
-        for each in fields(options)
-        if each.name not in _MEANT_FOR and getattr(options, each.name) != each.default
+        "a mission" if name == "mission" else _flag(name)
+        for name, value in given.items()
+        if name not in _MEANT_FOR and value != usual.get(name)
     ]
     if wrong:
         raise UsageError(f"--resume takes them from the recording; leave out: {', '.join(wrong)}")
@@ -96,7 +97,7 @@ def _check_options(options: RunOptions | ConsoleOptions) -> None:
 
 
 def _flag(name: str) -> str:
-    return f"--{name.replace('_', '-')}"
+    return OPTIONS[name].flag if name in OPTIONS else f"--{name.replace('_', '-')}"
 
 
 class _Wishes(NamedTuple):

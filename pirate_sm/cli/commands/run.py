@@ -8,7 +8,6 @@ from math import inf
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.cli.options.values import read_speed
-from pirate_sm.cli.order import order_of
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.errors import UsageError
@@ -40,7 +39,7 @@ def run_mission(options: RunOptions) -> int:
     if options.mission is None:
         raise UsageError("name a MISSION, or a recording with --resume")
     _refuse_without_resume(options)
-    prepared = prepare(order_of(options), say=say)
+    prepared = prepare(options.order(), say=say)
     if prepared.confirmation and not options.yes:
         what = prepared.confirmation
         agree(f"{what}. Is it free to?", nobody=f"{what}: agree to it with --yes")

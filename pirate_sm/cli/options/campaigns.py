@@ -9,6 +9,7 @@ from typing import Literal
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.of_runs import of_run
 
 _MOST_SEEDS = 10**9
 """As in a campaign file, whose model a help text does not import."""
@@ -52,5 +53,5 @@ class CampaignOptions:
     format: Literal["text", "json", "junit"] = typed(
         "What is written to standard output.", "--format", default="text"
     )
-    check: bool = common.check()
+    check: bool = of_run("check")
     debug: bool = common.debug()

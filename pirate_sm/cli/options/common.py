@@ -11,7 +11,7 @@ import typer
 
 from pirate_sm import __version__
 from pirate_sm.cli.completion import candidates, named_files
-from pirate_sm.cli.options.declaring import argument, declared, flag, option, typed
+from pirate_sm.cli.options.declaring import argument, declared, flag, option
 
 
 def _print_version(wanted: bool) -> None:
@@ -45,28 +45,8 @@ robot_of_missions = partial(a_robot, "Robot to use instead of the missions'.", "
 pipe_of_missions = partial(a_pipe, "Pipe to use instead of the missions'.", "--pipe")
 one_robot = partial(a_robot, "Robot (default: the first bundled one).", "--robot")
 a_speed = partial(option, "max|realtime|FACTOR", candidates.words("max", "realtime"))
-settings = partial(
-    option, "NAME=VALUE", candidates.parameters, "A parameter's value. Repeatable.", "--set"
-)
-seed = partial(typed, "Seed of all random numbers.", min=0, default=0)
-defects = partial(
-    option,
-    "NAME[:KEY=VALUE,…]",
-    candidates.defects,
-    "Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
-    "--defect",
-)
-a_port = partial(option, "PORT", candidates.ports)
-port = partial(a_port, "/dev/ttyACM0, or a pyserial URL.")
-baud = partial(typed, "Rate to use instead of the robot's.", min=1)
-guard_for = partial(
-    option,
-    "DURATION",
-    None,
-    "How long the port is guarded if the robot does not confirm that it has stopped; 10 min.",
-)
-calibration = partial(flag, "Use its joint zeros.", "--calibration/--no-calibration", default=True)
-check = partial(flag, "Reject missions with errors.", "--check/--no-check", default=True)
+at = partial(option, "PHASE", candidates.phases, "With --resume: continue with this phase.", "--at")
+port = partial(option, "PORT", candidates.ports, "/dev/ttyACM0, or a pyserial URL.")
 
 recording = partial(argument, "RUN.mcap", named_files.recordings, "A recording.")
 output = partial(option, "OUT", named_files.files, "Write to this file.", "--output", "-o")

@@ -2,9 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from dataclasses import MISSING, field
-from typing import Any, TypeAlias
+from collections.abc import Callable, Mapping
+from dataclasses import MISSING, field, fields
+from inspect import Parameter, signature
+from math import inf
+from typing import Annotated, Any, TypeAlias
 
 import typer
 
@@ -59,3 +61,25 @@ def typed(help_text: str, *names: str, default: Any = None, **more: Any) -> Any:
         more: Bounds of a number, ``min`` and ``max``, and a ``metavar``.
     """
     return declared(typer.Option(*names, help=help_text, **more), default)
+
+
+def parameters_of(options: type) -> list[Parameter]:
+    """Return the parameters of a command with these options, in the order of its help text."""
+    found: list[tuple[float, Parameter]] = []
+    taken = signature(options, eval_str=True).parameters
+    for each in fields(options):
+        parameter, place = each.metadata.get("parameter"), each.metadata.get("place", inf)
+        if parameter is not None:
+            own = taken[each.name]
+            own = own.replace(annotation=Annotated[own.annotation, parameter])
+            found.append((place, own))
+        found += each.metadata.get("several", ())
+    return [each for _, each in sorted(found, key=lambda placed: placed[0])]
+
+
+def made(options: type[Any], given: Mapping[str, Any]) -> Any:
+    """Return the options with these values; a field for several options takes what is left."""
+    own = {each.name: given[each.name] for each in fields(options) if each.name in given}
+    rest = {name: value for name, value in given.items() if name not in own}
+    several = (each.name for each in fields(options) if "several" in each.metadata)
+    return options(**own, **dict.fromkeys(several, rest))

@@ -8,6 +8,7 @@ from pathlib import Path
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import flag, option, typed
+from pirate_sm.cli.options.of_runs import of_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -22,7 +23,7 @@ class BayOptions:
     )
     robot: str | None = common.one_robot()
     pipe: str | None = common.a_pipe("Pipe it is in (default: the first bundled one).")
-    seed: int = common.seed()
+    seed: int = of_run("seed")
     link: Path | None = option("PATH", named_files.files, "Make a symbolic link to the port here.")
     log: Path | None = option("FILE", named_files.files, "JSON Lines of arrays and restarts.")
     overwrite: bool = common.overwrite()
@@ -57,5 +58,5 @@ class BayOptions:
     dead_man: bool = flag(
         "Stop the motors when the host is silent.", "--dead-man/--no-dead-man", default=True
     )
-    defects: list[str] | None = common.defects()
+    defects: list[str] | None = of_run("defects")
     debug: bool = common.debug()

@@ -9,6 +9,7 @@ from typing import Literal
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.of_runs import of_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -81,7 +82,7 @@ class GraphOptions:
         "SCRIPT", named_files.scripts, "Mark the path of this event sequence."
     )
     calls: bool = flag("Draw the missions that it calls, too.", "--calls")
-    settings: list[str] | None = common.settings()
+    settings: list[str] | None = of_run("settings")
     debug: bool = common.debug()
 
 

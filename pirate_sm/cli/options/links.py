@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
+from pirate_sm.cli.options.of_runs import of_run
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -20,12 +21,12 @@ class DoctorOptions:
 
     port: str | None = common.port()
     robot: str | None = common.one_robot()
-    baud: int | None = common.baud()
+    baud: int | None = of_run("baud")
     seconds: float = typed("How long to listen.", min=1.0, default=5.0)
     move: bool = flag("Send setpoints too: each wheel turns for a moment.", "--move")
     yes: bool = flag("With --move: the wheels are free to turn.", "--yes", "-y")
-    guard_for: str | None = common.guard_for()
-    calibration: bool = common.calibration()
+    guard_for: str | None = of_run("guard_for_s")
+    calibration: bool = of_run("calibration")
     plain: bool = flag("Lines instead of live tables.", "--plain")
     json: bool = flag("One JSON object.", "--json")
     debug: bool = common.debug()
@@ -41,7 +42,7 @@ class CalibrateOptions:
 
     port: str | None = common.port()
     robot: str | None = common.one_robot()
-    baud: int | None = common.baud()
+    baud: int | None = of_run("baud")
     seconds: float = typed("How long to measure.", min=1.0, default=3.0)
     limit: str | None = option("ANGLE", None, "Refuse a zero beyond this, such as '10 deg'.")
     skip: list[str] | None = option("JOINT", candidates.joints, "Leave this joint out. Repeatable.")

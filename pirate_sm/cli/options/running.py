@@ -2,81 +2,53 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
-from pirate_sm.model.fidelity import USUAL, Fidelity
+from pirate_sm.cli.options.of_runs import (
+    ahead_of,
+    of_all_runs,
+    read_choices,
+    read_fire,
+    values_of,
+)
 from pirate_sm.palette import USUAL as USUAL_THEME
 from pirate_sm.palette import Theme
+
+if TYPE_CHECKING:
+    from pirate_sm.wiring import Order
 
 
 @dataclass(frozen=True, kw_only=True)
 class _RobotRunOptions:
     """Options of the commands that run a robot: which one, where, and what watches it."""
 
-    backend: str = option(
-        "NAME",
-        candidates.backends,
-        "sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
-        "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
-        default="sim",
+    mission: str | None = None
+    written: Mapping[str, Any] = of_all_runs(jitter=False)
+    adopt: bool = ahead_of(
+        "ruler",
+        flag("Adopt a robot that is clamped already, as its sensors show it.", "--adopt"),
     )
-    robot: str | None = common.a_robot("Robot to use instead of the mission's.", "--robot")
-    pipe: str | None = common.a_pipe("Pipe to use instead of the mission's.", "--pipe")
-    settings: list[str] | None = common.settings()
-    states: list[str] | None = option(
-        "REGION=STATE",
-        candidates.states,
-        "The robot is in this state, instead of starts_in.",
-        "--state",
+    no_record: bool = ahead_of("jitter", flag("Record nothing.", "--no-record"))
+    live: bool = ahead_of(
+        "jitter", flag("Stream to Foxglove or Lichtblick on this machine.", "--live")
     )
-    seed: int = common.seed()
-    defects: list[str] | None = common.defects()
-    fidelity: Fidelity = typed(
-        "Of sim; fast computes half the iterations and is coarser.", "--fidelity", default=USUAL
-    )
-    view: bool = flag("Show the backend physics in MuJoCo's own viewer.", "--view")
-    port: str | None = common.a_port(
-        "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "--port"
-    )
-    baud: int | None = common.baud()
-    guard_for: str | None = common.guard_for()
-    detector: str | None = option(
-        "sim|odometry|vision:CAMERA|NAME",
-        candidates.detectors,
-        "What reports where the robot is. For sim: sim, for serial: odometry.",
-    )
-    also: str | None = option(
-        "DETECTOR",
-        candidates.detectors,
-        "A second detector, to compare: its words are logged and do nothing.",
-    )
-    panel: str | None = option(
-        "NAME[:DEVICE]",
-        named_files.panels,
-        "A MIDI control panel, with its stop; others: pirate panel.",
-        "--panel",
-    )
-    adopt: bool = flag("Adopt a robot that is clamped already, as its sensors show it.", "--adopt")
-    ruler: bool = flag("In sim: a ruler outside measures the robot's speed, for slip.", "--ruler")
-    start_at: str | None = option("LENGTH", None, "Where the first wheel begins, for odometry.")
-    calibration: bool = common.calibration()
-    check: bool = common.check()
-    twin: str | None = option(
-        "FILE",
-        named_files.twins,
-        "Numbers of the simulated robot, from pirate fit --robot.",
-        "--twin",
-    )
-    fitted: str | None = option(
-        "FILE", named_files.twins, "Numbers of its motors to judge it by, from pirate fit."
-    )
-    start_phase: str | None = option("PHASE", candidates.phases, "Begin with this phase.", "--from")
-    no_record: bool = flag("Record nothing.", "--no-record")
-    live: bool = flag("Stream to Foxglove or Lichtblick on this machine.", "--live")
+
+    def order(self) -> Order:
+        """Return the order of the run; without a mission its name is empty.
+
+        Raises:
+            LoadError: A file that belongs to it cannot be used.
+            UsageError: An option does not have the right form.
+        """
+        from pirate_sm.wiring import Order
+
+        return Order(self.mission or "", **values_of(self.written))
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -89,21 +61,22 @@ class RunOptions(_RobotRunOptions):
     on every way out.
     """
 
+    written: Mapping[str, Any] = of_all_runs(jitter=True)
     mission: str | None = argument(
         "[MISSION]", named_files.missions, "A shipped mission's name, or a file.", default=None
     )
-    resume: str | None = option("RUN.mcap", named_files.recordings, "Resume an interrupted run.")
-    at: str | None = option(
-        "PHASE", candidates.phases, "With --resume: continue with this phase.", "--at"
+    resume: str | None = ahead_of(
+        "jitter", option("RUN.mcap", named_files.recordings, "Resume an interrupted run.")
     )
-    look: bool = flag("With --resume: only check whether it can continue.", "--look")
-    accept: bool = flag("With --resume: continue without asking, if all is seen.", "--accept")
-    speed: str | None = common.a_speed("Mission time over wall time. On a terminal 4, else max.")
-    jitter: list[str] | None = option(
-        "NAME=VALUE",
-        candidates.words("start=", "friction=", "diameter="),
-        "How far a simulated run may differ: start=20mm, friction=20%, diameter=2mm.",
-        "--jitter",
+    at: str | None = ahead_of("jitter", common.at())
+    look: bool = ahead_of(
+        "jitter", flag("With --resume: only check whether it can continue.", "--look")
+    )
+    accept: bool = ahead_of(
+        "jitter", flag("With --resume: continue without asking, if all is seen.", "--accept")
+    )
+    speed: str | None = ahead_of(
+        "jitter", common.a_speed("Mission time over wall time. On a terminal 4, else max.")
     )
     line: list[str] | None = option(
         "NAME=VALUE",
@@ -137,6 +110,24 @@ class RunOptions(_RobotRunOptions):
     debug: bool = common.debug()
     version: bool = common.version()
 
+    def order(self) -> Order:
+        """Return the order of the run, with what is for a trace and for the emulated bay.
+
+        Raises:
+            LoadError: The script cannot be used; it lists all that is wrong.
+            UsageError: An option does not have the right form.
+        """
+        from pirate_sm.model.variations import LineFaults
+        from pirate_sm.wiring.trace import read_script
+
+        listed, course = ((), ()) if self.script is None else read_script(Path(self.script))
+        return replace(
+            super().order(),
+            firings=(*read_fire(self.fire or ()), *listed),
+            course=course,
+            line=read_choices("--line", self.line, LineFaults) if self.line else None,
+        )
+
 
 @dataclass(frozen=True, kw_only=True)
 class ConsoleOptions(_RobotRunOptions):
@@ -153,9 +144,7 @@ class ConsoleOptions(_RobotRunOptions):
         default=None,
     )
     resume: str | None = option("RUN.mcap", named_files.recordings, "Take over an interrupted run.")
-    at: str | None = option(
-        "PHASE", candidates.phases, "With --resume: continue with this phase.", "--at"
-    )
+    at: str | None = common.at()
     speed: str = common.a_speed("Mission time over wall time.", default="realtime")
     theme: Theme = typed("Its colours. NO_COLOR in the environment: none.", default=USUAL_THEME)
     debug: bool = common.debug()

@@ -7,13 +7,11 @@ from typing import Any
 import pytest
 
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.cli.order import order_of
 from pirate_sm.errors import UsageError
 from pirate_sm.runtime.trigger_script import Firing
 from pirate_sm.wiring import Order
 
 SHARED: dict[str, Any] = {
-    "mission": "m.yaml",
     "backend": "serial",
     "robot": "r",
     "pipe": "p",
@@ -24,9 +22,9 @@ SHARED: dict[str, Any] = {
     "fidelity": "fast",
     "port": "/dev/x",
     "baud": 9600,
-    "guard_for": "2 min",
+    "guard_for_s": "2 min",
     "detector": "odometry",
-    "start_at": "0.7 m",
+    "start_at_m": "0.7 m",
     "calibration": False,
     "check": False,
 }
@@ -51,16 +49,16 @@ ORDER = Order(
 
 
 def test_a_run_and_the_console_order_the_same_by_the_same_options() -> None:
-    assert order_of(RunOptions(**SHARED)) == ORDER
-    assert order_of(ConsoleOptions(**SHARED)) == ORDER
+    assert RunOptions(mission="m.yaml", written=SHARED).order() == ORDER
+    assert ConsoleOptions(mission="m.yaml", written=SHARED).order() == ORDER
 
 
 def test_options_that_are_left_out_are_those_of_an_order() -> None:
-    assert order_of(RunOptions(mission="m")) == Order("m", check=True)
+    assert RunOptions(mission="m").order() == Order("m", check=True)
 
 
 def test_triggers_are_fired_in_order() -> None:
-    order = order_of(RunOptions(mission="m", backend="trace", fire=["past=2.5", "home"]))
+    order = RunOptions(mission="m", fire=["past=2.5", "home"]).order()
 
     assert order.firings == (Firing("past", 2.5), Firing("home", None))
 
@@ -68,7 +66,7 @@ def test_triggers_are_fired_in_order() -> None:
 @pytest.mark.parametrize("text", ["past=soon", "past=-1", "past=inf"])
 def test_a_trigger_fires_after_seconds(text: str) -> None:
     with pytest.raises(UsageError, match="expected TRIGGER or TRIGGER=SECONDS"):
-        order_of(RunOptions(mission="m", fire=[text]))
+        RunOptions(mission="m", fire=[text]).order()
 
 
 @pytest.mark.parametrize(
