@@ -48,14 +48,7 @@ ALPHABETS = {
         "model/effects.py",
         "    | Ended",
         "NewEffect(NamedTuple)",
-        (
-            "cli/output/json_lines.py",
-            "recording/tables/table_rows.py",
-            "recording/viewers/log_lines.py",
-            "report/timeline.py",
-            "report/story.py",
-            "showing/effect_lines.py",
-        ),
+        ("model/effects.py",),
     ),
     "instruction": Alphabet(
         "engine/mission/program.py",

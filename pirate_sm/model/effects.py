@@ -1,19 +1,28 @@
-"""Effects: the closed set of the engine's outputs.
+"""Effects: the closed set of the engine's outputs, each with what views show of it.
 
 Only the runtime performs them. ``Setpoints`` moves the robot; the others report something.
 """
 
 from __future__ import annotations
 
-from math import degrees, isnan, nan
+from math import degrees, inf, isnan, nan
 from typing import Literal, NamedTuple, TypeAlias
 
+from pirate_sm.model.effect_display import (
+    Display,
+    LaneMark,
+    LaneSpan,
+    Level,
+    with_reason,
+    with_table,
+)
 from pirate_sm.model.unmet import Unmet
 
 CommandState: TypeAlias = Literal["sent", "accepted", "refused", "done", "failed", "skipped"]
 Outcome: TypeAlias = Literal["succeeded", "failed", "interrupted", "fault"]
 
 
+@with_table("setpoints")
 class Setpoints(NamedTuple):
     """An array of setpoints to be sent, which takes effect in all slots at once.
 
@@ -26,7 +35,13 @@ class Setpoints(NamedTuple):
     setpoint_id: int
     values: tuple[float, ...]
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        said = {"id": self.setpoint_id, "values": self.values}
+        return Display("setpoints", rows=[(self.setpoint_id, *self.values)], fields=said)
 
+
+@with_table("commands", "name", "status", "reason", "place")
 class CommandStatus(NamedTuple):
     """The status of a command has changed.
 
@@ -45,6 +60,15 @@ class CommandStatus(NamedTuple):
     place: str = ""
     unmet: tuple[Unmet, ...] = ()
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        said = {**self._asdict(), "place": self.place or None}
+        if self.status != "failed":
+            del said["unmet"]
+        text = with_reason(f"{self.name} {self.status}", self.reason)
+        level: Level = "warning" if self.status in ("refused", "failed") else "info"
+        return Display("command", text, level=level, fields=said)
+
 
 class StateChange(NamedTuple):
     """The robot's configuration or its unconfirmed regions have changed.
@@ -57,13 +81,25 @@ class StateChange(NamedTuple):
     states: tuple[str, ...]
     unconfirmed: tuple[str, ...]
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        return Display("state")
 
+
+@with_table("phases")
 class PhaseChange(NamedTuple):
     """The mission has entered a phase."""
 
     phase: str
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        said = {"phase": self.phase, "status": "entered"}
+        span = LaneSpan("phase", self.phase, "phase")
+        return Display("phase", self.phase, entry=span, fields=said)
 
+
+@with_table("waits", "phase", "trigger", "condition", "deadline_s")
 class WaitArmed(NamedTuple):
     """A phase or a step has begun to wait.
 
@@ -81,11 +117,35 @@ class WaitArmed(NamedTuple):
     deadline_s: float
     place: str = ""
 
+    @property
+    def condition(self) -> str:
+        """Return all that it waits for."""
+        return " or ".join(self.conditions)
+
+    def display(self) -> Display:
+        """Return what views show of it."""
+        waits = list(zip(self.triggers, self.conditions, strict=True))
+        limit = f", at most until {self.deadline_s:.1f} s" if self.deadline_s < inf else ""
+        return Display(
+            "phase",
+            f"for {self.condition}{limit}",
+            "waits",
+            entry=LaneSpan("waits for", self.condition, "wait", self.phase),
+            rows=[(self.phase, *each, self.deadline_s) for each in waits],
+            fields={
+                "phase": self.phase,
+                "status": "waiting",
+                "triggers": [{"trigger": name, "condition": text} for name, text in waits],
+                "deadline_s": self.deadline_s,
+            },
+        )
+
 
 TAKEN = "taken by the operator"
 """Reason of a trigger fired by the operator, or by a script in place of an operator."""
 
 
+@with_table("triggers")
 class TriggerFired(NamedTuple):
     """A wait has ended.
 
@@ -103,13 +163,30 @@ class TriggerFired(NamedTuple):
     reason: str
     place: str = ""
 
+    def seen(self, *, nominal: bool) -> TriggerFired:
+        """Return it as views show it: in a trace only the script can skip a wait."""
+        taken = nominal and self.reason == TAKEN
+        return self._replace(reason="taken by the trace") if taken else self
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        text = f"{self.reason} → {self.go}"
+        mark = LaneMark("triggers", self.trigger, "trigger", text)
+        return Display("trigger", text, entry=mark, fields=self._asdict())
+
+
+@with_table("detector")
 class Detected(NamedTuple):
     """The valid word of the detector has changed."""
 
     word: str
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        return Display("detected", self.word, entry=LaneSpan("detector", self.word, "word"))
 
+
+@with_table("environment")
 class Environment(NamedTuple):
     """The properties of the pipe around the robot have changed by more than noise.
 
@@ -167,7 +244,14 @@ class Environment(NamedTuple):
             words += f", behind it {self.diameter_ahead_m * 1e3:.1f} mm"
         return words
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        text = ", ".join(filter(None, (self.segment or "unknown", self.measures)))
+        span = LaneSpan("pipe", self.segment, "word", self.measures)
+        return Display("environment", text, "pipe", None, span)
 
+
+@with_table("faults")
 class Fault(NamedTuple):
     """A fault has been found.
 
@@ -183,14 +267,34 @@ class Fault(NamedTuple):
     handling: str
     of: tuple[str, ...] = ()
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        then = {"continue": "logged, the mission goes on", "stop": "safe stop"}
+        ending = then.get(self.handling, f"→ {self.handling}")
+        return Display(
+            "fault",
+            f"{self.code}: {self.message} ({ending})",
+            level="error" if self.handling == "stop" else "warning",
+            entry=LaneMark("faults", self.code, "fault", f"{self.message} ({ending})"),
+        )
 
+
+@with_table("log")
 class Log(NamedTuple):
     """A log line for the operator."""
 
-    level: Literal["info", "warning", "error"]
+    level: Level
     message: str
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        if self.level == "info":
+            return Display("log", self.message)
+        mark = LaneMark("faults", self.message, self.level)
+        return Display("log", self.message, self.level, self.level, mark)
 
+
+@with_table("questions")
 class Ask(NamedTuple):
     """The mission needs an answer from the operator.
 
@@ -202,13 +306,35 @@ class Ask(NamedTuple):
     question: str
     choices: tuple[str, ...]
 
+    @property
+    def answers(self) -> str:
+        """Return its choices in words."""
+        return " / ".join(self.choices)
+
+    def display(self) -> Display:
+        """Return what views show of it."""
+        text = f"{self.question} ({self.answers})" if self.question else ""
+        return Display(
+            "log",
+            text,
+            "asks",
+            entry=LaneSpan("operator", self.question, "question", self.answers),
+            rows=[(self.question, self.answers)],
+            fields={"level": "info", "message": text or "the question is withdrawn"},
+        )
+
 
 class WakeAt(NamedTuple):
     """The next deadline: without an event nothing changes before ``at_s``; infinite: never."""
 
     at_s: float
 
+    def display(self) -> Display:
+        """Return what views show of it."""
+        return Display()
 
+
+@with_table("end")
 class Ended(NamedTuple):
     """The run has ended, after the safe stop.
 
@@ -221,6 +347,17 @@ class Ended(NamedTuple):
     outcome: Outcome
     message: str
     end: str = ""
+
+    def display(self) -> Display:
+        """Return what views show of it."""
+        return Display(
+            "end",
+            f"{self.outcome}: {self.message}",
+            "ended",
+            "info" if self.outcome == "succeeded" else "error",
+            entry=LaneMark("phase", self.end or self.outcome, "end", self.message),
+            fields={"outcome": self.outcome, "end": self.end or None, "message": self.message},
+        )
 
 
 Effect: TypeAlias = (
@@ -238,3 +375,8 @@ Effect: TypeAlias = (
     | WakeAt
     | Ended
 )
+
+
+def display_of(effect: Effect, *, nominal: bool = False) -> Display:
+    """Return what views show of an effect of a run, or of a trace if ``nominal``."""
+    return (effect.seen(nominal=nominal) if isinstance(effect, TriggerFired) else effect).display()

@@ -4,17 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Literal, NamedTuple, TypeAlias
+from typing import Literal, NamedTuple
 
 from pirate_sm.geometry.space import Place
+from pirate_sm.model.effect_display import MarkKind, SpanKind
 from pirate_sm.report.space_contents import FlatView, SpaceScene
-
-SpanKind: TypeAlias = Literal[
-    "phase", "state", "unconfirmed", "done", "failed", "open", "wait", "word", "question"
-]
-MarkKind: TypeAlias = Literal[
-    "trigger", "fault", "error", "warning", "skipped", "refused", "operator", "end"
-]
 
 
 class Span(NamedTuple):

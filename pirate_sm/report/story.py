@@ -7,7 +7,6 @@ from typing import Literal
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
-from pirate_sm.model.effect_words import choice_words, condition_words, trigger_reason
 from pirate_sm.report.contents import Sentence
 from pirate_sm.report.phrases import full_stop, listed, seconds, sentence
 from pirate_sm.report.summary import ENDED, RunEnding
@@ -71,14 +70,7 @@ class Story:
                 self._log(at_s, effect)
             case fx.Ask():
                 self._ask(at_s, effect)
-            case (
-                fx.Setpoints()
-                | fx.StateChange()
-                | fx.Detected()
-                | fx.Environment()
-                | fx.WakeAt()
-                | fx.Ended()
-            ):
+            case _:
                 pass
 
     def finish(self, ending: RunEnding) -> tuple[Sentence, ...]:
@@ -128,10 +120,10 @@ class Story:
     def _waits(self, at_s: float, it: fx.WaitArmed) -> None:
         if it.phase != self._phase:  # back from a called mission
             self._enter(at_s, it.phase)
-        self._waits_since, self._waits_for = at_s, condition_words(it)
+        self._waits_since, self._waits_for = at_s, it.condition
 
     def _fired(self, at_s: float, it: fx.TriggerFired) -> None:
-        reason = trigger_reason(it, nominal=self._nominal)
+        reason = it.seen(nominal=self._nominal).reason
         if at_s == self._waits_since and not self._nominal:
             self.at_once.append(f"{it.phase} ({reason})")
         self._close(at_s, f"({reason}), then {it.go}")
@@ -165,5 +157,5 @@ class Story:
 
     def _ask(self, at_s: float, it: fx.Ask) -> None:
         if it.question:
-            asked = f"The mission asks “{it.question}” ({choice_words(it)})."
+            asked = f"The mission asks “{it.question}” ({it.answers})."
             self._add(at_s, asked, "person")

@@ -7,18 +7,11 @@ from collections.abc import Sequence
 from pirate_sm.engine.evidence import SHOWN, Evidence
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
-from pirate_sm.model.effect_words import (
-    choice_words,
-    condition_words,
-    handling_words,
-    trigger_reason,
-    with_reason,
-)
-from pirate_sm.report.contents import Lane, MarkKind, Span, SpanKind, TimelineMark
+from pirate_sm.model.effect_display import LaneMark, LaneSpan, MarkKind, SpanKind, with_reason
+from pirate_sm.report.contents import Lane, Span, TimelineMark
 
-PHASE, COMMANDS, WAITS, TRIGGERS = "phase", "commands", "waits for", "triggers"
-CONTROL = "control"
-DETECTOR, SEGMENT, OPERATOR, TROUBLE = "detector", "pipe", "operator", "faults"
+PHASE, CONTROL, COMMANDS, WAITS = "phase", "control", "commands", "waits for"
+DETECTOR, OPERATOR = "detector", "operator"
 
 _LASTING = {"phase", "state", "unconfirmed", "word"}
 """Spans of these kinds are left out if they are empty, because several can begin at once."""
@@ -57,6 +50,15 @@ class _Track:
                 span = self.spans.pop()._replace(end_s=span.end_s)
         self.spans.append(span)
 
+    def add(self, at_s: float, entry: LaneSpan | LaneMark) -> None:
+        """Add what an effect declares."""
+        if isinstance(entry, LaneMark):
+            self.mark(at_s, *entry[1:])
+        elif entry.text:
+            self.begin(at_s, *entry[1:])
+        else:
+            self.end(at_s)
+
     def mark(self, at_s: float, text: str, kind: MarkKind, about: str = "") -> None:
         """Add a mark."""
         self.marks.append(TimelineMark(at_s, text, kind, about))
@@ -81,13 +83,7 @@ class Timeline:
             PHASE,
             *states,
             CONTROL,
-            COMMANDS,
-            WAITS,
-            TRIGGERS,
-            DETECTOR,
-            SEGMENT,
-            OPERATOR,
-            TROUBLE,
+            *(COMMANDS, WAITS, "triggers", DETECTOR, "pipe", OPERATOR, "faults"),
         )
         self._tracks = {name: _Track() for name in names}
         self._states: tuple[str, ...] = ()
@@ -110,32 +106,24 @@ class Timeline:
         for effect in effects:
             self._take(at_s, effect)
 
-    def _take(self, at_s: float, effect: fx.Effect) -> None:  # noqa: C901 - one case each
+    def _take(self, at_s: float, effect: fx.Effect) -> None:
+        tracks = self._tracks
         match effect:
             case fx.CommandStatus():
                 self._command(at_s, effect)
             case fx.StateChange():
                 self._state(at_s, effect)
-            case fx.PhaseChange():
-                self._phase(at_s, effect)
-            case fx.WaitArmed():
-                self._wait(at_s, effect)
-            case fx.TriggerFired():
-                self._trigger(at_s, effect)
-            case fx.Detected():
-                self._detected(at_s, effect)
-            case fx.Environment():
-                self._environment(at_s, effect)
-            case fx.Fault():
-                self._fault(at_s, effect)
-            case fx.Log():
-                self._log(at_s, effect)
-            case fx.Ask():
-                self._ask(at_s, effect)
+            case fx.WaitArmed(phase) if self.phase != phase:  # back from a called mission
+                tracks[PHASE].begin(at_s, phase, "phase")
+            case fx.PhaseChange() | fx.TriggerFired():
+                tracks[WAITS].end(at_s)
             case fx.Ended():
-                self._ended(at_s, effect)
-            case fx.Setpoints() | fx.WakeAt():
+                for track in tracks.values():
+                    track.end(at_s)
+            case _:
                 pass
+        if entry := fx.display_of(effect, nominal=self._nominal).entry:
+            tracks[entry.lane].add(at_s, entry)
 
     @property
     def phase(self) -> str:
@@ -176,49 +164,6 @@ class Timeline:
             about = SHOWN[self.proofs[place].source] if self.proofs else ""
             self._tracks[_region(region)].begin(at_s, state, kind, about)
         self._states, self._unconfirmed = it.states, it.unconfirmed
-
-    def _phase(self, at_s: float, it: fx.PhaseChange) -> None:
-        self._tracks[WAITS].end(at_s)
-        self._tracks[PHASE].begin(at_s, it.phase, "phase")
-
-    def _wait(self, at_s: float, it: fx.WaitArmed) -> None:
-        if self._tracks[PHASE].current != it.phase:  # back from a called mission
-            self._tracks[PHASE].begin(at_s, it.phase, "phase")
-        self._tracks[WAITS].begin(at_s, condition_words(it), "wait", it.phase)
-
-    def _trigger(self, at_s: float, it: fx.TriggerFired) -> None:
-        self._tracks[WAITS].end(at_s)
-        reason = trigger_reason(it, nominal=self._nominal)
-        self._tracks[TRIGGERS].mark(at_s, it.trigger, "trigger", f"{reason} → {it.go}")
-
-    def _detected(self, at_s: float, it: fx.Detected) -> None:
-        self._tracks[DETECTOR].begin(at_s, it.word, "word")
-
-    def _environment(self, at_s: float, it: fx.Environment) -> None:
-        track = self._tracks[SEGMENT]
-        if not it.segment:
-            track.end(at_s)
-        elif track.current != it.segment:
-            track.begin(at_s, it.segment, "word", it.measures)
-
-    def _fault(self, at_s: float, it: fx.Fault) -> None:
-        about = f"{it.message} ({handling_words(it)})"
-        self._tracks[TROUBLE].mark(at_s, it.code, "fault", about)
-
-    def _log(self, at_s: float, it: fx.Log) -> None:
-        if it.level != "info":
-            self._tracks[TROUBLE].mark(at_s, it.message, it.level)
-
-    def _ask(self, at_s: float, it: fx.Ask) -> None:
-        track = self._tracks[OPERATOR]
-        track.end(at_s)
-        if it.question:
-            track.begin(at_s, it.question, "question", choice_words(it))
-
-    def _ended(self, at_s: float, it: fx.Ended) -> None:
-        for track in self._tracks.values():
-            track.end(at_s)
-        self._tracks[PHASE].mark(at_s, it.end or it.outcome, "end", it.message)
 
 
 _REGION = "region "

@@ -4,20 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import takewhile
-from math import ceil, degrees, isfinite, isinf, isnan
+from math import ceil, degrees, isfinite, isnan
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.engine.robot.command_spec import SlotSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import effects as fx
-from pirate_sm.model.effect_words import (
-    command_words,
-    condition_words,
-    fault_words,
-    handling_words,
-    question_words,
-    trigger_reason,
-)
 
 if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
@@ -58,8 +50,11 @@ class Teller:
             return self._state(effect)
         if isinstance(effect, fx.Setpoints):
             return self._setpoints(effect)
-        line = _line(effect, nominal=self._nominal)
-        return [line] if line else []
+        said, place = fx.display_of(effect, nominal=self._nominal), getattr(effect, "place", "")
+        if not said.text or isinstance(effect, fx.Ended):
+            return []
+        where = f" ({place})" if place and said.level == "warning" else ""
+        return [Line(said.about, f"{said.text}{where}")]
 
     def _state(self, it: fx.StateChange) -> list[Line]:
         before = self._states or it.states
@@ -84,36 +79,6 @@ class Teller:
         changes = changed_setpoints(self._robot.slots, self._values, it.values)
         self._values = it.values
         return [Line("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
-
-
-def _line(effect: fx.Effect, *, nominal: bool) -> Line | None:  # noqa: C901 - one case each
-    """Return the line about an effect that says all there is to say, whatever came before."""
-    match effect:
-        case fx.CommandStatus(status=status, place=place):
-            where = f" ({place})" if place and status in ("refused", "failed") else ""
-            return Line("command", f"{command_words(effect)}{where}")
-        case fx.PhaseChange(phase):
-            return Line("phase", phase)
-        case fx.WaitArmed(deadline_s=deadline_s):
-            limit = "" if isinf(deadline_s) else f", at most until {deadline_s:.1f} s"
-            return Line("waits", f"for {condition_words(effect)}{limit}")
-        case fx.TriggerFired(go=go):
-            return Line("trigger", f"{trigger_reason(effect, nominal=nominal)} → {go}")
-        case fx.Detected(word):
-            return Line("detected", word)
-        case fx.Environment(segment=segment, measures=measures):
-            return Line("pipe", ", ".join(filter(None, (segment or "unknown", measures))))
-        case fx.Fault(handling=handling):
-            logged = "logged, " if handling == "continue" else ""
-            return Line("fault", f"{fault_words(effect)} ({logged}{handling_words(effect)})")
-        case fx.Log(level, message):
-            return Line("log" if level == "info" else level, message)
-        case fx.Ask(question=""):
-            return None
-        case fx.Ask():
-            return Line("asks", question_words(effect))
-        case fx.StateChange() | fx.Setpoints() | fx.WakeAt() | fx.Ended():
-            return None
 
 
 def changed_setpoints(

@@ -3,18 +3,20 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from math import inf
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import ReplayOptions
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.model.effect_words import field_words
+from pirate_sm.model.effect_display import with_reason
 from pirate_sm.model.effects import Effect
+from pirate_sm.model.events import Tick
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.replay.recorded_mission import as_recorded, recorded_fit, recorded_mission
@@ -198,3 +200,33 @@ def _renamed(line: str, loaded: LoadedMission, header: RunHeader) -> str:
     for old, new in zip(header.files, loaded.documents, strict=False):
         line = line.replace(f"{old.name}:", f"{new.name}:")
     return line
+
+
+def field_words(thing: Any) -> str:
+    """Return an event or effect as one line, with the names and values of its fields.
+
+    Args:
+        thing: The event or effect; None for the start of the engine.
+    """
+    if thing is None:
+        return "the start"
+    if isinstance(thing, Tick):
+        return "the passing of time"
+    name = re.sub(r"(?<=[a-z])(?=[A-Z])", " ", type(thing).__name__).lower()
+    fields = zip(thing._fields, thing, strict=True)
+    said = [
+        f"{field.replace('_', ' ')} {_value(value)}"
+        for field, value in fields
+        if value != "" and (field, value) != ("unmet", ())
+    ]
+    return with_reason(name, ", ".join(said))
+
+
+def _value(value: Any) -> str:
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, tuple):
+        return f"({', '.join(map(_value, value))})"
+    return "none" if value is None else str(value)

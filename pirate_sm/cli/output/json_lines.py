@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from math import isfinite
-from typing import Any, TextIO, assert_never
+from typing import Any, TextIO
 
 from pirate_sm import __version__
 from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.engine.evidence import Evidence
 from pirate_sm.model import effects as fx
-from pirate_sm.model.effect_words import question_words, trigger_reason
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.model.unmet import Unmet
 from pirate_sm.runtime.first_choice import Answered
@@ -76,7 +76,7 @@ class JsonLines:
         return False
 
     def _write(self, now_s: float, kind: str, rest: dict[str, Any]) -> None:
-        line = {"t": _number(now_s), "type": kind, **rest}
+        line = {"t": _plain(now_s), "type": kind, **rest}
         text = json.dumps(line, ensure_ascii=False, allow_nan=False)
         if not text.isprintable():  # it may be shown on a terminal, where that would hide the rest
             text = json.dumps(line, allow_nan=False)
@@ -84,88 +84,34 @@ class JsonLines:
 
     def _object(self, effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
         """Return the type of an effect's line and what it says; None where there is no line."""
-        match effect:
-            case fx.Ended(outcome, message, end):
-                there = self._observed
-                return "end", {
-                    "outcome": outcome,
-                    "end": end or None,
-                    "message": message,
-                    "sim_time_s": _number(there.now_s),
-                    "distance_m": _number(there.distance_m()),
-                    "odometry_m": _number(there.odometry_m()),
-                    "bound_m": _number(there.bound_m()),
-                }
-            case fx.StateChange(states, unconfirmed):
-                named = dict(zip(self._regions, states, strict=True))
-                said = {"state": named, "unconfirmed": list(unconfirmed)}
-                return "state", said | self._evidence()
-            case fx.TriggerFired():
-                nominal = self._observed.prepared.engine.nominal
-                reason = trigger_reason(effect, nominal=nominal)
-                return "trigger", {**effect._asdict(), "reason": reason}
-            case fx.Ask(question):
-                message = question_words(effect) if question else "the question is withdrawn"
-                return "log", {"level": "info", "message": message}
-            case _:
-                return _object(effect)
+        display = fx.display_of(effect, nominal=self._observed.prepared.engine.nominal)
+        said = effect._asdict() if display.fields is None else {**display.fields}
+        if isinstance(effect, fx.Ended):
+            there = self._observed
+            said |= {
+                "sim_time_s": there.now_s,
+                "distance_m": there.distance_m(),
+                "odometry_m": there.odometry_m(),
+                "bound_m": there.bound_m(),
+            }
+        elif isinstance(effect, fx.StateChange):
+            named = dict(zip(self._regions, effect.states, strict=True))
+            said = {"state": named, "unconfirmed": effect.unconfirmed} | self._evidence()
+        return (display.kind, _plain(said)) if display.kind else None
 
     def _evidence(self) -> dict[str, Any]:
         """Return what has shown each state and clamp; empty without sensors."""
         state, names = self._observed.state, (*self._regions, *self._observed.robot.parts)
-        found = zip(names, state.proofs if state else (), strict=False)
-        shown = {name: {**it._asdict(), "at_s": _number(it.at_s)} for name, it in found}
+        shown = dict(zip(names, state.proofs if state else (), strict=False))
         return {"evidence": shown} if shown else {}
 
 
-def _number(value: float | None) -> float | None:
-    """Return the number to six digits; None for NaN and infinity, which JSON does not know."""
-    return round(value, _DIGITS) if value is not None and isfinite(value) else None
-
-
-def _command(effect: fx.CommandStatus) -> dict[str, Any]:
-    """Return what a command's line says; only that of a failed one has ``unmet``."""
-    said = {**effect._asdict(), "place": effect.place or None}
-    del said["unmet"]
-    if effect.status == "failed":
-        said["unmet"] = [_unmet(each) for each in effect.unmet]
-    return said
-
-
-def _unmet(it: Unmet) -> dict[str, Any]:
-    return {
-        name: _number(value) if isinstance(value, float) else value
-        for name, value in it._asdict().items()
-    }
-
-
-def _object(effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
-    """Return the type of an effect's line and what it says, where that is in the effect alone."""
-    match effect:
-        case fx.Setpoints(setpoint_id, values):
-            return "setpoints", {"id": setpoint_id, "values": [_number(each) for each in values]}
-        case fx.CommandStatus():
-            return "command", _command(effect)
-        case fx.PhaseChange(phase):
-            return "phase", {"phase": phase, "status": "entered"}
-        case fx.WaitArmed(phase, triggers, conditions, deadline_s):
-            waits = zip(triggers, conditions, strict=True)
-            return "phase", {
-                "phase": phase,
-                "status": "waiting",
-                "triggers": [{"trigger": name, "condition": text} for name, text in waits],
-                "deadline_s": _number(deadline_s),
-            }
-        case fx.Environment():
-            found = effect._asdict().items()
-            said = {name: it if isinstance(it, str) else _number(it) for name, it in found}
-            return "environment", said
-        case fx.Detected():
-            return "detected", effect._asdict()
-        case fx.Fault():
-            return "fault", effect._asdict()
-        case fx.Log():
-            return "log", effect._asdict()
-        case fx.Ask() | fx.WakeAt() | fx.Ended() | fx.StateChange() | fx.TriggerFired():
-            return None
-    assert_never(effect)
+def _plain(value: Any) -> Any:
+    """Return a value for JSON: numbers to six digits, None for NaN and infinity."""
+    if isinstance(value, float):
+        return round(value, _DIGITS) if isfinite(value) else None
+    if isinstance(value, Unmet | Evidence):
+        value = value._asdict()
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    return list(map(_plain, value)) if isinstance(value, tuple | list) else value

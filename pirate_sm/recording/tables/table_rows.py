@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import effects as fx
-from pirate_sm.model.effect_words import choice_words
+from pirate_sm.model.effect_display import EFFECT_TABLES
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.recording.column_names import signal_names, slot_names
 from pirate_sm.recording.read.steps import with_own_times
@@ -23,17 +23,16 @@ as missions write it."""
 PLACES, KNOWN = "places", "known"
 """The table of the wheels' positions, and its column that says whether they are true ones."""
 
-TABLES = (
-    *(SIGNALS, "setpoints", STATES, "commands", "phases", "waits", "triggers", "detector"),
-    *("environment", "faults", "log", "questions", "end"),
-)
+SETPOINTS = "setpoints"
+"""The table of the setpoints, one column for each slot."""
+
+_DECLARED = dict(EFFECT_TABLES.values())
+
+TABLES = (SIGNALS, SETPOINTS, STATES, *(name for name in _DECLARED if name != SETPOINTS))
 """Every table that the events of a run can fill."""
 
 TIME = "time_s"
 """The first column of every table."""
-
-_COMMAND = fx.CommandStatus._fields[:-1]
-"""The columns of commands; the reason says what was not met."""
 
 
 class TableRow(NamedTuple):
@@ -53,19 +52,10 @@ class TableRow(NamedTuple):
 def headers(robot: RobotSpec) -> dict[str, tuple[str, ...]]:
     """Return the names of the columns of each table in :data:`TABLES`."""
     after_time: dict[str, tuple[str, ...]] = {
+        **_DECLARED,
         SIGNALS: signal_names(robot),
-        "setpoints": ("setpoint_id", *slot_names(robot)),
+        SETPOINTS: ("setpoint_id", *slot_names(robot)),
         STATES: (*robot.regions, "unconfirmed", CONTROL),
-        "commands": _COMMAND,
-        "phases": fx.PhaseChange._fields,
-        "waits": ("phase", "trigger", "condition", "deadline_s"),
-        "triggers": fx.TriggerFired._fields,
-        "detector": fx.Detected._fields,
-        "environment": fx.Environment._fields,
-        "faults": fx.Fault._fields,
-        "log": fx.Log._fields,
-        "questions": fx.Ask._fields,
-        "end": fx.Ended._fields,
     }
     return {table: (TIME, *after_time[table]) for table in TABLES}
 
@@ -85,8 +75,7 @@ def rows_of(robot: RobotSpec, again: Iterable[Rerun], origin_s: float = 0.0) -> 
         if each.state is not None and isinstance(each.step.event, SensorFrame):
             yield TableRow(SIGNALS, columns[SIGNALS], (each.at_s, *each.state.sensing.shown))
         for effect in with_own_times(each.step.effects, origin_s):
-            table, rows = _rows(effect)
-            for row in rows:
+            for table, row in _rows(effect):
                 yield TableRow(table, columns[table], (each.at_s, *row))
 
 
@@ -115,31 +104,14 @@ class _Actuated:
         return *states.states, " ".join(states.unconfirmed), name
 
 
-def _rows(effect: fx.Effect) -> tuple[str, Iterable[tuple[Any, ...]]]:  # noqa: C901 - one case each
-    """Return the table of an effect and its rows without their times."""
-    match effect:
-        case fx.Setpoints(setpoint_id, values):
-            return "setpoints", [(setpoint_id, *values)]
-        case fx.WaitArmed(phase, triggers, conditions, deadline_s):
-            armed = zip(triggers, conditions, strict=True)
-            return "waits", [(phase, name, text, deadline_s) for name, text in armed]
-        case fx.Ask(question):
-            return "questions", [(question, choice_words(effect))]
-        case fx.CommandStatus():
-            return "commands", [effect[: len(_COMMAND)]]
-        case fx.PhaseChange():
-            return "phases", [effect]
-        case fx.TriggerFired():
-            return "triggers", [effect]
-        case fx.Detected():
-            return "detector", [effect]
-        case fx.Environment():
-            return "environment", [effect]
-        case fx.Fault():
-            return "faults", [(*effect[:-1], " ".join(effect.of))]
-        case fx.Log():
-            return "log", [effect]
-        case fx.Ended():
-            return "end", [effect]
-        case fx.StateChange() | fx.WakeAt():
-            return "", ()
+def _rows(effect: fx.Effect) -> Iterator[tuple[str, tuple[Any, ...]]]:
+    """Yield the rows of an effect without their times, each with its table."""
+    if type(effect) in EFFECT_TABLES:
+        table, columns = EFFECT_TABLES[type(effect)]
+        rows, fields = fx.display_of(effect).rows, effect[: len(columns)]
+        for row in (fields,) if rows is None else rows:
+            yield table, tuple(_cell(it) for it in row)
+
+
+def _cell(value: Any) -> Any:
+    return " ".join(value) if isinstance(value, tuple) else value

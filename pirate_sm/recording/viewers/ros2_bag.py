@@ -19,8 +19,8 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.on_disk import is_there, why_hidden
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.viewers.complete_recording import write_complete
-from pirate_sm.recording.viewers.log_lines import LEVELS
 from pirate_sm.recording.viewers.urdf import urdf
+from pirate_sm.recording.viewers.viewer_messages import LEVELS
 
 try:
     from rosbags.interfaces import (

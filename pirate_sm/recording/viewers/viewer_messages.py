@@ -21,12 +21,12 @@ from pirate_sm.geometry.plane import drawn_walls
 from pirate_sm.geometry.space import Place
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
+from pirate_sm.model.effect_display import Level
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.column_names import signal_names, slot_names
 from pirate_sm.recording.format.samples import rounded
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
-from pirate_sm.recording.viewers.log_lines import LEVELS, log_line
 from pirate_sm.recording.viewers.places_in_space import ROLLS, columns_in_space, values_in_space
 from pirate_sm.recording.viewers.transforms import Transforms
 from pirate_sm.recording.viewers.transforms_in_space import SpaceTransforms
@@ -39,6 +39,9 @@ from pirate_sm.recording.viewers.viewer_channel import (
     stamp,
 )
 from pirate_sm.recording.viewers.wheel_places import Placing
+
+LEVELS: dict[Level, int] = {"info": 2, "warning": 3, "error": 4}
+"""Level numbers of ``foxglove.Log``."""
 
 PLACES = "/places"
 """The topic with the position of each wheel."""
@@ -160,11 +163,21 @@ class ViewerMessages:
         """Yield the messages about these effects."""
         changed = False
         for effect in effects:
-            line = log_line(effect)
-            if line is not None:
-                entry = {"timestamp": json.loads(stamp(time_ns)), "level": LEVELS[line.level]}
-                names = {"message": line.text, "name": self._loaded.mission.mission}
-                yield self._log, _json({**entry, **names, "file": line.file, "line": line.line})
+            display = fx.display_of(effect)
+            if display.text and display.level is not None:
+                said = display.text
+                if not isinstance(effect, fx.Log):
+                    said = f"{display.about} {said}"
+                file, line = _place(getattr(effect, "place", ""))
+                entry = {
+                    "timestamp": json.loads(stamp(time_ns)),
+                    "level": LEVELS[display.level],
+                    "message": said,
+                    "name": self._loaded.mission.mission,
+                    "file": file,
+                    "line": line,
+                }
+                yield self._log, _json(entry)
             if isinstance(effect, fx.Setpoints):
                 yield self._setpoints, self._setpoints_message(effect)
             changed = self._note(effect) or changed
@@ -199,6 +212,12 @@ class ViewerMessages:
                     opening += key % shown[at]  # noqa: PLW2901 - it grows
             joints.append(opening)
         return f'{{"timestamp":{now},"joints":[{"},".join(joints)}}}]}}'.encode()
+
+
+def _place(place: str) -> tuple[str, int]:
+    """Return file and line of ``file:line:col``; empty and 0 without one."""
+    file, _, rest = place.rpartition(":")[0].rpartition(":")
+    return (file, int(rest)) if rest.isdigit() else ("", 0)
 
 
 def _joints(loaded: LoadedMission) -> list[tuple[str, list[tuple[str, int]]]]:

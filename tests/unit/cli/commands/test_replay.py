@@ -12,7 +12,10 @@ from mcap.opcode import Opcode
 from mcap.writer import MCAP0_MAGIC
 from typer.testing import CliRunner
 
+from pirate_sm.cli.commands.replay import field_words
 from pirate_sm.cli.entry import only_run
+from pirate_sm.model import effects as fx
+from pirate_sm.model.events import Answer, Tick
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.write import piece_maker, recorder
 
@@ -273,3 +276,12 @@ def test_another_mission_is_told_of_by_its_own_file_and_in_words(
     assert "mitre_bend.yaml" not in now
     assert re.search(r"in the phase \w+ \(other\.yaml:\d+:\d+\)", result.stdout)
     assert not re.search(r"\w+\(\w*=|\d\.\d{7,}|Tick", result.stdout)
+
+
+def test_every_field_of_an_effect_has_its_name_but_empty_texts_have_none() -> None:
+    done = fx.StateChange(("Held", "Free"), ())
+
+    assert field_words(done) == "state change: states (Held, Free), unconfirmed ()"
+    assert field_words(fx.CommandStatus("Hold", "done")) == "command status: name Hold, status done"
+    assert field_words(Answer("yes")) == "answer: choice yes"
+    assert (field_words(None), field_words(Tick())) == ("the start", "the passing of time")

@@ -128,7 +128,7 @@ def test_the_log_has_the_levels_of_ros(bag: Bag) -> None:
     lines = [(it.level, it.name, it.msg) for _, it in bag.messages["/rosout"]]
 
     assert (20, "mitre_bend", "phase enter") in lines
-    assert lines[-1][2].startswith("succeeded")
+    assert lines[-1][2].startswith("ended succeeded")
 
 
 def test_a_recording_with_messages_for_viewers_gives_the_same(

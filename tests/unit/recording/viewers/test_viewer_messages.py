@@ -20,7 +20,6 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.model import effects as fx
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.viewers.live_server import Live
-from pirate_sm.recording.viewers.log_lines import log_line
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages, ViewerSnapshot
 from pirate_sm.recording.write.sampler import EVERY_S
 from pirate_sm.wiring import Order, prepare
@@ -190,7 +189,7 @@ def test_the_log_tells_phases_commands_and_the_end(recording: Path) -> None:
 
     assert any(line.startswith("phase ") for line in lines)
     assert any(line.endswith(" sent") for line in lines)
-    assert lines[-1].startswith("succeeded")
+    assert lines[-1].startswith("ended succeeded")
 
 
 def test_signals_that_are_unknown_or_infinite_are_left_out() -> None:
@@ -217,31 +216,39 @@ def test_signals_that_are_unknown_or_infinite_are_left_out() -> None:
 @pytest.mark.parametrize(
     ("effect", "expected"),
     [
-        (fx.Log("warning", "careful"), ("warning", "careful", "", 0)),
+        (fx.Log("warning", "careful"), (3, "careful", "", 0)),
         (
             fx.CommandStatus("Go", "refused", "no", "some:where.yaml:12:3"),
-            ("warning", "Go refused: no", "some:where.yaml", 12),
+            (3, "command Go refused: no", "some:where.yaml", 12),
         ),
-        (fx.CommandStatus("Go", "sent"), ("info", "Go sent", "", 0)),
-        (fx.PhaseChange("there"), ("info", "phase there", "", 0)),
-        (fx.WaitArmed("p", ("a", "b"), (), 1.0), ("info", "p waits for a, b", "", 0)),
-        (fx.WaitArmed("p", (), (), 1.0), ("info", "p waits for its time limit", "", 0)),
-        (fx.TriggerFired("p", "a", "q", "why"), ("info", "a: on to q: why", "", 0)),
-        (fx.Detected("close"), ("info", "detected close", "", 0)),
-        (fx.Fault("x.y", "bad", "stop"), ("error", "x.y: bad", "", 0)),
-        (fx.Fault("x.y", "bad", "mend"), ("warning", "x.y: bad", "", 0)),
-        (fx.Ask("Well?", ("yes", "no")), ("info", "Well? (yes / no)", "", 0)),
+        (fx.CommandStatus("Go", "sent"), (2, "command Go sent", "", 0)),
+        (fx.PhaseChange("there"), (2, "phase there", "", 0)),
+        (
+            fx.WaitArmed("p", ("a", "b"), ("x > 1", "y > 2"), 1.0),
+            (2, "waits for x > 1 or y > 2, at most until 1.0 s", "", 0),
+        ),
+        (fx.TriggerFired("p", "a", "q", "why"), (2, "trigger why → q", "", 0)),
+        (fx.Detected("close"), (2, "detected close", "", 0)),
+        (fx.Fault("x.y", "bad", "stop"), (4, "fault x.y: bad (safe stop)", "", 0)),
+        (fx.Fault("x.y", "bad", "back"), (3, "fault x.y: bad (→ back)", "", 0)),
+        (fx.Ask("Well?", ("yes", "no")), (2, "asks Well? (yes / no)", "", 0)),
         (fx.Ask("", ()), None),
-        (fx.Ended("failed", "over"), ("error", "failed: over", "", 0)),
+        (fx.Ended("failed", "over"), (4, "ended failed: over", "", 0)),
         (fx.WakeAt(3.0), None),
     ],
 )
 def test_an_effect_is_a_line_of_the_log(
-    effect: fx.Effect, expected: tuple[str, str, str, int] | None
+    effect: fx.Effect, expected: tuple[int, str, str, int] | None
 ) -> None:
-    line = log_line(effect)
+    viewer = ViewerMessages(load_mission(library.find_mission("mitre_bend")), None)
 
-    assert (None if line is None else tuple(line)) == expected
+    lines = [
+        tuple(json.loads(data)[key] for key in ("level", "message", "file", "line"))
+        for channel, data in viewer.of_effects(0, [effect])
+        if channel.topic == "/log"
+    ]
+
+    assert lines == ([] if expected is None else [expected])
 
 
 def test_viewers_that_look_on_see_the_same(tmp_path: Path) -> None:
