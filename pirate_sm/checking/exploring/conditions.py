@@ -53,6 +53,10 @@ class Conditions:
         self._tried: dict[tuple[tree.Node, ...], _Values] = {}
         self.tests = 0
 
+    def within(self, narrower: Mapping[str, Range]) -> Conditions:
+        """Return the same for signals of which some have narrower ranges."""
+        return Conditions(self.vocabulary, {**self._spans, **narrower}, self.region_count)
+
     def ask(self, facts: Iterable[Fact], states: Sequence[str | None]) -> PossibleAnswer:
         """Return whether all facts can be true together with the regions in these states."""
         answers = (self._ask(group, states) for group in self._groups(dict.fromkeys(facts)))

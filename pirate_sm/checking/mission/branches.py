@@ -27,7 +27,7 @@ def branches(view: MissionView) -> Iterator[Finding]:
     """
     seen, loaded, places = view.seen, view.loaded, view.places
     reported = set[Place]()
-    for finding in _arms(loaded, places):
+    for finding in _arms(view):
         reported.add(finding.place)
         yield finding
     if view.complete:
@@ -69,9 +69,10 @@ def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
     }
 
 
-def _arms(loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+def _arms(view: MissionView) -> Iterator[Finding]:
     """Yield arms of a `choose`, and its `else`, that earlier arms make unreachable."""
-    asked, conditions = _conditions(loaded), within_reach(loaded)
+    loaded, places = view.loaded, view.places
+    asked, conditions = _conditions(loaded), within_reach(view)
     every = loaded.robot.table.configurations
     for step, path in _chooses(loaded.mission):
         others: list[Fact] = []

@@ -10,7 +10,11 @@ from pathlib import Path
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.mission.branches import branches
-from pirate_sm.checking.mission.explore_mission import explore_mended, explore_mission
+from pirate_sm.checking.mission.explore_mission import (
+    conditions_of,
+    explore_mended,
+    explore_mission,
+)
 from pirate_sm.checking.mission.fault_handlers import fault_handlers, ignored_holding
 from pirate_sm.checking.mission.flow import (
     beyond_the_limit,
@@ -85,11 +89,13 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
         loaded: The mission.
         told: Findings of the loader.
     """
-    explored = explore_mission(loaded)
-    view = MissionView(loaded, Places(loaded), explored, explored, view_in_pipe(loaded))
+    conditions = conditions_of(loaded)
+    explored = explore_mission(loaded, conditions)
+    in_pipe = view_in_pipe(loaded)
+    view = MissionView(loaded, Places(loaded), conditions, explored, explored, in_pipe)
     found = _judge(view)
     if any(each.code in _NEVER for each in found):
-        mended = explore_mended(explored, loaded)
+        mended = explore_mended(explored, loaded, conditions)
         found = _judge(replace(view, seen=[*explored, *mended])) if mended else found
     of_robot = robot_errors(loaded.loaded_robot)
     unique = {(each.code, each.place, each.message): each for each in (*told, *of_robot, *found)}

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from math import inf
+from typing import TypeVar
 
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration import Exploration
-from pirate_sm.checking.exploring.signal_ranges import Range, ranges
+from pirate_sm.checking.exploring.signal_ranges import Range
+from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Wait
 from pirate_sm.loading.mission import LoadedMission
 
+T = TypeVar("T")
 
-def within_reach(loaded: LoadedMission) -> Conditions:
+
+def within_reach(view: MissionView) -> Conditions:
     """Return the conditions for a robot limited by the no-load speed of its motors."""
-    robot, most = loaded.robot, fastest_m_s(loaded)
-    spans = dict(ranges(loaded.loaded_robot.profile, robot))
-    if robot.speed >= 0:
-        spans[robot.vocabulary.numbers[robot.speed]] = Range(-most, most)
-    return Conditions(robot.vocabulary.with_changes, spans, len(robot.regions))
+    robot, most = view.loaded.robot, fastest_m_s(view.loaded)
+    if robot.speed < 0:
+        return view.conditions
+    return view.conditions.within({robot.vocabulary.numbers[robot.speed]: Range(-most, most)})
 
 
 def fastest_m_s(loaded: LoadedMission) -> float:
@@ -35,44 +39,43 @@ def fastest_m_s(loaded: LoadedMission) -> float:
 
 
 def driven_before(
-    found: Exploration, loaded: LoadedMission, apart: Wait | None = None
-) -> frozenset[str]:
-    """Return the phases whose wait may begin after the robot has driven in an earlier wait.
+    found: Exploration, driven: Sequence[Collection[int]]
+) -> Iterator[tuple[int, str]]:
+    """Yield each node after a wait in which the robot has driven, with the place of the wait.
 
     Args:
         found: The exploration.
-        loaded: The mission.
-        apart: A wait that does not count.
+        driven: Per configuration the regions that drive wheels.
     """
-    instructions, driven = found.program.instructions, loaded.robot.driven
-    begin = []
     for step in found.steps:
         if step.source < 0:
             continue
         before = found.nodes[step.source].state
-        it = instructions[before.mission.pc]
-        counts = isinstance(it, Wait) and (apart is None or it.place != apart.place)
+        it = found.program.instructions[before.mission.pc]
         left = found.nodes[step.target].state.mission.pc != before.mission.pc
-        if counts and before.mission.begun and left and driven[before.robot.configuration]:
-            begin.append(step.target)
-    return phases_after(found, begin)
+        drives = before.mission.begun and driven[before.robot.configuration]
+        if isinstance(it, Wait) and left and drives:
+            yield step.target, it.place
 
 
-def phases_after(found: Exploration, begin: list[int]) -> frozenset[str]:
-    """Return the phases to which some states can lead, and their own."""
-    after: dict[int, list[int]] = {}
+def led_to(found: Exploration, begun: Iterable[tuple[int, T]]) -> Mapping[str, set[T]]:
+    """Return for each phase what has begun in it, or in nodes that can lead to it.
+
+    Of more than two things at least two are returned: enough to know whether one is not alone.
+
+    Args:
+        found: The exploration.
+        begun: Nodes, each with what begins there.
+    """
+    after, known = defaultdict[int, list[int]](list), defaultdict[int, set[T]](set)
     for step in found.steps:
-        after.setdefault(step.source, []).append(step.target)
-    reached = _reached(begin, after)
-    return frozenset(found.program.phase_of[found.nodes[n].state.mission.pc] for n in reached)
-
-
-def _reached(begin: list[int], after: Mapping[int, Sequence[int]]) -> set[int]:
-    """Return the nodes that any way leads to from those at the beginning, and these."""
-    reached, waiting = set(begin), list(begin)
+        after[step.source].append(step.target)
+    waiting, phases = list(begun), defaultdict[str, set[T]](set)
     while waiting:
-        for target in after.get(waiting.pop(), ()):
-            if target not in reached:
-                reached.add(target)
-                waiting.append(target)
-    return reached
+        node, what = waiting.pop()
+        here = known[node]
+        if what not in here and len(here) < 2:
+            here.add(what)
+            phases[found.program.phase_of[found.nodes[node].state.mission.pc]].add(what)
+            waiting += [(each, what) for each in after[node]]
+    return phases

@@ -22,13 +22,12 @@ def conditions_of(loaded: LoadedMission) -> Conditions:
     return Conditions(loaded.robot.vocabulary.with_changes, spans, len(loaded.robot.regions))
 
 
-def explore_mission(loaded: LoadedMission) -> list[Explored]:
+def explore_mission(loaded: LoadedMission, conditions: Conditions) -> list[Explored]:
     """Explore a mission repeatedly, each time without the steps that can never run.
 
     After a certain refusal the check continues without the step, to find later faults as well. All
     explorations together are limited to the work of one.
     """
-    conditions = conditions_of(loaded)
     program = loaded.program
     explored: list[Explored] = []
     left: float = MOST_WORK
@@ -73,7 +72,9 @@ def _after(program: Program, index: int) -> int:
     return step.next  # it has no end that succeeds
 
 
-def explore_mended(explored: Sequence[Explored], loaded: LoadedMission) -> list[Explored]:
+def explore_mended(
+    explored: Sequence[Explored], loaded: LoadedMission, conditions: Conditions
+) -> list[Explored]:
     """Explore a mission whose refused steps and broken rules have been mended.
 
     Parts that are reached, needed or fired only then are not reported as never reached, needed or
@@ -95,4 +96,4 @@ def explore_mended(explored: Sequence[Explored], loaded: LoadedMission) -> list[
     )
     mended = replace(program, instructions=instructions, rules=() if broken else program.rules)
     left = MOST_WORK - sum(book.found.work for book in explored)
-    return [index_exploration(explore(loaded.robot, mended, conditions_of(loaded), most_work=left))]
+    return [index_exploration(explore(loaded.robot, mended, conditions, most_work=left))]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterator, Mapping, Sequence
+from functools import lru_cache
 from math import asin, atan, inf, isinf
 
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
@@ -141,7 +142,6 @@ def _resting(view: MissionView) -> Mapping[str, Mapping[tuple[int, int], RobotSt
 def faults_again(view: MissionView) -> Iterator[Finding]:
     """Yield lines of `on_fault` after which the robot drives on as it did when the fault came."""
     loaded, again, fine = view.loaded, dict[str, str](), set[str]()
-    drives = _driving(loaded.robot)
     for found in (book.found for book in view.explored):
         after: dict[int, list[int]] = {}
         for each in found.steps:
@@ -153,7 +153,7 @@ def faults_again(view: MissionView) -> Iterator[Finding]:
             handlers = found.program.handlers[found.nodes[step.source].state.mission.pc]
             for line in (h for h in handlers if h.code == step.move.word and h.go is not None):
                 goes = found.program.phase_of[line.go or 0]
-                if _drives_on(found, step, goes, after, drives):
+                if _drives_on(found, step, goes, after):
                     again.setdefault(line.place, line.code)
                 else:
                     fine.add(line.place)
@@ -164,6 +164,7 @@ def faults_again(view: MissionView) -> Iterator[Finding]:
             yield view.places.finding(place, "handler.again", message)
 
 
+@lru_cache(maxsize=8)
 def _driving(robot: RobotSpec) -> frozenset[int]:
     """Return the commands that begin to drive wheels or stop them."""
     return frozenset(
@@ -179,7 +180,6 @@ def _drives_on(
     fault: ExploredStep,
     phase: str,
     after: Mapping[int, Sequence[int]],
-    drives: frozenset[int],
 ) -> bool:
     """Return whether after a fault nothing but driving comes before the next wait, on every way."""
     was = found.nodes[fault.source].state.robot
@@ -187,7 +187,7 @@ def _drives_on(
     while waiting:
         node = waiting.pop()
         mission, body = found.nodes[node].state.mission, found.nodes[node].state.robot
-        if body.motion is not None and body.motion.command not in drives:
+        if body.motion is not None and body.motion.command not in _driving(found.robot):
             return False
         if mission.diverting is None and found.program.phase_of[mission.pc] != phase:
             continue  # after the phase that handles it

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator
+from collections.abc import Collection, Iterator, Set
 from math import degrees, inf, radians
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
@@ -29,7 +29,7 @@ def about(most: float) -> Range:
 
 
 def kept_ranges(
-    force: InForce, at: Collection[Actuated], ways: set[int], speed: str
+    force: InForce, at: Collection[Actuated], ways: set[int], speed: str, names: Set[str]
 ) -> Iterator[Limit]:
     """Yield the ranges of the speed, of angles that boards keep, and of torques under loops.
 
@@ -38,12 +38,15 @@ def kept_ranges(
         at: In which configurations and under which controls the wait begins.
         ways: Which ways the robot drives in these.
         speed: The signal of the robot's speed; empty without one.
+        names: The signals whose ranges are wanted.
     """
     for way, side in ((1, Range(-STILL_M_S, inf)), (-1, Range(-inf, STILL_M_S))):
         if ways == {way}:
             yield speed, side, f"the robot drives {'forward' if way > 0 else 'back'} in this wait"
     numbers = force.robot.vocabulary.numbers
     for number, slot in enumerate(force.robot.slots):
+        if not any(each >= 0 and numbers[each] in names for each in (slot.angle, slot.torque)):
+            continue
         writes = [write for each in at if (write := force.last_of(each, number)) is not None]
         if len(writes) < len(at):
             continue

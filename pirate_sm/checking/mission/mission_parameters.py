@@ -36,7 +36,7 @@ def unused_parameters(view: MissionView) -> Iterator[Finding]:
 
 def unused_in(mission: Mission, document: Document) -> Iterator[Finding]:
     """Yield unused parameters of a mission that need not be loaded."""
-    used = set(_used(mission))
+    used = set(_used(mission)) if mission.parameters else set()
     for name in mission.parameters:
         if name not in used:
             place = document.place_of(("parameters", name), key=True)
@@ -72,8 +72,10 @@ def check_settings(
 
 def parameter_limits(view: MissionView) -> Iterator[Finding]:
     """Yield limits of parameters at which a trigger or a condition can never be true."""
-    loaded, conditions = view.loaded, within_reach(view.loaded)
-    mission, document = loaded.mission, loaded.documents[0]
+    loaded, mission, document = view.loaded, view.loaded.mission, view.loaded.documents[0]
+    if not mission.parameters:
+        return
+    conditions = within_reach(view)
     problems = Problems(document)
     values = defaults(mission.parameters, problems)
     texts = [text for text in _conditions(mission) if "$" in text]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.mission.mission_places import Places
 from pirate_sm.checking.pipe.pipe_view import PipeView
@@ -18,6 +19,7 @@ class MissionView:
     Attributes:
         loaded: The mission.
         places: The places of its parts.
+        conditions: Decides which conditions can be true together.
         explored: Explorations: of the mission as it is, then without steps that can never run.
         seen: These, and explorations with other faults mended.
         in_pipe: The course of the mission in its pipe; None without one.
@@ -25,6 +27,7 @@ class MissionView:
 
     loaded: LoadedMission
     places: Places
+    conditions: Conditions
     explored: Sequence[Explored]
     seen: Sequence[Explored]
     in_pipe: PipeView | None = None

@@ -2,18 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
-from functools import cached_property
+from collections.abc import Iterable, Iterator, Mapping, Sequence, Set
+from functools import cache, cached_property
 from math import inf, nan
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce, under
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.exploring.piecewise_linear import borders, samples, signals
-from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range, ranges
+from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission.driving import driven_before, fastest_m_s, phases_after
+from pirate_sm.checking.mission.driving import driven_before, fastest_m_s, led_to
 from pirate_sm.checking.mission.kept_ranges import Limit, about, kept_ranges
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.mission.wait_triggers import numbers_known
@@ -21,7 +20,6 @@ from pirate_sm.checking.pipe.at_waits import AtWaits
 from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
 from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.loading.mission import LoadedMission
 
 BEGINNING_S = 5.0
 """How long commands may drive before a wait begins [decided]."""
@@ -32,9 +30,7 @@ STILL_M = 0.01
 
 def out_of_reach(view: MissionView) -> Iterator[Finding]:
     """Yield conditions in the mission's own file that cannot become true."""
-    seen, loaded, places = view.seen, view.loaded, view.places
-    route = AtWaits(view.in_pipe) if view.in_pipe is not None else None
-    check = _Reach(seen, loaded, route)
+    loaded, places, check = view.loaded, view.places, _Reach(view)
     reported: set[str] = set()
     for at, wait in enumerate(loaded.program.instructions):
         if not isinstance(wait, Wait) or not check.states(wait):
@@ -43,10 +39,12 @@ def out_of_reach(view: MissionView) -> Iterator[Finding]:
             if trigger.place in reported:
                 continue
             place = places.read(trigger.place)
+            found = None
             if place.file == loaded.documents[0].name:
                 found = check.judge(at, wait, trigger)
-            elif (found := check.too_far(at, wait, trigger)) and view.in_pipe is not None:
-                place = view.in_pipe.own_place(at, trigger.place)
+            elif view.in_pipe is not None:
+                found = check.too_far(at, wait, trigger)
+                place = view.in_pipe.own_place(at, trigger.place) if found else place
             if found is not None:
                 reported.add(trigger.place)
                 code, message = found
@@ -75,24 +73,26 @@ def _decided(condition: Expression) -> tuple[tuple[list[Fact], str], tuple[list[
 
 
 class _Reach:
-    def __init__(
-        self, seen: Sequence[Explored], loaded: LoadedMission, route: AtWaits | None
-    ) -> None:
-        self._route = route
-        self._seen, self._loaded, self._robot = seen, loaded, loaded.robot
+    def __init__(self, view: MissionView) -> None:
+        loaded, self._in_pipe, self._usual = view.loaded, view.in_pipe, view.conditions
+        self._seen, self._loaded, self._robot = view.seen, loaded, loaded.robot
         numbers = loaded.robot.vocabulary.numbers
         self._odometry = numbers[loaded.robot.odometry] if loaded.robot.odometry >= 0 else ""
         self._changed = self._odometry and change_of(self._odometry)
+        self._of_way = frozenset({self._odometry, self._changed} - {""})
         self._speed = numbers[loaded.robot.speed] if loaded.robot.speed >= 0 else ""
-        self._spans = dict(ranges(loaded.loaded_robot.profile, loaded.robot))
-        self._usual = self._with({})
         self._force = InForce(loaded.loaded_robot.profile, loaded.robot)
         self._no_load = fastest_m_s(loaded)
-        self._driven = [driven_before(book.found, loaded) for book in seen]
 
-    def _with(self, narrower: Mapping[str, Range]) -> Conditions:
-        spans = {**self._spans, **narrower}
-        return Conditions(self._robot.vocabulary.with_changes, spans, len(self._robot.regions))
+    @cached_property
+    def _route(self) -> AtWaits | None:
+        return AtWaits(self._in_pipe) if self._in_pipe is not None else None
+
+    @cached_property
+    def _driven(self) -> Sequence[Mapping[str, set[str]]]:
+        """Per exploration and phase some waits before it in which the robot has driven."""
+        explorations, driven = [book.found for book in self._seen], self._robot.driven
+        return [led_to(found, driven_before(found, driven)) for found in explorations]
 
     def states(self, wait: Wait) -> set[int]:
         """Return the configurations in which the wait is reached."""
@@ -112,7 +112,7 @@ class _Reach:
         if not self._possible(wait, [(node, True)], self._usual):
             return None  # reported there
         return (
-            self._beyond(wait, condition, self._limits(at, wait))
+            self._beyond(wait, condition, self._limits(at, wait, self._usual.free(node)))
             or self._at_start(wait, trigger, condition)
             or self._still(wait, condition)
             or self._word(at, wait, condition)
@@ -125,7 +125,7 @@ class _Reach:
         for name, span, why in self._lasting(self._no_load, ""):
             if not self._is_about(condition, name, span):
                 continue
-            narrower = self._with({name: span})
+            narrower = self._usual.within({name: span})
             for facts, said in _decided(condition):
                 if self._usual.anywhere(facts, every) and not narrower.anywhere(facts, every):
                     return f"'{condition.text}' is {said}: {why}"
@@ -150,7 +150,7 @@ class _Reach:
         node = condition.tree
         if trigger.held_s or self._odometry not in self._usual.free(node):
             return None
-        if any(wait.phase in driven_before(b.found, self._loaded, wait) for b in self._seen):
+        if any(each.get(wait.phase, set()) - {wait.place} for each in self._driven):
             return None
         ways = self._ways_before(wait)
         span = self._driven_to(ways, self._no_load * BEGINNING_S)
@@ -162,7 +162,7 @@ class _Reach:
             elif "$" not in condition.text:  # a parameter may be 0 so that nothing is waited for
                 span = side
         false: list[Fact] = [(node, False), *numbers_known(node)]
-        narrower = self._with({self._odometry: span})
+        narrower = self._usual.within({self._odometry: span})
         if not self._possible(wait, false, self._usual) or self._possible(wait, false, narrower):
             return None
         message = f"'{condition.text}' is true already as the wait begins: {self._odometry} is 0 "
@@ -170,19 +170,16 @@ class _Reach:
 
     def _ways_before(self, wait: Wait) -> set[int]:
         """Return which ways the robot may have been driven before the wait, and in it."""
-        return {way for way, phases in self._driving.items() if wait.phase in phases}
+        return set[int]().union(*(each.get(wait.phase, ()) for each in self._driving))
 
     @cached_property
-    def _driving(self) -> Mapping[int, frozenset[str]]:
-        """The phases at or before which the robot drives forward (1) and backward (-1)."""
-        found: dict[int, frozenset[str]] = {1: frozenset(), -1: frozenset()}
+    def _driving(self) -> Sequence[Mapping[str, set[int]]]:
+        """Per exploration and phase which ways the robot has driven before it, and in it."""
+        way, found = cache(self._way), []
         for book in self._seen:
-            begin: dict[int, list[int]] = {1: [], 0: [], -1: []}
-            for number, node in enumerate(book.found.nodes):
-                body = node.state.robot
-                begin[self._way(Actuated(body.configuration, body.control))].append(number)
-            for way in found:
-                found[way] |= phases_after(book.found, begin[way])
+            bodies = [node.state.robot for node in book.found.nodes]
+            ways = [way(Actuated(each.configuration, each.control)) for each in bodies]
+            found.append(led_to(book.found, [(n, each) for n, each in enumerate(ways) if each]))
         return found
 
     @staticmethod
@@ -195,7 +192,7 @@ class _Reach:
     def too_far(self, at: int, wait: Wait, trigger: TriggerSpec) -> _Said | None:
         """Return the finding about a way of a called mission for which there is no room or time."""
         condition = trigger.condition
-        if condition is None or self._route is None:
+        if condition is None or self._usual.free(condition.tree).isdisjoint(self._of_way):
             return None
         if not self._possible(wait, [(condition.tree, True)], self._usual):
             return None
@@ -206,7 +203,7 @@ class _Reach:
         for name, span, why in limits:
             if not self._is_about(condition, name, span):
                 continue
-            narrower = self._with({name: span})
+            narrower = self._usual.within({name: span})
             # What changes in a wait is 0 at its beginning, which is judged elsewhere.
             for facts, said in (never,) if name == self._changed else (never, always):
                 possible = self._possible(wait, facts, self._usual)
@@ -231,17 +228,18 @@ class _Reach:
         if not any(wait.phase in phases for phases in self._driven):
             yield self._odometry, about(fastest * ends_s + self._no_load * BEGINNING_S), why
 
-    def _limits(self, at: int, wait: Wait) -> Iterator[Limit]:
-        """Yield signals with their ranges in a wait, and the reasons."""
-        fastest, there = self._fastest(wait)
-        for name, span, why in self._lasting(fastest, there):
-            yield name, span, why
-            twice = 2 if name == self._speed else 1
-            yield name and change_of(name), Range(span.low * twice, span.high * twice), why
+    def _limits(self, at: int, wait: Wait, names: Set[str]) -> Iterator[Limit]:
+        """Yield the ranges of signals of these names in a wait, and the reasons."""
+        if not names.isdisjoint({self._speed, change_of(self._speed), *self._of_way}):
+            for name, span, why in self._lasting(*self._fastest(wait)):
+                yield name, span, why
+                twice = 2 if name == self._speed else 1
+                yield name and change_of(name), Range(span.low * twice, span.high * twice), why
         at_wait = self._actuated(wait)
-        ways = {self._way(each) for each in at_wait}
-        yield from kept_ranges(self._force, at_wait, ways, self._speed)
-        yield from self._ways(at, wait)
+        ways = {self._way(each) for each in at_wait} if self._speed in names else set[int]()
+        yield from kept_ranges(self._force, at_wait, ways, self._speed, names)
+        if not names.isdisjoint(self._of_way):
+            yield from self._ways(at, wait)
 
     def _fastest(self, wait: Wait) -> tuple[float, str]:
         """Return how fast the robot drives in a wait, m/s, and under which control, for people."""
@@ -298,7 +296,7 @@ class _Reach:
 
     def _not_on(self, wait: Wait, condition: Expression, name: str, ways: set[int]) -> _Said | None:
         """Return a finding about an unreachable condition on a distance driven these ways."""
-        narrower = self._with({name: self._driven_to(ways, inf)})
+        narrower = self._usual.within({name: self._driven_to(ways, inf)})
         if self._possible(wait, [(condition.tree, True)], narrower):
             return None
         drives = "the robot drives forward" if 1 in ways else "the robot drives back"
@@ -341,10 +339,11 @@ class _Reach:
 
         A word with a condition of its own may occur anywhere.
         """
-        vocabulary = self._robot.vocabulary
-        for name, values, why, here in self._route.silent(at) if self._route is not None else ():
-            kind = vocabulary.types.get(name)
-            if not isinstance(kind, EnumType) or name not in self._usual.free(condition.tree):
+        vocabulary, free = self._robot.vocabulary, self._usual.free(condition.tree)
+        names = [name for name in free if isinstance(vocabulary.types.get(name), EnumType)]
+        silent = self._route.silent(at) if names and self._route is not None else ()
+        for name, values, why, here in silent:
+            if name not in names:
                 continue
             signal = tree.Signal(name, "word", vocabulary.words.index(name))
             said: Fact = tree.Matches(signal, tuple(sorted(values))), False

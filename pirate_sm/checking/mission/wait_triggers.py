@@ -8,7 +8,6 @@ from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.at_wait_start import at_beginning
 from pirate_sm.checking.exploring.piecewise_linear import signals, value
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
 from pirate_sm.expressions import Expression, NumberType, Vocabulary, tree
@@ -76,7 +75,7 @@ class _Judge:
         loaded = view.loaded
         self._books, self._seen = view.explored, view.seen
         self._table, self._program = loaded.robot.table, loaded.program
-        self._conditions = conditions_of(loaded)
+        self._conditions = view.conditions
         self._changes = {change_of(name): name for name in loaded.robot.vocabulary.numbers}
         self._constant: dict[tree.Node, str] = {}
 

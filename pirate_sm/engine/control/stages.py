@@ -217,6 +217,8 @@ def without_loops(state: RobotState) -> Numbers:
 
 def _slowed(robot: RobotSpec, stage: StageSpec, share: float) -> StageSpec:
     """Return the stage with this share of what it writes to wheels."""
+    if share == 1.0:
+        return stage
     slowed = robot.safe_zero
     return tuple(it._replace(value=it.value * share) if it.slot in slowed else it for it in stage)
 

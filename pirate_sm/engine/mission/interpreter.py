@@ -123,7 +123,7 @@ def _do(moment: Moment, state: EngineState, it: Do) -> EngineState:
         return state  # the array in flight is resolved first
     state = lapse_unheard(moment, state)
     reason = command_outcome.refusal(moment.robot, state.robot, it.command)
-    known = confirmation.as_last_seen(state.robot)
+    known = confirmation.as_last_seen(state.robot) if reason else state.robot
     if reason and not command_outcome.refusal(moment.robot, known, it.command):
         waiting = _awaiting_sight(moment, state)
         if waiting is not None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import lru_cache
 from math import isnan
 
 from pirate_sm.engine.mission.program import (
@@ -66,12 +67,11 @@ def _conditions(program: Program) -> Iterator[Expression]:
                 pass
 
 
-def _in_criteria(robot: RobotSpec) -> Iterator[int]:
-    for command in robot.commands:
-        postures = (posture.done for posture in command.postures if posture is not None)
-        for done in (command.done, *postures):
-            if isinstance(done, BelowSpec):
-                yield from done.signals
+@lru_cache(maxsize=8)
+def _in_criteria(robot: RobotSpec) -> frozenset[int]:
+    criteria = [each.done for each in robot.commands]
+    criteria += [each.done for it in robot.commands for each in it.postures if each is not None]
+    return frozenset(n for done in criteria if isinstance(done, BelowSpec) for n in done.signals)
 
 
 def _in_grips(robot: RobotSpec, program: Program) -> Iterator[int]:
@@ -82,8 +82,9 @@ def _in_grips(robot: RobotSpec, program: Program) -> Iterator[int]:
                 yield from (*grip.estimates, *grip.slip_speeds)
 
 
-def _grips(robot: RobotSpec, control: int) -> Iterator[GripSpec]:
-    """Yield the grips of a control."""
-    for states in robot.controls[control].actuation:
-        writes = (each for stages in states.values() for stage in stages for each in stage)
-        yield from (write.grip for write in writes if write.grip is not None)
+@lru_cache(maxsize=64)
+def _grips(robot: RobotSpec, control: int) -> tuple[GripSpec, ...]:
+    """Return the grips of a control."""
+    stages = [each for states in robot.controls[control].actuation for each in states.values()]
+    writes = (write for each in stages for stage in each for write in stage)
+    return tuple(write.grip for write in writes if write.grip is not None)

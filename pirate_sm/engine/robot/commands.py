@@ -82,25 +82,24 @@ def begin(
     if state.tried is not None and state.tried.command != command:
         state = state._replace(tried=None)
     posture = spec.posture(target)
-    motion = Motion(command, target, limit_s, place, share=share)
+    first = 0 if posture is None else POSTURE
+    origin = stage_origin(state, first, sensing)
+    motion = Motion(command, target, limit_s, place, stage=first, origin=origin, share=share)
     regions, stage = touched(moment.robot, state.configuration, state.marks, command)
     if posture is not None:
-        stage, blind = POSTURE, unknown_angle(moment.robot, posture.writes, sensing)
-        motion = motion._replace(stage=POSTURE, blind=blind)
+        stage = POSTURE
+        motion = motion._replace(blind=unknown_angle(moment.robot, posture.writes, sensing))
     if memory := levelling.levelling_of(moment.robot, regions, target):
         assert isinstance(spec.done, AlignedSpec)  # the loader has checked it
         blind = motion.blind or levelling.why_not(moment.robot, state, sensing, spec.done)
         motion = motion._replace(levelling=memory, blind=blind)
-    motion = motion._replace(origin=stage_origin(state, motion.stage, sensing))
     values, loops = stage_array(moment.robot, state, motion, sensing, regions, stage)
     moment.emit(CommandStatus(spec.name, "sent", "", place))
     return send(moment, state, motion, values, loops, "gate")
 
 
 def resolve(
-    moment: Moment,
-    state: RobotState,
-    result: SubmitResult,
+    moment: Moment, state: RobotState, result: SubmitResult
 ) -> tuple[RobotState, Finished | None]:
     """Apply the result of the array in flight; acceptance of a first array moves the chart.
 

@@ -146,17 +146,18 @@ def seen_again(robot: RobotSpec, before: Look | None, body: RobotState) -> Look 
         before: The comparison so far.
         body: The robot's state, with the marks of these parts.
     """
-    known = {each.mark: each for each in before.marks} if before is not None else {}
-    lapsed = (mark for mark in sorted(body.marks) if mark.command == LAPSED)
-    marks = tuple(known.get(mark, Watched(mark)) for mark in lapsed)
-    if not marks:
+    lapsed = sorted([mark for mark in body.marks if mark.command == LAPSED])
+    if not lapsed:
         return None
+    known = {each.mark: each for each in before.marks} if before is not None else {}
+    marks = tuple(known.get(mark, Watched(mark)) for mark in lapsed)
     return Look(inf, at_rest_in(robot, body.configuration).values, marks)
 
 
 def as_last_seen(body: RobotState) -> RobotState:
     """Return the robot as it is if the parts hold whose sensors are not known now."""
-    return body._replace(marks=frozenset(m for m in body.marks if m.command != LAPSED))
+    known = frozenset([mark for mark in body.marks if mark.command != LAPSED])
+    return body if known == body.marks else body._replace(marks=known)
 
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:

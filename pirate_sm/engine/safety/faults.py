@@ -49,7 +49,7 @@ class FoundFault(NamedTuple):
             report.code,
             report.message,
             robot.fault_codes.get(report.code, True),
-            robot.denied_by_report(report),
+            rule.denies if rule else frozenset(),
             report.of or (rule.of if rule else ()),
         )
 
