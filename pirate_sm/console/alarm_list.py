@@ -16,6 +16,8 @@ _HEADING = "Alarms, the newest first; 1st: of its cascade"
 class AlarmList(Pick):
     """Shows alarms; choosing one acknowledges it."""
 
+    keys = "↑ ↓ Enter: seen   Esc leaves"
+
     def __init__(self, found: Sequence[Alarm], seen: set[int]) -> None:
         self._alarms = list(reversed(found))
         self._seen = seen

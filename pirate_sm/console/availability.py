@@ -12,6 +12,8 @@ from pirate_sm.console.key_bindings import CONTROLS, ways
 from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.mission.pausing import why_not_on, why_not_to
 from pirate_sm.engine.mission.program import SwitchControl, Wait
+from pirate_sm.engine.robot.command_outcome import marks_after, refusal
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState, state_change
 from pirate_sm.engine.state import EngineState
 from pirate_sm.loading.mission import LoadedMission
@@ -23,6 +25,10 @@ OPENING = "the backend is being opened"
 NO_MISSION = "no mission is chosen: press m"
 LOOKING = "being looked at"
 UNHEARD = "no word from the robot"
+PAUSE_FIRST = f"pause the mission first: {CONTROLS['pause']}"
+
+_MOST_BEFORE = 2
+"""The most commands that are named as what to give before another one."""
 
 _PLACE = re.compile(r"\((?P<file>[^()]+):(?P<line>\d+):\d+\)")
 
@@ -51,7 +57,7 @@ def situation_of(snapshot: Snapshot) -> Situation | None:
     """Return the situation while no command is under way; None if there can be no hand-back."""
     state = snapshot.state
     program = snapshot.scene.loaded.program
-    if state is None or not snapshot.scene.mission:
+    if state is None or not snapshot.scene.mission or snapshot.unheard_s:
         return None
     if why_not_to(program, state, program.phase_of[program.start]):
         return None
@@ -81,15 +87,46 @@ def without_path(reason: str, document: Path) -> str:
 
 
 def command_reason(snapshot: Snapshot, command: str) -> str:
-    """Return why the engine would refuse the command now; empty if it would not."""
-    if snapshot.over:
-        return OVER
-    if snapshot.state is None:
-        return OPENING
-    index = snapshot.scene.robot.table.command_index[command]
-    return _unheard(snapshot) or why_not_command(
-        snapshot.scene.robot, snapshot.state, index, at_once=True
-    )
+    """Return why the engine would refuse the command now; empty if it would not.
+
+    The commands that help come first, since the engine's own reason names states.
+    """
+    state, robot = snapshot.state, snapshot.scene.robot
+    if snapshot.over or state is None:
+        return OVER if snapshot.over else OPENING
+    index = robot.table.command_index[command]
+    reason = _unheard(snapshot) or why_not_command(robot, state, index, at_once=True)
+    kind, _, why = reason.partition(": ")
+    if kind == "impossible" and reason == refusal(robot, state.robot, index):
+        before = commands_before(robot, state.robot, index)
+        return f"{kind}: {before} first ({why})" if before else reason
+    return reason
+
+
+def commands_before(robot: RobotSpec, body: RobotState, command: int) -> str:
+    """Return the commands after which this one is not refused any more; empty if none help.
+
+    Each counts as done. One that lets go of the pipe is never named.
+    """
+    names = [each.name for each in robot.commands]
+    found: list[tuple[str, RobotState]] = [("", body)]
+    for _ in range(_MOST_BEFORE):
+        found = [
+            (f"{said}, {names[at]}" if said else names[at], _done(robot, here, at))
+            for said, here in found
+            for at, each in enumerate(robot.commands)
+            if not (each.lets_go or refusal(robot, here, at))
+        ]
+        if ways := [said for said, here in found if not refusal(robot, here, command)]:
+            return ways[0] if "," in ways[0] else " or ".join(ways)
+    return ""
+
+
+def _done(robot: RobotSpec, body: RobotState, command: int) -> RobotState:
+    """Return the commanded state once the command is done."""
+    here, marks = body.configuration, body.marks
+    left = (it for it in marks_after(robot, here, marks, command) if it.command != command)
+    return body._replace(configuration=robot.table.follow(here, command), marks=frozenset(left))
 
 
 def drive_doubt(snapshot: Snapshot, command: str) -> str:
@@ -109,19 +146,6 @@ def phase_reason(snapshot: Snapshot, phase: str, entries: Entries | None) -> str
     return LOOKING if entries is None else entries.get(phase, LOOKING)
 
 
-def untouched(snapshot: Snapshot) -> bool:
-    """Return whether the mission has not begun, in this run or in one that it goes on from."""
-    state, program = snapshot.state, snapshot.scene.loaded.program
-    if state is None or program.goes_on:
-        return False
-    return state.mission.pc == program.start and not state.mission.begun
-
-
-def stopped_in(snapshot: Snapshot) -> str:
-    """Return the phase in which the mission was stopped and has not gone on; empty if none."""
-    return snapshot.story.stopped_in_phase if untouched(snapshot) else ""
-
-
 def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
     """Return the event that hands the mission back there with the robot's present states."""
     assert snapshot.state is not None
@@ -132,7 +156,7 @@ def hand_back(snapshot: Snapshot, phase: str) -> GoTo:
 def going_on(snapshot: Snapshot) -> GoTo | Resume:
     """Return the event that starts or resumes the mission."""
     program = snapshot.scene.loaded.program
-    if untouched(snapshot):
+    if snapshot.untouched:
         return hand_back(snapshot, program.phase_of[program.start])
     return Resume()
 
@@ -140,8 +164,8 @@ def going_on(snapshot: Snapshot) -> GoTo | Resume:
 def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
     """Return everything that can be done with a mission, in the order of its keys."""
     general, state = _general(snapshot), snapshot.state
-    chooses = stopped_in(snapshot)
-    start = "Run: start" if untouched(snapshot) and not chooses else "Run: resume"
+    chooses = snapshot.stopped_in
+    start = "Run: start" if snapshot.untouched and not chooses else "Run: resume"
     if general or state is None:
         reasons = (general,) * len(CONTROLS)
     else:
@@ -150,8 +174,8 @@ def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]
             _why_not_pause(state),
             _why_not_step(snapshot, state, entries),
             _why_not_skip(snapshot, state),
-            "pause the mission first" if not state.mission.paused else _unheard(snapshot),
-            "it has not begun" if untouched(snapshot) else "",
+            PAUSE_FIRST if not state.mission.paused else _unheard(snapshot),
+            "it has not begun" if snapshot.untouched else "",
         )
     labels = (start, "Pause", "Next step", "Skip the wait", "Hand back at …", "Abort")
     return tuple(map(Control, CONTROLS, CONTROLS.values(), labels, reasons))
@@ -175,7 +199,7 @@ def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None)
         return "it is running"
     if reason := _unheard(snapshot):
         return reason
-    if untouched(snapshot):
+    if snapshot.untouched:
         program = snapshot.scene.loaded.program
         return phase_reason(snapshot, program.phase_of[program.start], entries)
     return why_not_on(state)
@@ -184,7 +208,7 @@ def _why_not_go(snapshot: Snapshot, state: EngineState, entries: Entries | None)
 def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | None) -> str:
     if not state.mission.paused:
         return ""  # it pauses after the step under way
-    if stopped_in(snapshot):
+    if snapshot.stopped_in:
         return f"choose a phase first: {CONTROLS['go']}"
     return _why_not_go(snapshot, state, entries)
 

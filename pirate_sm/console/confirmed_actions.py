@@ -6,6 +6,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import TYPE_CHECKING, TypeVar
 
+from pirate_sm.console.availability import UNHEARD
 from pirate_sm.console.dialogs import READ_AFTER_S, Confirm, Dialog
 from pirate_sm.model.events import Event
 
@@ -43,9 +44,20 @@ class ConfirmedActions(_Base):
         return run is not None and (run.stop is not None or run is not self.session.quitting.run)
 
     def _open(self, dialog: Dialog[_R], then: Callable[[_R | None], None]) -> None:
-        """Open a dialog that can move the robot; its answer does not count once it is outdated."""
+        """Open a dialog that can move the robot.
+
+        Its answer does not count once it is outdated, nor while the robot is not heard, since it
+        would be obeyed whenever the robot comes back.
+        """
         dialog.run = self.session.quitting.run
-        self.push_screen(dialog, lambda said: then(None if self.is_outdated(dialog) else said))
+
+        def answered(said: _R | None) -> None:
+            if said and self.session.latest.unheard_s:
+                self._refuse("not given", UNHEARD)
+                said = None
+            then(None if self.is_outdated(dialog) else said)
+
+        self.push_screen(dialog, answered)
 
     def _ask(self, question: str, yes: str, then: Callable[[], None]) -> None:
         """Act once the operator has said yes; at once if there is no question."""

@@ -140,7 +140,13 @@ class Choice(NamedTuple):
 
 
 class Pick(Dialog[str | None]):
-    """A list to choose from."""
+    """A list to choose from.
+
+    Attributes:
+        keys: What its keys do.
+    """
+
+    keys = "↑ ↓ Enter chooses   Esc leaves"
 
     BINDINGS: ClassVar[list[BindingType]] = [
         _STOP,
@@ -161,7 +167,7 @@ class Pick(Dialog[str | None]):
             listed = OptionList(*(Option(self._text(at, it), it.name) for at, it in options))
             listed.highlighted = self._marked
             listed.border_title = self._title
-            listed.border_subtitle = "↑ ↓ Enter chooses   Esc leaves"
+            listed.border_subtitle = self.keys
             yield listed
         yield last_line()
 
@@ -197,6 +203,8 @@ class Pick(Dialog[str | None]):
         changed = [index for index, (old, new) in pairs if old != new]
         self._choices = list(choices)
         self._draw(changed)
+        if changed:
+            self.app.clear_notifications()  # one may say a reason that does not hold any more
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
         """Choose the line, or show in full why it cannot be chosen."""

@@ -78,7 +78,7 @@ def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
 
 def leap(phase: str, waits: str) -> str:
     """Return the question before a hand-back without commands that skips waits."""
-    return f"Nothing checks where the robot stands{_unseen(waits)}. Hand back at {phase}?"
+    return f"Nothing checks where the robot is{_unseen(waits)}. Hand back at {phase}?"
 
 
 def _unseen(waits: str) -> str:
@@ -103,7 +103,7 @@ def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: 
     given = names(robot, plan)
     each = "It is awaited" if len(given) == 1 else "Each is awaited"
     return (
-        f"Only states are restored. Nothing checks where the robot stands{_unseen(waits)}. "
+        f"Only states are restored. Nothing checks where the robot is{_unseen(waits)}. "
         f"{phase} needs {_needed(robot, plan, body)}. Give {', '.join(given)}, then hand back "
         f"there? {each}. A failure ends the series, and so do Esc and whatever else you ask for; "
         "Space stops the robot."

@@ -107,9 +107,9 @@ class HandDriving:
         far = "to the joint" if isnan(self.limit_m) else far
         keys = ("↑↓ drive ", MUTED), f"{self.speed:.0%}", (" (+ -), ", MUTED), far, (" (=)", MUTED)
         here_m = place_m(self._latest(), self.place)
-        unknown = "not said" if isnan(self.place.said_m) else "not known"
-        here = unknown if isnan(here_m) else f"at {here_m:.2f} m"
-        return [line(*keys), line(("wheel 1 ", MUTED), here, (" (@)", MUTED))]
+        unknown = "–" if isnan(self.place.said_m) else "not known"
+        here = unknown if isnan(here_m) else f"{here_m:.2f} m"
+        return [line(*keys), line(("wheel 1 at ", MUTED), here, (" (@: type it)", MUTED))]
 
     def why_not(self, command: str) -> str:
         """Return why this command cannot be given with the limit; empty if it can."""
@@ -150,11 +150,13 @@ class HandDriving:
         ahead_m = joint_ahead_m(snapshot, self.place)
         if self._held and now_s >= self._until_s:
             self._braking = True
-        why = self._why_to_stop(abs(snapshot.odometry_m - self._from_m), ahead_m)
+        came_m = abs(snapshot.odometry_m - self._from_m)
+        why = self._why_to_stop(came_m, ahead_m)
         logs = []
         if why and not self._braking:
             self._braking, self._deaf_s = True, now_s + FIRST_REPEAT_S * self._factor
-            logs.append(Log("warning", f"stops: {why}"))
+            chosen = self.limit_m <= came_m  # by the operator, who needs no alarm
+            logs.append(Log("info" if chosen else "warning", f"the drive stops: {why}"))
         if self._braking:
             self._held = ""
             self._brake(robot, state)
@@ -191,7 +193,8 @@ class HandDriving:
             return f"the joint is {ahead_m * 1e3:.0f} mm ahead" if near else ""
         if self.limit_m == inf or came_m < self.limit_m:
             return ""
-        return "how far it has come is not known" if isnan(came_m) else f"{came_m * 1e3:.0f} mm"
+        unknown = isnan(came_m)
+        return f"it has come {'an unknown way' if unknown else f'{came_m * 1e3:.0f} mm'}"
 
     def _warn(self, snapshot: Snapshot, near: Sequence[float]) -> Sequence[Log]:
         """Return a warning for each thing that has newly become so."""

@@ -216,7 +216,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
             self.notify("starts as soon as the check has looked at it", timeout=4, markup=False)
         elif control.reason:
             self._refuse(control.label, control.reason)
-        elif name == "hand_back" or (name == "go" and availability.stopped_in(snapshot)):
+        elif name == "hand_back" or (name == "go" and snapshot.stopped_in):
             self._choose_phase(snapshot)
         elif name == "abort":
             self.session.stop()

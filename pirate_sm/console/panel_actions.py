@@ -5,7 +5,6 @@ from __future__ import annotations
 from time import monotonic
 from typing import assert_never
 
-from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
 from pirate_sm.console.key_bindings import CONTROLS
 from pirate_sm.console.operator_actions import OperatorActions
@@ -50,7 +49,7 @@ class PanelActions(OperatorActions):
             self._refuse(action_text(button), "a dialog is open")
             return
         match button:
-            case RunButton(do="go") if availability.stopped_in(self.session.latest):
+            case RunButton(do="go") if self.session.latest.stopped_in:
                 self.session.giver.stop()
                 key = CONTROLS["go"]
                 reason = f"it was stopped: choose the phase with {key} at the keyboard"

@@ -38,11 +38,13 @@ def obstacles(
         width: Width of a line.
         rows: Number of lines.
     """
-    found = sorted(_grouped(asked).items(), key=lambda each: sign_of(each[0]) == "=")
-    heads = [f"{sign_of(reason)} {keys}  " for reason, keys in found]
-    texts = [
-        head + _shortened(reason, robot) for head, (reason, _) in zip(heads, found, strict=True)
-    ]
+    short = {
+        name: [it._replace(reason=_shortened(it.reason, robot)) for it in each]
+        for name, each in asked.items()
+    }
+    found = sorted(_grouped(short).items(), key=lambda each: each[0][0] == "=")
+    heads = [f"{reason[0]} {keys}  " for reason, keys in found]
+    texts = [head + reason[2:] for head, (reason, _) in zip(heads, found, strict=True)]
     lines = []
     for head, shown in zip(heads, _fitting(texts, width, rows), strict=False):
         first, *more = shown
@@ -65,11 +67,16 @@ def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:
 
 
 def _shortened(reason: str, robot: RobotSpec) -> str:
+    """Return the sign of a reason, and what it says without what there is no room for."""
+    if not reason:
+        return ""
     kind, _, rest = reason.partition(": ")
     said = (rest if kind in _SIGNS else reason).replace("it needs ", "needs ", 1)
+    before, first, _ = said.partition(" first (")
+    said = f"{before} first" if first else said
     for region, label in zip(robot.regions, shortened(robot.regions), strict=True):
         said = said.replace(region, label)
-    return said
+    return f"{sign_of(reason)} {said}"
 
 
 def _fitting(texts: Sequence[str], width: int, rows: int) -> list[list[str]]:

@@ -155,10 +155,7 @@ class Picture(Widget):
 class EventLog(Lines):
     """The log, the newest line last, or scrolled back."""
 
-    def __init__(self, *, id: str, title: str) -> None:
-        super().__init__(id=id, title=title)
-        self._title = title
-        self._back = 0
+    _back = 0
 
     def look_back(self, pages: int) -> None:
         """Scroll back by pages; forward if negative."""
@@ -170,7 +167,8 @@ class EventLog(Lines):
         self._back = min(self._back, max(len(recent) - 1, 0))
         end = len(recent) - self._back
         behind = f", {self._back} lines back (PgDn)" if self._back else ""
-        self.border_title = self._title + behind
+        paged = self.app.screen_stack[0].has_class("-paged")
+        self.border_title = f"Log{'' if paged else ' (Tab: motors)'}{behind}"
         self.show(panels.log(recent[:end], self.content_size.width, rows))
 
 
@@ -205,7 +203,7 @@ class RobotApp(App[None]):
     def below(self) -> ComposeResult:
         """Yield what is below the picture."""
         yield panel("motors")
-        log = EventLog(id="log", title="Log (Tab: motors)")
+        log = EventLog(id="log")
         log.add_class("panel")
         yield log
 

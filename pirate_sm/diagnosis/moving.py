@@ -18,7 +18,8 @@ TURNED_RAD = 0.1
 """A driven wheel turns much farther than this at this duty."""
 
 BEARS = 0.4
-"""A joint whose motor draws this share of its stall current holds something [assumed]."""
+"""A joint holds something whose motor draws this share of its stall current, or that bears this
+share of its stall torque, as a worm gear does also without any current [assumed]."""
 
 _ANSWER_WITHIN_S = 2.0
 _LOOK_UP_S = 0.1
@@ -46,15 +47,17 @@ class Moving:
 
     @property
     def bearing(self) -> tuple[str, ...]:
-        """The slots of joints that hold something, of which an array of zeros would let go."""
-        profile = self._profile
-        stalls = {each.name: profile.motors[each.motor].stall_current for each in profile.slots}
-        return tuple(
-            slot.name
-            for slot in profile.slots
-            if slot.wheel is None
-            and abs(self._seen(slot.name, "current")) >= BEARS * (stalls[slot.name] or inf)
-        )
+        """The slots of joints that hold something, of which an array of zeros could let go."""
+        found = []
+        for slot in self._profile.slots:
+            motor = self._profile.motors[slot.motor]
+            stalls = {"current": motor.stall_current, "torque": motor.stall_torque}
+            if slot.wheel is None and any(
+                abs(self._seen(slot.name, sense)) >= BEARS * (stall or inf)
+                for sense, stall in stalls.items()
+            ):
+                found.append(slot.name)
+        return tuple(found)
 
     def run(self) -> MoveFact:
         """Turn every wheel for a moment, stop it, and return the results.

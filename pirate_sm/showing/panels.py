@@ -199,6 +199,8 @@ def _words(snapshot: Snapshot, width: int) -> list[Text]:
         if len(lines[-1]) + len(cell) > width + 2:
             lines.append(line(" "))
         lines[-1].append_text(cell)
+    for each in lines:
+        each.rstrip()
     return lines
 
 
@@ -215,10 +217,14 @@ def now(snapshot: Snapshot, width: int) -> list[Text]:
     if snapshot.unheard_s:
         lines.append(line(("? ", BAD), "no word: mission time stands still"))
     if state.mission.paused and snapshot.scene.mission:
-        left = snapshot.story.stopped_in_phase
-        paused = _PAUSED.format("resume" if state.mission.begun else "start")
+        left, program = snapshot.stopped_in, snapshot.scene.loaded.program
+        paused = _PAUSED.format("start" if snapshot.untouched else "resume")
         lines.append(line(("‖ ", WARN), f"stopped in {left}" if left else paused))
-        lines += [line(("  r: choose the phase to resume at", MUTED))] if left else []
+        if left:
+            lines.append(line(("  r: choose the phase to resume at", MUTED)))
+        elif not (snapshot.untouched or state.mission.begun):  # a fault has led it there
+            phase = program.phase_of[state.mission.pc].rpartition("/")[2]
+            lines.append(line((f"  r: resumes at {phase}", MUTED)))
     return lines + (waiting(snapshot, width) if snapshot.scene.mission else []) or [
         line((idle(snapshot), MUTED))
     ]

@@ -49,12 +49,12 @@ def waiting(snapshot: Snapshot, width: int) -> list[Text]:
 def idle(snapshot: Snapshot) -> str:
     """Return what the robot does while no command is under way."""
     state, robot = snapshot.state, snapshot.scene.robot
-    asked = [] if state is None else [state.robot.values[wheel.slot] for wheel in robot.wheels]
+    asked = [] if state is None else [state.robot.latest[wheel.slot] for wheel in robot.wheels]
     if state is None or not any(asked):
         return "nothing is under way"
     if any(map(isnan, asked)):
         return "what the wheels were last asked for is not known"
-    way = {1: "driving forward", -1: "driving backward"}.get(robot.travel(state.robot.values))
+    way = {1: "driving forward", -1: "driving backward"}.get(robot.travel(state.robot.latest))
     return f"{'' if snapshot.live else 'last asked for: '}{way or 'wheels are driven'}"
 
 

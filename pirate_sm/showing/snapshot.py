@@ -93,6 +93,19 @@ class Snapshot:
         return self.now_s + self.ahead_s
 
     @property
+    def untouched(self) -> bool:
+        """Return whether the mission has not begun, in this run or in one that it goes on from."""
+        state, program = self.state, self.scene.loaded.program
+        if state is None or program.goes_on:
+            return False
+        return state.mission.pc == program.start and not state.mission.begun
+
+    @property
+    def stopped_in(self) -> str:
+        """Return the phase in which the mission was stopped; empty once it goes on elsewhere."""
+        return self.story.stopped_in_phase if self.untouched else ""
+
+    @property
     def unheard_s(self) -> float:
         """Return how long nothing has come from the robot; 0 while reports come."""
         silent_s = self.link.silent_s if self.link is not None and self.link.trouble else 0.0

@@ -69,6 +69,23 @@ def test_a_key_that_is_pressed_once_drives_no_longer_than_until_its_first_repeat
     played(story)
 
 
+def test_a_drive_whose_repeats_are_lost_brakes_and_the_next_repeat_drives_again() -> None:
+    async def story() -> None:
+        async with operator(by_hand(Order("by_hand", backend="trace"))) as me:
+            await clamped(me)
+            await me.press("up")
+            me.wait(FIRST_REPEAT_S - 0.2)
+            await me.press("up")
+            assert not me.wheels_stand()
+            me.wait(NEXT_REPEAT_S + 0.3)  # longer than between repeats
+            assert me.wheels_stand()
+            me.until(lambda: state(me).robot.motion is None)
+            await me.press("up")
+            assert not me.wheels_stand()
+
+    played(story)
+
+
 @pytest.mark.parametrize("stop", ["left", "space"])
 def test_a_drive_that_was_stopped_otherwise_can_be_driven_again_by_its_key(stop: str) -> None:
     async def story() -> None:
@@ -156,7 +173,8 @@ def test_a_drive_stops_at_its_limit_and_a_key_that_is_still_held_does_not_begin_
                 me.wait(0.1)
             assert me.wheels_stand()
             assert me.latest.odometry_m - began_m == pytest.approx(0.1, abs=0.02)
-            assert any("stops: " in each for each in me.told())
+            assert "log the drive stops: it has come 10" in "\n".join(me.told())
+            assert not me.latest.story.alarms, "the operator has chosen it"
 
             me.wait(FIRST_REPEAT_S + 0.1)  # released
             await me.press("up")
@@ -261,7 +279,7 @@ def test_a_drive_stops_before_the_joint_of_the_pipe_which_is_a_warning_before() 
             assert 0.03 < ahead_m <= JOINT_CLEARANCE_M
             told = "\n".join(me.told())
             assert told.count("a joint of the pipe is ") == 1
-            assert told.count("stops: the joint is ") == 1
+            assert told.count("warning the drive stops: the joint is ") == 1
 
     played(story)
 

@@ -154,7 +154,7 @@ def test_a_step_of_a_mission_that_was_stopped_needs_a_phase_first() -> None:
             me.wait(1.0)
             assert me.latest.state.mission.paused
             assert not me.latest.state.mission.begun
-            assert availability.stopped_in(me.latest) == "prepare"
+            assert me.latest.stopped_in == "prepare"
 
     played(story)
 

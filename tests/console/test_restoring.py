@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
+from dataclasses import replace
 from functools import partial
 from threading import Event
 from typing import Any
@@ -14,9 +15,10 @@ from textual.widgets import OptionList, Static
 
 from pirate_sm.console import hand_back_plan
 from pirate_sm.console.app import Console
-from pirate_sm.console.availability import look_at_entries
+from pirate_sm.console.availability import UNHEARD, look_at_entries
 from pirate_sm.console.command_series import BY_OPERATOR, Giver
 from pirate_sm.console.dialogs import Confirm, Pick
+from pirate_sm.console.session import OperatorSession
 from pirate_sm.engine.robot.robot_state import at_rest_in
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import GoTo, OperatorCommand
@@ -116,6 +118,35 @@ def test_on_one_key_they_are_given_one_by_one_and_the_mission_goes_on() -> None:
             assert (series.done, series.handed_back, series.stopped) == (3, True, "")
             await me.look()
             assert "Esc: no more" not in text_of(me)
+
+    played(story)
+
+
+def test_nothing_is_handed_back_while_the_robot_is_not_heard(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def story() -> None:
+        async with operator(with_mission("mitre_bend", backend="trace")) as me:
+            await paused_and_braked(me)
+            assert "first DriveForward" in (await listed(me))["prepare"]
+            await choose(me, "prepare")
+            before = sent(me)
+            monkeypatch.setattr(
+                OperatorSession,
+                "latest",
+                property(lambda it: replace(it._bridge.latest, held_s=5.0)),
+            )
+            await me.press("y")
+            me.wait(1.0)
+            assert [each.message for each in me.app._notifications] == [f"not given: {UNHEARD}"]
+
+            me.app._choose_phase(me.latest)
+            await me.look()
+            assert {each.startswith("✕") for each in lines_of(me).values()} == {True}
+            await pick(me, "prepare")
+            assert not isinstance(me.app.screen, Confirm)
+            me.wait(1.0)
+            assert sent(me) == before
 
     played(story)
 
@@ -274,7 +305,7 @@ def test_the_question_begins_with_what_nobody_has_looked_at() -> None:
             await listed(me)
             await choose(me, "halt")
             assert asked(me).startswith(
-                "Only states are restored. Nothing checks where the robot stands, and since its "
+                "Only states are restored. Nothing checks where the robot is, and since its "
                 "last start this console has not seen the mission pass its waits of enter, "
                 "prepare, pass. halt needs "
             )

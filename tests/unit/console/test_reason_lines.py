@@ -31,6 +31,15 @@ def test_a_reason_that_holds_for_all_names_no_key() -> None:
     assert said(commands=asked, missions=[Request("r", "")])[0].startswith("✕ commands  ")
 
 
+def test_commands_that_help_stand_for_the_reason_and_are_said_once() -> None:
+    two = [
+        Request("b", f"impossible: Grip first ({LONG.partition(': ')[2]})"),
+        Request("d", "impossible: Grip first (it needs something else)"),
+        Request("c", ALREADY),
+    ]
+    assert said(commands=two) == ["✕ b d  Grip first", "= c  it is so already"]
+
+
 def test_what_cannot_be_comes_before_what_is_so_already_and_names_are_short() -> None:
     lines = said(commands=[Request("c", ALREADY), Request("b", LONG)])
 

@@ -137,7 +137,26 @@ def test_a_robot_that_holds_on_is_not_sent_zeros(connect: Connect, subject: Subj
         assert tuple(bay_of(listening).duties) == duties
     assert facts.move is None
     assert not facts.go
-    assert facts.findings[0].message.startswith("nothing was sent: bend_1, bend_2 holds something")
+    assert facts.findings[0].message.startswith("nothing was sent: there is load on bend_1, bend_2")
+
+
+def test_no_wheel_turns_on_a_robot_that_its_worm_gears_hold_without_any_current(
+    connect: Connect, subject: Subject
+) -> None:
+    with connect() as listening:
+        listening.listen(2.0)
+        clamp = {"bend_1": -0.7, "bend_2": 0.7}
+        array = tuple(clamp.get(slot.name, 0.0) for slot in subject.profile.slots)
+        for number, values in enumerate((array, (0.0,) * len(array)), 1):  # as a reset leaves it
+            listening.exchange.submit(number, values, listening.port.now())
+            listening.turn(listening.port.now() + 4.0)
+        arrays = len([each for each in bay_of(listening).records if each.event == "applied"])
+        facts = _look_around(listening, subject, DoctorOptions(move=True, json=True))
+        applied = [each for each in bay_of(listening).records if each.event == "applied"]
+
+    assert not any(any(each.counts) for each in applied[arrays:])
+    assert facts.findings[0].message.startswith("nothing was sent: there is load on bend_1, bend_2")
+    assert facts.move is None
 
 
 @pytest.mark.parametrize("line", [{}, {"delay_s": 0.1}, {"jitter_s": 0.05}], ids=str)
