@@ -13,7 +13,7 @@ from pirate_sm.engine.mission.ending import end, finish
 from pirate_sm.engine.mission.interpreter import advance, without_requests
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.resuming import reconnection
-from pirate_sm.engine.robot import commands, start_check
+from pirate_sm.engine.robot import commands, confirmation, start_check
 from pirate_sm.engine.robot.proofs import proofs_after
 from pirate_sm.engine.safety.faults import listen, unsettle
 from pirate_sm.engine.safety.rule_watch import watch
@@ -45,7 +45,7 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     elif not state.mission.ended:
         if state.looking is not None:
             state = start_check.go_on(moment, state, state.looking)
-        if state.robot.marks or state.lapsed is not None:
+        if state.lapsed is not None or confirmation.lapsed_in(state.robot.marks):
             state = start_check.see_again(moment, state)
         if state.robot.motion is not None and not state.mission.suspended:
             state = _watch(moment, state)
@@ -60,8 +60,10 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     if mission.answer is not None or mission.skipped is not None:
         state = state._replace(mission=without_requests(moment, state))
     robot, earlier = state.robot, before.robot
-    if robot.marks is not earlier.marks or robot.configuration != earlier.configuration:
-        state = _proven(moment, before, state)
+    moved = robot.marks is not earlier.marks or robot.configuration != earlier.configuration
+    if moved and not moment.nominal:
+        now = Evidence("sensor", moment.now_s, state.connection)
+        state = state._replace(proofs=proofs_after(moment.robot, earlier, robot, state.proofs, now))
     changed = (
         state.robot is not before.robot
         or state.mission is not before.mission
@@ -72,14 +74,6 @@ def settle(  # noqa: C901 - asked at every event, so most of it is asked here
     if changed or moment.effects or due:
         state = _set_wake(moment, state)
     return state
-
-
-def _proven(moment: Moment, before: EngineState, state: EngineState) -> EngineState:
-    if moment.nominal:
-        return state
-    now = Evidence("sensor", moment.now_s, state.connection)
-    proofs = proofs_after(moment.robot, before.robot, state.robot, state.proofs, now)
-    return state._replace(proofs=proofs)
 
 
 def _go_on(moment: Moment, state: EngineState) -> EngineState:

@@ -17,8 +17,8 @@ def often_replaced(kind: type[T]) -> type[T]:
 
     def _replace(self: T, /, **changes: Any) -> T:
         values = [*self]
-        for name, value in changes.items():
-            values[index[name]] = value
+        for name in changes:  # noqa: PLC0206 - faster than by items
+            values[index[name]] = changes[name]
         return new(kind, values)
 
     kind._replace = _replace  # type: ignore[attr-defined]

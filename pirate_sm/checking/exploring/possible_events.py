@@ -107,9 +107,10 @@ class Moves:
             robot_state.obeyed(robot, state.robot),
             robot_state.confirmed_parts(robot, state.robot),
         )
-        if situation not in self._reports:
-            self._reports[situation] = tuple(self._needed(*situation))
-        for report in self._reports[situation]:
+        reports = self._reports.get(situation)
+        if reports is None:
+            reports = self._reports[situation] = tuple(self._needed(*situation))
+        for report in reports:
             yield PossibleEvent("fault", report, now, report.code)
 
     def _needed(

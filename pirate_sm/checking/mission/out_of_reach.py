@@ -251,7 +251,6 @@ class _Reach:
 
     def _lasting(self, fastest: float, there: str) -> Iterator[Limit]:
         """Yield the same for limits that apply to every condition."""
-        pipe = self._loaded.pipe
         most = f"{fastest:.3g} m/s"
         usual = f"without a load the robot drives {most}"
         yield (
@@ -259,9 +258,12 @@ class _Reach:
             about(fastest),
             f"the robot drives at most {most}{there}" if there else usual,
         )
-        if pipe is not None:
-            length = pipe.route().length_m
-            yield self._odometry, about(length), f"the pipe is {length:.3g} m long"
+        if self._length_m < inf:
+            yield self._odometry, about(self._length_m), f"the pipe is {self._length_m:.3g} m long"
+
+    @cached_property
+    def _length_m(self) -> float:
+        return self._loaded.pipe.route().length_m if self._loaded.pipe is not None else inf
 
     # --- the wrong way ----------------------------------------------------------------------
 

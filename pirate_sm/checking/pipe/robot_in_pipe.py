@@ -125,9 +125,9 @@ class Fit:
             slope: Sine of the pipe's tilt there.
         """
         joint = self.profile.body.parts[self.robot.parts[part]].apex
-        found = [(inf, inf)]
+        found, slots = [(inf, inf)], self.profile.slots
         for write in InForce(self.profile, self.robot).writes(at):
-            slot = self.profile.slots[write.slot]
+            slot = slots[write.slot]
             stall = self.profile.motors[slot.motor].stall_torque
             if slot.joint == joint and write.how == "set" and stall is not None:
                 found.append((abs(write.value) * stall, abs(write.value) * stall))

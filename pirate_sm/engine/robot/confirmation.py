@@ -9,6 +9,7 @@ limits, remains until a command confirms the state.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf, isnan, nan
 from typing import NamedTuple
 
@@ -19,8 +20,10 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     DECLARED,
     LAPSED,
+    MOST_REMEMBERED,
     STOPPED,
     Mark,
+    Marks,
     Numbers,
     RobotState,
     at_rest_in,
@@ -146,7 +149,7 @@ def seen_again(robot: RobotSpec, before: Look | None, body: RobotState) -> Look 
         before: The comparison so far.
         body: The robot's state, with the marks of these parts.
     """
-    lapsed = sorted([mark for mark in body.marks if mark.command == LAPSED])
+    lapsed = lapsed_in(body.marks)
     if not lapsed:
         return None
     known = {each.mark: each for each in before.marks} if before is not None else {}
@@ -156,8 +159,14 @@ def seen_again(robot: RobotSpec, before: Look | None, body: RobotState) -> Look 
 
 def as_last_seen(body: RobotState) -> RobotState:
     """Return the robot as it is if the parts hold whose sensors are not known now."""
-    known = frozenset([mark for mark in body.marks if mark.command != LAPSED])
-    return body if known == body.marks else body._replace(marks=known)
+    lapsed = lapsed_in(body.marks)
+    return body._replace(marks=body.marks.difference(lapsed)) if lapsed else body
+
+
+@lru_cache(maxsize=MOST_REMEMBERED)
+def lapsed_in(marks: Marks) -> tuple[Mark, ...]:
+    """Return in order the marks of parts whose sensors are not known now."""
+    return tuple(sorted(mark for mark in marks if mark.command == LAPSED))
 
 
 def awaiting(robot: RobotSpec, body: RobotState) -> frozenset[Mark]:

@@ -29,7 +29,7 @@ def see_again(moment: Moment, state: EngineState) -> EngineState:
     """Confirm the parts again whose sensors were not known, once they show that these hold."""
     look = confirmation.seen_again(moment.robot, state.lapsed, state.robot)
     if look is None:
-        return state if state.lapsed is None else state._replace(lapsed=None)
+        return state._replace(lapsed=None)
     state, seen = _compare(moment, state, look)
     return state._replace(lapsed=seen.look)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from math import inf, isnan, nan
 from typing import NamedTuple
 
@@ -42,6 +43,7 @@ class FoundFault(NamedTuple):
         return cls(fault.code, message, fault.catchable, of=of)
 
     @classmethod
+    @lru_cache(maxsize=256)
     def reported(cls, robot: RobotSpec, report: FaultReport) -> FoundFault:
         """Return the fault of a report."""
         rule = robot.rule_of(report)
