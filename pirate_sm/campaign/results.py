@@ -6,7 +6,6 @@ import shlex
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import asdict, dataclass
-from itertools import chain
 from pathlib import Path
 from statistics import median
 from typing import Any
@@ -265,9 +264,10 @@ def _factor(count: FactorCount, confidence: float) -> FactorResult:
 
 
 def _took(passed_s: Sequence[float], others_s: Sequence[float]) -> TimeCounts | None:
-    if not passed_s and not others_s:
+    every_s = (*passed_s, *others_s)
+    if not every_s:
         return None
-    least_s, most_s = min(chain(passed_s, others_s)), max(chain(passed_s, others_s))
+    least_s, most_s = min(every_s), max(every_s)
     width_s = (most_s - least_s) / _BARS or 1.0
 
     def counts(times_s: Sequence[float]) -> tuple[int, ...]:

@@ -31,8 +31,8 @@ def test_a_success_that_nothing_contradicts_has_passed():
 @pytest.mark.parametrize(
     ("change", "end", "why"),
     [
-        ({}, {"beyond": 1.12}, "with 1 wheels not beyond 1120 mm"),
-        ({}, {"before": 1.32}, "with 2 wheels not before 1320 mm"),
+        ({}, {"beyond": 1.1}, "with 1 wheels not beyond 1100 mm"),
+        ({}, {"before": 1.35}, "with 2 wheels not before 1350 mm"),
         ({"gone": True}, {}, "and the robot has left the pipe"),
         ({"arcs_m": (1.2, 1.3, 1.1)}, {}, "with a part folded back on itself"),
         ({"short_m": 0.02}, {"at_word": True}, "with a wheel 20 mm short of where"),
