@@ -62,7 +62,7 @@ def judge(outcome: Outcome, end: TrueEnd) -> Verdict:
 def holds(outcome: Outcome) -> bool:
     """Return whether the robot stands in the pipe, with a clamp that bears."""
     gripped = _torque_nm(outcome) >= GRIPPED_NM
-    stays = outcome.slid_m < STAYS_M and not outcome.gone
+    stays = outcome.slid_m <= STAYS_M and not outcome.gone
     return outcome.held_at_end and gripped and outcome.stopped and stays
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.intervals import wilson
 from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.campaign.store import RECORDINGS
@@ -178,3 +179,36 @@ def test_the_most_frequent_cause_comes_first() -> None:
         (1, "Holding", (0,)),
         (1, "a wheel turns at the end", (3,)),
     ]
+
+
+def test_runs_are_counted_by_how_long_they_took_in_thirty_bars() -> None:
+    rows = [row("key_bend", seed, time_s=10.0 + 0.4 * seed) for seed in range(3)]
+    rows.append(row("key_bend", 3, "failed", time_s=40.0))
+
+    took = result(*rows).cells[0].took
+
+    assert took is not None
+    assert took.edges_s == tuple(10.0 + bar for bar in range(31))
+    assert took.passed == (3, *(0,) * 29)
+    assert took.others == (*(0,) * 29, 1)
+    for each, counts in ((rows[0], (1, 0)), (row("key_bend", 0, "failed"), (0, 1))):
+        alone = result(each).cells[0].took
+        assert alone is not None
+        assert (alone.passed[0], alone.others[0]) == counts
+        assert alone.edges_s[1] - alone.edges_s[0] == 1.0, "a bar needs a width"
+    assert result().cells[0].took is None
+
+
+def test_the_success_against_what_was_drawn_has_an_interval_for_each_part() -> None:
+    drawn = [("passed", -0.02), ("failed", -0.0161), ("passed", -0.0159), ("passed", 0.02)]
+    rows = [
+        row("key_bend", n, what)._replace(drawn={"start_m": x}) for n, (what, x) in enumerate(drawn)
+    ]
+
+    (found,) = result(*rows).cells[0].factors
+
+    assert (found.name, found.unit) == ("start_m", "m")
+    assert found.edges == pytest.approx([-0.02 + 0.004 * part for part in range(11)])
+    assert (found.runs, found.passed) == ((2, 1, *(0,) * 7, 1), (1, 1, *(0,) * 7, 1))
+    assert found.least[:2] == (wilson(1, 2, 0.95).least, wilson(1, 1, 0.95).least)
+    assert found.most[:2] == (wilson(1, 2, 0.95).most, 1.0)

@@ -48,6 +48,10 @@ def test_a_success_that_the_truth_contradicts_is_false(
     assert verdict.why.startswith(f"said to have succeeded, {why}")
 
 
+def test_a_wheel_may_be_as_short_of_its_word_as_is_allowed():
+    assert judge(replace(SUCCEEDED, short_m=0.015), TrueEnd(at_word=True)).what == "passed"
+
+
 def test_states_may_have_others_between_them():
     assert judge(SUCCEEDED, TrueEnd(states=(STATES[0], STATES[2], STATES[4]))).what == "passed"
 
@@ -65,11 +69,24 @@ def test_a_failure_with_the_robot_held_holds():
         ({"stopped": False}, "wheels not stopped"),
         ({"held_at_end": False}, "let go: no part is held at the end"),
         ({"torques": (0.0,) * 6}, "let go: no joint bears a torque at the end"),
+        ({"torques": ()}, "let go: no joint bears a torque at the end"),
     ],
 )
 def test_a_robot_that_says_it_holds_and_does_not(change: dict[str, Any], unsafe: str):
     verdict = judge(replace(HELD, **change), TrueEnd())
     assert (verdict.held, verdict.unsafe) == (False, unsafe)
+
+
+@pytest.mark.parametrize(
+    "change", [{"slid_m": 0.005}, {"torques": (0.0, -0.1)}, {"time_s": 3600.0}], ids=str
+)
+def test_a_robot_that_just_holds_holds_and_is_safe(change: dict[str, Any]):
+    verdict = judge(replace(HELD, **change), TrueEnd())
+    assert (verdict.held, verdict.unsafe) == (True, "")
+
+
+def test_a_run_that_does_not_end_by_itself_is_not_safe():
+    assert judge(replace(HELD, time_s=3601.0), TrueEnd()).unsafe == "did not end by itself"
 
 
 def test_a_run_that_has_clamped_nothing_yet_has_not_let_go():
