@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.campaign.intervals import fisher_exact, mcnemar_exact, wilson
+from pirate_sm.campaign.intervals import Interval, fisher_exact, mcnemar_exact, wilson
 
 
 @pytest.fixture(scope="module")
@@ -24,6 +24,10 @@ def test_wilsons_interval(stats: Any, passed: int, runs: int, confidence: float)
     expected = stats.binomtest(passed, runs).proportion_ci(confidence, method="wilson")
 
     assert wilson(passed, runs, confidence) == pytest.approx(tuple(expected), abs=1e-9)
+
+
+def test_half_the_width_of_an_interval_is_how_far_a_share_may_be_off() -> None:
+    assert Interval(0.5, 0.75).half_width == 0.125
 
 
 def test_without_runs_nothing_is_known() -> None:

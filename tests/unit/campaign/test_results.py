@@ -141,6 +141,22 @@ def test_what_is_written_for_people(tmp_path: Path) -> None:
     assert found.cells[0].incomplete == ""
 
 
+def test_ten_seeds_of_a_cause_are_written_without_dots() -> None:
+    counted = Tally(cell(seeds=range(10)), 0.95, StoppingRule())
+    counted.add(row("key_bend", seed, "failed") for seed in range(10))
+
+    assert "(seeds 0, 1, 2, 3, 4, 5, 6, 7, 8, 9)" in as_text(
+        result_of(plan(counted.cell), [counted], Path("results"))
+    )
+
+
+def test_a_campaign_of_which_nothing_has_run_says_so() -> None:
+    head, *others = as_text(result_of(plan(cell()), [], Path("results"))).splitlines()
+
+    assert head.startswith(f"  {'passed':>20}  ")
+    assert others[0] == "bend: not run, a cell before it is not as expected"
+
+
 def test_each_count_of_a_cell_has_its_place() -> None:
     verdicts = ["failed"] * 6 + ["false"] * 4 + ["bug"] * 3 + ["passed"] * 2
     wanted = replace(cell(seeds=range(25)), column="in 90 mm")
