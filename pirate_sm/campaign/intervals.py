@@ -36,8 +36,8 @@ def wilson(successes: int, runs: int, confidence: float) -> Interval:
     share, scale = successes / runs, 1.0 + z * z / runs
     middle = (share + z * z / (2 * runs)) / scale
     half = z / scale * sqrt(share * (1.0 - share) / runs + z * z / (4 * runs * runs))
-    least = 0.0 if successes == 0 else max(0.0, middle - half)
-    return Interval(least, 1.0 if successes == runs else min(1.0, middle + half))
+    least = 0.0 if successes == 0 else middle - half
+    return Interval(least, 1.0 if successes == runs else middle + half)
 
 
 _SAME = 1.0 + 1e-7
@@ -57,8 +57,6 @@ def fisher_exact(successes: int, runs: int, other_successes: int, other_runs: in
         other_runs: Of the second.
     """
     total, all_runs = successes + other_successes, runs + other_runs
-    if total * 2 > all_runs:  # the rarer outcome has the fewer tables
-        total, successes = all_runs - total, runs - successes
     ways = _log_choose(all_runs, total)
 
     def chance(first: int) -> float:

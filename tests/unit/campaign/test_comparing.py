@@ -6,7 +6,7 @@ from collections.abc import Container
 
 import pytest
 
-from pirate_sm.campaign.comparing import compare, comparison_text
+from pirate_sm.campaign.comparing import Difference, compare, comparison_text
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.model.campaign import StoppingRule
 
@@ -36,6 +36,23 @@ def test_runs_with_other_seeds_are_compared_as_independent_ones() -> None:
 
     assert only.chance == pytest.approx(0.1558, abs=1e-4)
     assert (only.test, only.worse) == ("Fisher", False)
+
+
+@pytest.mark.parametrize(
+    ("first", "second", "worse"),
+    [
+        ((90, 100), (500, 1000), True),
+        ((50, 100), (900, 1000), False),
+        ((900, 1000), (50, 100), True),
+        ((500, 1000), (90, 100), False),
+    ],
+)
+def test_shares_decide_which_is_worse_and_not_how_many_runs_there_are(
+    first: tuple[int, int], second: tuple[int, int], worse: bool
+) -> None:
+    found = Difference("bend", first, second, 0.001, "Fisher", True, (), ())
+
+    assert found.worse == worse
 
 
 def test_runs_that_share_some_seeds_only_are_compared_as_independent_ones() -> None:

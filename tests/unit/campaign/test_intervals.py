@@ -45,6 +45,8 @@ def test_without_runs_nothing_is_known() -> None:
         (297, 300, 982, 1000),
         (0, 20, 0, 30),
         (99_000, 100_000, 98_800, 100_000),
+        (5, 6, 5, 14),  # another table is as likely, but for rounding
+        (1, 3, 1, 5),  # the chances of all tables add up to a little more than 1
     ],
 )
 def test_fishers_exact_test(stats: Any, table: tuple[int, int, int, int]) -> None:
@@ -53,6 +55,7 @@ def test_fishers_exact_test(stats: Any, table: tuple[int, int, int, int]) -> Non
 
     assert fisher_exact(a, n, b, m) == pytest.approx(expected, rel=1e-6)
     assert fisher_exact(b, m, a, n) == pytest.approx(expected, rel=1e-6)
+    assert fisher_exact(a, n, b, m) <= 1.0
 
 
 @pytest.mark.parametrize(
