@@ -61,6 +61,12 @@ def test_runs_that_share_some_seeds_only_are_compared_as_independent_ones() -> N
     assert only.test == "Fisher"
 
 
+def test_a_cell_without_runs_has_no_pairs() -> None:
+    (only,) = compare([tally("a", (), 50)], [tally("a", (), 0)]).differences
+
+    assert (only.test, only.chance, only.worse) == ("Fisher", 1.0, False)
+
+
 def test_a_cell_that_was_stopped_earlier_is_compared_by_the_seeds_of_both() -> None:
     (only,) = compare([tally("a", range(2), 40)], [tally("a", range(10), 400)]).differences
 
