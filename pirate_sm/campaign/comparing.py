@@ -25,8 +25,8 @@ class Difference:
         chance: How likely so large a difference is by chance, two-sided.
         test: The exact test that says so: ``McNemar`` for runs in pairs of one seed, ``Fisher`` for
             independent ones.
-        significant: Whether it counts, with as many cells as were compared (Holm's correction).
         lost: Seeds that passed in the first and do not in the second; likewise ``gained``.
+        significant: Whether it counts, with as many cells as were compared (Holm's correction).
     """
 
     name: str
@@ -34,9 +34,9 @@ class Difference:
     then: tuple[int, int]
     chance: float
     test: Literal["McNemar", "Fisher"]
-    significant: bool
     lost: tuple[int, ...]
     gained: tuple[int, ...]
+    significant: bool = False
 
     @property
     def worse(self) -> bool:
@@ -95,9 +95,9 @@ def _difference(first: Tally, second: Tally) -> Difference:
     passed, then = (first.passed, first.runs), (second.passed, second.runs)
     if len(before.keys() & after.keys()) == min(len(before), len(after)) > 0:
         chance = mcnemar_exact(len(lost), len(gained))
-        return Difference(first.cell.name, passed, then, chance, "McNemar", False, lost, gained)
+        return Difference(first.cell.name, passed, then, chance, "McNemar", lost, gained)
     chance = fisher_exact(*passed, *then)
-    return Difference(first.cell.name, passed, then, chance, "Fisher", False, lost, gained)
+    return Difference(first.cell.name, passed, then, chance, "Fisher", lost, gained)
 
 
 def _passes(tally: Tally) -> dict[int, int]:

@@ -99,10 +99,7 @@ class Tracker:
 
     @staticmethod
     def _slope(seen: Sequence[tuple[float, float]]) -> float:
-        if len(seen) < 2:
-            return 0.0
-        half = len(seen) // 2
-        pairs = zip(seen[:-half], seen[half:], strict=True)
+        pairs = zip(seen, seen[len(seen) // 2 :], strict=False)
         return _median([(b - a) / (tb - ta) for (ta, a), (tb, b) in pairs if tb > ta])
 
 

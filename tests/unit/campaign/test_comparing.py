@@ -50,15 +50,22 @@ def test_runs_with_other_seeds_are_compared_as_independent_ones() -> None:
 def test_shares_decide_which_is_worse_and_not_how_many_runs_there_are(
     first: tuple[int, int], second: tuple[int, int], worse: bool
 ) -> None:
-    found = Difference("bend", first, second, 0.001, "Fisher", True, (), ())
+    found = Difference("bend", first, second, 0.001, "Fisher", (), (), significant=True)
 
     assert found.worse == worse
 
 
 def test_runs_that_share_some_seeds_only_are_compared_as_independent_ones() -> None:
-    (only,) = compare([tally("a", range(5))], [tally("a", range(5), first=1)]).differences
+    (only,) = compare([tally("a", range(5))], [tally("a", range(3, 7), first=1)]).differences
 
-    assert only.test == "Fisher"
+    assert (only.test, only.passed, only.then) == ("Fisher", (195, 200), (196, 200))
+    assert (only.lost, only.gained) == ((5, 6), (1, 2))
+
+
+def test_one_seed_makes_a_pair() -> None:
+    (only,) = compare([tally("a", (), 1)], [tally("a", (), 1)]).differences
+
+    assert only.test == "McNemar"
 
 
 def test_a_cell_without_runs_has_no_pairs() -> None:
@@ -182,6 +189,7 @@ def test_ten_seeds_are_written_without_dots() -> None:
     text = comparison_text(compare([tally("a", range(0))], [tally("a", range(10))]))
 
     assert "    10 lost in B: seeds 0, 1, 2, 3, 4, 5, 6, 7, 8, 9\n" in text
+    assert text.endswith("B is worse than A\n")
 
 
 def test_without_a_cell_in_both_there_is_the_head_alone() -> None:

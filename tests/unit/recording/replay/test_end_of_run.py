@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import inf
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from pirate_sm.engine.robot.robot_state import Flight
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.model.effects import CommandStatus
@@ -17,7 +19,7 @@ from pirate_sm.recording.read.reader import Recording, read_end_of_recording, re
 from pirate_sm.recording.read.steps import Message
 from pirate_sm.recording.replay import end_of_run as module
 from pirate_sm.recording.replay.end_of_run import end_of_run
-from pirate_sm.recording.replay.replay import same
+from pirate_sm.recording.replay.replay import Rerun, rerun, same
 from pirate_sm.recording.write import piece_maker, recorder
 from pirate_sm.wiring import Order
 from tests.unit.recording.recording_runs import ROOT, record, record_cut_off
@@ -184,6 +186,53 @@ def test_where_the_disk_was_slow_and_one_of_several_commands_is_next_nobody_know
 
     with pytest.raises(RecordingError, match="one of ClampFront, ToggleLighting may have been"):
         end_of_run(path)
+
+
+def test_the_next_command_is_not_the_last_of_the_mission_where_a_failure_ends_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    mission, path = tmp_path / "one.yaml", tmp_path / "one.mcap"
+    mission.write_text(
+        f"""
+format: 1
+mission: switching
+robot: {ROOT / "hardware_profiles" / "pirate_ii"}
+start: b
+phases:
+  b: {{wait: [{{after: 4 s, go: c}}], within: {{time: 8 s, go: e}}}}
+  c: {{wait: [{{after: 1 s, go: d}}], within: {{time: 2 s, go: a}}}}
+  d: {{go: c}}
+  a: {{do: [{{control: exp_3a}}, ToggleLighting], go: z}}
+  z: {{do: [ClampFront], go: e}}
+ends: {{e: {{succeed: Done}}}}
+""",
+        "utf-8",
+    )
+    record_cut_off(path, Order(str(mission), backend="trace"), 0.5)
+    slow_disk(monkeypatch, 0.0)
+
+    end = end_of_run(path)
+
+    assert end.maybe == end.loaded.robot.table.command_index["ToggleLighting"]
+
+
+def test_an_array_of_a_loop_in_flight_says_nothing_about_the_next_command(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = branching(tmp_path, 0.5, late="ClampFront")
+
+    def streaming(*given: Any) -> Iterator[Rerun]:
+        for again in rerun(*given):
+            assert again.state is not None
+            robot = again.state.robot
+            flight = Flight(robot.next_id, robot.latest, "stream")
+            state = again.state._replace(robot=robot._replace(flight=flight))
+            yield again._replace(step=again.step._replace(state=None), state=state)
+
+    slow_disk(monkeypatch, 0.0)
+    monkeypatch.setattr(module, "rerun", streaming)
+
+    assert end_of_run(path).maybe is not None
 
 
 def test_a_command_in_flight_is_the_last_that_can_have_been_sent(
