@@ -5,13 +5,14 @@ from __future__ import annotations
 import json
 import pickle
 import re
+from collections import defaultdict
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from hashlib import sha256
 from itertools import product
 from math import prod
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from pydantic_core import to_jsonable_python
 
@@ -34,8 +35,7 @@ from pirate_sm.loading.yaml.document import Document, parse_document, read_docum
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.base import LONGEST_NAME
 from pirate_sm.model.campaign import Campaign, Expectation, StoppingRule, TrueEnd
-from pirate_sm.model.fidelity import USUAL
-from pirate_sm.model.variations import StartJitter
+from pirate_sm.model.run_options import OPTIONS
 from pirate_sm.on_disk import is_file
 from pirate_sm.wiring import Order, load, prepare
 
@@ -183,16 +183,7 @@ class _Reading:
     def _cells(self, choices: Choices, named: Named) -> Iterator[Cell]:
         """Yield the cells of one mission."""
         seeds = self.seeds if self.seeds is not None else choices.of("seeds")
-        jitter = cast("StartJitter", choices.of("jitter") or StartJitter())
-        common = Order(
-            named.mission,
-            robot=named.robot,
-            twin=named.twin,
-            start_jitter_m=jitter.start,
-            friction_jitter=jitter.friction,
-            diameter_jitter_m=jitter.diameter,
-            fidelity=choices.of("fidelity") or USUAL,
-        )
+        common = choices.order(named.mission, robot=named.robot, twin=named.twin)
         sets = {name: list(texts(each)) for name, each in (choices.of("set") or {}).items()}
         count = prod(map(len, (named.pipes, *sets.values(), named.detectors, named.defects)))
         if count * len(_backends(choices)) > MOST_CELLS:
@@ -303,11 +294,10 @@ def _backends(choices: Choices) -> Sequence[str]:
 
 def _blamed(order: Order, loaded: LoadedMission, choices: Choices) -> Keys:
     """Return the place of the choice without which an order could be run, else of its mission."""
-    usual: dict[str, dict[str, Any]] = {
-        **{"detector": {"detector": None}, "fidelity": {"fidelity": USUAL}},
-        **{"twin": {"twin": None}, "backend": {"backend": "sim"}},
-        "jitter": {"start_jitter_m": 0.0, "friction_jitter": 0.0, "diameter_jitter_m": 0.0},
-    }
+    usual = defaultdict[str, dict[str, Any]](dict)
+    for name, each in reversed([*OPTIONS.items()]):  # the backend last
+        if each.in_campaigns:
+            usual[each.word][name] = each.default
     for key, values in usual.items():
         if choices.of(key) is not None:
             try:

@@ -18,6 +18,7 @@ from pirate_sm.model.campaign import (
     Values,
 )
 from pirate_sm.model.quantities import FROM_FILE
+from pirate_sm.model.run_options import OPTIONS
 from pirate_sm.units import format_quantity
 from pirate_sm.wiring import Order
 
@@ -45,6 +46,15 @@ class Choices:
         """Return a choice; None if it is left open."""
         own = getattr(self.entry, key)
         return own if own is not None else getattr(self.common, key)
+
+    def order(self, mission: str, **names: Any) -> Order:
+        """Return the order of the mission with all choices of one value."""
+        one: dict[str, Any] = {}
+        for name, each in OPTIONS.items():
+            value = self.of(each.word) if each.in_campaigns == "one" else None
+            if value is not None:
+                one[name] = getattr(value, each.key) if each.key else value
+        return Order(mission, **one | names)
 
     @property
     def mission(self) -> Path:

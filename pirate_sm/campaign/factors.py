@@ -8,12 +8,13 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.model.profile import Profile
+from pirate_sm.model.run_options import JITTER
 from pirate_sm.simulation.defects import drawn
 from pirate_sm.simulation.surroundings import Jitter, drawn_jitter
-from pirate_sm.units import parse_quantity, unit_of
+from pirate_sm.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
 from pirate_sm.wiring import Order
 
-FROM_FILES = ("start_m", "friction", "diameter_m")
+FROM_FILES = tuple(f"{each.key}_m" if each.unit == LENGTH else each.key for each in JITTER)
 """The factors that are how far a run differs from its files."""
 
 
@@ -34,11 +35,10 @@ class Factor(NamedTuple):
 
 def factors_of(order: Order) -> tuple[Factor, ...]:
     """Return what the runs of an order draw."""
-    spreads = order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m
     found = [
-        Factor(name, unit, -most, most)
-        for name, unit, most in zip(FROM_FILES, ("m", "", "m"), spreads, strict=True)
-        if most
+        Factor(name, unit_of(each.unit or DIMENSIONLESS), -most, most)
+        for name, each in zip(FROM_FILES, JITTER, strict=True)
+        if (most := getattr(order, each.name))
     ]
     for name, written in _numbers(order.defects):
         low, dots, high = map(str.strip, written.partition(".."))
@@ -54,8 +54,7 @@ def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
     Raises:
         UsageError: The robot does not have the defects.
     """
-    most = Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m)
-    differs = drawn_jitter(most, np.random.default_rng(order.seed))
+    differs = drawn_jitter(Jitter(*order.jitter), np.random.default_rng(order.seed))
     numbers = dict(_numbers(drawn(order.defects, profile, order.seed)))
     values = {name: parse_quantity(text).value for name, text in numbers.items()}
     values |= zip(FROM_FILES, (differs.start_m, differs.friction, differs.diameter_m), strict=True)

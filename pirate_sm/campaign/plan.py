@@ -4,15 +4,16 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 from pydantic import BaseModel, Field, ValidationError
 from pydantic_core import to_jsonable_python
 
 from pirate_sm.model.campaign import Expectation, StoppingRule, TrueEnd
-from pirate_sm.model.fidelity import USUAL
+from pirate_sm.model.run_options import OPTIONS, written
 from pirate_sm.model.variations import LineFaults
+from pirate_sm.units import DIMENSIONLESS, TIME
 from pirate_sm.wiring import Order
 
 FORMAT = 1
@@ -51,18 +52,12 @@ class Cell:
     def values(self) -> dict[str, str]:
         """What its runs have in common, by name; what is left open is not there."""
         order = self.order
-        named = {
-            "name": self.name,
-            "mission": order.mission,
-            "robot": order.robot,
-            "pipe": order.pipe,
-            "backend": order.backend,
-            "detector": order.detector,
-            "twin": order.twin,
-            "fidelity": order.fidelity,
-            "defects": " + ".join(order.defects),
-            "line": ", ".join(f"{name}={value}" for name, value in _faults(order.line)),
-        }
+        named = {"name": self.name, "mission": order.mission}
+        for name, each in OPTIONS.items():
+            value = getattr(order, name)
+            if each.in_campaigns and value is not None and not each.key:
+                named[each.word] = " + ".join(each.texts(value))
+        named["line"] = ", ".join(_faults(order.line))
         named |= {f"set_{name}": value for name, value in order.settings.items()}
         return {name: value for name, value in named.items() if value}
 
@@ -184,44 +179,15 @@ def _seeds(marked: _SeedRange | list[int]) -> Sequence[int]:
 
 def command_of(order: Order, seed: int) -> str:
     """Return the command that repeats a run."""
-    words = [order.mission, "--seed", str(seed), "--speed", "max"]
-    words += _option("--backend", order.backend, "sim")
-    words += _option("--robot", order.robot, None) + _option("--pipe", order.pipe, None)
-    for name, value in order.settings.items():
-        words += ["--set", f"{name}={value}"]
-    for defect in order.defects:
-        words += ["--defect", defect]
-    jitters = {
-        "start": _length(order.start_jitter_m),
-        "friction": _share(order.friction_jitter),
-        "diameter": _length(order.diameter_jitter_m),
-    }
-    for name, value in jitters.items():
-        words += ["--jitter", f"{name}={value}"] if value else []
-    words += _option("--detector", order.detector, None) + _option("--twin", order.twin, None)
-    words += _option("--fidelity", order.fidelity, USUAL)
-    for name, value in _faults(order.line):
-        words += ["--line", f"{name}={value}"]
-    return f"pirate run {shlex.join(words)}"
+    mission, *words = replace(order, seed=0, check=False).command()
+    words += [word for fault in _faults(order.line) for word in ("--line", fault)]
+    return f"pirate run {shlex.join([mission, '--seed', str(seed), '--speed', 'max', *words])}"
 
 
-def _option(name: str, value: str | None, usual: str | None) -> list[str]:
-    return [] if value is None or value == usual else [name, value]
-
-
-def _length(length_m: float) -> str:
-    return f"{length_m * 1000:.12g}mm" if length_m else ""
-
-
-def _share(share: float) -> str:
-    return f"{share * 100:.12g}%" if share else ""
-
-
-def _faults(line: LineFaults | None) -> list[tuple[str, str]]:
-    """Return the faults of a line that are switched on, with their values as text."""
+def _faults(line: LineFaults | None) -> Iterator[str]:
+    """Yield the faults of a line that are switched on, with their values."""
     given = {} if line is None else line.model_dump(exclude_defaults=True)
-    shares = ("loss_in", "loss_out", "corruption")
-    return [
-        (name, _share(value) if name in shares else f"{value * 1000:.12g}ms")
-        for name, value in given.items()
-    ]
+    for name, value in given.items():
+        is_share = name in ("loss_in", "loss_out", "corruption")
+        text = written(value, DIMENSIONLESS if is_share else TIME)
+        yield f"{name}={text.replace(' ', '')}"

@@ -9,7 +9,6 @@ from typing import Annotated, Any, Literal, TypeAlias
 from pydantic import BeforeValidator, Field, ValidationInfo, WithJsonSchema, model_validator
 
 from pirate_sm.model.base import AlsoWritten, Format, Frozen, Name
-from pirate_sm.model.fidelity import Fidelity
 from pirate_sm.model.quantities import (
     AnyQuantity,
     Flag,
@@ -20,7 +19,7 @@ from pirate_sm.model.quantities import (
     range_fault,
 )
 from pirate_sm.model.simulation import DefectText
-from pirate_sm.model.variations import LineFaults, StartJitter
+from pirate_sm.model.variations import LineFaults, PlainChoices, StartJitter
 from pirate_sm.units import DIMENSIONLESS, QuantityError, read_quantity
 
 MOST_SEEDS = 10**9
@@ -204,7 +203,7 @@ class TrueEnd(Frozen):
     states: tuple[tuple[str, ...], ...] = ()
 
 
-class RunChoices(Frozen):
+class RunChoices(PlainChoices):
     """What a campaign and each of its missions can say about runs.
 
     Attributes:
@@ -218,8 +217,6 @@ class RunChoices(Frozen):
         detector: Names of detectors, instead of the backend's usual one; one, or a list.
         line: Faults of the serial line, for the backend `bay`.
         jitter: How far each run may differ from the files.
-        twin: File with numbers of the simulated robot.
-        fidelity: How finely the backend `sim` computes.
         seeds: Which seeds run.
         expect: Least shares, below which the campaign fails.
         end: What must be true when a mission has succeeded.
@@ -233,8 +230,6 @@ class RunChoices(Frozen):
     detector: Texts | None = None
     line: LineFaults | None = None
     jitter: StartJitter | None = None
-    twin: str | None = None
-    fidelity: Fidelity | None = None
     seeds: Seeds | None = None
     expect: Expectation | None = None
     end: TrueEnd | None = None

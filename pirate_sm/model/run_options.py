@@ -13,7 +13,14 @@ from os import PathLike
 from typing import Any, Literal, TypedDict, get_args, get_origin, get_type_hints
 
 from pirate_sm.model.fidelity import USUAL, Fidelity
-from pirate_sm.units import DIMENSIONLESS, LENGTH, TIME, Dimension
+from pirate_sm.units import (
+    DIMENSIONLESS,
+    LENGTH,
+    TIME,
+    Dimension,
+    format_quantity,
+    read_quantity,
+)
 
 
 class Options(TypedDict, total=False):
@@ -74,7 +81,7 @@ class RunOption:
         form: The form of its value in help texts; empty for what needs none.
         completes: What a shell offers, a function of ``pirate_sm.cli.completion``.
         unit: Of a number that is written with its unit.
-        least: The least value of an integer.
+        least: The least value of a number.
         below: A number with a unit must be less.
         key: Its name in ``--jitter KEY=VALUE`` and in the ``jitter`` of campaigns if it says how
             far a simulated run may differ from its files; empty for all others.
@@ -127,14 +134,15 @@ class RunOption:
         elif isinstance(value, tuple):
             yield from value
         else:
-            text = str(value) if self.unit is None else compact(value, self.unit)
+            text = str(value) if self.unit is None else written(value, self.unit).replace(" ", "")
             yield f"{self.key}={text}" if self.key else text
 
 
-def compact(value: float, unit: Dimension) -> str:
-    """Return a length, a time or a share with its unit, as one word of a command line."""
+def written(value: float, unit: Dimension) -> str:
+    """Return a length, a time or a share as people write it: ``20 mm``; it is read exactly."""
     factor, sign = {LENGTH: (1000, "mm"), TIME: (1000, "ms"), DIMENSIONLESS: (100, "%")}[unit]
-    return f"{value * factor:.12g}{sign}"
+    text = f"{value * factor:.12g} {sign}"
+    return text if read_quantity(text, unit) == value else format_quantity(value, unit)
 
 
 def _option(default: Any, help_text: str, form: str = "", completes: str = "", **more: Any) -> Any:
@@ -144,7 +152,7 @@ def _option(default: Any, help_text: str, form: str = "", completes: str = "", *
 
 
 def _jitter(key: str, unit: Dimension, example: str, help_text: str, **more: Any) -> Any:
-    return _option(0.0, help_text, example, key=key, unit=unit, in_campaigns="one", **more)
+    return _option(0.0, help_text, example, key=key, unit=unit, least=0, in_campaigns="one", **more)
 
 
 @dataclass(frozen=True)
@@ -234,9 +242,9 @@ class GivenOptions:
     diameter_jitter_m: float = _jitter("diameter", LENGTH, "2mm", "Of all inner diameters.")
 
     @property
-    def jitter(self) -> dict[str, float]:
-        """How far a simulated run may differ from its files, by the names of campaigns."""
-        return {each.key: getattr(self, each.name) for each in JITTER}
+    def jitter(self) -> tuple[float, ...]:
+        """How far a simulated run may differ from its files: each of :data:`JITTER`."""
+        return tuple(getattr(self, each.name) for each in JITTER)
 
     def command(self) -> list[str]:
         """Return the words of a command line that give these options, without usual values."""
@@ -265,5 +273,6 @@ OPTIONS: Mapping[str, RunOption] = {
 }
 """All options by their names in Python, in the order of help texts."""
 
+DIFFERS = "How far a simulated run may differ"
 JITTER = tuple(each for each in OPTIONS.values() if each.key)
 """Those that say how far a simulated run may differ from its files."""

@@ -2,26 +2,59 @@
 
 from __future__ import annotations
 
-from typing import Annotated
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Annotated, Any
 
-from pydantic import Field
+from pydantic import Field, create_model
 
 from pirate_sm.model.base import Frozen
-from pirate_sm.model.quantities import Duration, Length, Ratio
+from pirate_sm.model.quantities import Duration, Flag, Length, Ratio
+from pirate_sm.model.run_options import JITTER, OPTIONS, RunOption
+from pirate_sm.units import DIMENSIONLESS, LENGTH, TIME, Dimension
+
+_QUANTITIES: Mapping[Dimension, Any] = {LENGTH: Length, TIME: Duration, DIMENSIONLESS: Ratio}
 
 
-class StartJitter(Frozen):
-    """How far each run may differ from the files; drawn uniformly within plus and minus.
+def with_options(
+    name: str, about: str, options: Mapping[str, RunOption], *, left_open: bool = False
+) -> Any:
+    """Return a part of a file with options of runs, by their keys there.
 
-    Attributes:
-        start: Of the robot's place along the pipe.
-        friction: Of all friction coefficients, as a share.
-        diameter: Of all inner diameters.
+    Args:
+        name: Name of the class.
+        about: What the part is.
+        options: The options.
+        left_open: Whether one that is left out is None, in place of its usual value.
     """
+    lines = [about, "", "Attributes:", *(f"    {key}: {o.help}" for key, o in options.items())]
+    kinds: dict[str, Any] = {key: (_written(o), o.default) for key, o in options.items()}
+    if left_open:
+        kinds = {key: (kind | None, None) for key, (kind, _) in kinds.items()}
+    about = "\n".join(lines)
+    return create_model(name, __base__=Frozen, __module__=__name__, __doc__=about, **kinds)
 
-    start: Annotated[Length, Field(ge=0)] = 0.0
-    friction: Annotated[Ratio, Field(ge=0, lt=1)] = 0.0
-    diameter: Annotated[Length, Field(ge=0)] = 0.0
+
+def _written(option: RunOption) -> Any:
+    kind = Flag if option.type is bool else option.type
+    kind = kind if option.unit is None else _QUANTITIES[option.unit]
+    return Annotated[kind, Field(ge=option.least, lt=option.below)]
+
+
+if TYPE_CHECKING:
+    StartJitter = Frozen
+    PlainChoices = Frozen
+else:
+    StartJitter = with_options(
+        "StartJitter",
+        "How far each run may differ from the files; drawn uniformly within plus and minus.",
+        {each.key: each for each in JITTER},
+    )
+    PlainChoices = with_options(
+        "PlainChoices",
+        "What a campaign can say about runs with one value each.",
+        {o.word: o for o in OPTIONS.values() if o.in_campaigns == "one" and not o.key},
+        left_open=True,
+    )
 
 
 class LineFaults(Frozen):

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Iterator
 from dataclasses import replace
 
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.model.run_options import JITTER
 from pirate_sm.model.simulation import SIMULATORS
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.places import recorded_places
@@ -22,11 +23,6 @@ _BACKENDS = {
     "sim": "in the simulator",
     "serial": "over the serial link",
     "trace": "as a trace",
-}
-_CHANCE = {
-    "start_jitter_m": "start",
-    "friction_jitter": "friction",
-    "diameter_jitter_m": "diameter",
 }
 
 
@@ -112,7 +108,7 @@ def _facts(header: RunHeader, loaded: LoadedMission) -> Iterator[Fact]:
         yield Fact("port", str(options["port"]))
     if header.detector != "none":
         yield Fact("detector", header.detector)
-    chance = [f"{name} ± {options[key]:g}" for key, name in _CHANCE.items() if options.get(key)]
+    chance = [f"{o.key} ± {options[o.name]:g}" for o in JITTER if options.get(o.name)]
     if header.backend in SIMULATORS:
         yield Fact("seed", ", ".join([str(options.get("seed", 0)), *chance]))
     yield from (Fact("fidelity", name) for name in header.coarser)

@@ -66,7 +66,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         ),
         order.seed,
         start_values(loaded),
-        jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
+        jitter=Jitter(*order.jitter),
     )
     from pirate_sm.diagnosis.facts import Subject
     from pirate_sm.diagnosis.listening import OpenLink

@@ -15,8 +15,10 @@ from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.robot.twin_file import simulated_profile
 from pirate_sm.model.pipe import Pipe
+from pirate_sm.model.run_options import JITTER, written
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.backend_links import SlideWatch
+from pirate_sm.units import DIMENSIONLESS, LENGTH
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import USE_TRACE, Order
 
@@ -70,22 +72,18 @@ _MOST_OF_DIAMETER = 0.1
 
 def _senseless(order: Order, pipe: Pipe) -> list[str]:
     """Return what is wrong with how far a run may differ from its files."""
-    wrong, mm = [], 1000
     length_m, most_m = pipe.route().length_m, _MOST_OF_DIAMETER * pipe.diameter
-    if not 0 <= order.friction_jitter < 1:
-        share = f"{order.friction_jitter:.0%}"
-        wrong.append(f"jitter of the friction: expected from 0 % to below 100 %, got {share}")
-    if not 0 <= order.diameter_jitter_m < most_m:
-        wrong.append(
-            f"jitter of the diameter: expected from 0 to below {most_m * mm:g} mm, a tenth of the "
-            f"pipe's, got {order.diameter_jitter_m * mm:g} mm"
-        )
-    if not 0 <= order.start_jitter_m < length_m:
-        wrong.append(
-            f"jitter of the start: expected from 0 to below the length of the pipe, {length_m:g} m,"
-            f" got {order.start_jitter_m:g} m"
-        )
-    return wrong
+    bounds = {
+        "start": (length_m, f"the length of the pipe, {length_m:g} m"),
+        "friction": (1.0, "100 %"),
+        "diameter": (most_m, f"{written(most_m, LENGTH)}, a tenth of the pipe's"),
+    }
+    return [
+        f"jitter of the {each.key}: expected from 0 to below {bounds[each.key][1]}, "
+        f"got {written(value, each.unit or DIMENSIONLESS)}"
+        for each, value in zip(JITTER, order.jitter, strict=True)
+        if not 0 <= value < bounds[each.key][0]
+    ]
 
 
 def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equipment:
@@ -93,19 +91,20 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
     from pirate_sm.backends.simulated import SimulatorBackend
     from pirate_sm.simulation.surroundings import Jitter
 
-    assert loaded.pipe is not None  # as check_order has seen
+    pipe = loaded.pipe
+    assert pipe is not None  # as check_order has seen
     backend = SimulatorBackend(
         simulated_profile(loaded.loaded_robot.profile, order.twin),
-        loaded.pipe,
+        pipe,
         seed=order.seed,
         start_values=start_values(loaded),
-        jitter=Jitter(order.start_jitter_m, order.friction_jitter, order.diameter_jitter_m),
+        jitter=Jitter(*order.jitter),
         defects=order.defects,
         put_back=order.put_back,
         physics=physics,
         name=order.backend,
     )
-    flat = loaded.pipe.section == "bars"
+    flat = pipe.section == "bars"
     return Equipment(
         backend=backend,
         companions=(

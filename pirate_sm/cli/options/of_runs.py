@@ -17,7 +17,7 @@ from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options.declaring import declared
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
 from pirate_sm.errors import UsageError
-from pirate_sm.model.run_options import JITTER, OPTIONS, RunOption
+from pirate_sm.model.run_options import DIFFERS, JITTER, OPTIONS, RunOption
 from pirate_sm.spelling import meant
 from pirate_sm.units import LENGTH
 
@@ -68,7 +68,7 @@ def _jitter() -> Parameter:
         "--jitter",
         metavar="NAME=VALUE",
         autocompletion=candidates.words(*(f"{each.key}=" for each in JITTER)),
-        help=f"How far a simulated run may differ: {examples}.",
+        help=f"{DIFFERS}: {examples}.",
     )
     kind = Annotated[list[str] | None, shape]
     return Parameter("jitter", Parameter.KEYWORD_ONLY, annotation=kind, default=None)
