@@ -75,6 +75,12 @@ def one_of(names: Iterable[str], limit: int = 12) -> str:
     return f"one of {shown}, … ({more} more)" if more > 0 else f"one of {shown}"
 
 
+def listed(names: Iterable[str], word: str = "and") -> str:
+    """Return ``a``, ``a and b`` or ``a, b and c``."""
+    *rest, last = [*names] or [""]
+    return f"{', '.join(rest)} {word} {last}" if rest else last
+
+
 def _fold(word: str) -> str:
     word = word.strip().casefold()
     for ending in _ENDINGS:

@@ -95,7 +95,6 @@ ALPHABETS = {
         "NewCriterionSpec(NamedTuple)",
         (
             "checking/robot/profile_numbers.py",
-            "engine/gliding/criterion_trees.py",
             "engine/robot/done.py",
         ),
     ),

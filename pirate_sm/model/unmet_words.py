@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from math import degrees, inf, isinf, isnan
 
 from pirate_sm.model.unmet import Unmet
+from pirate_sm.spelling import listed
 
 _SHOWN = {"rad": ("deg", degrees(1)), "Nm": ("mNm", 1000.0), "m": ("mm", 1000.0)}
 """Per SI unit the unit of messages, and the factor to it."""
@@ -27,8 +28,8 @@ def advice(unmet: Sequence[Unmet], command: str) -> str:
         return ""
     unknown = [each for each in unmet if each.unknown]
     if unknown:
-        boards = _listed([each.board for each in unknown if each.board])
-        names = _listed([each.signal for each in unknown])
+        boards = listed(dict.fromkeys(each.board for each in unknown if each.board))
+        names = listed(dict.fromkeys(each.signal for each in unknown))
         where = f" of {boards}" if boards else ""
         return f"check the sensor of {names} and the cable{where}, then repeat {command}"
     moving = [each.signal for each in unmet if each.still_moves]
@@ -38,9 +39,9 @@ def advice(unmet: Sequence[Unmet], command: str) -> str:
         )
     resting = [each.signal for each in unmet if each.hardly_moved]
     if resting:
-        why = f"see why {_listed(resting)} did not come nearer"
+        why = f"see why {listed(dict.fromkeys(resting))} did not come nearer"
         return f"{why} (something blocks it, or its motor has no power), then repeat {command}"
-    names = _listed([each.signal for each in unmet])
+    names = listed(dict.fromkeys(each.signal for each in unmet))
     return f"see what stops {names}, or give {command} more time, then repeat it"
 
 
@@ -92,9 +93,3 @@ def _quantity(value: float, unit: str) -> str:
 
 def _time(age_s: float) -> str:
     return f"{age_s:.3g} s" if age_s >= 1 else f"{age_s * 1000:.0f} ms"
-
-
-def _listed(names: Sequence[str]) -> str:
-    """Return the names without repetition, as a list in words."""
-    *rest, last = dict.fromkeys(names) or [""]
-    return f"{', '.join(rest)} and {last}" if rest else last

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-
 
 def seconds(duration_s: float) -> str:
     """Return a duration in words: ``0.52 s``, ``12.3 s``, ``4 min 05 s``."""
@@ -11,12 +9,6 @@ def seconds(duration_s: float) -> str:
         minutes, rest = divmod(round(duration_s), 60)
         return f"{minutes} min {rest:02d} s"
     return f"{duration_s:.2f} s" if duration_s < 9.95 else f"{duration_s:.1f} s"
-
-
-def listed(words: Iterable[str]) -> str:
-    """Return the words with commas, the last two joined by *and*."""
-    *before, last = words
-    return f"{', '.join(before)} and {last}" if before else last
 
 
 def number_of(count: int, one: str, more: str) -> str:

@@ -8,9 +8,10 @@ from typing import Literal
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
 from pirate_sm.report.contents import Sentence
-from pirate_sm.report.phrases import full_stop, listed, seconds, sentence
+from pirate_sm.report.phrases import full_stop, seconds, sentence
 from pirate_sm.report.summary import ENDED, RunEnding
 from pirate_sm.report.timeline import operator_action
+from pirate_sm.spelling import listed
 
 _WORTH_TELLING_S = 0.2
 """The duration of a shorter command is left out, s."""

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Literal, NamedTuple
 
-from pirate_sm.report.phrases import full_stop, listed, number_of, seconds, sentence
+from pirate_sm.report.phrases import full_stop, number_of, seconds, sentence
+from pirate_sm.spelling import listed
 
 
 class RunEnding(NamedTuple):

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from math import degrees
 from typing import assert_never
 
 from pirate_sm.model import criteria as kinds
 from pirate_sm.model.profile import Profile
+from pirate_sm.spelling import listed
 from pirate_sm.units import ANGLE, Quantity, format_quantity
 
 
@@ -43,12 +44,6 @@ def done_when(profile: Profile, criterion: kinds.Criterion) -> str:
                 f"{_lasting(criterion.for_s)}"
             )
     assert_never(criterion)
-
-
-def listed(names: Iterable[str], word: str = "and") -> str:
-    """Return ``a``, ``a and b`` or ``a, b and c``."""
-    *rest, last = [*names] or [""]
-    return f"{', '.join(rest)} {word} {last}" if rest else last
 
 
 def angle(value_rad: float) -> str:

@@ -7,7 +7,7 @@ from dataclasses import replace
 
 from pirate_sm.drawing.graph.chart_graph import chart_graph
 from pirate_sm.drawing.graph.graph import Cluster, Graph
-from pirate_sm.drawing.robot.criterion_text import angle, done_when, listed, seconds
+from pirate_sm.drawing.robot.criterion_text import angle, done_when, seconds
 from pirate_sm.drawing.robot.side_view import Faults, side_text, side_view
 from pirate_sm.drawing.robot.side_view_svg import side_svg
 from pirate_sm.drawing.robot.written_page import (
@@ -25,6 +25,7 @@ from pirate_sm.loading.robot import LoadedRobot
 from pirate_sm.model.actuation import Duty, HeldTorque, Level, Share, Speed, Stage, Target
 from pirate_sm.model.control import Grip
 from pirate_sm.model.profile import Command, Profile, Slot
+from pirate_sm.spelling import listed
 
 NOTHING = "–"
 

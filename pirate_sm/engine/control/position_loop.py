@@ -61,14 +61,6 @@ class PositionLoop(NamedTuple):
         )
         return size if error > 0 else -size
 
-    def pushes(
-        self, numbers: Numbers, setpoints: Numbers, share: float, least_nm: float = 0.0
-    ) -> bool:
-        """Return whether the joint bears ``share`` of the stall torque at its duty, or more."""
-        duty = setpoints[self.slot]
-        borne = numbers[self.torque] * (1.0 if duty > 0 else -1.0)
-        return duty != 0 and borne > self.pushed_nm(duty, share, least_nm)
-
     def pushed_nm(self, duty: float, share: float, least_nm: float) -> float:
         """Return the torque that a pushed joint exceeds at this duty."""
         return max(least_nm, share * abs(duty) * self.spec.stall_torque_nm)

@@ -29,7 +29,7 @@ from pirate_sm.engine.robot.robot_state import (
     posture_of,
     states_of,
 )
-from pirate_sm.engine.robot.unmet_conditions import seekers_away
+from pirate_sm.engine.robot.unmet_conditions import posture_bounds
 from pirate_sm.engine.sensing.known_signals import Sensing
 
 
@@ -154,7 +154,7 @@ def is_done(
     """Whether the stage in force is done; a posture also needs every joint at its angle."""
     if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
         return False
-    return not seekers_away(robot, state, motion, sensing.numbers)
+    return all(each.holds(sensing.numbers) for each in posture_bounds(robot, state, motion))
 
 
 def stage_origin(state: RobotState, stage: int, sensing: Sensing) -> Numbers:

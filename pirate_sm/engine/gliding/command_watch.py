@@ -7,17 +7,9 @@ from math import isnan
 
 from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.gliding.conditions import ANY_BOARD
-from pirate_sm.engine.gliding.criterion_trees import (
-    all_of,
-    any_of,
-    arrived_tree,
-    criterion_tree,
-    near,
-    number,
-    size_of,
-)
 from pirate_sm.engine.gliding.watch import Condition, SameDuty
 from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
+from pirate_sm.engine.robot.done import Bound, arrived, criterion_tree
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,
@@ -27,7 +19,7 @@ from pirate_sm.engine.robot.robot_state import (
     criteria_of,
     posture_of,
 )
-from pirate_sm.engine.robot.unmet_conditions import why_not_clamped
+from pirate_sm.engine.robot.unmet_conditions import posture_bounds, why_not_clamped
 from pirate_sm.expressions import tree
 from pirate_sm.expressions.bytecode import Code, code_of
 
@@ -55,13 +47,15 @@ def command_conditions(
     if denied and why_not_clamped(body, motion, denied):
         resting = all(isnan(since_s) for _, since_s in criteria)
         return _followed(robot, body, motion) if resting else None
-    within_rad = _posture_within_rad(robot, motion)
+    there = posture_bounds(robot, body, motion)
     found = _followed(robot, body, motion)
     for done, since_s in criteria:
         holds = not isnan(since_s)
-        found.append(Condition(_done(done, body.values, seekers, within_rad), holds, ANY_BOARD))
+        found.append(Condition(_done(done, body.values, seekers, there), holds, ANY_BOARD))
         if holds and isinstance(done, ReachedSpec):  # it need not last once every joint is there
-            found.append(_condition(all_of(arrived_tree(loop) for loop in seekers), False))
+            found.append(
+                _condition(tree.And(tuple(arrived(each).condition for each in seekers)), False)
+            )
     return found
 
 
@@ -88,27 +82,16 @@ def same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
     )
 
 
-def _posture_within_rad(robot: RobotSpec, motion: Motion) -> float | None:
-    """Return how near a posture must be reached, in the stage that reaches one; else None."""
-    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
-    return None if posture is None else posture.within_rad
-
-
-@lru_cache(maxsize=4096)
+@lru_cache(maxsize=4096, typed=True)  # criteria of two kinds can be equal as tuples
 def _done(
     done: CriterionSpec,
     setpoints: Numbers,
     seekers: tuple[PositionLoop, ...],
-    within_rad: float | None,
+    there: tuple[Bound, ...],
 ) -> Code:
     """Return the code of a criterion; in a posture every joint must be at its angle too."""
-    there: list[tree.Node] = []
-    if within_rad is not None:
-        there = [
-            any_of((arrived_tree(loop), near(loop.target_rad, loop.angle, within_rad)))
-            for loop in seekers
-        ]
-    return code_of(all_of((criterion_tree(done, setpoints, seekers), *there)))
+    parts = (criterion_tree(done, setpoints, seekers), *(each.condition for each in there))
+    return code_of(tree.And(parts))
 
 
 def _followed(robot: RobotSpec, body: RobotState, motion: Motion) -> list[Condition]:
@@ -126,9 +109,9 @@ def _followed(robot: RobotSpec, body: RobotState, motion: Motion) -> list[Condit
 
 def _has_moved(loop: PositionLoop, share_of: int, value: float) -> tree.Node:
     """Return whether the loop would be begun anew for an angle that is a share of another."""
-    target = tree.Arithmetic("*", tree.Number(value), number(share_of))
-    away = size_of(tree.Arithmetic("-", target, tree.Number(loop.target_rad)))
-    return tree.Compare(">", away, tree.Number(loop.spec.threshold_rad))
+    target = tree.Arithmetic("*", tree.Number(value), tree.Signal("", "number", share_of))
+    off = tree.Arithmetic("-", target, tree.Number(loop.target_rad))
+    return tree.Compare(">", tree.Call("abs", (off,)), tree.Number(loop.spec.threshold_rad))
 
 
 def _condition(node: tree.Node, holds: bool) -> Condition:

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from functools import lru_cache
 from math import copysign, inf, isnan
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 from pirate_sm.engine.control.loops import Loops
 from pirate_sm.engine.control.position_loop import PositionLoop
@@ -20,6 +21,7 @@ from pirate_sm.engine.robot.criteria import (
     TurningSpec,
 )
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.expressions import tree
 
 Numbers = tuple[float, ...]
 
@@ -36,101 +38,183 @@ class Limit(NamedTuple):
     magnitude: bool = False
 
 
-def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops) -> bool:
-    """Whether the criterion is true of this moment; unknown signals never make it true.
+class Bound(NamedTuple):
+    """What a criterion asks of one signal; of an unknown one nothing is true.
+
+    Attributes:
+        signal: Its number index.
+        operator: How its size compares with ``limit``.
+        limit: The number that its size is compared with.
+        target: The value from which its size is the distance, whatever the side.
+        way: 1.0 or -1.0: its size is its value in this direction instead.
+        or_unknown: Whether an unknown signal counts too.
+    """
+
+    signal: int
+    operator: Literal["<", "<=", ">"]
+    limit: float
+    target: float = 0.0
+    way: float = 0.0
+    or_unknown: bool = False
+
+    def holds(self, numbers: Numbers) -> bool:
+        """Return whether it is true of these numbers."""
+        value = numbers[self.signal]
+        size = value * self.way if self.way else abs(self.target - value)
+        if self.operator == ">":
+            return size > self.limit
+        holds = size < self.limit if self.operator == "<" else size <= self.limit
+        return holds or (self.or_unknown and isnan(value))
+
+    @property
+    def condition(self) -> tree.Node:
+        """Return it as a condition."""
+        signal: tree.Node = tree.Signal("", "number", self.signal)
+        if self.way:
+            size = signal if self.way > 0 else tree.Negate(signal)
+        else:
+            off = tree.Arithmetic("-", tree.Number(self.target), signal) if self.target else signal
+            size = tree.Call("abs", (off,))
+        bound = tree.Compare(self.operator, size, tree.Number(self.limit))
+        return tree.Or((tree.Not(tree.Known(signal)), bound)) if self.or_unknown else bound
+
+    @property
+    def shown(self) -> Limit:
+        """Return it as messages name it."""
+        if self.way:
+            ends = (self.limit, inf) if self.way > 0 else (-inf, -self.limit)
+            return Limit(self.signal, *ends)
+        if self.operator == ">":
+            return Limit(self.signal, self.limit, inf, magnitude=True)
+        return Limit(self.signal, self.target - self.limit, self.target + self.limit)
+
+
+class Need(NamedTuple):
+    """One of the things that a criterion needs, all of which must be true.
+
+    Attributes:
+        ways: The ways in which it is true: in each all of its bounds hold.
+        lacking: The bounds that it lacks where it is not true.
+    """
+
+    ways: tuple[tuple[Bound, ...], ...]
+    lacking: tuple[Bound, ...]
+
+    def holds(self, numbers: Numbers) -> bool:
+        """Return whether it is true of these numbers."""
+        for way in self.ways:  # loops, since this is asked with each frame
+            for bound in way:
+                if not bound.holds(numbers):
+                    break
+            else:
+                return True
+        return False
+
+    @property
+    def condition(self) -> tree.Node:
+        """Return it as a condition."""
+        return tree.Or(tuple(tree.And(tuple(each.condition for each in way)) for way in self.ways))
+
+
+def _only(bound: Bound) -> Need:
+    return Need(((bound,),), (bound,))
+
+
+def near(signal: int, target: float, within: float) -> Bound:
+    """Return the bound that a signal is at most this far from a value."""
+    return Bound(signal, "<=", within, target)
+
+
+def arrived(loop: PositionLoop) -> Bound:
+    """Return the bound that the loop's joint is at its angle."""
+    return near(loop.angle, loop.target_rad, loop.spec.threshold_rad)
+
+
+@lru_cache(maxsize=1024, typed=True)  # asked for with each frame; tuples of two kinds can be equal
+def needs(criterion: CriterionSpec, setpoints: Numbers, loops: Loops) -> tuple[Need, ...]:
+    """Return what a criterion needs under these setpoints; what is unknown never makes it true.
 
     A joint under a torque loop bears the torque of its loop instead of the criterion's.
     """
-    return next(unmet_limits(criterion, numbers, setpoints, loops), None) is None
+    return tuple(_needs(criterion, setpoints, loops))
 
 
-def unmet_limits(  # noqa: C901 - one case for each criterion
-    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops
-) -> Iterator[Limit]:
-    """Yield the limits because of which :func:`pirate_sm.engine.robot.done.holds` is false."""
+def _needs(  # noqa: C901 - one case for each criterion
+    criterion: CriterionSpec, setpoints: Numbers, loops: Loops
+) -> Iterator[Need]:
     match criterion:
         case AcceptedSpec():
             return
         case StalledSpec():
             for rate in criterion.rates:
-                if not abs(numbers[rate]) < criterion.still:
-                    yield Limit(rate, -criterion.still, criterion.still)
+                yield _only(Bound(rate, "<", criterion.still))
             for load in criterion.loads:
-                needed_nm = load.needed_nm(setpoints)
-                if not bears(load.torque, needed_nm, numbers, loops):
-                    yield _least(load.torque, needed_nm, loops)
+                loop = _torque_loop(load.torque, loops)
+                if loop is None:
+                    yield _only(Bound(load.torque, ">", load.needed_nm(setpoints)))
+                elif loop.target_nm:
+                    yield _only(near(load.torque, loop.target_nm, loop.spec.within_nm))
         case ReachedSpec():
-            for loop in loops:
-                if isinstance(loop, PositionLoop) and not (
-                    loop.arrived(numbers) or pushed_to_rest(criterion, loop, numbers, setpoints)
-                ):
-                    yield near(loop.angle, loop.target_rad, loop.spec.threshold_rad)
+            for seeker in loops:
+                if isinstance(seeker, PositionLoop):
+                    yield _reached(criterion, setpoints[seeker.slot], seeker)
         case TurningSpec():
-            driven = [(slot, speed) for slot, speed in criterion.wheels if setpoints[slot] != 0]
-            ways = [(speed, copysign(1.0, setpoints[slot])) for slot, speed in driven]
-            if not any(numbers[speed] * way > criterion.above for speed, way in ways):
-                for speed, way in ways or [(speed, 1.0) for _, speed in criterion.wheels]:
-                    limits = (criterion.above, inf) if way > 0 else (-inf, -criterion.above)
-                    yield Limit(speed, *limits)
+            ways = [(speed, setpoints[slot]) for slot, speed in criterion.wheels if setpoints[slot]]
+            bounds = tuple(
+                Bound(speed, ">", criterion.above, way=copysign(1.0, way))
+                for speed, way in ways or [(speed, 1.0) for _, speed in criterion.wheels]
+            )
+            yield Need(tuple((each,) for each in bounds) if ways else (), bounds)
         case StoppedSpec():
             for speeds in criterion.parts:
-                if still(speeds, numbers, criterion.below):
-                    continue
-                unheard = all(isnan(numbers[speed]) for speed in speeds)
-                for speed in speeds:
-                    if unheard or abs(numbers[speed]) >= criterion.below:
-                        yield Limit(speed, -criterion.below, criterion.below)
+                slow = [Bound(each, "<", criterion.below, or_unknown=True) for each in speeds]
+                heard = tuple((Bound(each, ">", -1.0),) for each in speeds)  # any number will do
+                yield Need(heard, tuple(slow))
+                yield from map(_only, slow)
         case AlignedSpec():
             for slot, angle in criterion.slots:
-                if not abs(setpoints[slot] - numbers[angle]) <= criterion.within:
-                    yield near(angle, setpoints[slot], criterion.within)
+                yield _only(near(angle, setpoints[slot], criterion.within))
         case BelowSpec():
             for signal in criterion.signals:
-                if not abs(numbers[signal]) < criterion.limit:
-                    yield Limit(signal, -criterion.limit, criterion.limit)
+                yield _only(Bound(signal, "<", criterion.limit))
 
 
-def _least(torque: int, least_nm: float, loops: Loops) -> Limit:
-    """Return the torque that a joint should bear: that of its torque loop, else at least this."""
-    loop = torque_loop(torque, loops)
-    if loop is None:
-        return Limit(torque, least_nm, inf, magnitude=True)
-    return near(torque, loop.target_nm, loop.spec.within_nm)
+def _reached(criterion: ReachedSpec, duty: float, loop: PositionLoop) -> Need:
+    """Return that a joint is at its angle, or pushed and standing still."""
+    there = arrived(loop)
+    if duty == 0:
+        return _only(there)
+    pushed_nm = loop.pushed_nm(duty, criterion.loaded, criterion.least_nm)
+    pushed = Bound(loop.torque, ">", pushed_nm, way=copysign(1.0, duty))
+    return Need(((there,), (Bound(loop.rate, "<", criterion.still), pushed)), (there,))
 
 
-def near(signal: int, target: float, within: float) -> Limit:
-    """Return the limit that a signal is within a distance of its target."""
-    return Limit(signal, target - within, target + within)
+def holds(criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops) -> bool:
+    """Whether the criterion is true of this moment."""
+    return all(need.holds(numbers) for need in needs(criterion, setpoints, loops))
 
 
-def pushed_to_rest(
-    criterion: ReachedSpec, loop: PositionLoop, numbers: Numbers, setpoints: Numbers
-) -> bool:
-    """Return whether a joint is pushed and stands still."""
-    resting = abs(numbers[loop.rate]) < criterion.still
-    return resting and loop.pushes(numbers, setpoints, criterion.loaded, criterion.least_nm)
+def criterion_tree(criterion: CriterionSpec, setpoints: Numbers, loops: Loops) -> tree.Node:
+    """Return the criterion as a condition on the signals."""
+    parts = tuple(need.condition for need in needs(criterion, setpoints, loops))
+    return tree.And(parts) if parts else tree.TruthValue(True)
 
 
-def bears(torque: int, least_nm: float, numbers: Numbers, loops: Loops) -> bool:
-    """Return whether a joint bears a torque: that of its torque loop, else at least this one."""
-    loop = torque_loop(torque, loops)
-    if loop is not None:
-        return loop.target_nm == 0 or loop.settled(numbers)
-    return abs(numbers[torque]) > least_nm
+def unmet_limits(
+    criterion: CriterionSpec, numbers: Numbers, setpoints: Numbers, loops: Loops
+) -> Iterator[Limit]:
+    """Yield the limits because of which :func:`pirate_sm.engine.robot.done.holds` is false."""
+    for need in needs(criterion, setpoints, loops):
+        if not need.holds(numbers):
+            yield from (bound.shown for bound in need.lacking)
 
 
-def torque_loop(torque: int, loops: Loops) -> TorqueLoop | None:
+def _torque_loop(torque: int, loops: Loops) -> TorqueLoop | None:
     """Return the loop that keeps the torque with this number index; None without one."""
     for loop in loops:
         if isinstance(loop, TorqueLoop) and loop.spec.torque == torque:
             return loop
     return None
-
-
-def still(speeds: tuple[int, ...], numbers: Numbers, below: float) -> bool:
-    """Return whether at least one wheel reports and all reporting wheels turn slower."""
-    heard = [abs(numbers[speed]) for speed in speeds if not isnan(numbers[speed])]
-    return bool(heard) and max(heard) < below
 
 
 def must_hold_s(

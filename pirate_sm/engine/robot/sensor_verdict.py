@@ -13,8 +13,8 @@ from pirate_sm.engine.robot.confirmation_spec import (
     SeenSpec,
     StandingSpec,
 )
-from pirate_sm.engine.robot.criteria import AcceptedSpec
-from pirate_sm.engine.robot.done import still
+from pirate_sm.engine.robot.criteria import AcceptedSpec, StoppedSpec
+from pirate_sm.engine.robot.done import holds
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import Mark, Numbers, RobotState, states_of
 
@@ -235,7 +235,8 @@ def _standing(robot: RobotSpec, spec: StandingSpec, numbers: Numbers) -> SensorV
         for speed in spec.speeds
         if abs(numbers[speed]) >= spec.below
     ]
-    agrees = still(spec.speeds, numbers, spec.below)
+    stopped = StoppedSpec((spec.speeds,), spec.below, spec.for_s)
+    agrees = holds(stopped, numbers, (), ())
     return SensorVerdict(agrees, "; ".join(against), spec.for_s)
 
 

@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from math import isfinite, isnan, nan
 
 from pirate_sm.engine.control.loops import Loops, signal_of
-from pirate_sm.engine.control.position_loop import PositionLoop
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot.done import (
+    Bound,
     Limit,
     must_hold_s,
     near,
@@ -41,8 +41,9 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
     if motion is None or isnan(motion.accepted_s) or moment.nominal:
         return ()
     limits = [
-        near(loop.angle, loop.target_rad, _within_rad(robot, motion, loop))
-        for loop in seekers_away(robot, state, motion, sensing.numbers)
+        each.shown
+        for each in posture_bounds(robot, state, motion)
+        if not each.holds(sensing.numbers)
     ]
     for done, _ in reversed(criteria_of(robot, motion)):  # the one that asks for least
         if found := list(unmet_limits(done, sensing.numbers, state.values, state.loops)):
@@ -54,24 +55,15 @@ def unmet_conditions(moment: Moment, state: RobotState, sensing: Sensing) -> tup
     )
 
 
-def seekers_away(
-    robot: RobotSpec, state: RobotState, motion: Motion, numbers: Numbers
-) -> list[PositionLoop]:
-    """Return the loops of the joints that have not reached their angles in the posture."""
-    if motion.stage != POSTURE or posture_of(robot, motion) is None:
-        return []
-    return [
-        loop
+def posture_bounds(robot: RobotSpec, state: RobotState, motion: Motion) -> tuple[Bound, ...]:
+    """Return where the joints must be in the posture under way; none outside of one."""
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return ()
+    return tuple(  # the tolerance of a posture may be NaN
+        near(loop.angle, loop.target_rad, max(loop.spec.threshold_rad, posture.within_rad))
         for loop in state.seekers
-        if not abs(loop.target_rad - numbers[loop.angle]) <= _within_rad(robot, motion, loop)
-    ]
-
-
-def _within_rad(robot: RobotSpec, motion: Motion, loop: PositionLoop) -> float:
-    """Return how near the posture under way must be reached; its tolerance may be NaN."""
-    posture = posture_of(robot, motion)
-    threshold_rad = loop.spec.threshold_rad
-    return threshold_rad if posture is None else max(threshold_rad, posture.within_rad)
+    )
 
 
 def why_late(

@@ -6,9 +6,10 @@ import pytest
 
 from pirate_sm.model import effects as fx
 from pirate_sm.model import events as ev
-from pirate_sm.report.phrases import listed, seconds
+from pirate_sm.report.phrases import seconds
 from pirate_sm.report.story import Story
 from pirate_sm.report.summary import RunEnding, RunFacts, summary
+from pirate_sm.spelling import listed
 
 
 def story(*moments: tuple[float, object, list[fx.Effect]]) -> list[str]:

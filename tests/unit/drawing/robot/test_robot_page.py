@@ -7,10 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.drawing.robot.criterion_text import done_when, listed
+from pirate_sm.drawing.robot.criterion_text import done_when
 from pirate_sm.drawing.robot.robot_page import robot_page
 from pirate_sm.drawing.robot.written_page import Heading, Paragraph, Table, html, markdown
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.spelling import listed
 
 ROOT = Path(__file__).resolve().parents[4]
 FOLDERS = [ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt"]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from math import nan
-from types import SimpleNamespace
 
 import pytest
 
@@ -78,28 +77,44 @@ def test_a_joint_is_stalled_that_stands_and_bears_more_than_it_must(rate, torque
 def test_a_joint_under_a_torque_loop_bears_the_torque_of_its_loop(asked_nm, torque, met):
     loops = (position_loop(0.0), torque_loop(9.0, OTHER), torque_loop(asked_nm))
 
-    assert done.bears(TORQUE, 0.25, seen(torque=torque), loops) == met
-    assert done.torque_loop(TORQUE, loops) is loops[2]
-    assert done.torque_loop(SPEED, loops) is None
+    criterion = STALLED._replace(rates=())
+
+    assert done.holds(criterion, seen(torque=torque), (1.0,), loops) == met
 
 
 REACHED = ReachedSpec(still=0.5, loaded=0.5, for_s=1.5, least_nm=0.25)
 
 
 @pytest.mark.parametrize(
-    ("rate", "pushes", "met"),
-    [(0.49, True, True), (0.5, True, False), (-0.5, True, False), (0.0, False, False)],
+    ("rate", "torque", "duty", "met"),
+    [
+        (0.49, 0.51, 1.0, True),
+        (0.49, 0.5, 1.0, False),
+        (0.5, 0.51, 1.0, False),
+        (-0.5, 0.51, 1.0, False),
+        (0.0, -0.51, 1.0, False),
+        (0.0, -0.51, -1.0, True),
+        (0.0, 0.26, 0.25, True),
+        (0.0, 0.25, 0.25, False),
+        (0.0, 9.0, 0.0, False),
+        (nan, 9.0, 1.0, False),
+    ],
 )
-def test_a_joint_that_is_pushed_and_stands_is_stopped_by_a_wall(rate, pushes, met):
-    numbers, setpoints = seen(rate=rate), (1.0,)
+def test_a_joint_that_is_pushed_and_stands_is_stopped_by_a_wall(rate, torque, duty, met):
+    spec = position_loop(0.25).spec._replace(stall_torque_nm=1.0)
+    loop = position_loop(0.25)._replace(spec=spec)
 
-    def asked(*given: object) -> bool:
-        assert given == (numbers, setpoints, 0.5, 0.25)
-        return pushes
+    assert done.holds(REACHED, seen(rate=rate, torque=torque), (duty,), (loop,)) == met
 
-    loop = SimpleNamespace(rate=RATE, pushes=asked)
 
-    assert done.pushed_to_rest(REACHED, loop, numbers, setpoints) == met
+def test_criteria_of_two_kinds_differ_although_they_are_equal_as_tuples():
+    stopped = StoppedSpec(((RATE, SPEED), (TORQUE, OTHER)), 0.5, 0.0)
+    aligned = AlignedSpec(((RATE, SPEED), (TORQUE, OTHER)), 0.5, 0.0)
+    assert stopped == aligned
+    numbers, setpoints = seen(speed=0.75, other=0.75), (1.0, 1.0)
+
+    assert not done.holds(stopped, numbers, setpoints, ())
+    assert done.holds(aligned, numbers, setpoints, ())
 
 
 def test_every_position_loop_must_have_come_to_its_angle():
@@ -142,7 +157,6 @@ def test_a_wheel_turns_the_way_it_is_driven(speed, setpoint, met):
 def test_wheels_stand_if_one_is_heard_and_none_turns(speed, other, met):
     numbers = seen(speed=speed, other=other)
 
-    assert done.still((SPEED, OTHER), numbers, 0.5) == met
     assert done.holds(StoppedSpec(((SPEED, OTHER),), 0.5, 1.5), numbers, (), ()) == met
     two_parts = StoppedSpec(((SPEED, OTHER), (RATE,)), 0.5, 1.5)
     assert not done.holds(two_parts, seen(rate=nan), (), ())

@@ -9,7 +9,6 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.engine.control.position_loop import PositionLoop
-from pirate_sm.engine.gliding.criterion_trees import criterion_tree
 from pirate_sm.engine.robot.command_spec import PositionSpec
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
@@ -21,7 +20,7 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.engine.robot.done import holds
+from pirate_sm.engine.robot.done import criterion_tree, holds
 from pirate_sm.expressions import BooleanType, Expression
 from pirate_sm.model.events import Abort
 
