@@ -116,7 +116,7 @@ def prepared(
     if found.confirmation and not yes:
         raise UsageError(f"{found.confirmation}: agree to it with yes=True")
     if found.detector == "operator":
-        raise UsageError("the detector 'operator' needs a person at a keyboard")
+        raise UsageError("the detector 'operator' needs an operator at a keyboard")
     return found
 
 

@@ -54,7 +54,8 @@ class Page:
         try:
             if is_file(place) and GENERATOR not in place.read_bytes():
                 raise UsageError(
-                    f"{path} exists and is no report, so it stays: name another file, or remove it"
+                    f"{path} exists and is not a report; not overwritten: "
+                    "name another file, or remove it"
                 )
             place.write_text(self.html, encoding="utf-8")
         except OSError as error:

@@ -68,7 +68,7 @@ class Terminal:
             if link.is_symlink():
                 if link.exists() and str(link.readlink()) != self.name:
                     why = f"it leads to {link.readlink()}, which is in use: end the bay there, or"
-                    raise FileExistsError(EEXIST, f"{why} remove the link if that is no bay")
+                    raise FileExistsError(EEXIST, f"{why} remove the link if that is not a bay")
                 link.unlink()
             link.symlink_to(self.name)
         except OSError as error:

@@ -66,7 +66,7 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
         return _Reading(document, path.parent, seeds).plan(check=check)
     kind = kind_of_text(document.text)
     if kind is not Kind.MISSION:
-        raise UsageError(f"{shown(path)} is no campaign and no mission: {_what(kind)}")
+        raise UsageError(f"{shown(path)} is neither a campaign nor a mission: {_what(kind)}")
     if seeds is None:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
     text = json.dumps(

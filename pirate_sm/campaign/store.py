@@ -66,7 +66,7 @@ class DamagedMarkError(UsageError):
         self.problem = f"'{folder / MARK}' is damaged ({why})"
         super().__init__(
             f"{self.problem}: the campaign's command with --resume and "
-            f"--output {shlex.quote(str(folder))} writes it anew, and keeps the results"
+            f"--output {shlex.quote(str(folder))} rewrites it, and keeps the results"
         )
 
 
@@ -161,7 +161,7 @@ class Store:
             why = error.strerror or str(error)
             raise UsageError(f"'{self.folder / MARK}' cannot be read: {why}") from None
         except (ValueError, RecursionError) as error:
-            raise DamagedMarkError(self.folder, f"it is no JSON ({error})") from None
+            raise DamagedMarkError(self.folder, f"it is not JSON ({error})") from None
         if not isinstance(found, dict):
             raise DamagedMarkError(self.folder, "it describes no campaign")
         return found

@@ -172,7 +172,7 @@ class Warner:
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Return the warning."""
         self.warning = until_when(self._recorder)
-        return (Log("warning", f"{self.warning}; the run goes on"),)
+        return (Log("warning", f"{self.warning}; the run continues"),)
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return no event."""

@@ -89,7 +89,7 @@ def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
     if name == "port" or (name == "backend" and value not in SIMULATED):
         return "reaches a robot"
     if name == "robot" and not _is_shipped(value):
-        return "is no shipped robot, which a real one would be driven by"
+        return "is not a bundled robot, which a real one would be driven by"
     if name == "runs" and not is_below(Path(value), folder):
         return "is outside of the project"
     return ""

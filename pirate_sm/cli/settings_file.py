@@ -113,7 +113,7 @@ def _fault(key: str, value: Any, *, is_project: bool) -> dict[str, Any] | None:
     known = [name for name, each in SETTINGS.items() if not (is_project and each.only_user)]
     if key not in known:
         if key in SETTINGS:
-            message = f"only the person's own file sets '{key}'"
+            message = f"only the user's own file sets '{key}'"
             return {"code": "settings.forbidden", "message": message, "at_key": True}
         close = nearest(key, known)
         return {

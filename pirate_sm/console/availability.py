@@ -219,7 +219,7 @@ def _why_not_pause(state: EngineState) -> str:
 
 def _why_not_skip(snapshot: Snapshot, state: EngineState) -> str:
     if state.mission.paused:
-        return "nothing is passed over while paused"
+        return "nothing is skipped while paused"
     it = snapshot.scene.loaded.program.instructions[state.mission.pc]
     waits = isinstance(it, Wait | SwitchControl)
     return "" if waits and state.mission.begun else "nothing is waited for"

@@ -24,7 +24,7 @@ _ALWAYS = (
     ("@", "Type where wheel 1 is and what is seen, while nothing moves."),
     ("=", "Where a drive by hand stops: after a distance, before the joint."),
     ("1 … 9", "Answer what the mission asks."),
-    ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("Tab", "Next page, if the terminal is too small for all of it."),
     ("PgUp PgDn", "Earlier and later lines of the log."),
     ("#", "Pre-flight: the checks of pirate doctor on the open port, repeated."),
     ("!", "Every alarm with its time, in full; Enter there acknowledges one."),
@@ -42,7 +42,7 @@ _LOOKING_BACK = (
     ("↑ ↓", "10 s back, 10 s on; so do PgUp and PgDn."),
     ("< >", "The phase before, the next one."),
     ("Home End", "The start, the end."),
-    ("Tab", "Next page, where the terminal is too small for all at once."),
+    ("Tab", "Next page, if the terminal is too small for all of it."),
     ("?", "This page."),
     ("^t", "Next theme."),
     ("q", "Leave."),
@@ -50,14 +50,14 @@ _LOOKING_BACK = (
 
 _SIGNS = (
     ("▶ ‖ ■ ◆", "running, paused, ending or over, no mission: by hand"),
-    ("✓ ▶ ▷ ·", "a phase that was left, the present one, one that has called it, not entered"),
+    ("✓ ▶ ▷ ·", "a phase that was left, the current one, one that has called it, not entered"),
     ("● ○", "a state that has been confirmed; one that was only commanded"),
     ("■ ?", "commanded and stopped: 0 is sent; not shown now, or a fault contradicts it"),
-    ("12s", "after a state: how long ago sensors, an echo or a person showed it"),
+    ("12s", "after a state: how long ago sensors, an echo or the operator showed it"),
     ("┄1.2 3s", "what a value was when it was last reported, and how long ago"),
     (
         "1A 2B 3~ 4– 5?",
-        "wheel 1 touches wall A, 2 wall B, 3 beside the plane of its part, 4 none; 5 is not known",
+        "wheel 1 touches wall A, 2 wall B, 3 out of the plane of its part, 4 none; 5 is not known",
     ),
     ("thick wall", "where a wheel touches it"),
     ("dial", "where side A of a part points, looking ahead: up, right, down, left"),
@@ -90,7 +90,7 @@ def help_lines(
         for name, each in commands.items()
     ]
     if robot.detector_words:
-        lines += [line(""), line(("You as the detector, where nobody else is", STRONG))]
+        lines += [line(""), line(("You as the detector, if there is no other", STRONG))]
         lines += [row(letters.get(word, "^p"), word) for word in robot.detector_words]
     return lines + _signs()
 

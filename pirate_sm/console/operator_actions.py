@@ -112,7 +112,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         robot, state = snapshot.scene.robot, snapshot.state
         lets_go = robot.commands[robot.table.command_index[name]].lets_go
         if lets_go and state is not None and robot.held[state.robot.configuration]:
-            question = f"{name} lets go of the pipe: nothing holds the robot then. Let go?"
+            question = f"{name} releases the pipe: nothing holds the robot then. Release it?"
             self._ask(question, "Let go", give)
         else:
             doubt = availability.drive_doubt(snapshot, name)
@@ -278,7 +278,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     def palette(self) -> Iterable[SystemCommand]:
         """Yield all commands, with the reason for those that are not available."""
         snapshot = self.session.latest
-        yield SystemCommand("Stop", f"Safe state at once ({STOP_KEY})", self.action_stop)
+        yield SystemCommand("Stop", f"Safe state immediately ({STOP_KEY})", self.action_stop)
         ask: Callable[[str], None] = self.action_command
         for name in snapshot.scene.loaded.loaded_robot.profile.commands:
             reason = availability.command_reason(snapshot, name)

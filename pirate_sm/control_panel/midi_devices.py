@@ -108,7 +108,7 @@ def open_device(path: Path) -> int:
     """
     try:
         if not stat.S_ISCHR(path.stat().st_mode):
-            raise UsageError(f"{path} is no device; MIDI devices are /dev/snd/midiC*D*")
+            raise UsageError(f"{path} is not a device; MIDI devices are /dev/snd/midiC*D*")
         return os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
     except PermissionError:
         raise UsageError(f"{path} may not be read: {_who_may(path)}") from None

@@ -162,7 +162,7 @@ class PanelReader:
         self._close()
         self._presses.release_all()
         self._parser = ControlChangeParser()
-        self._happened.append(Connection("lost", f"the panel is gone: {why}"))
+        self._happened.append(Connection("lost", f"the panel is disconnected: {why}"))
 
     def _look_for_it(self) -> None:
         with suppress(UsageError):

@@ -17,7 +17,7 @@ ABOUT: Mapping[str, str] = {
     "sim": "the simulator, which knows where the robot is",
     "odometry": "dead reckoning by wheels and joints",
     "signals": "conditions on the robot's own signals",
-    "operator": "a person with a key for each word",
+    "operator": "the operator, with a key for each word",
     BY_SOCKET: "programs that write to a socket: socket, socket:/PATH or socket:HOST:PORT",
     BY_CAMERA: "a camera over the setup: vision:NAME",
 }

@@ -158,7 +158,7 @@ class Listener:
         for line in lines:
             # A web page can make a browser send a request to this port, with lines in it.
             if b" HTTP/" in line:
-                self._refuse(client, "this is no web server")
+                self._refuse(client, "this is not a web server")
                 return False
             if not line.strip():
                 continue

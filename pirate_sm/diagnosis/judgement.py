@@ -155,7 +155,7 @@ def _about_link(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
             "/etc/security/limits.d, then log in again)",
         )
     if link.resets:
-        message = "the device fell silent and had to be asked anew: it was reset"
+        message = "the device fell silent and had to be asked again: it was reset"
         yield DoctorFinding("no-go", message)
     if link.dropped > DAMAGED_SHARE * max(link.bytes, 1):
         yield DoctorFinding(
@@ -191,7 +191,7 @@ CHECKS: Mapping[str, tuple[str, Check]] = {
 def _about_moving(facts: Facts, advice: Advice) -> Iterator[DoctorFinding]:
     move = facts.move
     if move is None:
-        message = "nothing was sent, so nobody knows whether the motors obey (see --move)"
+        message = "nothing was sent, so it is unknown whether the motors obey (see --move)"
         if advice.no_motion:
             message += f"; if they do not, {advice.no_motion}"
         yield DoctorFinding("note", message)

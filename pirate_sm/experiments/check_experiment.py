@@ -83,7 +83,7 @@ def _robot(path: Path, problems: Problems) -> LoadedRobot | None:
     """Return the robot that the experiment is of; None if its own files have faults."""
     folder = path.resolve().parent.parent
     if not is_file(folder / PROFILE_FILE):
-        message = f"an experiment belongs in a folder beside the {PROFILE_FILE} of its robot"
+        message = f"an experiment belongs in a folder next to the {PROFILE_FILE} of its robot"
         problems.add("experiment.robot", ("experiment",), message, key=True)
         return None
     try:

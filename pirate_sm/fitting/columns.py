@@ -114,7 +114,7 @@ def _table(path: Path) -> Columns:
     except (OSError, UnicodeDecodeError) as error:
         raise UsageError(f"{path} cannot be read: {error}") from None
     except ValueError as error:
-        raise UsageError(f"{path} is no table of numbers with a header: {error}") from None
+        raise UsageError(f"{path} is not a table of numbers with a header: {error}") from None
     if not len(values):
         raise UsageError(f"{path} has no rows")
     return dict(zip(header, values.T, strict=True))

@@ -209,7 +209,7 @@ class _Reader:
                     return each
             if attribute.value.strip() not in self._refused:
                 known = [self._id(each) for each in inside]
-                message = f"'{attribute.value}' is no state directly inside <{around.name}>"
+                message = f"'{attribute.value}' is not a state directly inside <{around.name}>"
                 self._fault("scxml.initial", attribute, message, one_of(known) if known else "")
         return inside[0] if inside else None
 

@@ -184,7 +184,7 @@ class WaitStep(_AnyStep):
     @model_validator(mode="after")
     def _comes_to_an_end(self) -> WaitStep:
         if self.within is None and not any(isinstance(each, TimeTrigger) for each in self.wait):
-            raise ValueError("a `wait` needs `within: {time: …}`, here beside it")
+            raise ValueError("a `wait` needs `within: {time: …}`, here next to it")
         return _counting(self)
 
 

@@ -40,7 +40,7 @@ class RunButton(_Button):
     @model_validator(mode="after")
     def _stops_at_once(self) -> RunButton:
         if self.do == "stop" and (self.hold or self.twice):
-            raise ValueError("a stop acts at once: neither `hold` nor `twice`")
+            raise ValueError("a stop acts immediately: neither `hold` nor `twice`")
         return self
 
 

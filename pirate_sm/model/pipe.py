@@ -174,7 +174,7 @@ class Pipe(Frozen):
             message = "`junctions`, `ends` and `routes` belong to a pipe with `runs`"
             raise key_fault(message, "junctions", "ends", "routes")
         if self.runs is not None and self.patches:
-            raise key_fault("the patches of a pipe with `runs` stand in its runs", "patches")
+            raise key_fault("the patches of a pipe with `runs` belong in its runs", "patches")
         if self.frame is not None and (self.tilt or self.uphill or self.turns):
             message = "a pipe has either `frame`, or `tilt`, `uphill` and `turns`"
             raise key_fault(message, "frame", "tilt", "uphill", "turns")

@@ -90,7 +90,7 @@ def _of_wheels(it: Measured) -> Iterator[Chart]:
     yield _slip(it)
     note = "By the statics of the chain; unknown where no part is clamped."
     yield Chart("Normal forces", "N", 1, it.derived(kinds.NormalForceOf), note)
-    note = "Known where a wheel slips steadily and somebody outside measures the speed."
+    note = "Known if a wheel slips steadily and an outside sensor measures the speed."
     yield Chart("Friction", "", 2, it.derived(kinds.FrictionOf), note)
 
 

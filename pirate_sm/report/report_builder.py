@@ -109,7 +109,7 @@ class _Run:
             self._look(again.state, step.event, at_s)
         if not self._doubt and not same(step.effects, again.effects):
             self._doubt = (
-                f"From {at_s:.2f} s on this version of the program does otherwise than the "
+                f"From {at_s:.2f} s on this version of the program differs from the "
                 "one that recorded: signals may differ from what was known then."
             )
         if again.state is not None:
@@ -202,10 +202,10 @@ class _Run:
                 "ends before the engine was started."
             )
         elif self._about.nominal:
-            doubts.append("Nothing moved: commands ended by their time on paper.")
+            doubts.append("Nothing moved: commands ended by their nominal time.")
         elif seen is None and self._following.poses.times_s:
             doubts.append(
-                "Nobody knew where the robot was: it is drawn where its joints and its odometer "
-                "take it to be. Slip is not in that."
+                "The position of the robot was unknown: it is drawn where its joints and its "
+                "odometer take it to be. Slip is not in that."
             )
         return tuple(doubts)

@@ -61,7 +61,7 @@ class SetpointCodec:
         number, values = kind.field(topic.id), kind.field(topic.values)
         others = sorted(set(kind.fields) - {topic.id, topic.values, topic.hold})
         if others:
-            raise UsageError(f"{kind.name}.msg: nobody knows what to put into {', '.join(others)}")
+            raise UsageError(f"{kind.name}.msg: it is unknown what to put into {', '.join(others)}")
         if number.size is not None or number.kind not in INTEGERS:
             raise UsageError(f"{kind.name}.msg: '{topic.id}' must be one integer")
         if values.kind not in INTEGERS or values.size not in {0, slots}:

@@ -143,7 +143,7 @@ class MissionRun:
         except (_Insisted, KeyboardInterrupt):
             stop = self._requests.stop
             twice = " twice" if self._requests.urgent else ""
-            ended = Ended("interrupted", f"interrupted{twice}, stopped at once")
+            ended = Ended("interrupted", f"interrupted{twice}, stopped immediately")
             return self._abandon(ended, stop.exit_code if stop else INTERRUPTED)
         except Exception as error:
             message = f"an internal error: {described(error)}"

@@ -43,7 +43,7 @@ def chart_schema() -> Schema:
         ),
         "definitions": {
             "parallel": {
-                "description": "The parallel state: all its regions are active at once.",
+                "description": "The parallel state: all its regions are active together.",
                 **_mapping(
                     {
                         "parallel": {"const": True, "description": "Always `true`."},
@@ -104,7 +104,7 @@ def _transition() -> Schema:
                     "items": {"type": "string", "pattern": _EVENT},
                     "minItems": 1,
                     "description": "The command, or several: with spaces between them, or as a "
-                    "list. One may move several regions at once.",
+                    "list. One may move several regions together.",
                 },
                 "target": _text("The state that it leads to, `<Region>.<State>` of this region."),
                 "cond": {

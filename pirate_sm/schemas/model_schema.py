@@ -73,7 +73,7 @@ _TEXTS: Final[dict[str, Schema]] = {
     },
     "ControlName": {
         "type": "string",
-        "description": "A control of the robot, or `none` for its usual actuation.",
+        "description": "A control of the robot, or `none` for its default actuation.",
     },
     "FaultOwner": {
         "type": "string",

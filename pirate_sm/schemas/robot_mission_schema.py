@@ -48,7 +48,7 @@ def _commands(robot: LoadedRobot) -> Schema:
 
 def _controls(robot: LoadedRobot) -> Schema:
     about = {name: control.description for name, control in robot.profile.controls.items()}
-    about[USUAL] = "The robot's usual actuation."
+    about[USUAL] = "The robot's default actuation."
     return {
         "type": "string",
         "description": f"A control of {robot.profile.robot}.",

@@ -48,7 +48,7 @@ class VideoCapture:
             case kinds.FileSource():
                 what = f"the video '{source.file}'"
                 if not is_file(folder / source.file):
-                    raise UsageError(f"{what} is not there, or is no regular file")
+                    raise UsageError(f"{what} does not exist, or is not a regular file")
                 self._video = cv2.VideoCapture(str(folder / source.file))
             case kinds.UrlSource():
                 what = f"the camera at {source.url}"
@@ -97,7 +97,7 @@ class ImageCapture:
         path = self._folder / name
         frame: Frame | None = cv2.imread(str(path)) if is_file(path) else None
         if frame is None:
-            raise UsageError(f"'{name}' is no picture that can be read")
+            raise UsageError(f"'{name}' is not a picture that can be read")
         _check_size(frame, self._size, f"'{name}' has")
         return frame
 

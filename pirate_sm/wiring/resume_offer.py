@@ -90,7 +90,7 @@ class Offer(NamedTuple):
         """Why it does not go on without a person; empty if it does."""
         expected = self.forecast
         if self.refusals or expected is None:
-            return self.refusals or ("nobody knows what would become of it",)
+            return self.refusals or ("it is unknown what would become of it",)
         expects = () if expected.word == "possible" else (f"it {expected.word}: {expected.why}",)
         return (*self.changed, *self.unknown, *self.unplaced, *expects)
 

@@ -73,7 +73,7 @@ def prepare_again(end: EndOfRun, asked: Order, say: Say = lambda text: None) -> 
     check_place(end.loaded, asked.start_at_m)
     order = _order(header, asked)
     if asked.port is None and not is_device(order.port or ""):
-        message = f"the port of the recording, {order.port!r}, is no device of this computer"
+        message = f"the port of the recording, {order.port!r}, is not a device of this computer"
         hint = Hint(": if it is the right one, give it with --port", ": give it with port='PORT'")
         raise UsageError(message, hint=hint)
     opened = opened_by(order.detector or "", Path.cwd()) if asked.detector is None else ""
@@ -283,7 +283,7 @@ def _check_calibration(loaded: LoadedMission, header: RunHeader) -> None:
     zeros = dict(newest.zeros) if newest is not None else {}
     if zeros != dict(header.zeros):
         raise UsageError(
-            "the robot was calibrated anew since the recording: its joint zeros are others now"
+            "the robot was recalibrated since the recording: its joint zeros are others now"
         )
 
 

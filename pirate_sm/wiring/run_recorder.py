@@ -164,7 +164,7 @@ def requested_recording(path: Path, header: RunHeader) -> RecordingFile:
     """
     if path.suffix.lower() != ".mcap" or visible(path.name) != path.name:
         name = re.sub(r"[^\w. +-]", "_", path.stem) + ".mcap"
-        message = f"'{visible(str(path))}' is no name for a recording, which is an MCAP file"
+        message = f"'{visible(str(path))}' is not a name for a recording, which is an MCAP file"
         raise RecordingError(f"{message}: name it '{name}'; nothing has moved")
     try:
         return new_recording(path, header)

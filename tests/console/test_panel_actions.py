@@ -175,13 +175,13 @@ def test_a_question_before_the_second_press_and_a_loss_are_told() -> None:
         async with operator(trace(), size=SMALL, console=desk.console()) as me:
             desk.waiting = [
                 Press("SET+R8", PANEL.buttons["SET+R8"], asks=True),
-                Connection("lost", "the panel is gone: unplugged"),
+                Connection("lost", "the panel is disconnected: unplugged"),
                 Connection("back", "the panel is back"),
             ]
             me.app.heed_panel()
             await me.look()
             assert "Reset: press SET+R8 again within 3 s" in desk.notices
-            assert "the panel is gone: unplugged" in desk.notices
+            assert "the panel is disconnected: unplugged" in desk.notices
             assert "the panel is back" in desk.notices
             assert not me.latest.over
 

@@ -187,6 +187,6 @@ def _failed(book: Explored, step: int) -> set[str]:
 def _mend(visits: Visits, first: int, *, always: bool) -> str:
     if first in visits.unneeded:
         if always:
-            return "leave the step out, or say `unneeded: skip`"
-        return "say `unneeded: skip`: then it is passed over where it is not needed"
+            return "leave the step out, or set `unneeded: skip`"
+        return "set `unneeded: skip`: then it is skipped where it is not needed"
     return "put the commands before it that make it possible, or set `on_failure` at the step"

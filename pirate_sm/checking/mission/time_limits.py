@@ -39,7 +39,7 @@ def time_limits(view: MissionView) -> Iterator[Finding]:
         elif isinstance(each, SwitchControl):
             if each.timeout_s < (least_s := force.winds_s(each.control)):
                 took = f"a motor takes {least_s:.2g} s to wind its spring to the torque"
-                which = "usual timeout" if each.timeout_s == CONTROL_WITHIN_S else "timeout here"
+                which = "default timeout" if each.timeout_s == CONTROL_WITHIN_S else "timeout here"
                 message = f"{took}, and the {which} is {each.timeout_s:g} s"
                 yield places.finding(place, "step.timeout", message)
         elif isinf(each.timeout_s) and isinf(loaded.program.time_limit_s):

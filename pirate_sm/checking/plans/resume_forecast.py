@@ -78,7 +78,7 @@ def _hanging(
     for node in found.nodes:
         mission = node.state.mission
         if mission.begun and mission.pc in read:
-            why = f"it waits for a position ({read[mission.pc]}), and nobody knows where it is"
+            why = f"it waits for a position ({read[mission.pc]}), and its position is unknown"
             return Forecast("may hang", why, story(found, node.step))
     lost = cannot_end(found) if found.complete else set()
     if not lost:

@@ -300,7 +300,7 @@ class _Check:
         if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = (
-            "this is no robot (`robot` and `boards`), mission (`mission` and `phases`), pipe"
+            "this is not a robot (`robot` and `boards`), mission (`mission` and `phases`), pipe"
             " (`pipe` and `segments` or `runs`), camera (`camera` and `source`), calibration"
             " (`robot` and `zeros`), panel (`panel` and `buttons`), trace script, experiment"
             " (`experiment`), twin (`robot` and `motors`), campaign (`campaign`) or scene"

@@ -153,7 +153,7 @@ def safe_clamps(view: RobotView) -> Iterator[Finding]:
             continue
         state = _pressed_in(view, slot, parts.index(part))
         if state:
-            message = f"'{name}' holds the part '{part}' in {state}: at zero it lets go of the wall"
+            message = f"'{name}' holds the part '{part}' in {state}: at zero it releases the wall"
             yield view.at(("safe_state", "zero", number), "robot.safe_clamp", message)
 
 

@@ -54,7 +54,7 @@ def run_calibrate(options: CalibrateOptions) -> int:
         BackendError: There is no robot to connect to.
     """
     if not (options.yes or sys.stdin.isatty()):
-        raise UsageError("somebody must straighten the robot: use a terminal, or say --yes")
+        raise UsageError("straighten the robot by hand: use a terminal, or say --yes")
     loaded = find_loaded(options.robot)
     joints = _joints(loaded, options.skip or ())
     limit_rad = LARGEST_ZERO_RAD
@@ -176,4 +176,4 @@ def _serve_until_enter(listening: Listening, status: Callable[[], str]) -> None:
             print(f"\r{text}\033[K", end="", file=sys.stderr, flush=True)
 
     if not answered_line(turn, look_s=0.0):
-        raise UsageError("nobody answers; nothing was kept")
+        raise UsageError("no answer; nothing was kept")

@@ -173,7 +173,7 @@ def _refuse_another(plan: Plan, store: Store) -> Plan | None:
     except DamagedMarkError as error:
         if error.campaign not in (None, plan.name):
             raise _another(store, f"'{error.campaign}'", f"'{plan.name}'") from None
-        say(f"warning: {error.problem}: it is written anew")
+        say(f"warning: {error.problem}: it is rewritten")
         return None
     if before.name != plan.name:
         raise _another(store, *map(_described, (before, plan)))

@@ -128,7 +128,7 @@ def _counterexample(options: GraphOptions, script: Path) -> list[Stop]:
 def _graph(options: GraphOptions) -> Graph:
     path = _found(options.file)
     if options.counterexample is not None and not _is_mission(path):
-        raise UsageError(f"'{options.file}' is no mission: no event sequence leads through it")
+        raise UsageError(f"'{options.file}' is not a mission: no event sequence leads through it")
     content = _content(path, options)
     if isinstance(content, _Chart):
         return chart_graph(content.outline, content.name)

@@ -51,7 +51,7 @@ def _commands(folders: Iterable[Path]) -> None:
         rows = []
         for name, command in profile.commands.items():
             alias = f"also {other[name]}" if name in other else ""
-            lets_go = "lets go of every clamp" if command.lets_go else ""
+            lets_go = "releases every clamp" if command.lets_go else ""
             about = "; ".join(part for part in (command.description, lets_go, alias) if part)
             rows.append((name, f"at most {command.timeout:g} s", about))
         print_table(f"commands of {folder.name}", rows)

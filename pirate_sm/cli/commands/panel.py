@@ -39,7 +39,7 @@ def show_panel(options: PanelOptions) -> int:
         return SUCCEEDED
     finally:
         os.close(fd)
-    say(f"the panel is gone: {why}")
+    say(f"the panel is disconnected: {why}")
     return BACKEND
 
 

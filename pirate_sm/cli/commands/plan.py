@@ -157,7 +157,7 @@ def _table(found: Found, plan: Plan, width: int) -> Iterator[str]:
         yield from _wrapped(start + changed, width, len(start))
     count = len(plan.steps)
     yield ""
-    yield f"{count} command{'s' if count > 1 else ''}, on paper {plan.nominal_s(robot):g} s"
+    yield f"{count} command{'s' if count > 1 else ''}, nominally {plan.nominal_s(robot):g} s"
 
 
 def _data(found: Found) -> dict[str, Any]:

@@ -50,7 +50,9 @@ def run_replay(options: ReplayOptions) -> int:
     """
     stretch, other = _stretch(options.begin, options.until), _changed(options)
     if other and stretch.from_s:
-        raise UsageError("--from goes on from what was recorded, so it excludes another --mission")
+        raise UsageError(
+            "--from continues from what was recorded, so it excludes another --mission"
+        )
     path = options.recording
     with opened_recording(path) as recording, _mission(recording, options) as loaded:
         if stretch.from_s > recording.until_s:
@@ -159,7 +161,7 @@ def _mission(recording: Recording, options: ReplayOptions) -> Iterator[LoadedMis
         return
     header = recording.header
     if options.mission is None:
-        raise UsageError("say with --mission which mission it shall be replayed with")
+        raise UsageError("name the mission to replay it with by --mission")
     loaded = load_mission(
         library.find_mission(options.mission),
         robot=options.robot,

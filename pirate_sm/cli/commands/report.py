@@ -191,7 +191,7 @@ def _refuse_foreign(*places: Path) -> None:
             problems.append(f"'{place}' is a recording: no page is written over it")
         elif (head := begins(place, HEAD)) and GENERATOR not in head:
             problems.append(
-                f"'{place}' is no page that this program made, so it stays: "
+                f"'{place}' is not a page of this program; not overwritten: "
                 "move it away, or name another file with --output"
             )
     if problems:

@@ -226,11 +226,11 @@ class ResumeDialog:
         if self._wishes.accept and not found.doubts:
             return "g"
         if found.refusals:
-            raise UsageError(f"it cannot go on: {'; '.join(found.refusals)}")
+            raise UsageError(f"it cannot continue: {'; '.join(found.refusals)}")
         if not (sys.stdin.isatty() and sys.stderr.isatty()):
             if self._wishes.accept:
                 raise UsageError(f"--accept is not enough: {'; '.join(found.doubts)}")
-            raise UsageError("it can go on: agree to it on a terminal, or with --accept")
+            raise UsageError("it can continue: agree to it on a terminal, or with --accept")
         return self._ask()
 
     def _ask(self) -> str:

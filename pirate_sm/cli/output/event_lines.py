@@ -85,7 +85,7 @@ class SaysWhyItWaits:
         stop = self._requests.stop
         if stop is not None and not self._explained and (why := away(self._link(), stopping=True)):
             self._explained = True
-            say(f"{stop.reason}: {why}; a second signal ends at once")
+            say(f"{stop.reason}: {why}; a second signal ends it immediately")
 
     def see(self, effects: Sequence[Effect], now_s: float) -> None:
         """Print that the port stays open because the robot has not confirmed its stop."""

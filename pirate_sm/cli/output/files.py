@@ -67,7 +67,7 @@ def refuse_losses(
             problems.append(f"'{place}' is read by this command: name another file to write")
         elif not overwrite and is_file(place) and not is_made(place, tables):
             problems.append(
-                f"'{place}' exists and may be somebody's work, so it stays: "
+                f"'{place}' exists and was not written by this program; not overwritten: "
                 "name another file, or lose this one with --overwrite"
             )
     twice = [place for number, place in enumerate(places) if whole[number] in whole[:number]]

@@ -52,9 +52,9 @@ def report_lines(facts: Facts) -> Iterator[str]:
         why = f": {offer.forecast.why}" if offer.forecast.why else ""
         yield f"expected: {offer.forecast.word}{why}"
         yield from (f"    {each}" for each in offer.forecast.course)
-    yield from (f"cannot go on: {each}" for each in offer.refusals)
+    yield from (f"cannot continue: {each}" for each in offer.refusals)
     if not offer.refusals:
-        yield "can go on" + " once you say where the robot is" * bool(offer.unplaced)
+        yield "can continue" + " once you say where the robot is" * bool(offer.unplaced)
 
 
 def verdict_lines(table: VerdictTable) -> Iterator[str]:

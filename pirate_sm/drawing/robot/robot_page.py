@@ -128,7 +128,7 @@ def _command(robot: LoadedRobot, name: str) -> Iterator[Block]:
         yield from _posture(profile, command.posture)
     yield Paragraph(f"when {done_when(profile, command.done)}.", "Done")
     yield Paragraph(
-        f"if that takes longer than {seconds(command.timeout)}; on paper it takes "
+        f"if that takes longer than {seconds(command.timeout)}; nominally it takes "
         f"{seconds(command.nominal)}.",
         "Fails",
     )

@@ -334,7 +334,7 @@ def _torque(name: str, signals: Signals, path: Path) -> int:
     for place, joint in enumerate(signals.profile.body.joints):
         if joint.name == name and joint.torque is not None:
             return signals.number(joint.torque, ("body", "joints", place, "torque"))
-    signals.problems.add("robot.criterion", path, f"'{name}' is no joint with a torque signal")
+    signals.problems.add("robot.criterion", path, f"'{name}' is not a joint with a torque signal")
     return -1
 
 
@@ -342,5 +342,5 @@ def _angle_slot(name: str, signals: Signals, path: Path) -> tuple[int, int] | No
     for index, slot in enumerate(signals.profile.slots):
         if slot.name == name and slot.unit == "angle" and slot.roll:
             return index, signals.number(slot.roll, path)
-    signals.problems.add("robot.criterion", path, f"'{name}' is no slot that takes an angle")
+    signals.problems.add("robot.criterion", path, f"'{name}' is not a slot that takes an angle")
     return None

@@ -30,7 +30,7 @@ def resolve_controls(
     modifiers: dict[str, Modifiers] = {}
     for name, control in profile.controls.items():
         if name == USUAL:
-            message = f"'{USUAL}' is how a mission asks for the usual actuation: take another name"
+            message = f"'{USUAL}' is how a mission asks for the default actuation: use another name"
             problems.add("robot.control", ("controls", name), message, key=True)
         base = _base(name, control, found, usual, problems)
         overlaid = [dict(states) for states in base]

@@ -140,7 +140,7 @@ def _joint(
             "",
             name,
             names,
-            message=f"'{name}' is no driven joint with a torque signal",
+            message=f"'{name}' is not a driven joint with a torque signal",
         )
         return None
     rate = signals.rate_of(name)

@@ -13,10 +13,10 @@ from pirate_sm.loading.yaml.nodes import Node, YamlFault
 _ADVICE: Final = (
     (
         "mapping values are not allowed",
-        "a ':' cannot stand here",
+        "a ':' is not allowed here",
         "the same indentation as the line before, or text with ': ' in quotes",
     ),
-    ("entries are not allowed", "a '- ' cannot stand here", "list items on lines of their own"),
+    ("entries are not allowed", "a '- ' is not allowed here", "list items on lines of their own"),
     ("tab character", "a tab cannot indent a line", "blanks"),
     ("unknown escape", "an unknown escape in double quotes", "single quotes, or '\\\\' for '\\'"),
     ("flow node", "a value, or a closing bracket, is missing", ""),
@@ -24,7 +24,7 @@ _ADVICE: Final = (
     ("flow sequence", "a '[' is not closed, or a ',' is missing", "',' or ']'"),
     ("flow mapping", "a '{' is not closed, or a ',' is missing", "',' or '}'"),
     ("end of stream", "a quote is not closed", "the closing quote"),
-    ("expected ':'", "a ':' is missing after a key", "'key: value', with a blank after the ':'"),
+    ("expected ':'", "a ':' is missing after a key", "'key: value', with a space after the ':'"),
     (
         "block mapping",
         "this does not continue the mapping",

@@ -50,7 +50,7 @@ def _lacking(path: Path, content: Content, what: str) -> RecordingError:
         return damaged(path, content.damage)
     if content.complete or content.pieces:
         return damaged(path, what)
-    return RecordingError(f"{shown(path)} was cut off before anything was recorded")
+    return RecordingError(f"{shown(path)} was interrupted before anything was recorded")
 
 
 def _texts(attached: dict[str, Attachment]) -> dict[str, str]:

@@ -79,7 +79,7 @@ def records_of(file: BinaryIO, piece: ChunkPlace) -> bytes:
         if chunk.compression == "zstd":
             size = max(size, zstandard.frame_content_size(chunk.data))
         if size > LARGEST_CHUNK:
-            raise ValueError("the chunk is larger than any of ours")
+            raise ValueError("the chunk is larger than any of this program")
         stream, length = get_chunk_data_stream(chunk, validate_crc=True)
         records: bytes = stream.read(length)
     except BROKEN:
@@ -139,7 +139,7 @@ def _inside(records: bytes) -> Iterator[Frame]:
 def bytes_at(file: BinaryIO, at: int, size: int) -> bytes:
     """Return bytes at a place in the file; raise ``ValueError`` for more than a chunk."""
     if size > LARGEST_CHUNK:
-        raise ValueError("it is larger than any of ours")
+        raise ValueError("it is larger than any of this program")
     file.seek(at)
     return file.read(size)
 

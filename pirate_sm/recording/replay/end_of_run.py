@@ -118,7 +118,7 @@ def _next_command(name: str, loaded: LoadedMission, last: EngineState) -> int | 
         names = ", ".join(sorted(loaded.robot.commands[each].name for each in found))
         raise RecordingError(
             f"the disk was too slow for {name} when it ends: one of {names} may have been sent "
-            "since, and nobody knows which"
+            "since, and it is unknown which"
         )
     return next(iter(found), None)
 

@@ -191,7 +191,7 @@ def test_a_report_replaces_a_report_and_nothing_else(
     patrolled.report().write(page)
     patrolled.report().write(page)
 
-    with pytest.raises(pirate_sm.UsageError, match=r"first\.yaml exists and is no report"):
+    with pytest.raises(pirate_sm.UsageError, match=r"first.yaml exists and is not a report"):
         patrolled.report().write(mission)
     assert mission.read_text("utf-8") == "format: 1\n"
 

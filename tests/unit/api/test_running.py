@@ -69,7 +69,7 @@ def test_a_trace_runs_without_the_simulator() -> None:
         ({"defects": ["rust"]}, "rust"),
         ({"backend": "serial"}, "needs a port"),
         ({"backend": "serial", "port": "/dev/null"}, "agree to it with yes=True"),
-        ({"detector": "operator"}, "needs a person"),
+        ({"detector": "operator"}, "needs an operator"),
         ({"set": {"glance": "3 s"}}, "no parameter 'glance'"),
     ],
 )

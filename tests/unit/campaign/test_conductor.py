@@ -149,7 +149,7 @@ def test_a_damaged_description_is_named_with_what_is_wrong_and_what_to_do(
         del mark[key]
     (tmp_path / "campaign.json").write_text(json.dumps(mark), "utf-8")
 
-    with pytest.raises(DamagedMarkError, match="writes it anew, and keeps the results") as caught:
+    with pytest.raises(DamagedMarkError, match="rewrites it, and keeps the results") as caught:
         stored(tmp_path)
     assert f"campaign.json' is damaged ({said}" in str(caught.value)
 

@@ -36,7 +36,7 @@ def play(midi: Any, *numbers: int) -> None:
         ("nanokontrol2", "newt has no command 'ClampFront'"),
         (PEDALS, "no MIDI device is named 'FootBoard'"),
         (f"{PEDALS}:/dev/snd/none", "/dev/snd/none cannot be opened: No such file"),
-        (f"{PEDALS}:{PEDALS}", "is no device; MIDI devices are /dev/snd/midiC*D*"),
+        (f"{PEDALS}:{PEDALS}", "is not a device; MIDI devices are /dev/snd/midiC*D*"),
         (NEWT / "patrol.yaml", "patrol.yaml:"),
     ],
 )
@@ -77,7 +77,7 @@ def test_each_control_is_shown_as_it_is_moved(midi: Any) -> None:
     assert "channel 10 83 = 127 RIGHT → GREEN+RIGHT: skip" in lines
     assert "channel 1 5 = 1 not on channel 10" in lines
     assert "is the panel in CC mode?" in shown
-    assert "the panel is gone" in shown
+    assert "the panel is disconnected" in shown
 
 
 def test_a_device_alone_shows_bare_numbers(midi: Any) -> None:

@@ -118,7 +118,7 @@ def test_a_projects_port_and_robot_are_not_used_for_a_real_robot(
     assert (refused.exit_code, "reaches a robot" in refused.stderr) == (2, True)
     project.write_text(f'robot = "{NEWT}"', "utf-8")
     refused = pirate("doctor", "--port", "/dev/null")
-    assert (refused.exit_code, "is no shipped robot" in refused.stderr) == (2, True)
+    assert (refused.exit_code, "is not a bundled robot" in refused.stderr) == (2, True)
 
 
 def test_a_port_is_no_option_of_a_simulated_run(user: Path, pirate: Pirate) -> None:
@@ -158,7 +158,7 @@ def test_all_faults_of_both_files_are_listed_with_their_places(
         f"{project}:1:1: there is no setting 'bakend'",
         "did you mean 'backend'?",
         f"{project}:2:13: the value is 3",
-        f"{project}:3:1: only the person's own file sets 'trusted'",
+        f"{project}:3:1: only the user's own file sets 'trusted'",
     ):
         assert said in result.stderr
 

@@ -44,4 +44,4 @@ def test_a_trigger_whose_wait_ended_before_is_told(pirate_run: Any) -> None:
 def test_a_command_that_lets_go_is_marked(pirate: Any) -> None:
     listed = pirate("list", "commands").stdout
 
-    assert "lets go of every clamp" in listed
+    assert "releases every clamp" in listed

@@ -59,7 +59,7 @@ def test_a_machine_without_sound_has_no_device(tmp_path: Path) -> None:
 
 def test_a_file_is_no_device(tmp_path: Path) -> None:
     (tmp_path / "file").touch()
-    with pytest.raises(UsageError, match="is no device"):
+    with pytest.raises(UsageError, match="is not a device"):
         open_device(tmp_path / "file")
     with pytest.raises(UsageError, match="No such file"):
         open_device(tmp_path / "none")

@@ -153,17 +153,26 @@ def test_a_button_that_asked_already_does_not_ask_again() -> None:
     assert desk.press("I") == ([OperatorCommand("LetGo")], [])
 
 
-LOST, BACK = Connection("lost", "the panel is gone: unplugged"), Connection("back", "it is back")
+LOST, BACK = (
+    Connection("lost", "the panel is disconnected: unplugged"),
+    Connection("back", "it is back"),
+)
 
 
 def test_a_loss_is_a_fault_where_nobody_has_a_keyboard() -> None:
     desk = Desk()
-    assert desk.hear([LOST]) == ([FaultReport("panel.lost", "the panel is gone: unplugged")], [])
+    assert desk.hear([LOST]) == (
+        [FaultReport("panel.lost", "the panel is disconnected: unplugged")],
+        [],
+    )
     assert desk.hear([BACK]) == ([], [("info", "it is back")])
 
 
 def test_a_loss_is_a_warning_beside_a_keyboard() -> None:
-    assert Desk(keyboard=True).hear([LOST]) == ([], [("warning", "the panel is gone: unplugged")])
+    assert Desk(keyboard=True).hear([LOST]) == (
+        [],
+        [("warning", "the panel is disconnected: unplugged")],
+    )
 
 
 def test_a_loss_before_the_first_look_is_not_forgotten() -> None:

@@ -108,7 +108,7 @@ def test_a_panel_that_is_pulled_out_is_told_once_and_told_when_it_is_back(panels
     until(reader, bool)
     panels.midi.unplug()
     lost = until(reader, bool)
-    assert lost == [Connection("lost", "the panel is gone: its device has closed")]
+    assert lost == [Connection("lost", "the panel is disconnected: its device has closed")]
 
     panels.midi.plug()
     assert until(reader, bool) == [Connection("back", "the panel is back")]

@@ -29,10 +29,10 @@ def test_a_table_is_read_by_its_header_with_nan_for_empty_cells(tmp_path: Path) 
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", "no table"),
+        ("", "not a table"),
         ("a,b\n", "no rows"),
-        ("a,b\n1,x\n", "no table"),
-        ("a,b\n1\n1,2\n", "no table"),
+        ("a,b\n1,x\n", "not a table"),
+        ("a,b\n1\n1,2\n", "not a table"),
     ],
 )
 def test_what_is_no_table_is_refused(tmp_path: Path, text: str, message: str) -> None:

@@ -82,10 +82,10 @@ def chart(inside: str, attributes: str = "") -> str:
         ('<state id="Arm"/>', "3:1 the id 'Arm' stands twice; first in line 2"),
         ('<state id="Arm.a"/>', "3:1 another state is named 'Arm.a' in the chart, too"),
         ('<state id="c" colour="red"/>', "3:15 <state> has no attribute 'colour'"),
-        ('<state id="c" initial="d"/>', "3:15 'd' is no state directly inside <state>"),
+        ('<state id="c" initial="d"/>', "3:15 'd' is not a state directly inside <state>"),
         (
             '<state id="c"\n  initial="e"><state id="d"><state id="e"/></state></state>',
-            "4:3 'e' is no state directly inside <state>",
+            "4:3 'e' is not a state directly inside <state>",
         ),
         ("<initial/>", "3:1 <initial> has one <transition>, which has a target and nothing else"),
         (
@@ -132,7 +132,7 @@ def test_a_transition_that_a_chart_cannot_have_is_refused(transition: str, says:
     [
         (chart("", 'version="2.0"'), "1:48 version '2.0' of SCXML is not known"),
         (chart("", 'datamodel="xpath"'), "1:48 guards in the datamodel 'xpath' cannot be read"),
-        (chart("", 'initial="a"'), "1:48 'a' is no state directly inside <scxml>"),
+        (chart("", 'initial="a"'), "1:48 'a' is not a state directly inside <scxml>"),
         ("<svg/>", '1:1 <svg> is not SCXML: <scxml xmlns="http://www.w3.org/2005/07/scxml"> is'),
         ('<scxml xmlns="urn:x"/>', "1:1 <scxml> is not SCXML"),
         ("<scxml/>", "1:1 a chart has one <parallel> in <scxml>, and in it a <state> for each"),

@@ -130,7 +130,7 @@ def on_a_robot(tmp_path: Path) -> Callable[..., EndOfRun]:
 def test_a_recording_cannot_choose_an_address_as_port(
     on_a_robot: Callable[..., EndOfRun], port: str
 ) -> None:
-    with pytest.raises(UsageError, match="is no device of this computer"):
+    with pytest.raises(UsageError, match="is not a device of this computer"):
         prepare_again(on_a_robot(port), Order("mitre_bend"))
 
 

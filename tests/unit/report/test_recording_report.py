@@ -154,7 +154,7 @@ def test_a_trace_has_no_measurements_and_says_why(report: Reports) -> None:
         "Setpoints: duty cycles",
         "Setpoints: angles",
     } & {each.title for each in found.charts}
-    assert found.warnings == ("Nothing moved: commands ended by their time on paper.",)
+    assert found.warnings == ("Nothing moved: commands ended by their nominal time.",)
     assert not any("operator" in each.text for each in found.story)
 
 

@@ -102,7 +102,7 @@ def test_any_payload_is_read_or_refused(messages: Messages, payload: bytes) -> N
         ({"array": "uint32 number\nint16[18] setpoints"}, "has no field 'id', only number"),
         ({"array": "uint32 id\nint16[17] setpoints"}, "must be 18 integers"),
         ({"array": "uint32 id\nfloat32[18] setpoints"}, "must be 18 integers"),
-        ({"array": f"{ARRAY}\nuint8 mode"}, "nobody knows what to put into mode"),
+        ({"array": f"{ARRAY}\nuint8 mode"}, "it is unknown what to put into mode"),
         ({"array": "uint32[2] id\nint16[18] setpoints"}, "'id' must be one integer"),
         ({"array": "float32 id\nint16[18] setpoints"}, "'id' must be one integer"),
         ({"array": "not a definition at all"}, "Setpoint_Array.msg: "),

@@ -58,7 +58,7 @@ def test_a_video_is_read_to_its_end(tmp_path: Path, name: str, codec: str) -> No
     ("source", "said"),
     [
         (DeviceSource(device=987, size=SIZE), "the camera /dev/video987 cannot be opened"),
-        (FileSource(file="none.avi", size=SIZE), "the video 'none.avi' is not there"),
+        (FileSource(file="none.avi", size=SIZE), "the video 'none.avi' does not exist"),
         (UrlSource(url="rtsp://127.0.0.1:9/x", size=SIZE), "the camera at rtsp://127.0.0.1:9/x"),
         (ImagesSource(images="*.png", size=SIZE), "there are no pictures '*.png'"),
         (SyntheticSource(synthetic=SyntheticView(), size=SIZE), "of a simulated robot only"),
@@ -87,7 +87,7 @@ def test_a_file_that_is_no_picture_is_named(tmp_path: Path) -> None:
     (tmp_path / "a.png").write_text("no picture", encoding="utf-8")
     source = ImagesSource(images="a.png", size=SIZE)
 
-    with pytest.raises(UsageError, match=r"'a\.png' is no picture"):
+    with pytest.raises(UsageError, match=r"'a\.png' is not a picture"):
         first_frame(open_capture(source, tmp_path), source)
 
 

@@ -175,7 +175,7 @@ class GuardedPort:
         stay_s = self._instructions.stay_s
         return (
             f"cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
-            f"(process {guardian.pid}) goes on trying for {stay_s / 60:g} min, and gives the port "
+            f"(process {guardian.pid}) keeps trying for {stay_s / 60:g} min, and gives the port "
             f"to a new run; `kill {guardian.pid}` ends it"
         )
 

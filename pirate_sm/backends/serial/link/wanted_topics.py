@@ -65,6 +65,7 @@ def difference(wanted: Wanted, info: TopicInfo) -> str:
         )
     return (
         f"the firmware's {info.type} is another one than ours: its md5 is {info.md5}, that of our "
-        f"text {wanted.md5}. Put the .msg text of the firmware instead of ours, which is:\n"
+        f"text {wanted.md5}. Put the .msg text of the firmware instead of this program's, "
+        f"which is:\n"
         f"{wanted.text}"
     )

@@ -24,7 +24,7 @@ except ModuleNotFoundError:
 _WRITE_WITHIN_S = 0.5
 _POLL_S = 0.005
 _MOST_BYTES = 4096
-_NO_ADDRESS = "{} is no address that pyserial can use, such as socket://HOST:PORT"
+_NO_ADDRESS = "{} is not an address that pyserial can use, such as socket://HOST:PORT"
 _NOT_THERE = {errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG}
 _NO_PORT = {errno.ENOTTY, errno.EINVAL, errno.EISDIR, errno.ENXIO, errno.EIO, errno.ENODEV}
 _NOT_REACHED = {errno.EHOSTUNREACH, errno.ENETUNREACH, errno.ETIMEDOUT, errno.EHOSTDOWN}
@@ -166,14 +166,14 @@ def _advice(name: str, error: OSError) -> str:
     if is_file(Path(name)):
         return f"{name} is a file and no serial port"
     if code in _NO_PORT:
-        return f"{name} is no serial port, or nothing is connected to it"
+        return f"{name} is not a serial port, or nothing is connected to it"
     return f"{name} cannot be opened: {error}"
 
 
 def _no_answer(name: str, code: int | None, error: OSError) -> str:
     """Return why nothing answers at an address."""
     if code == errno.ECONNREFUSED:
-        return f"nobody listens at {name}: is the program there running?"
+        return f"nothing listens at {name}: is the program there running?"
     if code in _NOT_REACHED or "timed out" in str(error):
         return f"{name} cannot be reached: is the host on, and in this network?"
     if "[Errno -" in str(error):

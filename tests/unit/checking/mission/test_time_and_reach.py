@@ -79,7 +79,7 @@ def test_the_usual_timeout_of_a_control_is_not_said_to_be_here(tmp_path: Path) -
         for do in ("{control: exp_3a}", "{control: exp_3a, timeout: 9 s}")
     )
 
-    assert usual.endswith("and the usual timeout is 10 s")
+    assert usual.endswith("and the default timeout is 10 s")
     assert given.endswith("and the timeout here is 9 s")
 
 

@@ -161,7 +161,7 @@ def test_sheets_are_not_written_over_somebodys_work(pirate: Any, here: Path) -> 
     result = pirate("camera", "print", "setup_3")
 
     assert result.exit_code == 2
-    assert "'setup_3_board.svg' exists and may be somebody's work" in result.stderr
+    assert "'setup_3_board.svg' exists and was not written by this program" in result.stderr
     assert [path.name for path in here.glob("setup_3_*.svg")] == ["setup_3_board.svg"]
     assert pirate("camera", "print", "setup_3", "--overwrite").exit_code == 0
 

@@ -183,7 +183,7 @@ def test_a_file_of_another_kind_is_no_campaign(
     result = pirate("campaign", file, *seeds)
 
     assert result.exit_code == 2
-    assert f"{file} is no campaign and no mission: {said}" in result.stderr
+    assert f"{file} is neither a campaign nor a mission: {said}" in result.stderr
 
 
 def test_results_need_a_folder_and_a_number_of_seeds_that_can_be_counted(
@@ -348,21 +348,19 @@ class All:
 ALL = All()
 
 
-def test_a_damaged_description_is_written_anew_by_resume(
-    pirate: Any, file: Path, filled: Any
-) -> None:
+def test_a_damaged_description_is_rewritten_by_resume(pirate: Any, file: Path, filled: Any) -> None:
     results = filled("results", 5)
     (results / "campaign.json").write_text('{"campaign": "trial"}', "utf-8")
     for command in (("report", results), ("compare", results, results)):
         result = pirate(*command)
         assert result.exit_code == 2
         assert "campaign.json' is damaged (`format` is missing)" in result.stderr
-        assert f"with --resume and --output {results} writes it anew" in result.stderr
+        assert f"with --resume and --output {results} rewrites it" in result.stderr
 
     words = ("campaign", file, "-o", results, "--resume", "--record", "none", "--no-check")
     result = pirate(*words)
     assert result.exit_code == 0
-    assert "campaign.json' is damaged (`format` is missing): it is written anew" in result.stderr
+    assert "campaign.json' is damaged (`format` is missing): it is rewritten" in result.stderr
     assert pirate("report", results).exit_code == 0
 
 

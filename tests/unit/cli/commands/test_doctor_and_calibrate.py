@@ -126,8 +126,8 @@ def test_a_port_that_is_not_there_is_exit_code_3(pirate: Call) -> None:
     ("port", "told"),
     [
         ("/nowhere/tty", "there is no port /nowhere/tty"),
-        ("/dev/null", "/dev/null is no serial port"),
-        ("loop://?x=1", "loop://?x=1 is no address"),
+        ("/dev/null", "/dev/null is not a serial port"),
+        ("loop://?x=1", "loop://?x=1 is not an address"),
     ],
 )
 def test_a_run_on_a_port_that_cannot_be_opened_says_so_in_one_sentence(
@@ -159,7 +159,7 @@ def test_nobody_at_a_terminal_can_straighten_nothing(pirate: Call) -> None:
     result = pirate("calibrate", "--port", "/nowhere/tty")
 
     assert result.exit_code == 2
-    assert "somebody must straighten the robot" in result.stderr
+    assert "straighten the robot by hand" in result.stderr
 
 
 @pytest.mark.parametrize(

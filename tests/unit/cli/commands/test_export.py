@@ -151,7 +151,9 @@ def test_tables_are_written_again_but_not_over_somebodys_work(
     written = pirate(*export, "--overwrite")
 
     assert refused.exit_code == 2
-    assert all(f"{name}' exists and may be somebody's work" in refused.stderr for name in mine)
+    assert all(
+        f"{name}' exists and was not written by this program" in refused.stderr for name in mine
+    )
     assert kept == before | mine
     assert written.exit_code == 0
     assert {each.name: each.read_bytes() for each in folder.iterdir()} == before

@@ -192,7 +192,7 @@ def test_the_way_of_a_counterexample_is_marked(
     [
         (["climb", "--counterexample", "nowhere.yaml"], "nowhere.yaml"),
         (["climb", "--counterexample", "SCRIPT", "--highlight", "up"], "exclude each other"),
-        (["pirate_ii", "--counterexample", "SCRIPT"], "is no mission"),
+        (["pirate_ii", "--counterexample", "SCRIPT"], "is not a mission"),
         (["climb", "--counterexample", "LIST"], "lays down no event sequence"),
     ],
 )

@@ -17,7 +17,7 @@ def test_a_recording_becomes_a_pipe_file(pirate, tmp_path: Path) -> None:
     assert pirate("map", recording).output.endswith("\n")
     again = pirate("map", recording, "-o", file)
     assert (again.exit_code, file.read_text(encoding="utf-8")) == (2, text)
-    assert "found.yaml' exists and may be somebody's work" in again.stderr
+    assert "found.yaml' exists and was not written by this program" in again.stderr
 
 
 def test_a_trace_has_nothing_to_map(pirate, tmp_path: Path) -> None:

@@ -259,7 +259,7 @@ def test_what_cannot_be_repaired_is_refused(pirate: Any, run: Path, recorded: by
     Path("none.mcap").write_bytes(recorded[:500])
     Path("other.mcap").write_bytes(b"something else")
 
-    assert "cut off before anything" in pirate("repair", "none.mcap").stderr
+    assert "interrupted before anything" in pirate("repair", "none.mcap").stderr
     assert "not an MCAP file" in pirate("repair", "other.mcap").stderr
     assert sorted(path.name for path in Path().iterdir()) == ["none.mcap", "other.mcap", "run.mcap"]
 

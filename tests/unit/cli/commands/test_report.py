@@ -62,7 +62,7 @@ def test_what_somebody_else_wrote_is_not_replaced(pirate: Any, folder: Path, nam
     result = pirate("report", folder)
 
     assert result.exit_code == 2
-    assert f"{name}' is no page that this program made" in result.stderr
+    assert f"{name}' is not a page of this program" in result.stderr
     assert "By hand" in (folder / name).read_text("utf-8")
     assert [path.name for path in folder.glob("*.html")] == [name]
 

@@ -61,7 +61,7 @@ def test_a_look_says_where_it_was_and_what_is_seen(cut: Path) -> None:
     assert f"cut off at {CUT_S:.1f}"[:-2] in result.stdout
     assert "confirmed    front holds" in result.stdout
     assert "next: " in result.stdout
-    assert result.stdout.endswith("can go on\n")
+    assert result.stdout.endswith("can continue\n")
 
 
 def test_it_goes_on_to_the_same_end_and_its_recording_names_the_one_before(
@@ -81,7 +81,7 @@ def test_nobody_agrees_without_a_terminal(cut: Path) -> None:
     result = resume(cut)
 
     assert result.exit_code == 2
-    assert "it can go on: agree to it on a terminal, or with --accept" in result.stderr
+    assert "it can continue: agree to it on a terminal, or with --accept" in result.stderr
 
 
 def test_options_that_the_recording_has_are_refused_all_at_once(cut: Path) -> None:
@@ -441,8 +441,8 @@ def test_belief_an_unknown_place_is_not_passed_over_by_a_key(
     assert chosen is not None
     assert someone.left == []
     assert f"unknown: {why}" in shown.out
-    assert "can go on once you say where the robot is\n" in shown.out
-    assert shown.out.endswith("can go on\n")
+    assert "can continue once you say where the robot is\n" in shown.out
+    assert shown.out.endswith("can continue\n")
     assert "the pipe goes from 0 to" in shown.err
     assert "nowhere" in shown.err
     if detector == "odometry":

@@ -25,7 +25,7 @@ def test_it_is_said_once_for_what_a_stop_waits(capsys: pytest.CaptureFixture[str
     assert capsys.readouterr().err == (
         "interrupted by Ctrl-C: no word for 2.5 s; its wheels stood when it was last heard; "
         "a stop waits for it, given up in 8 s (nothing comes from the robot); "
-        "a second signal ends at once\n"
+        "a second signal ends it immediately\n"
     )
 
 

@@ -1,4 +1,4 @@
-"""A mission that changes its control, in the simulated pipe, on paper and out of its recording."""
+"""A mission that changes its control, in the simulated pipe, nominally and out of its recording."""
 
 from __future__ import annotations
 

@@ -108,7 +108,7 @@ FAULTS = [
         "0 %}}}}",
         "'fold_hip' holds its part under `actuation`, here it lets go",
     ),
-    (*_control("second:", "none:"), "none:", "'none' is how a mission asks for the usual"),
+    (*_control("second:", "none:"), "none:", "'none' is how a mission asks for the default"),
     (
         _TORQUE,
         "    torque_loop: {gain: 1, dead: 1 mNm, within: 1 mNm, least_duty: 50 %, limit: 40 %}\n",
@@ -469,7 +469,7 @@ FAULTS = [
         "nec]",
         "whether 'nec' stands still needs a derived signal {rate_of: nec}",
     ),
-    ("loaded: [neck]", "loaded: [nec]", "nec]", "'nec' is no joint with a torque signal"),
+    ("loaded: [neck]", "loaded: [nec]", "nec]", "'nec' is not a joint with a torque signal"),
     ("signals: [neck, hip]", "signals: [neck, hop]", "hop]", "there is no signal 'hop'"),
     ("limit: 6 deg", "limit: 6 mm", "6 mm", "'neck' is an angle"),
     ("timeout: 8 s", "timeout: 0 s", "0 s", "expected more than 0 s, got '0 s'"),

@@ -163,7 +163,7 @@ def test_whoever_watches_is_told_how_much_has_been_read(whole: bytes, tmp_path: 
 def test_a_recording_cut_off_in_its_beginning_holds_nothing(whole: bytes, tmp_path: Path) -> None:
     beginning = chunks_of(whole)[0][0]
     for length in Random(3).sample(range(beginning), 30):
-        with pytest.raises(RecordingError, match="cut off before anything was recorded"):
+        with pytest.raises(RecordingError, match="interrupted before anything was recorded"):
             steps_in(whole[:length], tmp_path)
 
 
@@ -228,9 +228,9 @@ def test_a_missing_piece_is_noticed(whole: bytes, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("data", "said"),
     [
-        (b"", "cut off before anything"),
-        (MCAP0_MAGIC[:5], "cut off before anything"),
-        (MCAP0_MAGIC, "cut off before anything"),
+        (b"", "interrupted before anything"),
+        (MCAP0_MAGIC[:5], "interrupted before anything"),
+        (MCAP0_MAGIC, "interrupted before anything"),
         (b"%PDF-1.7 something else", "it is not an MCAP file"),
         (b"\0" * 100, "it is not an MCAP file"),
     ],

@@ -256,7 +256,7 @@ def test_a_port_is_for_one_program_only(bench: Bench) -> None:
     ("name", "message"),
     [
         ("/dev/ttyNotThere", "there is no port /dev/ttyNotThere; there "),
-        ("/dev/null", "/dev/null is no serial port"),
+        ("/dev/null", "/dev/null is not a serial port"),
         ("nonsense://x", "nonsense://x cannot be a serial port"),
     ],
 )
@@ -334,7 +334,7 @@ def test_a_runner_that_gives_up_leaves_the_guardian_and_says_so(bench: Bench) ->
 
     assert port.remark() == (
         "cut the robot's power: it has not confirmed that it stopped. A guardian of the port "
-        f"(process {guardian}) goes on trying for 1 min, and gives the port to a new run; "
+        f"(process {guardian}) keeps trying for 1 min, and gives the port to a new run; "
         f"`kill {guardian}` ends it"
     )
     assert port.remark() == ""

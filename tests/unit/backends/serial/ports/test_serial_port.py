@@ -58,12 +58,12 @@ def places(tmp_path: Path) -> dict[str, str]:
         ("beneath a file", "there is no port {}; there "),
         ("directory", "{} is a directory and no serial port"),
         ("file", "{} is a file and no serial port"),
-        ("null", "{} is no serial port, or nothing is connected to it"),
+        ("null", "{} is not a serial port, or nothing is connected to it"),
         ("nothing", "the name of the port is empty"),
         ("no scheme", "{} cannot be a serial port: invalid URL, protocol 'nonsense' not known"),
-        ("no option", "{} is no address that pyserial can use, such as socket://HOST:PORT"),
-        ("no number", "{} is no address that pyserial can use, such as socket://HOST:PORT"),
-        ("nobody", "nobody listens at {}: is the program there running?"),
+        ("no option", "{} is not an address that pyserial can use, such as socket://HOST:PORT"),
+        ("no number", "{} is not an address that pyserial can use, such as socket://HOST:PORT"),
+        ("nobody", "nothing listens at {}: is the program there running?"),
     ],
 )
 def test_a_wrong_port_is_told_as_what_it_is(places: dict[str, str], place: str, told: str) -> None:
@@ -78,7 +78,7 @@ def test_a_wrong_port_is_told_as_what_it_is(places: dict[str, str], place: str, 
     [
         (errno.EACCES, "you may not use {}: join the group that owns it"),
         (errno.EBUSY, "{} is in use by another program"),
-        (errno.EIO, "{} is no serial port, or nothing is connected to it"),
+        (errno.EIO, "{} is not a serial port, or nothing is connected to it"),
     ],
 )
 def test_a_port_that_may_not_be_used_now_is_told_as_such(
