@@ -2,9 +2,10 @@
 
 The files there were written from the documentation alone. A group of cases has a `base`, a file of
 `bases` or one of a new robot (`robot:profile.yaml`), and each case is one edit of it: `replace` and
-`with`, and perhaps a second one under `and`. A mistake is due on the line that holds `at` (a text,
-or several that are equally right; `which` counts its occurrences), by default the first line of
-the edit. An error or a warning on one of these lines counts. In `odd.yaml` any is a false alarm.
+`with`, and perhaps a second one under `and`. `robot: true` adds the files of the new robot. A
+mistake is due on the line that holds `at` (a text, or several that are equally right; `which`
+counts its occurrences), by default the first line of the edit. An error or a warning on one of
+these lines counts. In `odd.yaml` any is a false alarm.
 """
 
 from __future__ import annotations
@@ -33,6 +34,7 @@ from pirate_sm.cli.settings import RUNS_VARIABLE
 from pirate_sm.errors import PirateError
 
 HERE = Path(__file__).parents[1] / "tests" / "mistakes"
+FILES = ("missions", "robots", "pipes", "projects", "second")
 ODD = "odd"
 SOUGHT = 0.94
 """The least share of the mistakes that is reported on its line (issue 36)."""
@@ -82,7 +84,7 @@ class CheckedCase:
         return "on its line" if self.on_line else "elsewhere" if self.found else "missed"
 
 
-def cases(which: Sequence[str] = ("missions", "robots", "pipes", "projects")) -> Iterator[Mistake]:
+def cases(which: Sequence[str] = FILES) -> Iterator[Mistake]:
     """Read the cases of these files of `tests/mistakes`."""
     for file in which:
         groups = yaml.safe_load((HERE / f"{file}.yaml").read_text("utf-8"))
@@ -129,6 +131,8 @@ def _case(kind: str, name: str, group: Mapping[str, Any], edit: Mapping[str, Any
     lines = frozenset() if kind.startswith(ODD) else _lines(text, changed, edit)
     if edit.get("crlf"):
         changed = changed.replace("\n", "\r\n")
+    if group.get("robot"):
+        files |= _new_robot()
     names = group.get("with_files", ())
     beside = {each: (HERE / "bases" / each).read_text("utf-8") for each in names}
     texts = {path: changed, **files, **beside}

@@ -93,12 +93,25 @@ def check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
     documents = [document]
     for same, (_, loaded) in reading.loaded.items():
         documents += loaded.documents
+        found: Iterable[Finding]
         try:
-            pass_or_raise(loaded)
+            found = [each for each in pass_or_raise(loaded).findings if each.code in _BY_VALUE]
         except CheckError as error:
-            by = document.place_of(reading.places[same]), "this campaign runs it so"
-            findings += [replace(each, related=(*each.related, by)) for each in error.findings]
+            found = error.findings
+        by = document.place_of(reading.places[same])
+        if any(same[1:]):  # it may be right without the choices of the campaign
+            for each in found:
+                said = f"with these choices {each.place} is wrong: {each.message}"
+                excerpt = document.excerpt(by.line, by.file)
+                findings.append(replace(each, place=by, message=said, excerpt=excerpt, edit=None))
+        elif found := [each for each in found if each.code not in _BY_VALUE]:
+            why = by, "this campaign runs it so"
+            findings += [replace(each, related=(*each.related, why)) for each in found]
     return documents, findings
+
+
+_BY_VALUE = frozenset({"condition.beyond"})
+"""Codes of warnings that a value which a campaign gives to a parameter can bring about."""
 
 
 def _name(mission: Path) -> str:
@@ -142,9 +155,9 @@ class _Reading:
             raise LoadError(self.problems.all)
         cells: dict[str, Cell] = {}
         for choices in choices_of(campaign):
-            self._check(choices)
+            twice = self._check(choices)
             named = names.read(choices)
-            for cell in self._cells(choices, named) if named is not None else ():
+            for cell in self._cells(choices, named) if named is not None and not twice else ():
                 if cell.name in cells:
                     message = f"there are two cells '{cell.name}': give a `name` to tell them apart"
                     self.problems.add("campaign.twice", choices.at, message)
@@ -159,14 +172,22 @@ class _Reading:
             campaign.campaign, version, tuple(cells.values()), campaign.confidence, stop, self.blobs
         )
 
-    def _check(self, choices: Choices) -> None:
-        """Report choices that do not go with each other."""
+    def _check(self, choices: Choices) -> bool:
+        """Report choices that do not go with each other; return whether one is listed twice."""
         if self.seeds is None and choices.of("seeds") is None:
             message = "nothing says how often it runs: give `seeds`, such as 0..999, or --seeds"
             self.problems.add("campaign.seeds", choices.at, message)
         if choices.of("line") is not None and "bay" not in _backends(choices):
             message = "only the backend bay has a line"
             self.problems.add("campaign.line", choices.place("line"), message)
+        twice = False
+        for key in ("pipe", "backend", "detector", "defects"):
+            listed = choices.of(key) or ()
+            for number, each in enumerate(listed):
+                if each in listed[:number]:
+                    twice, at = True, (*choices.place(key), number)
+                    self.problems.add("campaign.twice", at, "this is listed twice: delete one")
+        return twice
 
     def _check_stop(self, stop: StoppingRule, confidence: float, cells: Iterable[Cell]) -> None:
         """Report a half width that no cell can come to with its seeds."""
@@ -230,6 +251,7 @@ class _Reading:
                 continue  # reported already
             end = choices.of("end") or TrueEnd()
             self._check_end(end, loaded, choices)
+            self._check_jitter(one, loaded, choices)
             yield Cell(
                 choices.entry.name or Path(order.mission).stem,
                 choices.column(one, pipe, detector, many_defects=len(named.defects) > 1),
@@ -262,6 +284,17 @@ class _Reading:
             between = f"the clamped robot, {robot_m:.3g} m long, is not between {beyond_m:g} m"
             message = f"{between} and {before_m:g} m: no run can end there"
             self.problems.add("campaign.run", (*place, key), message)
+
+    def _check_jitter(self, order: Order, loaded: LoadedMission, choices: Choices) -> None:
+        """Report that a start can be drawn outside of the pipe."""
+        fit = loaded.pipe and Fit(loaded.loaded_robot.profile, loaded.robot, loaded.pipe)
+        if fit and order.start_jitter_m:
+            start_m = fit.pipe.start_of(fit.stretched_m)
+            least_m = min(start_m - fit.stretched_m, fit.route.length_m - start_m)
+            if order.start_jitter_m > least_m:
+                message = f"the robot would start outside of the pipe from {least_m:.3g} m on"
+                at, severity = (*choices.place("jitter"), "start"), Severity.WARNING
+                self.problems.add("campaign.run", at, message, severity=severity)
 
     def _fits(self, order: Order, loaded: LoadedMission, choices: Choices) -> bool:
         """Report if an order cannot be run; return whether it can."""

@@ -19,7 +19,7 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.loader import TOLERABLE, read_mission
 from pirate_sm.loading.mission.parameter_values import read_value
 from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.problems import LoadError, Problems
+from pirate_sm.loading.problems import LoadError, Problems, Severity
 from pirate_sm.loading.problems import Path as Keys
 from pirate_sm.loading.robot.twin_file import load_twin
 from pirate_sm.model.campaign import DefectSet
@@ -86,7 +86,7 @@ class NameReader:
             return None
         profile = loaded.loaded_robot.profile
         self._check_settings(choices, loaded)
-        defects = list(self._defects(choices, profile))
+        defects = list(self._defects(choices, loaded))
         self._check_states(choices, loaded.robot.table)
         if twin is not None:
             self._check_twin(twin, profile)
@@ -264,8 +264,9 @@ class NameReader:
                         "campaign.state", path, "state", state, known, message=message
                     )
 
-    def _defects(self, choices: Choices, profile: Profile) -> Iterator[tuple[str, ...]]:
+    def _defects(self, choices: Choices, loaded: LoadedMission) -> Iterator[tuple[str, ...]]:
         """Yield each set of defects, of those that the robot can have."""
+        profile, limit_s = loaded.loaded_robot.profile, loaded.program.time_limit_s
         known = profile.simulation.defects
         wanted: tuple[DefectSet, ...] = choices.of("defects") or ((),)
         for number, listed in enumerate(wanted):
@@ -277,6 +278,14 @@ class NameReader:
                 for one in _each(text, known):
                     if not check_defect(one, profile, "campaign.defect", at, self.problems):
                         break
+                    (defect, _), *_ = named([one], profile, seed=0)
+                    if ".." not in one and defect.after > limit_s:
+                        message = (
+                            f"it begins after {defect.after:g} s, and {loaded.mission.mission}"
+                        )
+                        message += f" has ended by {limit_s:g} s"
+                        warning = Severity.WARNING
+                        self.problems.add("campaign.defect", at, message, severity=warning)
             sets: dict[frozenset[str], tuple[str, ...]] = {}
             for together in product(*(_each(text, known) for text in written)):
                 if len(set(together)) == len(together):

@@ -9,6 +9,7 @@ from typing import Any
 import typer
 
 from pirate_sm.cli.entry import commands
+from pirate_sm.cli.options.values import read_settings
 from pirate_sm.errors import PirateError, RecordingError, UsageError
 from pirate_sm.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
 from pirate_sm.loading import foreign, library
@@ -48,7 +49,7 @@ def _unknown(step: SceneStep, given: dict[str, Any], own: Path) -> Iterator[tupl
     try:
         path = library.find_mission(name)
         chosen = {key: given[key] for key in ("robot", "pipe") if key in given}
-        loaded = load_mission(path, **chosen)
+        loaded = load_mission(path, settings=read_settings(given.get("settings", ())), **chosen)
     except LoadError:
         return
     except UsageError as error:

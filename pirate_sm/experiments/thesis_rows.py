@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from math import isnan
 from typing import Annotated, Literal
 
-from pydantic import Field
+from pydantic import AfterValidator, Field
 
 from pirate_sm.model.base import Frozen
 from pirate_sm.model.quantities import Number
@@ -15,7 +15,17 @@ from pirate_sm.units import parse_unit
 
 Unjudged = Literal["not reproducible", "impossible", "ours alone"]
 Verdict = Literal["reproduced", "shape only", "not reproduced"] | Unjudged
-Range = Annotated[tuple[Number, Number], Field(min_length=2, max_length=2)]
+
+
+def _in_order(limits: tuple[float, float]) -> tuple[float, float]:
+    if limits[0] > limits[1]:
+        raise ValueError(f"expected the lower limit first, got {limits[0]:g}, {limits[1]:g}")
+    return limits
+
+
+Range = Annotated[
+    tuple[Number, Number], Field(min_length=2, max_length=2), AfterValidator(_in_order)
+]
 
 
 class ThesisRow(Frozen):

@@ -19,6 +19,9 @@ RECORD = "--record"
 ASKS, UNKNOWN = "scene.asks", "scene.unknown"
 _FOLDER = re.compile(r"\{([^{}]*)\}")
 
+_SUCCEEDED = (0, 5)
+"""Exit codes of missions that have succeeded, with an incomplete recording too."""
+
 Refusal: TypeAlias = Callable[[SceneStep], Iterable[tuple[str, found.Path, str]]]
 """Returns why a step cannot be played: for each reason its code, its keys and the message."""
 
@@ -73,10 +76,17 @@ def _check(step: SceneStep, problems: Problems, at: found.Path, refusal: Refusal
     except ValueError as error:
         problems.add("scene.command", path, f"the command line cannot be read: {error}")
         return
-    recorded = RECORD in words[:-1]
+    recorded, expected = RECORD in words[:-1], step.expect
+    if expected.ended and (expected.ended == "succeeded") is (expected.exit not in _SUCCEEDED):
+        how = expected.ended if expected.ended != "fault" else "ended with a fault"
+        message = f"a run that has {how} does not end with exit code {expected.exit}"
+        problems.add("scene.record", (*at, "expect", "ended"), message)
     if (step.power_cut_in or step.expect.ended or step.expect.faults) and not recorded:
         message = f"what becomes of a run is read in its recording: add {RECORD} {{{OUT}}}/run.mcap"
+        if words[:1] != ["run"]:
+            path, message = (*at, "expect"), "only a run has an end and faults: ask for `says` here"
         problems.add("scene.record", path, message)
+        path = (*at, "command")
     if recorded and not words[words.index(RECORD) + 1].startswith(f"{{{OUT}}}/"):
         message = f"a scene records into its own folder: {RECORD} {{{OUT}}}/run.mcap"
         problems.add("scene.record", path, message)

@@ -52,6 +52,7 @@ _TELLING = (
     (Kind.EXPERIMENT, {"experiment"}),
     (Kind.TWIN, {"robot", "motors"}),
     (Kind.TWIN, {"robot", "friction"}),
+    (Kind.TWIN, {"robot", "joints"}),
     (Kind.CAMERA, {"camera", "source"}),
     (Kind.CAMERA, {"camera", "setup"}),
     (Kind.PANEL, {"buttons"}),

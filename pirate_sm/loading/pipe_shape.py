@@ -51,11 +51,13 @@ def mm(length_m: float) -> str:
 
 
 def _check_flat(pipe: Pipe, at: At, problems: Problems) -> None:
-    """Report what only a round pipe can have."""
+    """Report what only a round pipe can have, at `section: bars` where that is written."""
+    said = not at and "section" in pipe.model_fields_set
 
     def leaves(what: str, *path: str | int) -> None:
-        message = f"{what} needs a round pipe: add `section: round`"
-        problems.add("pipe.section", (*at, *path), message)
+        write = "write" if said else "add"
+        message = f"{what} needs a round pipe: {write} `section: round`"
+        problems.add("pipe.section", ("section",) if said else (*at, *path), message)
 
     if pipe.runs is not None:
         leaves("a network of runs", "runs")
@@ -74,7 +76,8 @@ def _check_flat(pipe: Pipe, at: At, problems: Problems) -> None:
 def _check_shape(run: Run, written: Written, at: At, problems: Problems) -> None:
     """Report fittings without a straight beside them, and fittings that cannot be built."""
     segments, path = written.run.segments, (*at, *written.at)
-    if isinstance(written.at[-1], int):  # a stub, whose length stands in its tee
+    if isinstance(written.at[-1], int):  # a stub, whose length is in its tee
+        _check_stub(run, written, path, problems)
         return
     if not segments:
         behind = (*path, max(written.first - 1, 0))
@@ -94,6 +97,15 @@ def _check_shape(run: Run, written: Written, at: At, problems: Problems) -> None
         for key, message, expected in _unsound(segment, run.diameters_m[number], cut_m):
             where = (*path, written.first + number, key)
             problems.add("pipe.segment", where, message, expected=expected)
+
+
+def _check_stub(run: Run, written: Written, path: At, problems: Problems) -> None:
+    """Report an arm of a tee that ends inside of the tee."""
+    stub, least_m = written.run.segments[0], run.diameters_m[0] / 2
+    if isinstance(stub, Straight) and stub.straight <= least_m:
+        expected = f"more than {mm(least_m)}, half the diameter"
+        message = "this arm ends before it leaves the tee"
+        problems.add("pipe.segment", (*path, "stub"), message, expected=expected)
 
 
 def _unsound(segment: Segment, diameter_m: float, cut_m: float) -> Iterator[tuple[str, str, str]]:

@@ -117,7 +117,7 @@ class Marker(Frozen):
     finder: Finder = "components"
     blur: Annotated[Pixels, Field(ge=1, le=51)] = 5.0
     size: Positive
-    height: Length
+    height: Annotated[Length, Field(ge=0)]
     on: Name
 
 
@@ -134,7 +134,7 @@ class RobotTags(Frozen):
 
     tags: TagFamily
     size: Positive
-    height: Length
+    height: Annotated[Length, Field(ge=0)]
     on: Annotated[dict[TagNumber, Name], Field(min_length=1)]
 
 

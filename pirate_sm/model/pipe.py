@@ -178,6 +178,8 @@ class Pipe(Frozen):
         if self.frame is not None and (self.tilt or self.uphill or self.turns):
             message = "a pipe has either `frame`, or `tilt`, `uphill` and `turns`"
             raise key_fault(message, "frame", "tilt", "uphill", "turns")
+        if self.turns is not None and self.turns.tilt == self.tilt:
+            raise key_fault("it turns to the `tilt` that the pipe has already", "turns")
         return self
 
     @property

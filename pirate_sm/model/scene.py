@@ -27,7 +27,7 @@ class Expected(Frozen):
         held: Whether the robot is held at the end of a recorded run, by the simulator's truth.
     """
 
-    exit: int = 0
+    exit: Annotated[int, Field(ge=0, le=255)] = 0
     ended: Literal["succeeded", "failed", "interrupted", "fault"] | None = None
     says: str = ""
     faults: tuple[FaultCode, ...] = ()

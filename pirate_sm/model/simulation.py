@@ -30,8 +30,8 @@ class Coefficients(Frozen):
         kinetic: Coefficient of kinetic friction; at most ``static``.
     """
 
-    static: Annotated[Number, Field(ge=0, le=5)]
-    kinetic: Annotated[Number, Field(ge=0, le=5)]
+    static: Annotated[Ratio, Field(ge=0, le=5)]
+    kinetic: Annotated[Ratio, Field(ge=0, le=5)]
 
     @model_validator(mode="after")
     def _static_holds_more(self) -> Self:

@@ -13,7 +13,13 @@ from itertools import product
 from typing import TypeAlias
 
 from pirate_sm.checking.exploring.answers import Fact, PossibleAnswer, together
-from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
+from pirate_sm.checking.exploring.piecewise_linear import (
+    borders,
+    is_linear,
+    samples,
+    signals,
+    span_of,
+)
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
@@ -129,7 +135,7 @@ class Conditions:
             return found
         opaque: dict[tree.Node, int] = {}
         size = len(self.vocabulary.words)
-        freed = tuple((_without_opaque(node, opaque, size), wanted) for node, wanted in facts)
+        freed = tuple((self._freed(node, opaque, size), wanted) for node, wanted in facts)
         if tried and not opaque:
             return found
         found, _ = self._witness(freed, states, len(opaque))
@@ -153,6 +159,30 @@ class Conditions:
                     return tree.TruthValue(decides)
                 left = [part for part in left if not isinstance(part, tree.TruthValue)]
                 return type(node)(tuple(left)) if left else tree.TruthValue(not decides)
+            case _:
+                return node
+
+    def _freed(self, node: tree.Node, opaque: dict[tree.Node, int], first: int) -> tree.Node:
+        """Return the condition with each undecided comparison replaced by a free boolean.
+
+        A comparison that the ranges of its signals decide is unknown or has its one truth.
+        """
+        match node:
+            case tree.Compare():
+                if _is_decided(node) or not signals(node):
+                    return node
+                number = opaque.setdefault(node, len(opaque))
+                free = tree.Signal(f"?{number}", "word", first + number)
+                return tree.Matches(free, _truths(node, self._spans))
+            case tree.Known(operand) if not is_linear(operand):  # it may be divided by 0
+                number = opaque.setdefault(node, len(opaque))
+                return tree.Matches(tree.Signal(f"?{number}", "word", first + number), ("true",))
+            case tree.Not(operand):
+                return tree.Not(self._freed(operand, opaque, first))
+            case tree.And(parts):
+                return tree.And(tuple(self._freed(part, opaque, first) for part in parts))
+            case tree.Or(parts):
+                return tree.Or(tuple(self._freed(part, opaque, first) for part in parts))
             case _:
                 return node
 
@@ -246,23 +276,13 @@ def _is_decided(node: tree.Compare) -> bool:
     return len(signals(node)) == 1 and linear and arguments <= MOST_ARGUMENTS
 
 
-def _without_opaque(node: tree.Node, opaque: dict[tree.Node, int], first: int) -> tree.Node:
-    """Return the condition with each undecided comparison replaced by a free boolean."""
-    match node:
-        case tree.Compare():
-            if _is_decided(node) or not signals(node):
-                return node
-            number = opaque.setdefault(node, len(opaque))
-            free = tree.Signal(f"?{number}", "word", first + number)
-            return tree.Matches(free, ("true",))
-        case tree.Known(operand) if not is_linear(operand):  # it may be divided by 0
-            number = opaque.setdefault(node, len(opaque))
-            return tree.Matches(tree.Signal(f"?{number}", "word", first + number), ("true",))
-        case tree.Not(operand):
-            return tree.Not(_without_opaque(operand, opaque, first))
-        case tree.And(parts):
-            return tree.And(tuple(_without_opaque(part, opaque, first) for part in parts))
-        case tree.Or(parts):
-            return tree.Or(tuple(_without_opaque(part, opaque, first) for part in parts))
-        case _:
-            return node
+def _truths(node: tree.Compare, spans: Mapping[str, Range]) -> tuple[str, ...]:
+    """Return with which values of a free boolean a comparison is true, by its signals' ranges."""
+    low, high = span_of(tree.Arithmetic("-", node.left, node.right), spans)
+    always, never = {
+        "<": (high < 0, low >= 0),
+        "<=": (high <= 0, low > 0),
+        ">": (low > 0, high <= 0),
+        ">=": (low >= 0, high < 0),
+    }.get(node.operator, (False, False))
+    return ("true", "false") if always else () if never else ("true",)

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from itertools import combinations, pairwise
 from math import inf, isfinite
 
-from pirate_sm.checking.exploring.signal_ranges import Range
+from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
 from pirate_sm.expressions import tree
 
 _FAR = 1e9
@@ -48,6 +48,30 @@ def value(node: tree.Node, x: float) -> float:
             return abs(numbers[0]) if function == "abs" else _EXTREMES[function](numbers)
         case _:
             raise AssertionError(f"{node} is no number")
+
+
+def span_of(node: tree.Node, spans: Mapping[str, Range]) -> Range:
+    """Return a range of a number whose signals may have any values of their ranges."""
+    match node:
+        case tree.Number(number):
+            return Range(number, number)
+        case tree.Signal(name):
+            return spans.get(name, ANYTHING)
+        case tree.Negate(operand):
+            low, high = span_of(operand, spans)
+            return Range(-high, -low)
+        case tree.Arithmetic("+" | "-" as operator, left, right):
+            one, other = span_of(left, spans), span_of(right, spans)
+            if operator == "-":
+                other = Range(-other.high, -other.low)
+            return Range(one.low + other.low, one.high + other.high)
+        case tree.Call(function, arguments):
+            lows, highs = zip(*(span_of(each, spans) for each in arguments), strict=True)
+            if function == "abs":
+                return Range(max(0.0, lows[0], -highs[0]), max(-lows[0], highs[0]))
+            return Range(_EXTREMES[function](lows), _EXTREMES[function](highs))
+        case _:
+            return ANYTHING
 
 
 _EXTREMES = {"min": min, "max": max}

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import inf, pi, sqrt
+from collections.abc import Iterator, Mapping
+from math import inf, pi, radians, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.model import profile as model
+
+ANGLE_OFF_RAD = radians(15)
+"""How far a joint may be off the angle that its board was asked for [decided]."""
 
 _COUNTS = 2**15
 """The wire carries int16 values (PICO boards, thesis section 4-2)."""
@@ -42,11 +45,22 @@ def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
             found[names[vector.target]] = _VECTORS.get(vector.how, Range(0.0, most))
         for _, length_m, wheels_m, target in board.diameters:  # eq. 3-2
             found[names[target]] = Range(wheels_m, length_m + wheels_m)
-    for joint in profile.body.joints:
-        if joint.name in names:
-            found[joint.name] = Range(-joint.end_stop, joint.end_stop)
+    found |= dict(_of_body(profile, robot))
     changes = {change_of(n): Range(r.low - r.high, r.high - r.low) for n, r in found.items()}
     return found | changes
+
+
+def _of_body(profile: model.Profile, robot: RobotSpec) -> Iterator[tuple[str, Range]]:
+    """Yield the ranges of the angles of joints, and of the bound of the odometry."""
+    names = robot.vocabulary.numbers
+    for joint in profile.body.joints:
+        if joint.name in names:
+            yield joint.name, Range(-joint.end_stop, joint.end_stop)
+    for slot in robot.slots:
+        if slot.unit == "angle" and slot.angle >= 0:
+            yield names[slot.angle], Range(slot.low - ANGLE_OFF_RAD, slot.high + ANGLE_OFF_RAD)
+    if robot.bound >= 0:
+        yield names[robot.bound], Range(0.0)
 
 
 _VECTORS = {"roll": Range(-pi, pi), "pitch": Range(-pi / 2, pi / 2)}

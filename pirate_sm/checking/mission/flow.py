@@ -42,7 +42,8 @@ def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
             found += [(withins.get(it.place, place), "`within`", it.within_s)]
             found += [(places.read(t.place), "`after`", t.after_s or 0.0) for t in it.triggers]
         elif isinstance(it, Do | Question) and it.place:
-            found += [(places.read(it.place), "this timeout", it.timeout_s or 0.0)]
+            place = places.read(it.place)
+            found += [(withins.get(it.place, place), "this timeout", it.timeout_s or 0.0)]
         for place, what, time_s in found:
             own = place.file == loaded.documents[0].name and place not in reported
             if own and limit_s < time_s < inf:
@@ -52,15 +53,15 @@ def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
 
 
 def _withins(mission: Mission, places: Places) -> dict[str, Place]:
-    """Return the place of each `within` by that of its wait."""
+    """Return the place of each `within` by that of its wait, of each `timeout` by its step's."""
     found = {}
     for name, phase in mission.phases.items():
         waits: list[tuple[Path, Phase | WaitStep]] = [(("phases", name), phase)]
-        waits += [
-            (path, step)
-            for step, path in every_step(phase.do, ("phases", name, "do"))
-            if isinstance(step, WaitStep)
-        ]
+        for step, path in every_step(phase.do, ("phases", name, "do")):
+            if isinstance(step, WaitStep):
+                waits.append((path, step))
+            elif getattr(step, "timeout", None) is not None:
+                found[str(places.of(path))] = places.of((*path, "timeout"))
         for path, each in waits:
             if each.within is not None:
                 found[str(places.of((*path, "wait")))] = places.of((*path, "within", "time"))

@@ -30,6 +30,11 @@ def wait_triggers(view: MissionView) -> Iterator[Finding]:
             message = f"'{condition.text}' is always {said}"
             mend = "leave the condition out" if said.startswith("true") else if_false
             yield places.finding(places.read(place), "condition.constant", message, mend=mend)
+        for each in tree.walk(condition.tree):
+            if isinstance(each, tree.Matches) and len({*each.words}) < len(each.words):
+                twice = next(word for word in each.words if each.words.count(word) > 1)
+                message = f"'{condition.text}' lists '{twice}' twice"
+                yield places.finding(places.read(place), "condition.twice", message)
         for said in dict.fromkeys(_exact(condition.tree, loaded.robot.vocabulary.with_changes)):
             message = f"'{condition.text}' asks with {said}"
             yield places.finding(places.read(place), "condition.exact", message)

@@ -6,13 +6,14 @@ robot.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
-from pirate_sm.checking.robot.command_targets import command_targets
+from pirate_sm.checking.robot.command_targets import command_targets, travel_missions
 from pirate_sm.checking.robot.fault_conditions import fault_conditions, rule_conditions
 from pirate_sm.checking.robot.profile_numbers import (
     coarse_setpoints,
@@ -24,8 +25,9 @@ from pirate_sm.checking.robot.profile_numbers import (
     never_done,
     nominal_times,
     position_loops,
+    turning_at_rest,
 )
-from pirate_sm.checking.robot.references import references
+from pirate_sm.checking.robot.references import OF_PROFILE, found_by, references
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.checking.robot.seen_states import impossible_signs, unseen_states
 from pirate_sm.checking.robot.wheels_and_clamps import (
@@ -42,10 +44,13 @@ from pirate_sm.loading.chart.table_cache import cached_table
 from pirate_sm.loading.extended_file import read_extended
 from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problem, Problems
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.loading.robot import LoadedRobot, load_robot, read_robot
 from pirate_sm.loading.yaml.document import Document
 
 UNREACHABLE = "chart.unreachable"
+
+_UNKNOWN = {"robot.joint", "robot.roll", "robot.slot", "robot.wheel"}
+"""Codes of references that lead nowhere."""
 
 
 class RobotCheck(NamedTuple):
@@ -68,7 +73,8 @@ def check_robot(folder: Path) -> RobotCheck:
         loaded = load_robot(folder)
     except LoadError as error:
         documents = _readable(folder)
-        return RobotCheck(_of_loading(error.problems, documents), documents, None)
+        found = _of_loading(error.problems, documents)
+        return RobotCheck((*found, *_besides(folder, found)), documents, None)
     findings = sorted((*check_chart(loaded), *robot_findings(loaded)), key=lambda each: each.order)
     return RobotCheck(tuple(findings), loaded.documents, loaded)
 
@@ -76,6 +82,7 @@ def check_robot(folder: Path) -> RobotCheck:
 ERROR_RULES = (
     references,
     never_done,
+    turning_at_rest,
     link_times,
     end_stops,
     wheel_directions,
@@ -88,6 +95,7 @@ ERROR_RULES = (
 RULES = (
     *ERROR_RULES,
     command_targets,
+    travel_missions,
     fault_conditions,
     rule_conditions,
     impossible_bodies,
@@ -134,6 +142,20 @@ def _readable(folder: Path) -> tuple[Document, ...]:
         return profile, read_extended(folder / str(name))
     except LoadError:
         return (profile,)
+
+
+def _besides(folder: Path, found: tuple[Finding, ...]) -> Iterator[Finding]:
+    """Yield wrong references on other lines than the faults for which a robot is not loaded."""
+    if any(each.code in _UNKNOWN for each in found):
+        return  # what they would name is missing
+    try:
+        robot, _ = read_robot(folder)
+    except LoadError:
+        return
+    lines = {(each.place.file, each.place.line) for each in found}
+    for each in found_by(OF_PROFILE, RobotView(robot)):
+        if (each.place.file, each.place.line) not in lines:
+            yield each
 
 
 def _of_loading(

@@ -1,4 +1,4 @@
-"""A rule about commands: `asks_for` describes the states that a command leads to."""
+"""Rules about where commands lead, and about the missions that travel along routes."""
 
 from __future__ import annotations
 
@@ -6,6 +6,11 @@ from collections.abc import Iterator
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
+from pirate_sm.errors import UsageError
+from pirate_sm.loading.library import find_mission
+from pirate_sm.loading.problems import LoadError, Path
+from pirate_sm.loading.references import followed
+from pirate_sm.loading.yaml.document import read_document
 
 
 def command_targets(view: RobotView) -> Iterator[Finding]:
@@ -28,3 +33,33 @@ def command_targets(view: RobotView) -> Iterator[Finding]:
                 message = f"{name} leads to {states}, which is not what it asks for"
         if message:
             yield view.at(("commands", name, "asks_for"), "robot.asks_for", message, offset=0)
+
+
+def travel_missions(view: RobotView) -> Iterator[Finding]:
+    """Yield missions and states of `travel` that are not there, and a `last` without its way."""
+    travel, table = view.profile.travel, view.loaded.table
+    if travel is None:
+        return
+    named: list[tuple[Path, str]] = [(("last",), travel.last)]
+    named += [(("turns", n, "call"), each.call) for n, each in enumerate(travel.turns)]
+    for number, passage in enumerate(travel.passages):
+        calls = enumerate(passage.calls)
+        named += [(("passages", number, "calls", place), call) for place, call in calls]
+    for path, name in named:
+        message = ""
+        try:
+            file = find_mission(name, view.loaded.folder)
+            mission = read_document(followed(file, view.loaded.folder)).data
+            if path == ("last",) and "way" not in (mission.get("parameters") or {}):
+                message = f"'{name}' has no parameter `way`, by which it would drive on"
+        except UsageError as error:
+            message = str(error)
+        except (LoadError, AttributeError):
+            continue  # reported for the mission
+        if message:
+            yield view.at(("travel", *path), "robot.reference", message)
+    states = dict(zip(table.regions, table.states, strict=True))
+    for region, state in travel.starts_in.items():
+        if state not in states.get(region, ()):
+            message = f"{region} has no state '{state}'"
+            yield view.at(("travel", "starts_in", region), "robot.reference", message)

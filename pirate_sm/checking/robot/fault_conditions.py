@@ -7,19 +7,20 @@ from itertools import product
 
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.checking.exploring.signal_ranges import ranges
+from pirate_sm.checking.exploring.signal_ranges import Range, ranges
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.expressions import tree
+from pirate_sm.loading.problems import Path
 
 
 def fault_conditions(view: RobotView) -> Iterator[Finding]:
-    """Yield fault rules that are never true or always true."""
+    """Yield fault rules, and words with a condition, that are never true or always true."""
     conditions = _conditions(view)
     rules = iter(view.loaded.normal.faults)
     for number, fault in enumerate(view.profile.faults):
         written_out = [next(rules) for _ in fault.for_each or (None,)]
-        path = ("faults", number, "when")
+        path: Path = ("faults", number, "when")
         for rule in written_out:
             verdict = _verdict(view, conditions, rule.when.tree)
             if verdict is None:
@@ -29,6 +30,14 @@ def fault_conditions(view: RobotView) -> Iterator[Finding]:
             message += " raised whatever happens" if verdict else " never raised"
             yield view.at(path, f"robot.fault_{word}", message, offset=0)
             break
+    for said in view.loaded.normal.word_conditions:
+        if (verdict := _verdict(view, conditions, said.when.tree)) is not None:
+            message = f"this can {'only' if verdict else 'never'} be true: '{said.word}' would be"
+            message += " said at once, wherever the robot is" if verdict else " said nowhere"
+            path = ("detector", "words", said.word, "when")
+            yield view.at(
+                path, f"robot.fault_{'always' if verdict else 'never'}", message, offset=0
+            )
 
 
 def rule_conditions(view: RobotView) -> Iterator[Finding]:
@@ -40,12 +49,18 @@ def rule_conditions(view: RobotView) -> Iterator[Finding]:
     for number, rule in enumerate(view.loaded.rules):
         after, must, given = rule.after, rule.must, view.profile.rules[number]
         begins = not after or any(after.evaluate(*each) is True for each in moments)
-        if not begins or all(must.evaluate(*each) is not False for each in moments):
-            spoken = "is kept by every command" if begins else "never applies"
-            keys = ("always", "never", "expect") if begins else ("after",)
-            path = ("rules", number, next(key for key in keys if getattr(given, key)))
-            message = f"the rule '{rule.name}' {spoken}: nothing can break it"
-            yield view.at(path, "robot.rule_never", message, offset=0)
+        kept = {must.evaluate(*each) is not False for each in moments}
+        if begins and len(kept) > 1:
+            continue
+        spoken = "never applies: nothing can break it"
+        if begins:
+            spoken = "is kept by every command: nothing can break it"
+            spoken = (
+                spoken if kept != {False} or given.expect else "is broken whatever is commanded"
+            )
+        keys = ("always", "never", "expect") if begins else ("after",)
+        path = ("rules", number, next(key for key in keys if getattr(given, key)))
+        yield view.at(path, "robot.rule_never", f"the rule '{rule.name}' {spoken}", offset=0)
 
 
 def _moments(view: RobotView) -> Iterator[tuple[tuple[float, ...], tuple[str | None, ...]]]:
@@ -74,15 +89,19 @@ def _moments(view: RobotView) -> Iterator[tuple[tuple[float, ...], tuple[str | N
                 yield numbers, (*states, command)
 
 
-def _conditions(view: RobotView) -> Conditions:
+def _conditions(view: RobotView, *, rim_m_s: bool = False) -> Conditions:
     """Return what conditions can be, but for the angles of joints.
 
-    A rule may look for a joint beyond its end stop, which only a faulty sensor shows.
+    A rule may look for a joint beyond its end stop, which only a faulty sensor shows, and for a
+    speed beyond that of its wheels, unless ``rim_m_s``.
     """
     robot = view.loaded.normal
     joints = {joint.name for joint in view.profile.body.joints}
     known = ranges(view.profile, robot)
     spans = {name: span for name, span in known.items() if name not in joints}
+    if rim_m_s and robot.speed >= 0:
+        top_m_s = max(each.top_m_s for each in robot.wheels)
+        spans[robot.vocabulary.numbers[robot.speed]] = Range(-top_m_s, top_m_s)
     return Conditions(robot.vocabulary, spans, len(robot.regions))
 
 
@@ -91,8 +110,15 @@ def _verdict(view: RobotView, conditions: Conditions, node: tree.Node) -> bool |
     signals = [each for each in tree.walk(node) if isinstance(each, tree.Signal)]
     known: list[Fact] = [(tree.Known(each), True) for each in dict.fromkeys(signals)]
     seen = view.configurations({each.name for each in signals})
-    if not any(conditions.ask([(node, True)], states).possible for states in seen):
+    true_in = [states for states in seen if conditions.ask([(node, True)], states).possible]
+    if not true_in:
         return False
     if not any(conditions.ask([(node, False), *known], states).possible for states in seen):
+        return True
+    if not any(each.kind == "number" for each in signals):
+        return None
+    # By the speeds that motors reach it may be true whatever happens, where its states are.
+    usual = _conditions(view, rim_m_s=True)
+    if not any(usual.ask([(node, False), *known], states).possible for states in true_in):
         return True
     return None

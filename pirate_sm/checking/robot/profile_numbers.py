@@ -18,6 +18,7 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
+from pirate_sm.loading.pipe_file import FOLDING_ROOM_RAD
 from pirate_sm.loading.problems import Path
 from pirate_sm.model.actuation import Target
 from pirate_sm.model.criteria import Load, Turning
@@ -45,6 +46,23 @@ def never_done(view: RobotView) -> Iterator[Finding]:
                 break
         else:
             yield from _never_done_under_controls(view, number, name, spec.done)
+
+
+def turning_at_rest(view: RobotView) -> Iterator[Finding]:
+    """Yield setpoints that keep a command from being done, which waits for wheels that stand."""
+    table, robot = view.loaded.table, view.loaded.normal
+    for number, name in enumerate(table.commands):
+        done, led = robot.commands[number].done, view.led(number)
+        if not isinstance(done, StoppedSpec) or not led:
+            continue
+        for each in view.written:
+            states = {table.configurations[at.configuration][each.region] for at in led}
+            turns = view.in_force.most_rad_s(led[0], each.write.slot) > done.below
+            wheel = view.profile.slots[each.write.slot].wheel
+            if wheel and states == {each.state} and turns and not each.control:
+                message = f"{each.state} turns '{wheel}', and {name}, which leads to it, is done"
+                message += f" when wheels turn by less than {done.below:g} rad/s"
+                yield view.at(each.path, "robot.never_done", message, mend="write `0 %`")
 
 
 def _never_done_under_controls(
@@ -140,6 +158,10 @@ def link_times(view: RobotView) -> Iterator[Finding]:
                 f" {round_s:.3g} s after it: {messages} messages of {link.cycle:g} s"
             )
             yield view.at(("link", key), "robot.link_times", message)
+    if (valid_s := view.profile.detector.valid_for) < link.cycle:
+        message = f"a word is valid for {valid_s:g} s, less than the cycle of {link.cycle:g} s in"
+        message += " which anything new is reported"
+        yield view.at(("detector", "valid_for"), "robot.link_times", message)
     if round_s <= link.silent_after < link.stale_after:
         message = (
             f"a board counts as silent after {link.silent_after:g} s, while its signals count as"
@@ -215,14 +237,20 @@ def impossible_bodies(view: RobotView) -> Iterator[Finding]:
         for number, joint in enumerate(body.joints)
         if joint.end_stop > folded_rad
     ]
+    short = [number for number, link in enumerate(body.links) if link.length < 2 * radius_m]
+    all_of_them = len(short) == len(body.links)  # so it is the radius that is wrong
     found += [
         (
-            ("links", number, "length"),
+            ("wheel_radius",) if all_of_them else ("links", number, "length"),
             f"wheels with a diameter of {radius_m * 2e3:.4g} mm overlap at the ends of a link of"
-            f" {link.length * 1e3:.4g} mm",
+            f" {body.links[number].length * 1e3:.4g} mm",
         )
-        for number, link in enumerate(body.links)
-        if link.length < 2 * radius_m
+        for number in (short[:1] if all_of_them else short)
+    ]
+    found += [
+        (("joints", number, "end_stop"), f"with it '{joint.part}' can clamp in no pipe")
+        for number, joint in enumerate(body.joints)
+        if joint.name == body.parts[joint.part].apex and joint.end_stop <= FOLDING_ROOM_RAD
     ]
     if thick_m >= radius_m:
         message = "the links touch the wall before the wheels do"

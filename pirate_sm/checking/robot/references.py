@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import NamedTuple
+from collections.abc import Callable, Iterator, Sequence
+from typing import NamedTuple, TypeAlias
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
@@ -26,13 +26,16 @@ _SENSES = {str(NumberType(CURRENT)): "current", str(NumberType(TORQUE)): "torque
 
 
 class _Wrong(NamedTuple):
-    """A reference that is wrong, as the finding says it."""
+    """A wrong reference."""
 
     path: Path
     message: str
     mend: str
     severity: Severity | None = None
     key: bool = False
+
+
+_Rule: TypeAlias = Callable[[RobotView], Iterator[_Wrong]]
 
 
 class _Measured(NamedTuple):
@@ -47,8 +50,13 @@ class _Measured(NamedTuple):
 
 def references(view: RobotView) -> Iterator[Finding]:
     """Yield references to things of other wheels, joints, parts or boards; one for each thing."""
+    yield from found_by((*OF_PROFILE, _apex_references, _loads, _denials), view)
+
+
+def found_by(rules: Sequence[_Rule], view: RobotView) -> Iterator[Finding]:
+    """Yield what some of these rules find, such as `OF_PROFILE`."""
     said: set[Path] = set()
-    for rule in _RULES:
+    for rule in rules:
         for path, message, mend, severity, key in rule(view):
             thing = path[: {"boards": 4, "body": 3}.get(str(path[0]), 2)]
             if thing not in said:
@@ -155,7 +163,11 @@ def _measured(view: RobotView) -> Iterator[_Wrong]:
                 yield _Wrong(each.path, fault, _own(view, each))
             continue
         of = drives.get(channel.slot or "", each.thing)
-        if channel.senses not in (each.sense, None):
+        board = view.profile.boards[int(at[1])]
+        if not (board.fitted and board.channels_fitted):
+            message = f"board {board.id}, which would measure '{each.signal}', is not fitted"
+            yield _Wrong(each.path, message, _own(view, each), Severity.WARNING)
+        elif channel.senses not in (each.sense, None):
             message = f"'{each.signal}' is the {channel.senses} of '{of}'"
             message += f", not the {each.sense} of '{each.thing}'"
             yield _Wrong(each.path, message, _own(view, each))
@@ -176,7 +188,7 @@ def _not_measured(view: RobotView, each: _Measured) -> str:
     """Return why a signal that no channel has is not the one that the body needs."""
     derived = view.profile.derived.get(each.signal)
     if each.sense == "torque" and isinstance(derived, kinds.TorqueOf):
-        of = view.drives[derived.slot]
+        of = view.drives.get(derived.slot)
         return f"'{each.signal}' is the torque of '{of}'" if of != each.thing else ""
     return f"no board measures '{each.signal}', the {each.sense} of '{each.thing}'"
 
@@ -206,8 +218,8 @@ def _speeds(view: RobotView) -> Iterator[_Wrong]:
             else:
                 at = ("derived", wheel.speed, "rate_of")
                 yield _Wrong(at, message, f"write `rate_of: {wheel.angle}`")
-        elif channel and channel.slot and drives[channel.slot] != wheel.name:
-            message = f"'{wheel.speed}' is measured at '{drives[channel.slot]}'"
+        elif channel and (of := drives.get(channel.slot or "")) and of != wheel.name:
+            message = f"'{wheel.speed}' is measured at '{of}'"
             yield _Wrong(path, message, f"name a signal of '{wheel.name}'")
         elif not isinstance(own, kinds.RateOf) and not channel:
             message = f"'{wheel.speed}' is not the speed of a wheel"
@@ -374,27 +386,13 @@ def _parts_of_signals(view: RobotView) -> dict[str, str]:
         if channel.slot and drives[channel.slot] in things
     }
     for name, own in view.profile.derived.items():
-        match own:
-            case kinds.RateOf(rate_of=source) | kinds.TorqueOf(torque_of=source):
-                if source in found:
-                    found[name] = found[source]
-            case kinds.DiameterOf(diameter_of=part):
-                found[name] = part
-            case _:
-                pass
+        source = getattr(own, "rate_of", getattr(own, "torque_of", ""))
+        if source in found:
+            found[name] = found[source]
+        elif isinstance(own, kinds.DiameterOf):
+            found[name] = own.diameter_of
     return found
 
 
-_RULES = (
-    _chain,
-    _apex_references,
-    _measured,
-    _speeds,
-    _derived,
-    _channels,
-    _motors,
-    _lists,
-    _loads,
-    _denials,
-)
-"""All of these rules; of two about one thing the first is reported."""
+OF_PROFILE = (_chain, _measured, _speeds, _derived, _channels, _motors, _lists)
+"""Those that a robot with other faults can be asked."""

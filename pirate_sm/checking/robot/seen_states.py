@@ -43,6 +43,14 @@ def unseen_states(view: RobotView) -> Iterator[Finding]:
 def impossible_signs(view: RobotView) -> Iterator[Finding]:
     """Yield criteria that the sensors can never meet, or never for long enough."""
     robot = view.loaded.normal
+    every = (*robot.sight.parts, *(spec for each in robot.sight.states for spec in each.values()))
+    lasting = [
+        each.for_s for each in every if isinstance(each, HeldSpec | AnglesSpec | StandingSpec)
+    ]
+    if lasting and min(lasting) >= robot.sight.within_s:
+        message = f"nothing can be confirmed: {_too_long(view, min(lasting))}"
+        yield view.at(("seen", "within"), "robot.seen_never", message)
+        return
     for number, held in enumerate(robot.sight.parts):
         if held is not None:
             path: Path = ("seen", "parts", robot.parts[number])

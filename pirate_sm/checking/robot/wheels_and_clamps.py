@@ -112,9 +112,16 @@ def _slack(view: RobotView) -> Iterator[Finding]:
             if each.write.slot == slot and not each.control:
                 stages.setdefault((each.region, each.state), []).append(each)
         for first, *more in stages.values():
-            idle = all(w.write.how == "set" and not w.write.turns for w in (first, *more))
+            idle = all(w.write.how != "keep" and not w.write.turns for w in (first, *more))
+            name, wheel = view.loaded.normal.parts[part], view.profile.body.wheels[apex]
+            if idle and first.region not in view.loaded.normal.part_regions[part]:
+                held = ("body", "parts", name, "held")
+                message = f"'{name}' would hold in {first.state} too, where nothing presses it to"
+                message += " the wall"
+                mend = f"ask for states of {view.loaded.normal.regions[first.region]}"
+                yield view.at(held, "robot.clamp_side", message, mend=mend, offset=0)
+                break
             if idle and _holding(view, part, first):
-                name, wheel = view.loaded.normal.parts[part], view.profile.body.wheels[apex]
                 message = f"'{name}' holds in {first.state}, and nothing presses it to the wall"
                 sign = "positive" if wheel.direction > 0 else "negative"
                 mend = f"give it a {sign} value in one of the stages, which presses '{wheel.name}'"
@@ -185,18 +192,21 @@ def boards_outside(view: RobotView) -> Iterator[Finding]:
 
 
 def states_alike(view: RobotView) -> Iterator[Finding]:
-    """Yield states of a region that drive wheels and write exactly what another one does."""
+    """Yield states that write exactly what another one does: driven wheels, or all of a region."""
     wheels = {slot.name for slot, _ in view.slots if slot.wheel}
     for region, states in view.profile.actuation.items():
         known: dict[str, str] = {}
+        alike = len(set(map(repr, states.values()))) == 1 and any(
+            any(stages) for stages in states.values()
+        )
         for state, stages in states.items():
             turns = any(getattr(v, "value", 0) for s in stages for k, v in s.items() if k in wheels)
-            other = known.setdefault(repr(stages), state) if turns else state
+            other = known.setdefault(repr(stages), state) if turns or alike else state
             if other != state:
                 yield view.at(
                     ("actuation", region, state),
                     "robot.reference",
-                    f"{state} drives the wheels exactly as {other} does",
+                    f"{state} writes exactly what {other} does",
                     key=True,
                     mend="correct its setpoints, or keep one of the two states",
                     severity=Severity.WARNING,

@@ -2,6 +2,12 @@
 
 from __future__ import annotations
 
-from pirate_sm.loading.robot.loader import LoadedRobot, Polarity, load_robot, with_fitted
+from pirate_sm.loading.robot.loader import (
+    LoadedRobot,
+    Polarity,
+    load_robot,
+    read_robot,
+    with_fitted,
+)
 
-__all__ = ["LoadedRobot", "Polarity", "load_robot", "with_fitted"]
+__all__ = ["LoadedRobot", "Polarity", "load_robot", "read_robot", "with_fitted"]

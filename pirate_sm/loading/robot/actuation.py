@@ -168,7 +168,11 @@ def _check_slots(
                 )  # fmt: skip
     for slot in sorted(every):
         if owners.setdefault(slot, region) != region:
-            problems.add(
-                "robot.actuation", ("actuation", region),
-                f"'{slots.specs[slot].name}' is written by {owners[slot]} too", key=True,
-            )  # fmt: skip
+            at: Path = next(
+                ("actuation", region, state, *((number,) if len(stages) > 1 else ()))
+                for state, stages in states.items()
+                for number, stage in enumerate(stages)
+                if slot in {write.slot for write in stage}
+            )
+            message = f"'{slots.specs[slot].name}' is written by {owners[slot]} too"
+            problems.add("robot.actuation", (*at, slots.specs[slot].name), message, key=True)

@@ -91,6 +91,17 @@ def load_robot(folder: Path) -> LoadedRobot:
     Raises:
         LoadError: Its files have faults; holds all of them.
     """
+    robot, problems = read_robot(folder)
+    problems.raise_errors()
+    return robot
+
+
+def read_robot(folder: Path) -> tuple[LoadedRobot, Problems]:
+    """Return the robot in this folder as far as it makes sense, and what is wrong with it.
+
+    Raises:
+        LoadError: There is so much wrong with its files that there is no robot.
+    """
     document = read_extended(folder / PROFILE_FILE)
     problems = Problems(document)
     profile = try_validate(document, Profile, problems)
@@ -109,11 +120,12 @@ def load_robot(folder: Path) -> LoadedRobot:
     table = cached_table(chart_document, outline, problems)
     _check_reached(outline, table, problems.about(chart_document))
     rules = resolve_rules(profile, table, problems)
-    normal = _resolve(profile, table, "normal", problems)
-    problems.raise_errors()
-    mirrored = _resolve(profile, table, "mirrored", problems)
-    documents = (document, chart_document)
-    return LoadedRobot(profile, profile, table, documents, folder, normal, mirrored, rules, outline)
+    normal = mirrored = _resolve(profile, table, "normal", problems)
+    if not problems.errors:
+        mirrored = _resolve(profile, table, "mirrored", problems)
+    files = (document, chart_document)
+    robot = LoadedRobot(profile, profile, table, files, folder, normal, mirrored, rules, outline)
+    return robot, problems
 
 
 BEYOND_A_MOTOR = frozenset({"robot.control", "robot.setpoint"})
@@ -178,6 +190,8 @@ def _check_commands(profile: Profile, outline: ChartOutline, problems: Problems)
             _dangling(problems, ("aliases", alias), f"there is no command '{name}'", name, commands)
         if alias in commands:
             problems.add("robot.alias", ("aliases", alias), f"'{alias}' is a command", key=True)
+    for name in profile.not_commands.keys() & {*commands, *profile.aliases}:
+        problems.add("robot.alias", ("not_commands", name), f"'{name}' is a command", key=True)
 
 
 def _check_regions(profile: Profile, outline: ChartOutline, problems: Problems) -> None:

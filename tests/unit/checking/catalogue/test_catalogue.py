@@ -24,7 +24,6 @@ SOURCES = [
     PACKAGE / "campaign" / "campaign_file.py",
     PACKAGE / "campaign" / "named_parts.py",
     *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
-    PACKAGE / "cli" / "order.py",
     PACKAGE / "cli" / "commands" / "check.py",
     PACKAGE / "cli" / "commands" / "new.py",
 ]

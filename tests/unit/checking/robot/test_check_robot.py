@@ -281,7 +281,11 @@ def test_a_clamp_whose_sensor_is_not_fitted_is_never_done(tmp_path: Path) -> Non
     found = told(check_robot(robot).findings)
     never = [at for code, at in found if code == "robot.never_done"]  # HoldTail and Home
 
-    assert Counter(code for code, _ in found) == {"robot.never_done": 2, "robot.seen_never": 2}
+    assert Counter(code for code, _ in found) == {
+        "robot.never_done": 2,
+        "robot.seen_never": 2,
+        "robot.reference": 1,
+    }
     assert set(never) == {
         HOLD_NOSE.replace("neck", "hip").removeprefix("{kind: "),
         "below, signals: [neck, hip], limit: 6 deg, for: 0.2 s}",

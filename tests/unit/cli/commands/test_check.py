@@ -376,8 +376,8 @@ def test_a_campaign_is_checked_as_it_would_be_run(pirate: Any, tmp_path: Path) -
         "trial.yaml:4:3: error [campaign.mission] there is no mission 'mitre_bent'" in result.stdout
     )
     assert "trial.yaml:6:33: error [campaign.defect] there is no defect" in result.stdout
-    assert "error [geometry.no_bend]" in result.stdout
-    assert "trial.yaml:5:3: this campaign runs it so" in result.stdout
+    assert "trial.yaml:5:3: error [geometry.no_bend] with these choices" in result.stdout
+    assert "mitre_bend.yaml:38:" in result.stdout
     assert "1 campaign checked" in result.stdout
 
 
