@@ -69,8 +69,8 @@ def end_of_run(path: Path) -> EndOfRun:
 
 def _end_of(recording: Recording, loaded: LoadedMission) -> EndOfRun:
     name, after = shown(recording.path), recording.checkpoint(recording.until_s)
-    known = after.step if after is not None else -1
-    if gap := next((each for each in recording.gaps if each.step > known), None):
+    unseen = (each for each in recording.gaps if after is None or each.step > after.step)
+    if gap := next(unseen, None):
         raise RecordingError(
             f"cannot resume: {name} was damaged from {gap.from_s:.3f} s to "
             f"{gap.until_s:.3f} s, so what the mission knew at its end is unknown"

@@ -799,6 +799,7 @@ class TestLooking:
         sensing = driver.state.sensing._replace(heard_s=(begun_s, *(now,) * others), loss=0.3)
 
         begun = driver.engine.start(begun_s)[0].faults
+        assert faults.no_faults(robot).listening_s == 0.0
         for known, silent in ((begun, 0), (faults.no_faults(robot, begun_s - 60.0), 1)):
             assert len(faults.listen(robot, known, sensing, now)[1]) == silent
 

@@ -240,6 +240,8 @@ def test_a_wrong_bit_costs_its_own_piece_only(
     assert again.gaps == done.gaps
     assert again.lost_end == (24 in places)
     assert is_whole(again)
+    repair(again, tmp_path / "twice.mcap")
+    assert read_recording(tmp_path / "twice.mcap").lost_end == again.lost_end
 
 
 def without(recording: Recording, path: Path, place: int) -> Recording:
@@ -474,8 +476,10 @@ def test_the_time_of_its_end_counts_from_the_beginning_of_the_run(tmp_path: Path
     memory, begun, began_s = Memory(), header(), 5_000.0
     one = Recorder(RecordingFile(memory, begun), begun, real_time=False, commit_s=3600.0)
     one.start((), began_s, ())
-    for event, at_s, effects in course(100):
+    for number, (event, at_s, effects) in enumerate(course(100)):
         one.take(event, began_s + at_s, effects)
+        if number % 20 == 0:
+            one._commit()
     one.close()
     torn = cut(memory.data, tmp_path, len(memory.data) - 1)
 
@@ -483,3 +487,7 @@ def test_the_time_of_its_end_counts_from_the_beginning_of_the_run(tmp_path: Path
 
     assert done.until_s == pytest.approx(1.6)
     assert done.until_s == torn.until_s == read_recording(tmp_path / "good.mcap").until_s
+    pieces = list(torn.commits())
+    (gap,) = repair(spoilt_in(torn, tmp_path / "spoilt.mcap", 3), tmp_path / "gap.mcap").gaps
+    assert gap.from_s == pytest.approx(pieces[2][-1].at_s - began_s)
+    assert gap.until_s == pytest.approx(pieces[4][0].at_s - began_s)

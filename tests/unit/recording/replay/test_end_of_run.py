@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from contextlib import nullcontext
 from math import inf
 from pathlib import Path
 from typing import Any
@@ -16,7 +17,7 @@ from pirate_sm.model.effects import CommandStatus
 from pirate_sm.recording.format.engine_topics import UNLOGGED
 from pirate_sm.recording.format.samples import Placed
 from pirate_sm.recording.read.reader import Recording, read_end_of_recording, read_recording
-from pirate_sm.recording.read.steps import Message
+from pirate_sm.recording.read.steps import Gap, Message
 from pirate_sm.recording.replay import end_of_run as module
 from pirate_sm.recording.replay.end_of_run import end_of_run
 from pirate_sm.recording.replay.replay import Rerun, rerun, same
@@ -74,6 +75,21 @@ def test_a_torn_piece_leaves_the_steps_before_it(cut: Path, tmp_path: Path, piec
 
     last = list(read_recording(torn).steps())[-1]
     assert end.last_step == last.number < end_of_run(cut).last_step
+
+
+@pytest.mark.parametrize(("later", "refused"), [(-1, False), (0, False), (1, True), (None, True)])
+def test_a_gap_matters_unless_a_checkpoint_has_followed_it(
+    cut: Path, monkeypatch: pytest.MonkeyPatch, later: int | None, refused: bool
+) -> None:
+    checkpoint = read_end_of_recording(cut).checkpoint(inf)
+    assert checkpoint is not None
+    step = 1 if later is None else checkpoint.step + later
+    monkeypatch.setattr(Recording, "gaps", (Gap(step, 1.0, 2.0),))
+    if later is None:
+        monkeypatch.setattr(Recording, "checkpoint", lambda recording, at_s: None)
+
+    with pytest.raises(RecordingError, match="was damaged from") if refused else nullcontext():
+        end_of_run(cut)
 
 
 def test_without_marks_all_of_it_is_read(cut: Path, tmp_path: Path) -> None:
