@@ -11,6 +11,7 @@ from typing import NamedTuple
 
 import pytest
 
+from pirate_sm.detectors.camera_watch import CameraWatch
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.seen_places import OneMarker, Tags
 from pirate_sm.detectors.vision_detector import Sight
@@ -273,3 +274,24 @@ def turned_round(seen: Sighting) -> Sighting:
         assert mark.heading_rad is not None
         marks.append(Mark(str(4 - int(mark.on)), mark.place_m, mark.heading_rad + pi))
     return replace(seen, marks=tuple(marks))
+
+
+@pytest.mark.parametrize(
+    ("rms_px", "blind_after_s", "code"), [(9.0, 5.0, "vision.moved"), (0.5, 1.0, "vision.blind")]
+)
+def test_a_camera_that_has_never_shown_its_setup_or_the_robot_is_wrong_from_the_beginning_on(
+    rms_px: float, blind_after_s: float, code: str
+) -> None:
+    watch, found = CameraWatch(blind_after_s), []
+    for digest, now_s in enumerate((0.4, 0.8, 0.99, 1.0)):
+        watch.take(Sighting(now_s, (), rms_px, 100.0, digest), now_s)
+        found.append([fault.code for fault in watch.look(now_s, "", driven=True)])
+
+    assert found == [[], [], [], [code]]
+
+
+def test_a_camera_that_has_never_given_a_picture_is_silent_after_its_time() -> None:
+    watch = CameraWatch(5.0)
+
+    assert watch.look(0.49, "", driven=False) == []
+    assert [fault.code for fault in watch.look(0.5, "", driven=False)] == ["vision.silent"]

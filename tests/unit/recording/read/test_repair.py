@@ -218,6 +218,7 @@ def test_where_records_cannot_be_told_apart_the_file_ends(whole: bytes, tmp_path
     assert not again.complete
     assert again.lost == done.damage
     assert "the recording ends early" in again.notices[0]
+    assert again.lost_end
     assert is_whole(again)
 
 
@@ -238,6 +239,7 @@ def test_a_wrong_bit_costs_its_own_piece_only(
     assert again.lost == done.damage
     assert done.damage.count("at byte") == len(places)
     assert again.gaps == done.gaps
+    assert [gap.from_s for gap in done.gaps if 0 in places] == [0.0] * (0 in places)
     assert again.lost_end == (24 in places)
     assert is_whole(again)
     repair(again, tmp_path / "twice.mcap")
