@@ -7,7 +7,16 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from numbers import Integral, Real
 from os import PathLike, fspath
-from typing import Any, TypeAlias, Unpack, cast, get_type_hints
+from typing import (
+    Any,
+    Literal,
+    TypeAlias,
+    Unpack,
+    cast,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
@@ -165,6 +174,8 @@ def _taken(name: str, value: Any) -> Any:
         value = tuple(map(as_text, listed)) if isinstance(listed, Iterable) else listed
     if kind == int | None and value is not None:
         return whole(value, name, OPTIONS[name].least or 0)
+    if get_origin(kind) is Literal and value not in get_args(kind):
+        raise UsageError(f"{name}: expected {' or '.join(get_args(kind))}, got {value!r}")
     fits, expected = _EXPECTED.get(kind, (lambda value: True, ""))
     if not fits(value):
         raise UsageError(f"{name}: expected {expected}, got {value!r}")

@@ -10,7 +10,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
 from os import PathLike
-from typing import Any, Literal, TypedDict, get_args, get_origin, get_type_hints
+from typing import Any, Literal, NamedTuple, TypedDict, get_args, get_origin, get_type_hints
 
 from pirate_sm.model.fidelity import USUAL, Fidelity
 from pirate_sm.units import (
@@ -70,6 +70,22 @@ class Options(TypedDict, total=False):
     baud: int | None
 
 
+class Only(NamedTuple):
+    """The backends that have an option, the one to suggest first, and what the others lack."""
+
+    backends: tuple[str, ...]
+    lacks: str
+
+
+OTHERS = "others"
+"""Backends of other packages, which may have what ours lack."""
+
+_SIMULATORS = ("sim", "physics")
+_OF_SIMULATED = Only((*_SIMULATORS, "bay", OTHERS), "has no simulated robot")
+_OF_MOVING = Only((*_SIMULATORS, "bay", "serial", OTHERS), "has no robot that moves")
+_OF_PORT = Only(("serial", OTHERS), "has no port: the real robot would not move")
+
+
 @dataclass(frozen=True)
 class RunOption:
     """An option of a run, as people give it.
@@ -86,6 +102,7 @@ class RunOption:
         key: Its name in ``--jitter KEY=VALUE`` and in the ``jitter`` of campaigns if it says how
             far a simulated run may differ from its files; empty for all others.
         usual: What a command takes where it is not given; None: the same as elsewhere.
+        only: The backends that have it; None: all.
         in_campaigns: Whether a campaign may say it: one value, or many, of which each makes cells.
         name: Its name in Python, in recordings and in an order of a run.
         type: Type of its value.
@@ -102,6 +119,7 @@ class RunOption:
     below: float | None = None
     key: str = ""
     usual: Any = None
+    only: Only | None = None
     in_campaigns: Literal["", "one", "many"] = ""
     name: str = ""
     type: Any = None
@@ -190,43 +208,60 @@ class GivenOptions:
         "Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
         *("NAME[:KEY=VALUE,…]", "defects"),
         flag="--defect",
+        only=_OF_SIMULATED,
         in_campaigns="many",
     )
     fidelity: Fidelity = _option(
-        USUAL, "Of sim; fast computes half the iterations and is coarser.", in_campaigns="one"
+        USUAL,
+        "Of sim; fast computes half the iterations and is coarser.",
+        only=Only(("sim",), "cannot be made fast: only the kinematic simulator can be"),
+        in_campaigns="one",
     )
-    view: bool = _option(False, "Show the backend physics in MuJoCo's own viewer.")
+    view: bool = _option(
+        *(False, "Show the backend physics in MuJoCo's own viewer."),
+        only=Only(("physics",), "has no viewer"),
+    )
     port: str | None = _option(
-        None, "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "PORT", "ports"
+        *(None, "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "PORT", "ports"),
+        only=_OF_PORT,
     )
-    baud: int | None = _option(None, "Rate to use instead of the robot's.", least=1)
+    baud: int | None = _option(None, "Rate to use instead of the robot's.", least=1, only=_OF_PORT)
     guard_for_s: float | None = _option(
         None,
         "How long the port is guarded if the robot does not confirm that it has stopped; 10 min.",
         "DURATION",
         unit=TIME,
+        only=_OF_PORT,
     )
     detector: str | None = _option(
         *(None, "What reports where the robot is. For sim: sim, for serial: odometry."),
         *("sim|odometry|vision:CAMERA|NAME", "detectors"),
+        only=_OF_MOVING,
         in_campaigns="many",
     )
     also: str | None = _option(
         *(None, "A second detector, to compare: its words are logged and do nothing."),
         *("DETECTOR", "detectors"),
+        only=_OF_MOVING,
     )
     panel: str | None = _option(
         *(None, "A MIDI control panel, with its stop; others: pirate panel."),
         *("NAME[:DEVICE]", "panels"),
     )
-    ruler: bool = _option(False, "In sim: a ruler outside measures the robot's speed, for slip.")
+    ruler: bool = _option(
+        *(False, "In sim: a ruler outside measures the robot's speed, for slip."),
+        only=Only((*_SIMULATORS, OTHERS), "has no simulated ruler"),
+    )
     start_at_m: float | None = _option(
-        None, "Where the first wheel begins, for odometry.", "LENGTH", unit=LENGTH
+        *(None, "Where the first wheel begins, for odometry.", "LENGTH"),
+        unit=LENGTH,
+        only=_OF_MOVING,
     )
     calibration: bool = _option(True, "Use its joint zeros.")
     check: bool = _option(False, "Reject missions with errors.", usual=True)
     twin: str | None = _option(
         *(None, "Numbers of the simulated robot, from pirate fit --robot.", "FILE", "twins"),
+        only=_OF_SIMULATED,
         in_campaigns="one",
     )
     fitted: str | None = _option(
@@ -247,7 +282,7 @@ class GivenOptions:
         return tuple(getattr(self, each.name) for each in JITTER)
 
     def command(self) -> list[str]:
-        """Return the words of a command line that give these options, without usual values."""
+        """Return the words of a command line that give these options, without defaults."""
         words = [self.mission]
         for each in OPTIONS.values():
             value = getattr(self, each.name)

@@ -24,7 +24,7 @@ def with_options(
         name: Name of the class.
         about: What the part is.
         options: The options.
-        left_open: Whether one that is left out is None, in place of its usual value.
+        left_open: Whether one that is left out is None instead of its default.
     """
     lines = [about, "", "Attributes:", *(f"    {key}: {o.help}" for key, o in options.items())]
     kinds: dict[str, Any] = {key: (_written(o), o.default) for key, o in options.items()}

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import fields, replace
-from typing import get_args
 
 from pirate_sm.backends import known
 from pirate_sm.detectors.beside import Beside
@@ -22,7 +21,7 @@ from pirate_sm.loading import library
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.loading.mission.holding import holding_in
 from pirate_sm.loading.yaml.document import Document, read_document
-from pirate_sm.model.fidelity import USUAL, Fidelity
+from pirate_sm.model.run_options import OPTIONS, OTHERS
 from pirate_sm.registry import Registry
 from pirate_sm.wiring.chosen_panel import choose_panel
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Prepared, Say
@@ -93,11 +92,7 @@ def prepare(
         BackendError: A backend of another package has failed.
     """
     make = BACKENDS.find(order.backend)
-    if order.view and order.backend != "physics":
-        hint = Hint(": use --backend physics", ": use backend='physics'")
-        raise UsageError(f"the backend {order.backend} has no viewer", hint=hint)
-    _refuse_fidelity(order)
-    _refuse_port(order)
+    _refuse_for_others(order)
     loaded = loaded or load(order)
     if order.check:
         from pirate_sm.checking.gate import pass_or_raise
@@ -134,42 +129,31 @@ def _drawn(order: Order, loaded: LoadedMission) -> Order:
     return replace(order, defects=drawn(order.defects, loaded.loaded_robot.profile, order.seed))
 
 
-def _refuse_fidelity(order: Order) -> None:
-    """Refuse a fidelity that the backend does not have.
+def _refuse_for_others(order: Order) -> None:
+    """Refuse options that the backend does not have, instead of running without them.
 
     Raises:
-        UsageError: There is no such fidelity, or the backend has only one.
+        UsageError: One is given.
     """
-    levels = get_args(Fidelity)
-    if order.fidelity not in levels:
-        expected = " or ".join(levels)
-        raise UsageError(f"fidelity: expected {expected}, got {order.fidelity!r}")
-    if order.fidelity != USUAL and order.backend != "sim":
+    ours = order.backend in known.ABOUT
+    if ours and order.backend != "trace" and (order.firings or order.course):
+        hint = Hint(": use --backend trace", ": use backend='trace'")
+        raise UsageError("triggers can be fired in a trace only", hint=hint)
+    if ours and order.backend != "bay" and order.line is not None:
+        hint = Hint(": use --backend bay, or leave out --line", ": use backend='bay'")
+        raise UsageError(f"the backend {order.backend} has no emulated line", hint=hint)
+    backend = order.backend if ours else OTHERS
+    given = [each for name, each in OPTIONS.items() if getattr(order, name) != each.default]
+    wrong = [each for each in given if each.only and backend not in each.only.backends]
+    if wrong and (only := wrong[0].only):
+        alike = [each for each in wrong if each.only == only]
+        flags, names = ", ".join(o.flag for o in alike), ", ".join(o.name for o in alike)
+        use = only.backends[0]
         raise UsageError(
-            f"the backend {order.backend} cannot be made {order.fidelity}: only the kinematic "
-            "simulator has a coarser fidelity",
+            f"the backend {order.backend} {only.lacks}",
             hint=Hint(
-                ": use --backend sim, or leave out --fidelity",
-                ": use backend='sim', or leave out fidelity",
-            ),
-        )
-
-
-def _refuse_port(order: Order) -> None:
-    """Refuse a port for one of our backends that has none: its robot would not be the real one.
-
-    Raises:
-        UsageError: A port, or what belongs to it, is given.
-    """
-    given = {"port": order.port, "baud": order.baud, "guard-for": order.guard_for_s}
-    named = [name for name, value in given.items() if value is not None]
-    if named and order.backend in known.ABOUT and order.backend != "serial":
-        options = ", ".join(f"--{name}" for name in named)
-        raise UsageError(
-            f"the backend {order.backend} has no port: the real robot would not move",
-            hint=Hint(
-                f": use --backend serial, or leave out {options}",
-                f": use backend='serial', or leave out {options.replace('--', '')}",
+                f": use --backend {use}, or leave out {flags}",
+                f": use backend='{use}', or leave out {names}",
             ),
         )
 

@@ -32,8 +32,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the driver of the link, its guardian and an emulated bay, where the mission begins.
 
     Raises:
-        UsageError: There is no pipe or no serial link, a library is missing, or an option is for
-            another backend.
+        UsageError: There is no pipe or no serial link, or a library is missing.
     """
     check_order(order, loaded)
     try:

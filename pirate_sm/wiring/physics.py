@@ -15,7 +15,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the robot in MuJoCo's world, where the mission begins.
 
     Raises:
-        UsageError: There is no pipe, an option is for another backend, the extra ``physics`` is not
+        UsageError: There is no pipe, the extra ``physics`` is not
             installed, the sensors are not built, or a viewer is asked for and there is no display.
     """
     check_order(order, loaded)

@@ -5,13 +5,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pirate_sm.errors import Hint
 from pirate_sm.model.run_options import GivenOptions
 from pirate_sm.model.trace_script import Happening
 from pirate_sm.model.variations import LineFaults
 from pirate_sm.runtime.trigger_script import Firing
-
-USE_TRACE = Hint(": use --backend trace", ": use backend='trace'")
 
 
 class PutBack(NamedTuple):

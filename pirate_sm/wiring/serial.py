@@ -10,25 +10,19 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.registry import Plugin
 from pirate_sm.runtime.backend_links import Holder, Messenger
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
-from pirate_sm.wiring.run_order import USE_TRACE, Order
+from pirate_sm.wiring.run_order import Order
 
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the link to the robot at the order's port, without opening the port.
 
     Raises:
-        UsageError: There is no port, or an option is for another backend.
+        UsageError: There is no port.
     """
     if not order.port:
         or_url = "or a pyserial URL"
         hint = Hint(f": --port /dev/ttyACM0, {or_url}", f": port='/dev/ttyACM0', {or_url}")
         raise UsageError("the backend serial needs a port", hint=hint)
-    if order.defects:
-        raise UsageError("a defect can only be simulated: use it with the backend sim")
-    if order.twin is not None:
-        raise UsageError("a twin sets numbers of a simulated robot: use it with the backend sim")
-    if order.firings or order.course:
-        raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
     from pirate_sm.diagnosis.facts import Subject
     from pirate_sm.diagnosis.listening import OpenLink

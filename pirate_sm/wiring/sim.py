@@ -20,7 +20,7 @@ from pirate_sm.registry import Plugin
 from pirate_sm.runtime.backend_links import SlideWatch
 from pirate_sm.units import DIMENSIONLESS, LENGTH
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
-from pirate_sm.wiring.run_order import USE_TRACE, Order
+from pirate_sm.wiring.run_order import Order
 
 if TYPE_CHECKING:
     from pirate_sm.simulation.physics import MakePhysics
@@ -36,7 +36,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
 
     Raises:
         LoadError: The file with the robot's numbers cannot be used.
-        UsageError: There is no pipe, an option is for another backend, or the simulator is neither
+        UsageError: There is no pipe, or the simulator is neither
             built nor can it compile itself.
     """
     check_order(order, loaded)
@@ -55,13 +55,11 @@ def check_order(order: Order, loaded: LoadedMission) -> None:
     """Check that an order can be simulated.
 
     Raises:
-        UsageError: There is no pipe, or an option is for another backend.
+        UsageError: There is no pipe, or a jitter is too large.
     """
     if loaded.pipe is None:
         hint = Hint(": give one with --pipe NAME", ": give one with pipe='NAME'")
         raise UsageError("the mission names no pipe to simulate", hint=hint)
-    if order.firings or order.course:
-        raise UsageError("triggers can be fired in a trace only", hint=USE_TRACE)
     if wrong := _senseless(order, loaded.pipe):
         raise UsageError("; ".join(wrong))
 

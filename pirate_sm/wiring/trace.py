@@ -8,7 +8,7 @@ from pathlib import Path
 from pirate_sm.backends import known
 from pirate_sm.backends.trace import IDEAL, SCRIPTED, TraceBackend, Verdicts
 from pirate_sm.engine.mission.program import Wait
-from pirate_sm.errors import Hint, UsageError
+from pirate_sm.errors import UsageError
 from pirate_sm.loading import trace_script
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.yaml.document import read_document
@@ -21,21 +21,13 @@ from pirate_sm.spelling import unknown
 from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
 from pirate_sm.wiring.run_order import Order
 
-USE_SIM = Hint(": use --backend sim", ": use backend='sim'")
-
 
 def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return a trace, with the companions that fire triggers in it.
 
     Raises:
-        UsageError: An option is for another backend, or no wait has a trigger to be fired.
+        UsageError: No wait has a trigger to be fired.
     """
-    if order.defects:
-        raise UsageError("a defect needs a robot that moves", hint=USE_SIM)
-    if order.twin is not None:
-        raise UsageError("only a simulated robot takes the numbers of a twin", hint=USE_SIM)
-    if order.detector is not None or order.start_at_m is not None:
-        raise UsageError("a detector needs a robot that moves", hint=USE_SIM)
     if order.course:
         return _course(order, loaded)
     _check_firings(order.firings, loaded)

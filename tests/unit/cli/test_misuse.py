@@ -316,6 +316,26 @@ def test_a_port_is_refused_where_no_real_robot_would_move(
     assert "leave out --port, --baud" in result.stderr
 
 
+@pytest.mark.parametrize(
+    ("backend", "words", "lacks", "leave_out"),
+    [
+        ("bay", ["--ruler"], "has no simulated ruler", "use --backend sim, or leave out --ruler"),
+        ("sim", ["--line", "loss_in=20%"], "has no emulated line", "use --backend bay"),
+        ("bay", ["--fire", "past"], "triggers can be fired in a trace only", "--backend trace"),
+        ("trace", ["--twin", "t.yaml", "--defect", "a"], "simulated robot", "--defect, --twin"),
+        ("serial", ["--port", "x", "--twin", "t.yaml"], "no simulated robot", "leave out --twin"),
+    ],
+)
+def test_an_option_that_a_backend_does_not_have_is_refused(
+    pirate_run: Callable[..., Any], backend: str, words: list[str], lacks: str, leave_out: str
+) -> None:
+    result = pirate_run("mitre_bend", "--backend", backend, "--no-record", "--yes", *words)
+
+    assert result.exit_code == 2
+    assert lacks in result.stderr
+    assert leave_out in result.stderr
+
+
 HIDDEN = """
 import os, pathlib, sys
 from pirate_sm.cli.start import main

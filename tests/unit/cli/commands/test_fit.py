@@ -87,4 +87,7 @@ def test_only_a_simulated_robot_takes_the_numbers_of_a_twin(
     told = pirate_run("mitre_bend", "--backend", "trace", "--twin", tmp_path / "twin.yaml")
 
     assert told.exit_code == 2
-    assert "only a simulated robot takes the numbers of a twin" in told.output
+    assert (
+        "the backend trace has no simulated robot: use --backend sim, or leave out --twin"
+        in told.output
+    )
