@@ -10,6 +10,7 @@ import pytest
 from pirate_sm.detectors.unheard_rolling import Rolling
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import Flight
 from pirate_sm.engine.state import EngineState
 from pirate_sm.wiring import Order, prepare
 
@@ -34,7 +35,7 @@ class World:
         self.speeds, self.heard_s = [SPEED] * count, [HEARD_S] * count
         self.shares = [1 / count] * count
 
-    def look(self, now_s: float, duty: float = 1.0) -> float:
+    def look(self, now_s: float, duty: float = 1.0, sent: float | None = None) -> float:
         numbers, values = list(self.state.sensing.numbers), list(self.state.robot.values)
         heard_s = list(self.state.sensing.heard_s)
         for wheel, position in zip(self.robot.wheels, self.robot.wheel_boards, strict=True):
@@ -44,7 +45,9 @@ class World:
         sensing = self.state.sensing._replace(
             numbers=tuple(numbers), heard_s=tuple(heard_s), shares=tuple(self.shares)
         )
-        robot = self.state.robot._replace(values=tuple(values), flight=None)
+        newest = [0.0 if sent is None else sent] * len(values)
+        flight = None if sent is None else Flight(1, tuple(newest), "gate")
+        robot = self.state.robot._replace(values=tuple(values), flight=flight)
         state = self.state._replace(sensing=sensing, robot=robot)
         return fmean(self.rolling.look(state, now_s))
 
@@ -72,6 +75,13 @@ def test_what_is_told_to_stop_is_not_taken_any_farther(world: World) -> None:
     driving = world.look(HEARD_S + 0.2)
 
     assert world.look(HEARD_S + 0.5, duty=0.0) == pytest.approx(driving)
+
+
+@pytest.mark.parametrize(("duty", "sent", "goes"), [(0.0, 1.0, 0), (1.0, 0.0, 0), (1.0, 1.0, 1)])
+def test_a_wheel_goes_on_while_the_array_in_force_and_the_one_that_was_sent_drive_it(
+    world: World, duty: float, sent: float, goes: int
+) -> None:
+    assert world.look(HEARD_S + 0.3, duty, sent) == pytest.approx(0.03 * goes)
 
 
 def test_once_heard_after_the_stop_nothing_is_added(world: World) -> None:

@@ -295,3 +295,16 @@ def test_a_camera_that_has_never_given_a_picture_is_silent_after_its_time() -> N
 
     assert watch.look(0.49, "", driven=False) == []
     assert [fault.code for fault in watch.look(0.5, "", driven=False)] == ["vision.silent"]
+
+
+@pytest.mark.parametrize(("make", "reckons"), [(tags, False), (marker, True)])
+def test_whoever_counts_from_zero_again_lets_its_dead_reckoning_do_so_too(
+    make: Callable[..., Sight], reckons: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    ready, eye = setting()
+    restarted: list[object] = []
+    monkeypatch.setattr(Odometry, "restart", lambda _, robot: restarted.append(robot))
+
+    make(ready, eye).restart(ready.loaded.robot)
+
+    assert restarted == [ready.loaded.robot] * reckons
