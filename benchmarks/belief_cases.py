@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import cache
+from math import atan, degrees
 from pathlib import Path
 from random import Random
 from typing import Any, NamedTuple
@@ -19,6 +20,8 @@ from pirate_sm.wiring import Order
 LEAST_FRICTION, MOST_FRICTION, GOOD_FRICTION = 0.05, 0.9, 0.3
 _BORES_MM = (120, 118, 115, 112, 110)
 _LATEST_S = 30.0
+_HOLDS = 0.9
+"""Share of the friction that a slope may ask of a loose robot with nothing wrong."""
 _START_JITTER_M = 0.02
 
 
@@ -165,6 +168,9 @@ def _pipe(lot: Random, way: Way, wrong: bool, driven_m: float) -> dict[str, Any]
     least = LEAST_FRICTION if wrong and trouble == "friction" else GOOD_FRICTION
     friction = lot.uniform(least, GOOD_FRICTION if least < GOOD_FRICTION else MOST_FRICTION)
     pipe["friction"] = _coefficients(lot, friction)
+    if way.loose and not wrong:  # on a steeper slope it slides before anything can hold it
+        steepest = degrees(atan(_HOLDS * pipe["friction"]["kinetic"]))
+        slope = min(max(slope, -steepest), steepest)
     if not base:
         stepped = wrong and trouble == "step"
         pipe |= _course(lot, slope, stepped, driven_m) if stepped or not way.loose else _bars(slope)

@@ -1,25 +1,20 @@
 """Judge odometry: by the wheels that it believes, with a bound of how far the robot may be from it.
 
-A wheel slips only with the friction of its wall along its rim, so slip shows in the forces. If the
-wheels together give what gravity asks for and all turn alike, they roll: wheels that slip turn as
-fast as their loads let them, and these differ. Wheels that give more push against something; while
-they give less the robot slides. What they roll meanwhile is how far odometry may be wrong, and on
+What wheels roll while they may slip (see :mod:`.wheel_grip`) is how far odometry may be wrong. On
 a slope the slide comes on top of it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from math import inf, isnan, nan, sin
+from math import inf, isnan, nan
 from statistics import fmean, median
-from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.board_spec import WheelSpec
 from pirate_sm.engine.sensing.environment import AGREEING
 from pirate_sm.engine.sensing.known_signals import DistanceMemory, Numbers, Sensing
 from pirate_sm.engine.sensing.wheel_belief import Believed, believed
-from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.engine.sensing.wheel_grip import BALANCED, judge_grip
 
 BASE_M = 0.005
 """Reports are late by up to a round of the boards; that makes 4 mm [measured]. Where they are lost
@@ -39,31 +34,13 @@ _LOST = 0.1
 """Where reports are lost, wheels are judged by other moments, and a late brake counts less of what
 it has rolled: so much of the way for each share that is lost [decided]."""
 
-_LEANS = 0.25
-"""Share of what wheels on the sides of their tyres lack by which that may be wrong; in drawn pipes
-it was right within a fifth [measured]."""
-
-_ALIKE = 0.04
-"""Wheels turn alike whose speeds differ by less than this share of the largest: one count of the
-encoder is 1 % of it in a round [decided]."""
-
-_BALANCED = 0.25
-"""Forces are balanced up to this share of the weight; those of wheels that roll up to 0.14
-[measured]."""
-
-_EVEN, _NOISE = 0.3, 0.015
-"""The wheels of a part share its force evenly up to the first share; that of the outer ones is a
-quarter of that of the middle one while they slip. The second is of the top speed or the stall
-force, two counts of the encoder [decided]."""
-
-_WITH = 0.1
-"""A wheel turns with the others whose speed differs from theirs by up to this share [decided]."""
+_LEANS, _LEANS_AT_MOST = 0.25, 0.02
+"""Share of what wheels on the sides of their tyres lack by which that may be wrong, and the share
+of the way that this is at most: in drawn pipes it was right within 2 % of the way, however much
+they lacked [measured]."""
 
 _SOME = 0.35
 """Share of the differences that counts where some wheels slip and others roll [decided]."""
-
-_FEW = 3
-"""So many wheels press differently, so that they do not turn alike while they slip."""
 
 _STARTING_S = 0.35
 """While a robot starts, its boards report different moments of the start; whether it slips then is
@@ -147,7 +124,7 @@ def judge(
     ]
     by = believed(robot, sensing, setpoints, rolled_m, now_s)
     joints = _joints(robot, sensing)
-    elapsed_s, grip = now_s - memory.at_s, _grip(robot, sensing, setpoints, by, pitch_rad)
+    elapsed_s, grip = now_s - memory.at_s, judge_grip(robot, sensing, setpoints, by, pitch_rad)
     # Joints are steered and duties trimmed meanwhile: not each array that was sent is a start.
     turns = tuple((setpoints[w.slot] > 0) - (setpoints[w.slot] < 0) for w in robot.wheels)
     begun_s = memory.begun_s if turns == memory.turns else sensing.asked.since_s
@@ -165,8 +142,8 @@ def judge(
         slipped_m = max(0.0, max(ways_m) - lacking * abs(by.moved_m)) * _SOME
     paces_m_s = _paces_m_s(robot, sensing)
     late_m, gone_m = _late_m(robot, sensing, by, paces_m_s, now_s)
-    wrong = _SHARE + _LOST * sensing.loss + _LEANS * lacking
-    width_m = memory.width_m + wrong * abs(by.moved_m) + _BALANCED * abs(by.missed_m) + gone_m
+    wrong = _SHARE + _LOST * sensing.loss + min(_LEANS * lacking, _LEANS_AT_MOST)
+    width_m = memory.width_m + wrong * abs(by.moved_m) + BALANCED * abs(by.missed_m) + gone_m
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
     pending = grip.slips and (changes or grip.vague)
     running = sensing.asked.driving or any(sensing.shares)
@@ -278,112 +255,3 @@ def _bent_m(robot: RobotSpec, before: Numbers, now: Numbers) -> float:
     """Return how far wheels may have moved against each other because joints have turned."""
     turned = [abs(new - old) - _TURNED_RAD for new, old in zip(now, before, strict=True)]
     return sum(each for each in turned if each > 0) * max(robot.body.lengths_m)
-
-
-class Grip(NamedTuple):
-    """Whether wheels may slip.
-
-    Attributes:
-        slips: Whether all of them may.
-        speeds: Speeds that the robot may have besides the mean of its wheels; none if they roll.
-        pull_m_s2: How fast it accelerates at most if it slides down a slope.
-        vague: Whether that is decided by what follows, because boards have repeated their values.
-    """
-
-    slips: bool = False
-    speeds: Sequence[float] = ()
-    pull_m_s2: float = 0.0
-    vague: bool = False
-
-
-def _grip(
-    robot: RobotSpec, sensing: Sensing, setpoints: Numbers, by: Believed, pitch_rad: float
-) -> Grip:
-    """Return whether the wheels may slip, by what they have shown in a round."""
-    numbers, weight_n = sensing.numbers, robot.body.weight_n
-    driven = [wheel for wheel in robot.wheels if setpoints[wheel.slot]]
-    recent_s = sensing.distance.at_s - robot.link.period_s
-    heard = [
-        wheel
-        for wheel in driven
-        if not isnan(numbers[wheel.speed])
-        and sensing.heard_s[robot.wheel_boards[wheel.place]] > recent_s
-    ]
-    turning = [
-        wheel
-        for wheel in heard
-        if wheel.place in by.wheels
-        and by.odd_s[wheel.place] == sensing.distance.odd_s[wheel.place] == inf
-    ]
-    if not driven:
-        return Grip()
-    speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in turning]
-    bearing = turning + [w for w in _along(numbers, heard, speeds) if w not in turning]
-    drag_n = sum(wheel.drag_n for wheel in driven if wheel not in bearing)
-    slack_n = _BALANCED * weight_n + drag_n
-    # Currents have no sign. A wheel that turns faster than its duty asks for is pushed.
-    forces_n = [wheel.force_n(numbers) for wheel in bearing]
-    pushed = [wheel.is_pushed(numbers, setpoints) for wheel in bearing]
-    signed_n = sum(-n if back else n for n, back in zip(forces_n, pushed, strict=True))
-    asked_n = weight_n if isnan(pitch_rad) else abs(weight_n * sin(pitch_rad))
-    felt = robot.body.imu is not None
-    if not felt:  # whether the pipe climbs, only its wheels show, and a slide nothing
-        asked_n = min(weight_n, abs(signed_n))
-    excess_n = min(sum(forces_n) - asked_n, abs(signed_n) - asked_n, key=abs)
-    top_m_s = max(wheel.top_m_s for wheel in driven)
-    ends = (min(speeds), max(speeds)) if speeds else (0.0, top_m_s)
-    unalike = ends[1] - ends[0] > _ALIKE * top_m_s
-    steep = felt and asked_n + drag_n > _BALANCED * weight_n
-    lacks = excess_n < -slack_n and not isnan(pitch_rad)
-    slips = excess_n > slack_n or lacks or (steep and (unalike or len(turning) < _FEW))
-    if not slips and not unalike:
-        return Grip()
-    gripping = _gripping(robot, numbers, turning, setpoints)
-    if gripping or not slips:
-        return Grip(speeds=gripping or ends)
-    pull_n = min(asked_n, slack_n - excess_n) if steep and weight_n else 0.0
-    vague = len(turning) < _FEW <= len(by.wheels)
-    return Grip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)
-
-
-def _along(
-    numbers: Numbers, heard: Sequence[WheelSpec], speeds: Sequence[float]
-) -> list[WheelSpec]:
-    """Return the wheels that turn with the others, whether their ways are believed or not.
-
-    Their motors turn them, or the robot does while it moves. So none of them holds back a robot
-    whose other wheels slip, as a dead wheel may.
-    """
-    if not speeds:
-        return []
-    mean_m_s = fmean(speeds)
-    return [
-        wheel
-        for wheel in heard
-        if abs(numbers[wheel.speed] * wheel.metres_per_rad - mean_m_s) <= _WITH * abs(mean_m_s)
-    ]
-
-
-def _gripping(
-    robot: RobotSpec, numbers: Numbers, turning: Sequence[WheelSpec], setpoints: Numbers
-) -> list[float]:
-    """Return the speed of each part whose wheels roll.
-
-    They press differently on the wall, so while they slip their forces differ, and their speeds by
-    what these take from them.
-    """
-    found = []
-    for part in robot.body.parts:
-        own = [wheel for wheel in turning if wheel.place in part.wheels]
-        if len(own) < _FEW:
-            continue
-        speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in own]
-        forces_n = [wheel.force_n(numbers) for wheel in own]
-        slowest_m_s = min(map(abs, speeds))
-        lost_m_s = max(w.top_m_s * abs(setpoints[w.slot]) for w in own) - slowest_m_s
-        noise_m_s = _NOISE * max(wheel.top_m_s for wheel in own)
-        noise_n = _NOISE * max(wheel.stall_n for wheel in own)
-        alike = max(speeds) - min(speeds) <= _EVEN * max(0.0, lost_m_s) + noise_m_s
-        if alike and max(forces_n) - min(forces_n) <= _EVEN * max(forces_n) + 2 * noise_n:
-            found.append(fmean(speeds))
-    return found

@@ -48,6 +48,33 @@ def test_a_robot_that_drives_forward_is_stuck_where_all_its_rear_stands(
 
 
 @pytest.mark.parametrize(
+    ("command", "turning", "bearing", "stuck"),
+    [
+        ("DriveForward", (1, 2, 3, 4), (5, 6), True),
+        ("DriveBackward", (3, 4, 5, 6), (1, 2), True),
+        ("DriveForward", (1, 2, 3, 4), (5,), False),  # the motor of one wheel is dead
+        ("DriveForward", (1, 2, 3, 4), (), False),
+        ("DriveForward", (1, 2, 3, 4, 5), (6,), False),
+        ("DriveForward", (3, 4, 5, 6), (1, 2), False),  # an edge may stall it, the rear pushes
+    ],
+)
+def test_a_part_is_wedged_whose_last_wheels_stall_while_the_others_turn(
+    drive, command: str, turning: tuple[int, ...], bearing: tuple[int, ...], stuck: bool
+) -> None:
+    driver = drive(BODY.replace("DriveForward", command), PIRATE)
+    names, wheels = driver.robot.vocabulary.numbers, driver.robot.wheels
+    rates = {names[w.angle]: RIM_M_S / w.metres_per_rad for w in wheels if w.place + 1 in turning}
+    driver.accept()
+    driver.run(0.5, **rates)
+    driver.accept()
+    driver.signals |= {f"wheel_current_{number}": 0.3 for number in bearing}
+
+    driver.run(5.0, **rates)
+
+    assert [code for code, _ in driver.faults].count("robot.stuck") == stuck
+
+
+@pytest.mark.parametrize(
     ("bending", "lasting_s", "fallen"),
     [
         ("DoubleClamped", 0.3, False),

@@ -316,7 +316,7 @@ def test_belief_in_a_way_ends_where_parts_lie_beside_the_axis_of_the_pipe(
     world = World()
     world.spans_m, world.held, world.bores_m = spans_m, held, bores_m
 
-    assert world.drive(10) == pytest.approx((0.006 + 0.25 * share) * way_m(10))
+    assert world.drive(10) == pytest.approx((0.006 + min(0.25 * share, 0.02)) * way_m(10))
     # The odometry has what they lack taken off; what the wheels show is added elsewhere.
     assert world.sensing.numbers[robot().odometry] == pytest.approx(-share * way_m(10))
 
@@ -330,7 +330,7 @@ def test_wheels_that_differ_no_more_than_parts_lack_beside_the_axis_do_not_slip_
     world.speeds = [0.64, 0.8, 0.96] * 2
     world.drive(5)
 
-    lean_m = (0.006 + 0.25 * lack) * way_m(5)
+    lean_m = (0.006 + min(0.25 * lack, 0.02)) * way_m(5)
     excess_m = max(0.0, way_m(5, 0.16) - lack * way_m(5))
     assert world.drive(5) == pytest.approx(lean_m + 0.35 * excess_m)
 
@@ -548,6 +548,33 @@ def test_wheels_that_are_pushed_hold_against_those_that_push() -> None:
     world.drive(5)
 
     assert world.drive(5) == pytest.approx(0.006 * way_m(5, 1.0))
+
+
+@pytest.mark.parametrize(
+    ("fastest", "forces", "pitch_rad", "rolls"),
+    [
+        (1.05, [0.1, 0.02], LEVEL, True),
+        (-1.05, [0.1, 0.02], LEVEL, True),
+        (1.05, [0.02, 0.1], LEVEL, False),  # the faster it turns, the less force: wheels that slip
+        (1.0, [0.1, 0.02], LEVEL, False),  # its motor may turn so fast
+        (1.05, [0.1, 0.02], 0.6, False),  # up a slope it may slide back
+    ],
+)
+def test_belief_in_a_way_lasts_where_the_wall_turns_the_fastest_wheel(
+    fastest: float, forces: list[float], pitch_rad: float, rolls: bool
+) -> None:
+    world = World(pitch_rad)
+    slower = [0.98, 0.95, 0.92, 0.95, 0.98]
+    world.speeds = [fastest, *[each if fastest > 0 else -each for each in slower]]
+    world.force, world.forces = 1.3, [*forces, 0.22, 0.22, 0.22, 0.22]
+    world.drive(5)
+
+    grown_m = world.drive(5)
+
+    mean = sum(abs(each) for each in world.speeds) / 6
+    least_m, mean_m = way_m(5, 0.8 * abs(fastest)), way_m(5, mean)
+    may_be_off_m = 0.35 * (mean_m - least_m) if rolls else mean_m
+    assert grown_m == pytest.approx(0.006 * mean_m + may_be_off_m, rel=1e-3 if rolls else 0.3)
 
 
 @pytest.mark.parametrize(("force", "pull"), [(0.5, 0.75), (0.2, 1.0)])
