@@ -26,7 +26,7 @@ diameter then, and is not moved. Between bars every part is assumed to lie in th
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, hypot, isnan, nan, pi, radians, remainder
+from math import atan2, hypot, inf, isfinite, isnan, nan, pi, radians, remainder
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.detectors.known_walls import KnownWalls
@@ -47,7 +47,7 @@ _ONE_AXIS_RAD = radians(5)
 """Axes of two parts in one leg differ by up to 3 deg [measured]."""
 
 _PUSHED_M = 0.03
-"""An anchor is not moved by more, and what was rolled since the walls last showed nothing wrong. A
+"""An anchor is not moved by more, and what was rolled since the walls were last looked at. A
 braked part is pushed by up to 25 mm [measured in 3-D]."""
 
 _LEVEL = 0.7
@@ -87,7 +87,7 @@ class Reckoned(NamedTuple):
         odometer_m: Reading of the odometer.
         anchor: Index of the part from which positions are reckoned first, or ``WHOLE``.
         spots: Place of each anchor, by part; a lost one is missing.
-        right_m: Reading of the odometer when the walls have last shown nothing wrong.
+        checked_m: Reading of the odometer when the walls were last compared with the chain.
         shape: Whether the robot, as its joints show it, has room in the pipe there with each anchor
             along its leg. It is unknown without an anchor, and while the roll joint is turned.
     """
@@ -97,7 +97,7 @@ class Reckoned(NamedTuple):
     odometer_m: float
     anchor: int
     spots: dict[int, Spot]
-    right_m: float
+    checked_m: float
     shape: Shape = "unknown"
 
     @property
@@ -182,9 +182,9 @@ class Reckoner:
             spots[felt.part] = self._levelled(spots[felt.part], felt.roll_rad)
         anchor = self._first_of(before.anchor, spots, numbers)
         chain = self._lay(numbers, anchor, spots[anchor])
-        most_m = _PUSHED_M + abs(counted - before.right_m)
+        most_m = _PUSHED_M + abs(counted - before.checked_m)
         away_m, shape = self._away_m(numbers, anchor, spots[anchor], chain, most_m)
-        if away_m and not isnan(away_m):
+        if away_m and isfinite(away_m):
             spots[anchor] = _moved(spots[anchor], away_m)
             chain = self._lay(numbers, anchor, spots[anchor])
         places = self._places(chain, spots[anchor])
@@ -195,10 +195,10 @@ class Reckoner:
             for other in sorted(spots.keys() - {anchor}):
                 chain = _filled(chain, self._lay(numbers, other, spots[other]))
             places = self._places(chain, spots[anchor])
-        right_m = before.right_m if isnan(away_m) else counted
+        checked_m = before.checked_m if isnan(away_m) else counted
         if shape == "fits" and not self.straight(numbers, spots):
             shape = "contradicts"
-        return Reckoned(places, chain, counted, anchor, spots, right_m, shape)
+        return Reckoned(places, chain, counted, anchor, spots, checked_m, shape)
 
     def roll_of(self, reckoned: Reckoned, part: int) -> float:
         """Return the roll of a part against the frame of the pipe there, rad; NaN is unknown."""
@@ -263,7 +263,8 @@ class Reckoner:
     ) -> tuple[float, Shape]:
         """Return how far away an anchor is by the walls, m, and what they say of the shape.
 
-        The distance is NaN if the walls do not show it.
+        The distance is NaN if the walls do not show it, and infinite if they leave no place: then
+        a joint is wrong, and what is rolled from now on explains no place farther away.
         """
         level = self._link < 0 or abs(numbers[self._body.roll]) <= _FLAT_RAD
         if anchor == WHOLE or not level or isnan(spot.roll_rad):
@@ -275,7 +276,7 @@ class Reckoner:
             return self._lay(numbers, anchor, _moved(spot, away_m)).points
 
         away_m = self._walls.away_m(chain.points, laid, most_m)
-        return away_m, "contradicts" if isnan(away_m) else "fits"
+        return (inf, "contradicts") if isnan(away_m) else (away_m, "fits")
 
     def _stand(self, anchor: int, chain: ChainInSpace, places_m: Sequence[float]) -> Spot | None:
         """Return an anchor's place from those of its wheels; None if one is unknown."""

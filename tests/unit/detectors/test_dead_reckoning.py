@@ -204,3 +204,17 @@ def test_across_a_bend_the_shape_is_not_that_of_a_robot_that_has_passed_it():
     across = (ZIGZAG[0], ZIGZAG[1] - radians(90), *ZIGZAG[2:])
 
     assert reckoner.look(begun, spanning(0.0, across), BOTH).shape == "contradicts"
+
+
+@pytest.mark.parametrize("off_deg", [6, -6, -10])
+def test_belief_in_a_place_does_not_leap_to_a_corner_that_a_wrong_joint_fits(off_deg: float):
+    """Its zero is off in the straight before the corner, where such a shape has no room."""
+    angles = (ZIGZAG[0], ZIGZAG[1] + radians(off_deg), *ZIGZAG[2:])
+    reckoner = Reckoner(MEASURED, PIPE.route(), ODOMETER)
+    reckoned = reckoner.begin(0.7, spanning(0.0, ZIGZAG), REAR)
+    begun_m = reckoned.spots[1].middle_m
+
+    for rolled_m in [step * 0.01 for step in range(28)]:
+        reckoned = reckoner.look(reckoned, spanning(rolled_m, angles), REAR)
+
+        assert reckoned.spots[1].middle_m == pytest.approx(begun_m + rolled_m, abs=0.045)
