@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from math import inf
 from typing import Any
@@ -10,6 +11,7 @@ import pytest
 
 from pirate_sm.companion import Companion, Counting, Following, Onlooker, Relieved, entered
 from pirate_sm.detectors.of_others import OfOthers, guarded
+from pirate_sm.detectors.registry import Detecting, _guards
 from pirate_sm.errors import BackendError, DetectorError, UsageError
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import DetectorWord, Event
@@ -104,6 +106,19 @@ def test_a_run_ends_with_the_name_of_the_detector_that_lets_time_stand_still() -
 def test_what_is_no_event_does_not_reach_the_engine(said: Any, why: str) -> None:
     with pytest.raises(DetectorError, match=why):
         OfOthers(WHOSE, Saying(said)).speak(0.0)
+
+
+def test_whatever_a_detector_of_another_package_makes_fails_in_its_name() -> None:
+    def broken() -> Any:
+        raise AttributeError("no such thing")
+
+    made = _guards(WHOSE, Detecting("marks", (Raising("speak"),), (), broken, broken))
+
+    assert made.reckoned is not None
+    assert made.camera is not None
+    for call in (lambda: made.companions[0].speak(0.0), made.reckoned, made.camera):
+        with pytest.raises(DetectorError, match=re.escape(WHOSE)):
+            call()
 
 
 def test_words_are_passed_on() -> None:
