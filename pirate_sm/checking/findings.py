@@ -4,32 +4,15 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from enum import IntEnum
 from typing import TYPE_CHECKING
 
 from pirate_sm.checking import catalogue
-from pirate_sm.loading.problems import Edit, Locator, Place, Problem, cut
-from pirate_sm.loading.problems import Severity as LoadSeverity
+from pirate_sm.loading.problems import Edit, Locator, Place, Problem, Severity, cut
 
 if TYPE_CHECKING:
     from pirate_sm.checking.exploring.exploration import Exploration
 
-
-class Severity(IntEnum):
-    """The severity of a finding; a greater value is worse.
-
-    ``POSSIBLE``: depends on something that the check cannot decide, such as a comparison of two
-    sensors. ``WARNING``: can run, but is probably a mistake. ``ERROR``: is refused or goes wrong.
-    """
-
-    POSSIBLE = 1
-    WARNING = 2
-    ERROR = 3
-
-    @property
-    def word(self) -> str:
-        """Return the name of the severity in messages and files."""
-        return self.name.lower()
+__all__ = ["Finding", "Severity", "at", "each_once", "finding_of", "usual_severity"]
 
 
 @dataclass(frozen=True)
@@ -81,10 +64,9 @@ class Finding:
 
 def finding_of(problem: Problem) -> Finding:
     """Return a problem of loading as a finding."""
-    warning = problem.severity is LoadSeverity.WARNING
     return Finding(
         problem.code,
-        Severity.WARNING if warning else Severity.ERROR,
+        problem.severity,
         problem.place,
         problem.message,
         mend=f"expected {problem.expected}" if problem.expected else "",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection, Iterable
 from dataclasses import dataclass
-from enum import StrEnum
+from enum import IntEnum
 from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias
 
 from pirate_sm.errors import PirateError
@@ -50,11 +50,21 @@ class Edit:
     safe: bool = False
 
 
-class Severity(StrEnum):
-    """Whether a problem prevents the use of a file."""
+class Severity(IntEnum):
+    """The severity of a problem or a finding of the check; a greater value is worse.
 
-    ERROR = "error"
-    WARNING = "warning"
+    ``POSSIBLE``: depends on something that the check cannot decide, such as a comparison of two
+    sensors. ``WARNING``: can run, but is probably a mistake. ``ERROR``: is refused or goes wrong.
+    """
+
+    POSSIBLE = 1
+    WARNING = 2
+    ERROR = 3
+
+    @property
+    def word(self) -> str:
+        """Return the name of the severity in messages and files."""
+        return self.name.lower()
 
 
 @dataclass(frozen=True, slots=True)

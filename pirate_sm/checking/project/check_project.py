@@ -29,7 +29,6 @@ from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
 from pirate_sm.loading.pipe_file import check_reach, load_pipe
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import LoadError, Place, Problems
-from pirate_sm.loading.problems import Severity as LoadSeverity
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.loading.robot.calibration_files import load_calibration
 from pirate_sm.loading.robot.twin_file import check_twin
@@ -244,7 +243,7 @@ class _Check:
         with suppress(LoadError):
             usual = load_robot(self._usual(target.path)).profile
             if {link.module for link in usual.body.links} & {*camera.modules}:
-                check_robot_seen(camera, usual, problems, LoadSeverity.WARNING)
+                check_robot_seen(camera, usual, problems, Severity.WARNING)
         self.findings += map(finding_of, problems.all)
 
     def panel(self, target: CheckTarget) -> None:

@@ -20,7 +20,7 @@ def test_a_course_becomes_a_mission_that_succeeds(tmp_path: Path) -> None:
     file = tmp_path / "learnt.yaml"
     file.write_text(text)
 
-    assert [f for f in pirate_sm.check(file) if f.severity == "error"] == []
+    assert [f for f in pirate_sm.check(file) if f.severity.word == "error"] == []
     run = pirate_sm.run(str(file), seed=1, start_jitter_m=0.01)
     assert (run.outcome, run.message) == ("succeeded", "The whole robot has passed")
 
