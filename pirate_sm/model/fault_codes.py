@@ -56,7 +56,7 @@ class BuiltInFault(Enum):
     )
     LINK_SILENT = _About("link.silent", "link", False, "no board reports any more")
     LINK_LOST = _About(
-        "link.lost", "link", False, "the port is gone and has not come back within its time"
+        "link.lost", "link", False, "the port has disappeared and not come back within its time"
     )
     LINK_INTERRUPTED = _About("link.interrupted", "link", True, "the port was gone and is back")
     LINK_NO_ECHO = _About("link.no_echo", "link", False, "setpoints could not be confirmed")
@@ -82,7 +82,7 @@ class BuiltInFault(Enum):
         "a bend would be said to be passed, and the robot's shape does not fit the pipe there",
     )
     PIPE_IMPASSABLE = _About(
-        "pipe.impassable", "surroundings", True, "the simulated robot stands before an obstacle"
+        "pipe.impassable", "surroundings", True, "the simulated robot is in front of an obstacle"
     )
     ROBOT_LEFT_PIPE = _About(
         "robot.left_pipe", "surroundings", False, "the simulated robot is outside of its pipe"
@@ -127,7 +127,10 @@ class BuiltInFault(Enum):
         "after its controller was away, the robot is not as it was known",
     )
     PANEL_LOST = _About(
-        "panel.lost", "link", True, "the control panel is gone, and nobody is at a keyboard"
+        "panel.lost",
+        "link",
+        True,
+        "the control panel is disconnected, and there is no operator at a keyboard",
     )
     MISSION_RUNAWAY = _About(
         "mission.runaway", "program", False, "phases follow each other faster than sensors report"
