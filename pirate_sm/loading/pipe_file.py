@@ -8,7 +8,7 @@ from pathlib import Path
 
 from pirate_sm.geometry.clamping import height_m
 from pirate_sm.loading.file_kinds import Kind, refuse_other
-from pirate_sm.loading.pipe_shape import check_pipe, mm, part_of
+from pirate_sm.loading.pipe_shape import check_pipe, check_section, mm, part_of
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
@@ -37,6 +37,7 @@ def load_pipe(path: Path) -> tuple[Pipe, Document]:
     pipe = try_validate(document, PipeFile, problems)
     if pipe is None:
         refuse_other(document, Kind.PIPE)
+        check_section(document, problems)
     problems.raise_errors()
     assert pipe is not None
     return pipe, document

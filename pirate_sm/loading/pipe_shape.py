@@ -18,7 +18,7 @@ from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_runs import Patch, Written
-from pirate_sm.model.pipe_segments import Elbow, InlineTee, Mitre, Reducer, Segment, Straight
+from pirate_sm.model.pipe_segments import Elbow, Mitre, Reducer, Segment, Straight
 from pirate_sm.units import LENGTH, format_quantity
 
 
@@ -26,8 +26,9 @@ def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
     """Report why a pipe cannot be built."""
     at, about = part_of(document), problems.about(document)
     before = len(problems.errors)
+    check_section(document, problems)
     if pipe.section == "bars":
-        _check_flat(pipe, at, about)
+        _check_flat(pipe, document, problems)
     runs = pipe.network().runs
     for name, written in pipe.written.items():
         _check_shape(runs[name], written, at, about)
@@ -40,7 +41,8 @@ def check_pipe(pipe: Pipe, document: Document, problems: Problems) -> None:
 
 def part_of(document: Document) -> At:
     """Return the path of the pipe in its document, which may be a mission."""
-    return ("pipe",) if "pipe" in document.data and "phases" in document.data else ()
+    data = document.data
+    return ("pipe",) if isinstance(data, dict) and {"pipe", "phases"} <= data.keys() else ()
 
 
 def mm(length_m: float) -> str:
@@ -50,27 +52,40 @@ def mm(length_m: float) -> str:
     return format_quantity(length_m, LENGTH)
 
 
-def _check_flat(pipe: Pipe, at: At, problems: Problems) -> None:
-    """Report what only a round pipe can have, at `section: bars` where that is written."""
-    said = not at and "section" in pipe.model_fields_set
+_ROUND = {"elbow": "an elbow", "reducer": "a reducer", "tee": "a tee"}
 
-    def leaves(what: str, *path: str | int) -> None:
-        write = "write" if said else "add"
-        message = f"{what} needs a round pipe: {write} `section: round`"
-        problems.add("pipe.section", ("section",) if said else (*at, *path), message)
 
-    if pipe.runs is not None:
-        leaves("a network of runs", "runs")
-    if pipe.frame is not None:
-        leaves("a frame in space", "frame")
+def check_section(document: Document, problems: Problems) -> None:
+    """Report the parts that only a round pipe can have, whatever else is wrong with the pipe."""
+    at = part_of(document)
+    data = document.data["pipe"] if at else document.data
+    if not isinstance(data, dict) or data.get("section", "bars") != "bars":
+        return
+    segments = data.get("segments")
+    for number, segment in enumerate(segments if isinstance(segments, list) else ()):
+        for key in _ROUND.keys() & (segment if isinstance(segment, dict) else ()):
+            _leaves(_ROUND[key], ("segments", number), document, problems)
+    for key, what in (("runs", "a network of runs"), ("frame", "a frame in space")):
+        if data.get(key) is not None:
+            _leaves(what, (key,), document, problems)
+
+
+def _check_flat(pipe: Pipe, document: Document, problems: Problems) -> None:
+    """Report the bends and the start of a pipe that leave its plane."""
     if pipe.start is not None and pipe.start.roll:
-        leaves("a roll at the start", "start", "roll")
+        _leaves("a roll at the start", ("start", "roll"), document, problems)
     for number, segment in enumerate(pipe.segments or ()):
-        if isinstance(segment, Elbow | Reducer | InlineTee):
-            kind = {Elbow: "an elbow", Reducer: "a reducer", InlineTee: "a tee"}[type(segment)]
-            leaves(kind, "segments", number)
-        elif isinstance(segment, Mitre) and segment.roll:
-            leaves("a bend out of the plane", "segments", number, "roll")
+        if isinstance(segment, Mitre) and segment.roll:
+            _leaves("a bend out of the plane", ("segments", number, "roll"), document, problems)
+
+
+def _leaves(what: str, path: At, document: Document, problems: Problems) -> None:
+    """Report what only a round pipe can have, at `section: bars` where that is written."""
+    at = part_of(document)
+    said = not at and "section" in document.data
+    message = f"{what} needs a round pipe: {'write' if said else 'add'} `section: round`"
+    place = ("section",) if said else (*at, *path)
+    problems.about(document).add("pipe.section", place, message)
 
 
 def _check_shape(run: Run, written: Written, at: At, problems: Problems) -> None:

@@ -8,23 +8,25 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Any, Final
 
-from pydantic import TypeAdapter, ValidationError
+from pydantic import ValidationError
 
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library, pickling, references
 from pirate_sm.loading.file_kinds import Kind, refuse_other
+from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.mission import parameter_values as parameters
 from pirate_sm.loading.mission.holding import holding_in
 from pirate_sm.loading.mission.program import build_program
 from pirate_sm.loading.mission.scope import Source
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
+from pirate_sm.loading.pipe_shape import check_section, part_of
 from pirate_sm.loading.problems import LoadError, Problems, Severity
 from pirate_sm.loading.robot import LoadedRobot, load_robot, with_fitted
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
-from pirate_sm.model.mission import Mission, Phase
+from pirate_sm.model.mission import Mission
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import unknown
@@ -182,12 +184,14 @@ def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str
 
 
 def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
-    """Return the mission of the document, without its faulty phases if `spare`."""
+    """Return the mission of the document, without its faulty parts if `spare`."""
     mission = try_validate(document, Mission, problems)
     if mission is None:
         refuse_other(document, Kind.MISSION)
+        if part_of(document):
+            check_section(document, problems)
     if mission is None and spare:
-        mission = _without_faulty_phases(document)
+        mission = _without_faulty_parts(document)
     if mission is None:
         problems.raise_errors()
         raise AssertionError("raise_errors raises here")
@@ -281,32 +285,38 @@ def _hash(document: Document) -> str:
     return sha256(document.complete_text.encode()).hexdigest()
 
 
-_PHASE: Final = TypeAdapter(Phase)
+_NAMING = frozenset({"mission", "robot", "parameters", "start", "phases", "ends"})
+"""Keys that a mission needs, or whose names its other parts use."""
 
 
-def _without_faulty_phases(document: Document) -> Mission | None:
-    """Return the mission with its faulty phases emptied; None if there are other faults.
+def _without_faulty_parts(document: Document) -> Mission | None:
+    """Return the mission with its faulty phases and ends emptied, without other faulty parts.
 
-    This allows checking the names in all other phases. An emptied phase leads to itself.
+    This allows checking the names in all the rest. An emptied phase leads to itself. It is None if
+    a part is faulty without which nothing can be said of the rest.
     """
-    data = document.data
-    phases = data.get("phases") if isinstance(data, dict) else None
-    if not isinstance(phases, dict):
-        return None
-    kept = {name: body if _is_phase(body) else {"go": name} for name, body in phases.items()}
+    data, fields = document.data, Mission.model_fields
     try:
-        return Mission.model_validate({**data, "phases": kept}, **_LIKE_A_FILE)
+        return Mission.model_validate(data, **_LIKE_A_FILE)
+    except ValidationError as error:
+        places = [each["loc"] for each in error.errors(include_url=False) if each["loc"]]
+    entries = [loc[:2] for loc in places if loc[0] in _EMPTIED and len(loc) > 1]
+    faulty = {str(loc[0]) for loc in places if loc[:2] not in entries}
+    naming = _NAMING & {key if key in fields else meant_key(key, fields) for key in faulty}
+    if naming or not isinstance(data, dict):
+        return None
+    rest = {"format": 1, **{key: value for key, value in data.items() if key not in faulty}}
+    for section, key in _EMPTIED.items():
+        kept = rest[section].items()
+        rest[section] = {n: {key: n} if (section, n) in entries else body for n, body in kept}
+    try:
+        return Mission.model_validate(rest, **_LIKE_A_FILE)
     except ValidationError:
         return None
 
 
-def _is_phase(body: Any) -> bool:
-    try:
-        _PHASE.validate_python(body, **_LIKE_A_FILE)
-    except ValidationError:
-        return False
-    return True
-
+_EMPTIED = {"phases": "go", "ends": "succeed"}
+"""Sections whose faulty entries are emptied, each with the key of what is left of one."""
 
 _LIKE_A_FILE: Final[dict[str, Any]] = {
     "context": dict(FROM_FILE),
