@@ -16,15 +16,13 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import Event
-from pirate_sm.wiring.run_recorder import RunRecorder, run_header
+from pirate_sm.wiring.run_recorder import Kept, RunRecorder, run_header
 
 if TYPE_CHECKING:
-    from pirate_sm.companion import Companion
     from pirate_sm.engine.state import EngineState
     from pirate_sm.recording.viewers.live_server import Live
     from pirate_sm.recording.write.recorder import Recorder
     from pirate_sm.recording.write.recording_file import RecordingFile
-    from pirate_sm.runtime.loop import MissionRun
     from pirate_sm.wiring import Prepared
 
 
@@ -41,40 +39,6 @@ class RecordingOptions:
     record: str | None = None
     off: bool = False
     live: bool = False
-
-
-@dataclass
-class Kept:
-    """A run with or without a recording.
-
-    Attributes:
-        prepared: The run, with notices about its recording.
-        recording: The recording; None: there is none.
-        companions: The companions for the recording.
-        wanted: Whether the recording is kept after the run.
-        lost: After the run: the recording that the user asked for and that is incomplete; None:
-            it is complete, or nobody asked for one.
-    """
-
-    prepared: Prepared
-    recording: RunRecorder | None = None
-    companions: tuple[Companion, ...] = ()
-    wanted: bool = True
-    lost: Path | None = None
-
-    @property
-    def tap(self) -> Recorder | None:
-        """The recorder of the run; None without one."""
-        return self.recording.recorder if self.recording is not None else None
-
-    def forget(self) -> None:
-        """Discard the recording, because the operator requested nothing in the run."""
-        self.wanted = False
-
-    def follow(self, run: MissionRun) -> None:
-        """Show this run to viewers, and record its state at intervals."""
-        if self.recording is not None:
-            self.recording.follow(self.prepared, lambda: run.state)
 
 
 @contextmanager

@@ -16,7 +16,7 @@ from pirate_sm.cli.output.event_lines import Lines, SaysWhyItWaits
 from pirate_sm.cli.output.json_lines import JsonLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.people import People, open_panel, people_of
-from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.companion import Companion, entered
 from pirate_sm.loading.file_names import shown
 from pirate_sm.runtime.first_choice import FirstChoice
@@ -28,6 +28,7 @@ from pirate_sm.runtime.stop_requests import OUTPUT_LOST, StopRequests
 from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.runtime.trigger_script import Firing, TriggerScript
 from pirate_sm.wiring import Prepared, answers
+from pirate_sm.wiring.run_recorder import Kept
 
 
 class Output(Observer, Protocol):

@@ -217,7 +217,10 @@ class Pick(Dialog[str | None]):
 
 
 class HelpDialog(Dialog[None]):
-    """A page to read.
+    """A page to read, which follows what is so.
+
+    Args:
+        lines: Returns the lines of the page as they are now.
 
     Attributes:
         heading: Its title.
@@ -229,9 +232,9 @@ class HelpDialog(Dialog[None]):
         Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
     ]
 
-    def __init__(self, lines: Sequence[Content]) -> None:
+    def __init__(self, lines: Callable[[], Sequence[Content]]) -> None:
         super().__init__()
-        self._lines = lines
+        self._now, self._lines = lines, lines()
 
     def compose(self) -> ComposeResult:
         """Lay out a page that scrolls."""
@@ -241,22 +244,14 @@ class HelpDialog(Dialog[None]):
             yield Static(Content("\n").join(self._lines))
         yield last_line()
 
-
-class Help(HelpDialog):
-    """A page that follows what is so, with the stop key.
-
-    Args:
-        lines: Returns the lines of the page as they are now.
-    """
-
-    BINDINGS: ClassVar[list[BindingType]] = [_STOP]
-
-    def __init__(self, lines: Callable[[], Sequence[Content]]) -> None:
-        super().__init__(lines())
-        self._now = lines
-
     def renew(self) -> None:
         """Show what has changed since."""
         if self.is_mounted and (lines := self._now()) != self._lines:
             self._lines = lines
             self.query_one(Static).update(Content("\n").join(lines))
+
+
+class Help(HelpDialog):
+    """A page to read while the robot can be stopped."""
+
+    BINDINGS: ClassVar[list[BindingType]] = [_STOP]

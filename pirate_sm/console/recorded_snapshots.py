@@ -108,8 +108,8 @@ def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window]
         if gap := gaps.get(step.number):
             memory.lose(gap.from_s, gap.until_s)
         memory.see(step.effects, step.at_s)
-        if memory.phase.since_s > phases_s[-1]:
-            phases_s.append(memory.phase.since_s)
+        if memory.story.phase.since_s > phases_s[-1]:
+            phases_s.append(memory.story.phase.since_s)
     return windows, phases_s
 
 
@@ -139,7 +139,7 @@ def _frames(
     def shown(
         state: EngineState, at_s: float, *, over: bool = False, lost_s: float = 0.0
     ) -> Snapshot:
-        what = scene, at_s, state, memory.story(), places.at(at_s), not places.known
+        what = scene, at_s, state, memory.story, places.at(at_s), not places.known
         ahead_s = recording.origin_s
         found = Snapshot(*what, trends=trends.latest, over=over, ahead_s=ahead_s)
         return replace(found, held_s=lost_s)

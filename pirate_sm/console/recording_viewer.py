@@ -174,7 +174,7 @@ class RecordingViewer(RobotApp):
 
     def action_help(self) -> None:
         """Show the help page."""
-        self.push_screen(HelpDialog(recording_lines()))
+        self.push_screen(HelpDialog(recording_lines))
 
     def action_page(self, by: int = 1) -> None:
         """Show another page of a small terminal."""

@@ -126,5 +126,5 @@ class RunBridge:
 
     def _snapshot(self, now_s: float) -> Snapshot:
         state = self._run.state if self._run is not None else None
-        what = self._scene, self._prepared, state, now_s, self._memory.story(), self._trends
+        what = self._scene, self._prepared, state, now_s, self._memory.story, self._trends
         return snapshot_of(*what, over=self._over, before_m=self._before_m)

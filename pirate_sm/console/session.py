@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from threading import Thread
 
 from pirate_sm.companion import entered
 from pirate_sm.console.command_series import RUN_OVER, Giver
 from pirate_sm.console.hand_driving import HandDriving, Place
 from pirate_sm.console.quitting import Quitting
-from pirate_sm.console.recording_hooks import RunKeeper, unkept
 from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import Ended
@@ -25,6 +24,7 @@ from pirate_sm.runtime.trace_repeats import LoopWatch
 from pirate_sm.showing.live_snapshots import scene_of
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.wiring import Prepared, again
+from pirate_sm.wiring.run_recorder import Kept
 
 BY_OPERATOR = Stop("stopped by the operator", 0)
 CHANGED = Stop("another mission was chosen", 0)
@@ -35,7 +35,12 @@ _MOST_SHORT = 3
 """After this many consecutive runs that a fault ended at once, the session ends."""
 
 
-Keep = Callable[[Prepared], AbstractContextManager[RunKeeper]]
+Keep = Callable[[Prepared], AbstractContextManager[Kept]]
+
+
+def unkept(prepared: Prepared) -> AbstractContextManager[Kept]:
+    """Return the run without a recording."""
+    return nullcontext(Kept(prepared))
 
 
 class OperatorSession:
@@ -158,7 +163,7 @@ class OperatorSession:
             (loaded, other), self._next = self._next or (self.prepared.loaded, False), None
             self.prepared = again(self.prepared, loaded, other=other)
 
-    def _run(self, kept: RunKeeper, before: MissionRun | None) -> MissionRun:
+    def _run(self, kept: Kept, before: MissionRun | None) -> MissionRun:
         self.giver.stop(RUN_OVER)
         prepared = kept.prepared
         attended = [FirstChoice()] if prepared.attended else []

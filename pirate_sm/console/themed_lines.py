@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from rich.text import Text
 from textual.content import Content, Span
 
 from pirate_sm.showing import text_styles as styled
 from pirate_sm.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, WARN, Part
 
-_THEMED: Mapping[str, str] = {
+_THEMED = {
     MUTED: "$soft",
     STRONG: "bold",
     GOOD: "$text-success",
@@ -18,11 +16,8 @@ _THEMED: Mapping[str, str] = {
     BAD: "$text-error",
     ACCENT: "$accent",
     FLAG: "bold reverse",
-    f"{FLAG}.{GOOD}": "bold reverse $text-success",
-    f"{FLAG}.{WARN}": "bold reverse $text-warning",
-    f"{FLAG}.{BAD}": "bold reverse $text-error",
-    f"{FLAG}.{ACCENT}": "bold reverse $accent",
 }
+_THEMED |= {f"{FLAG}.{role}": f"bold reverse {_THEMED[role]}" for role in (GOOD, WARN, BAD, ACCENT)}
 
 
 def themed(text: Text) -> Content:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -109,48 +109,24 @@ def anatomy_of(profile: Profile, robot: RobotSpec) -> Anatomy:
     )
 
 
+_WRITTEN: Mapping[type, str] = {
+    kinds.RollOf: "angle",
+    kinds.PitchOf: "angle",
+    kinds.DiameterOf: "length",
+    kinds.OdometryOf: "distance",
+    kinds.SpeedOf: "speed",
+    kinds.NormOf: "acceleration",
+}
+"""How each kind of derived signal is written that is shown as a number, in the order shown."""
+
+
 def _readings(profile: Profile) -> Iterator[ShownReading]:
     """Yield the derived signals that are shown as a number, kind after kind."""
-    for place in range(_MOST_KINDS):
+    for kind, written in _WRITTEN.items():
         for name, derived in profile.derived.items():
-            at, written = _written(derived)
-            if at == place:
-                label = (
-                    f"⌀ {derived.diameter_of}" if isinstance(derived, kinds.DiameterOf) else name
-                )
-                yield ShownReading(label, name, written)
-
-
-_MOST_KINDS = 6
-
-
-def _written(derived: kinds.Derived) -> tuple[int, str]:
-    """Return the place of a kind of signal among those shown, -1 without, and how it is written."""
-    match derived:
-        case kinds.RollOf():
-            return 0, "angle"
-        case kinds.PitchOf():
-            return 1, "angle"
-        case kinds.DiameterOf():
-            return 2, "length"
-        case kinds.OdometryOf():
-            return 3, "distance"
-        case kinds.SpeedOf():
-            return 4, "speed"
-        case kinds.NormOf():
-            return 5, "acceleration"
-        case kinds.RateOf() | kinds.TorqueOf() | kinds.BoundOf():
-            return -1, ""
-        case (
-            kinds.RobotSpeedOf()
-            | kinds.SlipSpeedOf()
-            | kinds.SlipOf()
-            | kinds.NormalForceOf()
-            | kinds.FrictionUsedOf()
-            | kinds.FrictionOf()
-            | kinds.LeastOf()
-        ):
-            return -1, ""
+            if isinstance(derived, kind):
+                of = derived.diameter_of if isinstance(derived, kinds.DiameterOf) else ""
+                yield ShownReading(f"⌀ {of}" if of else name, name, written)
 
 
 class _Seeker:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from dataclasses import dataclass
 from datetime import datetime
 from math import isinf
 from pathlib import Path
@@ -18,12 +19,14 @@ from pirate_sm.wiring.prepared import Prepared
 from pirate_sm.wiring.run_samples import samples_for_viewers, samples_of_trails, samples_to_keep
 
 if TYPE_CHECKING:
+    from pirate_sm.companion import Companion
     from pirate_sm.recording.format.header import RunHeader
     from pirate_sm.recording.viewers.live_server import Live
     from pirate_sm.recording.write.kept_samples import KeptSamples
     from pirate_sm.recording.write.recorder import Recorder
     from pirate_sm.recording.write.recording_file import RecordingFile
     from pirate_sm.recording.write.side_channel import SideChannel
+    from pirate_sm.runtime.loop import MissionRun
 
 LIVE_S = 0.1
 """Interval at which connected viewers get new data."""
@@ -173,3 +176,37 @@ def requested_recording(path: Path, header: RunHeader) -> RecordingFile:
     except OSError as error:
         problem = f"{shown(path)} cannot be written: {error.strerror}"
         raise RecordingError(f"{problem}; nothing has moved") from None
+
+
+@dataclass
+class Kept:
+    """A run with or without a recording.
+
+    Attributes:
+        prepared: The run, with notices about its recording.
+        recording: The recording; None: there is none.
+        companions: The companions for the recording.
+        wanted: Whether the recording is kept after the run.
+        lost: After the run: the recording that the user asked for and that is incomplete; None:
+            it is complete, or nobody asked for one.
+    """
+
+    prepared: Prepared
+    recording: RunRecorder | None = None
+    companions: tuple[Companion, ...] = ()
+    wanted: bool = True
+    lost: Path | None = None
+
+    @property
+    def tap(self) -> Recorder | None:
+        """The recorder of the run; None without one."""
+        return self.recording.recorder if self.recording is not None else None
+
+    def forget(self) -> None:
+        """Discard the recording, because the operator requested nothing in the run."""
+        self.wanted = False
+
+    def follow(self, run: MissionRun) -> None:
+        """Show this run to viewers, and record its state at intervals."""
+        if self.recording is not None:
+            self.recording.follow(self.prepared, lambda: run.state)

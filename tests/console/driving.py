@@ -17,8 +17,8 @@ from textual.worker import WorkerCancelled, WorkerFailed
 
 from pirate_sm.console.app import Console
 from pirate_sm.console.mission_list import without_mission
-from pirate_sm.console.recording_hooks import unkept
-from pirate_sm.console.session import Keep, OperatorSession
+from pirate_sm.console.session import Keep, OperatorSession, unkept
+from pirate_sm.engine.mission.program import Wait
 from pirate_sm.engine.robot.robot_state import states_of
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.runtime.pump import Resuming
@@ -92,6 +92,13 @@ class Operator:
     def values(self) -> tuple[float, ...]:
         assert self.latest.state is not None
         return self.latest.state.robot.values
+
+    @property
+    def waits(self) -> bool:
+        """Whether the mission waits for something."""
+        state, program = self.latest.state, self.latest.scene.loaded.program
+        assert state is not None
+        return state.mission.begun and isinstance(program.instructions[state.mission.pc], Wait)
 
     def wheels_stand(self) -> bool:
         return all(self.values[slot] == 0 for slot in self.latest.scene.robot.safe_zero)

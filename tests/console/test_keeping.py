@@ -12,7 +12,6 @@ import pytest
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.cli.settings import RUNS_VARIABLE
 from pirate_sm.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.console.recording_hooks import RunKeeper
 from pirate_sm.model.events import GoTo, OperatorCommand
 from pirate_sm.recording.read.reader import read_recording
 from pirate_sm.recording.replay.compare import compared_run
@@ -23,6 +22,7 @@ from pirate_sm.recording.write.recording_file import NS_PER_S, RecordingFile
 from pirate_sm.report.recording_report import report_of
 from pirate_sm.report.run_list import listed
 from pirate_sm.wiring import Prepared
+from pirate_sm.wiring.run_recorder import Kept
 
 from .driving import Operator, operator, played, with_mission
 
@@ -33,7 +33,7 @@ def runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-def keep(prepared: Prepared) -> AbstractContextManager[RunKeeper]:
+def keep(prepared: Prepared) -> AbstractContextManager[Kept]:
     return recorded(prepared, RecordingOptions(), 1.0)
 
 

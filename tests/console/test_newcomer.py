@@ -91,7 +91,7 @@ def test_a_mission_that_was_taken_over_is_handed_back_where_it_fits() -> None:
         async with operator(with_mission("mitre_bend")) as me:
             await me.look()
             await me.press("R")
-            me.until(lambda: me.states[0] == "DrivingForward" and me.latest.story.wait)
+            me.until(lambda: me.states[0] == "DrivingForward" and me.waits)
             await me.press("P")
             me.until(lambda: me.latest.state.mission.paused)
             me.wait(0.5)
@@ -140,9 +140,9 @@ def test_a_step_of_a_mission_that_was_stopped_needs_a_phase_first() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
             await me.look()
             await me.press("R")
-            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.waits)
             await me.press("K")
-            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.waits)
             await me.press("space")
             me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
             me.until(lambda: me.latest.state.look is None)
@@ -164,9 +164,9 @@ def test_a_wait_that_was_passed_before_the_stop_is_not_asked_about_as_its_phase_
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
             await me.look()
             await me.press("R")
-            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.waits)
             await me.press("K")
-            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.waits)
             passed = me.latest.story.passed
             assert passed
             await me.press("space")

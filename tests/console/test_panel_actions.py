@@ -103,7 +103,7 @@ def test_a_mission_that_was_stopped_is_not_begun_by_the_panel_which_stays_usable
         async with operator(prepared, size=SMALL, console=desk.console()) as me:
             await me.look()
             await desk.press(me, "PLAY")
-            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.waits)
             me.session.stop()
             me.until(lambda: me.latest.story.stopped and me.latest.state.mission.paused)
             me.until(lambda: me.latest.state.look is None)

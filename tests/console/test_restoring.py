@@ -32,7 +32,7 @@ async def paused_and_braked(me: Operator) -> None:
     """The mission has driven in; then the operator takes over and brakes."""
     await me.look()
     await me.press("R")
-    me.until(lambda: me.states[0] == "DrivingForward" and me.latest.story.wait)
+    me.until(lambda: me.states[0] == "DrivingForward" and me.waits)
     await me.press("P")
     me.until(lambda: me.latest.state.mission.paused)
     me.wait(0.5)
@@ -318,9 +318,9 @@ def test_a_wait_that_the_mission_has_passed_is_not_named() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
             await me.look()
             await me.press("R")
-            me.until(lambda: me.latest.story.phase.phase == "enter" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "enter" and me.waits)
             await me.press("K")
-            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.latest.story.wait)
+            me.until(lambda: me.latest.story.phase.phase == "prepare" and me.waits)
             await me.press("P")
             me.until(lambda: me.latest.state.mission.paused)
             me.wait(0.5)

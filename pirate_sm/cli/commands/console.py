@@ -24,11 +24,11 @@ from pirate_sm.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.console.app import Console
-    from pirate_sm.console.recording_hooks import RunKeeper
     from pirate_sm.console.session import OperatorSession
     from pirate_sm.control_panel.panel_reader import PanelReader
     from pirate_sm.loading.mission import LoadedMission
     from pirate_sm.runtime.pump import Resuming
+    from pirate_sm.wiring.run_recorder import Kept
 
 _LOOK_EVERY_S = 0.1
 
@@ -134,10 +134,9 @@ def _session(
     then: LoadedMission | None = None,
 ) -> OperatorSession:
     """Return a session of the console with a recording of each mission."""
-    from pirate_sm.console.recording_hooks import unkept
-    from pirate_sm.console.session import OperatorSession
+    from pirate_sm.console.session import OperatorSession, unkept
 
-    def keep(prepared: Prepared) -> AbstractContextManager[RunKeeper]:
+    def keep(prepared: Prepared) -> AbstractContextManager[Kept]:
         if prepared.loaded.mission.mission == BY_HAND:
             return unkept(prepared)
         return recorded(prepared, recording, factor)

@@ -83,7 +83,7 @@ class View:
             self._console.print(conclusion, soft_wrap=True)
 
     def _conclusion(self) -> Text:
-        there, ended = self._observed, self._memory.ended
+        there, ended = self._observed, self._memory.story.ended
         if ended is None:
             return Text()
         ways = there.distance_m(), there.odometry_m(), there.bound_m()
@@ -102,7 +102,7 @@ class View:
         """Note the effects for the next frame."""
         self._memory.see(effects, now_s)
         self._observed.note(effects)
-        if self._memory.ended is not None and self._live.is_started:
+        if self._memory.story.ended is not None and self._live.is_started:
             self._live.refresh()  # it may be the last one for a while
 
     def pulse(self, now_s: float) -> None:
@@ -138,7 +138,7 @@ class View:
         return _cut(lines[:height], width)
 
     def _snapshot(self) -> Snapshot:
-        there, story = self._observed, self._memory.story()
+        there, story = self._observed, self._memory.story
         return snapshot_of(
             self._scene,
             there.prepared,
@@ -163,7 +163,7 @@ class View:
         if not snapshot.scene.engine.nominal:
             return picture.draw(snapshot, columns, rows).rows()
         heading = _title("setpoints that would be sent", columns)
-        return [heading, *_setpoints(snapshot, self._memory.changed, rows - 1)]
+        return [heading, *_setpoints(snapshot, self._memory.story.changed, rows - 1)]
 
 
 def _words(snapshot: Snapshot, rows: int) -> list[Text]:

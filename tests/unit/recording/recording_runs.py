@@ -17,7 +17,7 @@ from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
 from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.cli.run_recording import Kept, RecordingOptions, recorded
+from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.detectors.registry import Asked, detecting
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.engine.engine import Engine
@@ -31,7 +31,7 @@ from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.pump import Pump
 from pirate_sm.wiring import Order, prepare
-from pirate_sm.wiring.run_recorder import RunRecorder, run_header
+from pirate_sm.wiring.run_recorder import Kept, RunRecorder, run_header
 from pirate_sm.wiring.sim import start_values
 
 ROOT = Path(__file__).resolve().parents[3]

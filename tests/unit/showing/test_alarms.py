@@ -35,7 +35,7 @@ def story(snapshot: Snapshot, *effects: tuple[float, Fault | Ended | Log]) -> Sn
     memory = Memory(snapshot.scene.robot)
     for now_s, effect in effects:
         memory.see([effect], now_s)
-    return replace(snapshot, story=memory.story())
+    return replace(snapshot, story=memory.story)
 
 
 # --- how long an alarm is shown -------------------------------------------------------------------
@@ -235,14 +235,14 @@ def test_the_header_says_that_a_stop_was_applied_until_a_command_is_sent(
     memory = Memory(snapshot.scene.robot)
     memory.see([Ended("interrupted", "stopped by the operator")], 1.0)
     memory.begin(snapshot.scene.robot)
-    stood = replace(snapshot, state=snapshot.state._replace(mission=paused), story=memory.story())
+    stood = replace(snapshot, state=snapshot.state._replace(mission=paused), story=memory.story)
     memory.see([CommandStatus("Any", "sent")], 2.0)
 
     assert panels.header(stood, 80).plain.startswith(" ■ STOPPED, PAUSED ")
-    assert panels.header(replace(stood, story=memory.story()), 80).plain.startswith(" ‖ PAUSED ")
+    assert panels.header(replace(stood, story=memory.story), 80).plain.startswith(" ‖ PAUSED ")
     memory.see([Ended("fault", "link.silent: nothing comes")], 3.0)
     memory.begin(snapshot.scene.robot)
-    failed = replace(stood, story=memory.story())
+    failed = replace(stood, story=memory.story)
     assert panels.header(failed, 80).plain.startswith(" ■ STOPPED (FAULT), PAUSED ")
 
 

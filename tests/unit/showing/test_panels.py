@@ -31,13 +31,13 @@ def beginning(mission: str, backend: str = "trace") -> Snapshot:
     state, effects = prepared.engine.start(0.0, prepared.backend.open())
     memory = Memory(scene.robot)
     memory.see(effects, 0.0)
-    return snapshot_of(scene, prepared, state, 0.0, memory.story(), Trends())
+    return snapshot_of(scene, prepared, state, 0.0, memory.story, Trends())
 
 
 def after(snapshot: Snapshot, *effects: Fault | Ended) -> Snapshot:
     memory = Memory(snapshot.scene.robot)
     memory.see(effects, 1.0)
-    return replace(snapshot, story=memory.story())
+    return replace(snapshot, story=memory.story)
 
 
 @pytest.mark.parametrize(

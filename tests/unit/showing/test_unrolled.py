@@ -37,7 +37,7 @@ def beginning(pipe: str = HOUSE) -> Snapshot:
     state, effects = prepared.engine.start(0.0, prepared.backend.open())
     memory = Memory(scene.robot)
     memory.see(effects, 0.0)
-    return snapshot_of(scene, prepared, state, 0.0, memory.story(), Trends())
+    return snapshot_of(scene, prepared, state, 0.0, memory.story, Trends())
 
 
 @pytest.fixture(scope="module")
