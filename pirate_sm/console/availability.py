@@ -171,7 +171,7 @@ def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]
     else:
         reasons = (
             _unheard(snapshot) if chooses else _why_not_go(snapshot, state, entries),
-            _why_not_pause(state),
+            "it is paused" if state.mission.paused or state.mission.pause_wanted else "",
             _why_not_step(snapshot, state, entries),
             _why_not_skip(snapshot, state),
             PAUSE_FIRST if not state.mission.paused else _unheard(snapshot),
@@ -211,10 +211,6 @@ def _why_not_step(snapshot: Snapshot, state: EngineState, entries: Entries | Non
     if snapshot.stopped_in:
         return f"choose a phase first: {CONTROLS['go']}"
     return _why_not_go(snapshot, state, entries)
-
-
-def _why_not_pause(state: EngineState) -> str:
-    return "it is paused" if state.mission.paused or state.mission.pause_wanted else ""
 
 
 def _why_not_skip(snapshot: Snapshot, state: EngineState) -> str:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -87,9 +86,6 @@ def without_mission(order: Order) -> LoadedMission:
 
 
 def _usual_pipe(robot: str) -> str:
-    pipes = Counter(each.pipe for each in _of(robot, listed_missions()) if each.pipe)
+    missions = (each for each in listed_missions() if each.robot == robot)
+    pipes = Counter(each.pipe for each in missions if each.pipe)
     return pipes.most_common(1)[0][0] if pipes else ""
-
-
-def _of(robot: str, missions: Sequence[ListedMission]) -> list[ListedMission]:
-    return [each for each in missions if each.robot == robot]

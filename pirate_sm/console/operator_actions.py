@@ -28,6 +28,7 @@ from pirate_sm.console.hand_driving import (
 from pirate_sm.console.key_bindings import ways
 from pirate_sm.console.mission_actions import MissionActions
 from pirate_sm.console.terminal_driver import STOP_KEY
+from pirate_sm.engine.robot.command_outcome import lets_all_go
 from pirate_sm.errors import PirateError
 from pirate_sm.model.events import (
     Answer,
@@ -110,8 +111,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         share = driving.speed if name in ways(snapshot.scene.robot) else 1.0
         give = partial(self._move, OperatorCommand(name, share, at_once=True))
         robot, state = snapshot.scene.robot, snapshot.state
-        lets_go = robot.commands[robot.table.command_index[name]].lets_go
-        if lets_go and state is not None and robot.held[state.robot.configuration]:
+        if state is not None and lets_all_go(robot, state.robot, name):
             question = f"{name} releases the pipe: nothing holds the robot then. Release it?"
             self._ask(question, "Let go", give)
         else:

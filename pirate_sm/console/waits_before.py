@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Container
 
 from pirate_sm.engine.mission.program import Program, Wait
-from pirate_sm.engine.mission.successors import successors
+from pirate_sm.engine.mission.successors import reached
 
 
 def not_passed(program: Program, phase: str, passed: Container[str]) -> str:
@@ -32,23 +32,10 @@ def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
     no waits before it.
     """
     goal = program.enter(phase)
-    if goal is None or goal not in _reached(program):
+    if goal is None or goal not in reached(program):
         return ()
     return tuple(
         each
         for at, each in enumerate(program.instructions)
-        if isinstance(each, Wait) and goal not in _reached(program, without=at)
+        if isinstance(each, Wait) and goal not in reached(program, without=at)
     )
-
-
-def _reached(program: Program, without: int | None = None) -> set[int]:
-    """Return the instructions that are reachable if no trigger of the wait ``without`` fires."""
-    found = {program.start}
-    left = [program.start]
-    while left:
-        at = left.pop()
-        for after in successors(program, at, fires=at != without):
-            if after >= 0 and after not in found:
-                found.add(after)
-                left.append(after)
-    return found

@@ -7,6 +7,7 @@ from math import inf
 
 from pirate_sm.control_panel.panel_reader import Connection, PanelReader
 from pirate_sm.control_panel.presses import TWICE_WITHIN_S, Press, action_text
+from pirate_sm.engine.robot.command_outcome import lets_all_go
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect, Ended, Log
@@ -113,7 +114,8 @@ class PanelCompanion:
                 self._events.append(_EVENTS[action])
             case CommandButton(command=command):
                 again = asked[0] == press.name and now_s <= asked[1] + TWICE_WITHIN_S
-                if again or press.button.twice or not self._lets_go(command, state):
+                sure = again or press.button.twice
+                if sure or not lets_all_go(self._robot, state.robot, command):
                     self._events.append(OperatorCommand(command))
                 else:
                     self._asked = press.name, now_s
@@ -129,9 +131,3 @@ class PanelCompanion:
     def _ask(self, name: str, what: str) -> None:
         text = f"press {name} again within {TWICE_WITHIN_S:g} s: {what}"
         self._logs.append(Log("warning", text))
-
-    def _lets_go(self, command: str, state: EngineState) -> bool:
-        """Return whether nothing would hold the robot any more, which something holds now."""
-        robot = self._robot
-        lets_go = robot.commands[robot.table.command_index[command]].lets_go
-        return lets_go and bool(robot.held[state.robot.configuration])

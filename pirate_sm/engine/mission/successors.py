@@ -20,6 +20,23 @@ def successors(program: Program, at: int, *, fires: bool = True) -> Iterator[int
     yield from failures(program, at)
 
 
+def reached(program: Program, *, without: int | None = None) -> set[int]:
+    """Return the instructions to which a way leads from the start.
+
+    Args:
+        program: The mission.
+        without: A wait of which no trigger fires.
+    """
+    found, pending = {program.start}, [program.start]
+    while pending:
+        at = pending.pop()
+        for target in successors(program, at, fires=at != without):
+            if target >= 0 and target not in found:
+                found.add(target)
+                pending.append(target)
+    return found
+
+
 def successes(program: Program, at: int, *, fires: bool = True) -> Iterator[int]:
     """Yield where an instruction leads that does not fail; of a wait only if a trigger may fire."""
     match program.instructions[at]:

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import isnan
 
 from pirate_sm.engine.mission.program import Branch, Do, Program, Wait
-from pirate_sm.engine.mission.successors import successors
+from pirate_sm.engine.mission.successors import reached
 from pirate_sm.engine.resuming.reconciling import VerdictTable
 from pirate_sm.engine.resuming.resumption import Resumption
 from pirate_sm.engine.robot.confirmation_spec import AnglesSpec
@@ -61,7 +61,7 @@ def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterat
     changes = robot.vocabulary.with_changes.numbers
     change = changes[len(robot.vocabulary.numbers) + robot.odometry]
     lost = bool(origin) and isnan(origin[robot.odometry])
-    for index in sorted(_reached(program)):
+    for index in sorted(reached(program)):
         match program.instructions[index]:
             case Branch(condition=condition, place=place):
                 if name in condition.names:
@@ -73,14 +73,3 @@ def position_read(robot: RobotSpec, program: Program, origin: Numbers) -> Iterat
                         yield index, each.place or place
             case _:
                 pass
-
-
-def _reached(program: Program) -> set[int]:
-    """Return the instructions to which a way leads from the start."""
-    found, pending = {program.start}, [program.start]
-    while pending:
-        for target in successors(program, pending.pop()):
-            if target >= 0 and target not in found:
-                found.add(target)
-                pending.append(target)
-    return found

@@ -56,6 +56,12 @@ def _refusal(robot: RobotSpec, here: int, marks: Marks, command: int) -> str:
     return f"impossible: it would let go of the last confirmed clamp ({parts}){lacking}"
 
 
+def lets_all_go(robot: RobotSpec, state: RobotState, command: str) -> bool:
+    """Return whether nothing holds the robot after the command, and something does now."""
+    lets_go = robot.commands[robot.table.command_index[command]].lets_go
+    return lets_go and bool(robot.held[state.configuration])
+
+
 def _lacking(robot: RobotSpec, held: frozenset[int], marks: Marks) -> str:
     """Return which proof is missing of each held part that is not confirmed; empty if none is."""
     found = [
