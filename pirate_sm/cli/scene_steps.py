@@ -101,7 +101,7 @@ def _refusals(words: Sequence[str], own: Path) -> Iterator[str]:
         yield f"this command line cannot be used: {error.format_message()}"
         return
     for option in sorted(given.keys() - allowed):
-        yield f"a scene cannot give '{name}' the option --{option.replace('_', '-')}"
+        yield f"a scene cannot give '{name}' the option {_written(name, option)}"
     for place in _texts(given, foreign.WRITES.get(name, ())):
         if not foreign.is_below(Path(place), own):
             yield f"a scene writes below its own folder, {{out}}, not to '{place}'"
@@ -111,10 +111,19 @@ def _refusals(words: Sequence[str], own: Path) -> Iterator[str]:
             yield "a run has one recording, written as two words: --record {out}/run.mcap"
 
 
+def _parser(name: str) -> Any:
+    command: Any = typer.main.get_command(commands)
+    return command.get_command(None, name)
+
+
+def _written(name: str, option: str) -> str:
+    """Return how an option is written, of which the name of its field is known."""
+    return next(str(each.opts[0]) for each in _parser(name).params if each.name == option)
+
+
 def _given(name: str, words: list[str]) -> dict[str, Any]:
     """Return the options on a command line, by the names of their fields."""
-    command: Any = typer.main.get_command(commands)
-    context = command.get_command(None, name).make_context(name, words)
+    context = _parser(name).make_context(name, words)
     named = {each: context.get_parameter_source(each) for each in context.params}
     return {each: context.params[each] for each, it in named.items() if it.name == "COMMANDLINE"}
 

@@ -37,7 +37,7 @@ def test_a_mission_runs_on_odometry_and_says_so(pirate_run) -> None:
         (("--detector", "socket:10.0.0.1:5005"), "could steer the robot"),
         (("--start-at", "700mm"), "--detector odometry"),
         (("--detector", "odometry", "--start-at", "70"), "expected a length"),
-        (("--detector", "odometry", "--backend", "trace"), "needs a robot that moves"),
+        (("--detector", "odometry", "--backend", "trace"), "has no robot that moves"),
     ],
 )
 def test_a_detector_that_cannot_be_had_moves_nothing(pirate_run, options, why) -> None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import fields, replace
+from dataclasses import replace
+from inspect import Parameter
 from pathlib import Path
 from typing import get_args
 
@@ -12,6 +13,7 @@ import pytest
 from pirate_sm.campaign.campaign_file import check_campaign
 from pirate_sm.cli import settings
 from pirate_sm.cli.entry import COMMANDS, _found
+from pirate_sm.cli.options.declaring import parameters_of
 from pirate_sm.cli.scene_steps import simulating, why_refused
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import foreign
@@ -26,9 +28,13 @@ from tests.unit.recording.recording_runs import record_cut_off
 MISSION = Path("sequences/mitre_bend.yaml")
 
 
+def _parameters(command: str) -> list[Parameter]:
+    return parameters_of(_found("options", COMMANDS[command][0]))
+
+
 def test_the_list_names_commands_and_options_that_there_are() -> None:
     for command, allowed in foreign.SCENES.items():
-        assert allowed <= {each.name for each in fields(_found("options", COMMANDS[command][0]))}
+        assert allowed <= {each.name for each in _parameters(command)}
     for command, written in foreign.WRITES.items():
         assert set(written) <= foreign.SCENES[command]
 
@@ -38,9 +44,8 @@ def test_every_option_of_a_scene_that_can_write_is_kept_below_its_folder(
     command: str, tmp_path: Path
 ) -> None:
     reads = {"file", "mission", "twin", "fitted", "script", "counterexample", "resume", "robot"}
-    for each in fields(_found("options", COMMANDS[command][0])):
-        declared = each.metadata["parameter"]
-        kind = str(declared.metavar)
+    for each in _parameters(command):
+        kind = str(get_args(each.annotation)[1].metavar)
         names_a_file = "FILE" in kind or "DIR" in kind or "OUT" in kind
         if each.name in foreign.SCENES[command] and names_a_file and each.name not in reads:
             assert each.name in foreign.WRITES[command]
@@ -86,11 +91,18 @@ def test_a_scene_cannot_reach_a_robot_or_write_outside_its_folder(
     assert why_refused(step.replace("{out}", str(own)).split(), own)
 
 
+def test_an_option_is_refused_as_it_is_written(tmp_path: Path) -> None:
+    refused = why_refused(["run", "mitre_bend", "--guard-for", "5s", "--set", "a=1"], tmp_path)
+
+    assert refused == "a scene cannot give 'run' the option --guard-for"
+
+
 @pytest.mark.parametrize(
     "step",
     [
         "run mitre_bend --backend bay --line cut_after=12s --record {out}/run.mcap",
         "run mitre_bend --detector vision:setup --no-record",
+        "run mitre_bend --detector odometry --start-at 700mm --no-record",
         "map {out}/run.mcap -o {out}/map.yaml",
         "graph mitre_bend --output={out}/a/b.svg",
         "fit --robot {out}/run.mcap --write {out}/twin.yaml",

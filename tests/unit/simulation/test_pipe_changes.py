@@ -5,7 +5,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from hypothesis import given
+from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from pirate_sm.model.pipe import Pipe, Turns
@@ -56,6 +56,7 @@ def run(robot: SimulatedRobot, seconds: float) -> None:
 def test_the_direction_against_gravity_stays_a_unit_vector(
     tilt: float, to: float, uphill: float, now_s: float
 ) -> None:
+    assume(to != tilt)  # a pipe that turns to where it is, is refused
     turns = Turns.model_validate({"from": 10.0, "to": 20.0, "tilt": to})
     up = gravity_of(pipe(tilt=tilt, uphill=uphill, turns=turns))
     assert up is not None

@@ -116,7 +116,7 @@ def test_a_wait_fires_nothing_during_a_pause(drive):
     assert driver.fired == []
     assert driver.messages[1:] == [
         "no answer is taken while paused",
-        "nothing is skipped while paused",
+        "nothing is passed over while paused",
     ]
 
 
