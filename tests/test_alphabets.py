@@ -108,7 +108,7 @@ ALPHABETS = {
         "model/derived.py",
         '| Annotated[SpeedOf, Tag("speed_of")]',
         "NewOf(Frozen)",
-        ("loading/robot/boards.py", "loading/robot/derived_signals.py", "showing/robot_anatomy.py"),
+        ("loading/robot/boards.py", "loading/robot/derived_signals.py"),
     ),
     "setpoint": Alphabet(
         "model/actuation.py",

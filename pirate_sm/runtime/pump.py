@@ -111,7 +111,7 @@ class Pump:
         self._tap = tap
         self._after = after
         self._resuming = resuming
-        # A robot that moves on while this program dies: what it was told must be known.
+        # A robot that moves on while this program dies: what was sent must be known.
         self._secure = tap.secure if tap is not None and backend.real_time else None
         self._heard: LastFrames = after._heard if after else LastFrames()
         self._last_id: int = after._last_id if after else 0

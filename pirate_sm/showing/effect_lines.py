@@ -31,7 +31,7 @@ class Teller:
         """Begin with nothing said.
 
         Args:
-            robot: Whose slots and regions are told about.
+            robot: Whose slots and regions they are.
             with_setpoints: Whether setpoints are told.
             short: Whether regions are named without the ending that they share.
             nominal: Whether it is a trace, where no operator takes a trigger but its script.

@@ -145,7 +145,7 @@ def test_every_key_is_explained_on_one_key_and_the_last_line_says_how_to_leave(r
     assert "r Play; at the end from the start." in page
     assert "p Space Pause." in page
     assert "1 s back" in page
-    assert "✓ ▶ ▷ · a phase that was left, the present one," in page
+    assert "✓ ▶ ▷ · a phase that was left, the current one," in page
     assert back == (1, False)
     assert not running
 

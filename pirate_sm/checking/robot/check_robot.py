@@ -6,6 +6,7 @@ robot.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator
 from functools import lru_cache
 from pathlib import Path
@@ -49,6 +50,7 @@ from pirate_sm.loading.yaml.document import Document
 
 UNREACHABLE = "chart.unreachable"
 
+_QUOTED = re.compile(r"'([^']+)'")
 _UNKNOWN = {"robot.joint", "robot.roll", "robot.slot", "robot.wheel"}
 """Codes of references that lead nowhere."""
 
@@ -145,7 +147,7 @@ def _readable(folder: Path) -> tuple[Document, ...]:
 
 
 def _besides(folder: Path, found: tuple[Finding, ...]) -> Iterator[Finding]:
-    """Yield wrong references on other lines than the faults for which a robot is not loaded."""
+    """Yield wrong references, without those of what the faults name that kept it from loading."""
     if any(each.code in _UNKNOWN for each in found):
         return  # what they would name is missing
     try:
@@ -153,8 +155,10 @@ def _besides(folder: Path, found: tuple[Finding, ...]) -> Iterator[Finding]:
     except LoadError:
         return
     lines = {(each.place.file, each.place.line) for each in found}
+    named = {name for each in found for name in _QUOTED.findall(each.message)}
     for each in found_by(OF_PROFILE, RobotView(robot)):
-        if (each.place.file, each.place.line) not in lines:
+        follows = named.intersection(_QUOTED.findall(each.message))
+        if (each.place.file, each.place.line) not in lines and not follows:
             yield each
 
 

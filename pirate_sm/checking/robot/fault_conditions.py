@@ -33,7 +33,7 @@ def fault_conditions(view: RobotView) -> Iterator[Finding]:
     for said in view.loaded.normal.word_conditions:
         if (verdict := _verdict(view, conditions, said.when.tree)) is not None:
             message = f"this can {'only' if verdict else 'never'} be true: '{said.word}' would be"
-            message += " said at once, wherever the robot is" if verdict else " said nowhere"
+            message += " said immediately, wherever the robot is" if verdict else " said nowhere"
             path = ("detector", "words", said.word, "when")
             yield view.at(
                 path, f"robot.fault_{'always' if verdict else 'never'}", message, offset=0
