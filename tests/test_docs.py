@@ -107,7 +107,7 @@ def test_the_page_on_python_has_every_member_of_a_batch():
     batch = pirate_sm.batch("mitre_bend", seeds=[1])
 
     members = {name for name in {*dir(batch), *vars(batch)} if name[0] != "_"}
-    assert first_cells("Many robots together") == members
+    assert first_cells("Many robots in parallel") == members
 
 
 def command_lines() -> Iterator[tuple[str, str]]:

@@ -68,7 +68,7 @@ def files_of(places: tuple[str, ...]) -> list[str]:
     for place in places:
         path = ROOT / place
         if not path.exists():
-            raise SystemExit(f"{place} is no longer there: mend PACKAGES")
+            raise SystemExit(f"{place} is no longer there: correct PACKAGES")
         files = [path] if path.is_file() else sorted(path.rglob("*.py"))
         found += [str(each.relative_to(ROOT)) for each in files]
     return found

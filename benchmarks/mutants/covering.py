@@ -57,7 +57,7 @@ def measure(
         )  # fmt: skip
         if run.returncode:
             data.unlink(missing_ok=True)
-            raise SystemExit("the tests fail without any mutant: mend that first")
+            raise SystemExit("the tests fail without any mutant: fix that first")
     return _read(root, files, data, times)
 
 

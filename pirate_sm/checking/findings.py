@@ -23,7 +23,7 @@ class Finding:
         code: A stable identifier for programs, explained in :mod:`pirate_sm.checking.catalogue`.
         place: Its place.
         message: What is wrong, in one sentence.
-        mend: How to mend it, if this is more than the catalogue's advice for the code.
+        fix: How to fix it, if this is more than the catalogue's advice for the code.
         suggestion: The name that was probably meant.
         excerpt: The source line of the place.
         related: Related places, each with an explanation.
@@ -38,7 +38,7 @@ class Finding:
     severity: Severity
     place: Place
     message: str
-    mend: str = ""
+    fix: str = ""
     suggestion: str = ""
     excerpt: str = ""
     related: tuple[tuple[Place, str], ...] = ()
@@ -69,7 +69,7 @@ def finding_of(problem: Problem) -> Finding:
         problem.severity,
         problem.place,
         problem.message,
-        mend=f"expected {problem.expected}" if problem.expected else "",
+        fix=f"expected {problem.expected}" if problem.expected else "",
         suggestion=problem.suggestion,
         excerpt=problem.excerpt,
         edit=problem.edit,
@@ -88,7 +88,7 @@ def at(
     message: str,
     *,
     severity: Severity | None = None,
-    mend: str = "",
+    fix: str = "",
     related: Iterable[tuple[Place, str]] = (),
 ) -> Finding:
     """Return a finding at a place of a document, with its source line.
@@ -99,14 +99,12 @@ def at(
         code: An entry of the catalogue.
         message: What is wrong, in one sentence.
         severity: The severity; None for the usual one of the code.
-        mend: How to mend it, if this is more than the catalogue's advice.
+        fix: How to fix it, if this is more than the catalogue's advice.
         related: Related places, each with an explanation.
     """
     severity = usual_severity(code) if severity is None else severity
     excerpt = document.excerpt(place.line, place.file)
-    return Finding(
-        code, severity, place, message, mend=mend, excerpt=excerpt, related=tuple(related)
-    )
+    return Finding(code, severity, place, message, fix=fix, excerpt=excerpt, related=tuple(related))
 
 
 def each_once(findings: Iterable[Finding]) -> list[Finding]:
@@ -122,8 +120,8 @@ def each_once(findings: Iterable[Finding]) -> list[Finding]:
 
 def _short(finding: Finding) -> Finding:
     """Return the finding with a shortened message, because names in a file can be very long."""
-    message, mend, suggestion = map(cut, (finding.message, finding.mend, finding.suggestion))
-    return replace(finding, message=message, mend=mend, suggestion=suggestion)
+    message, fix, suggestion = map(cut, (finding.message, finding.fix, finding.suggestion))
+    return replace(finding, message=message, fix=fix, suggestion=suggestion)
 
 
 def _weight(finding: Finding) -> tuple[int, bool, int]:

@@ -269,7 +269,7 @@ class Fault(NamedTuple):
 
     def display(self) -> Display:
         """Return what views show of it."""
-        then = {"continue": "logged, the mission goes on", "stop": "safe stop"}
+        then = {"continue": "logged, the mission continues", "stop": "safe stop"}
         ending = then.get(self.handling, f"→ {self.handling}")
         return Display(
             "fault",

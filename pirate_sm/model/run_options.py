@@ -106,7 +106,7 @@ class RunOption:
         in_campaigns: Whether a campaign may say it: one value, or many, of which each makes cells.
         name: Its name in Python, in recordings and in an order of a run.
         type: Type of its value.
-        default: Its value where nobody gives one.
+        default: Its value where it is not given.
     """
 
     help: str
@@ -186,7 +186,8 @@ class GivenOptions:
         "sim",
         "sim: the kinematic simulator; physics: MuJoCo; bay: the serial link to an emulated "
         "robot; trace: nothing moves; serial: the real robot; others: pirate list backends.",
-        *("NAME", "backends"),
+        "NAME",
+        "backends",
         in_campaigns="many",
     )
     robot: str | None = _option(
@@ -199,14 +200,15 @@ class GivenOptions:
         {}, "A parameter's value. Repeatable.", "NAME=VALUE", "parameters", flag="--set"
     )
     states: Mapping[str, str] | None = _option(
-        *(None, "The robot is in this state, instead of starts_in.", "REGION=STATE", "states"),
+        None, "The robot is in this state, instead of starts_in.", "REGION=STATE", "states",
         flag="--state",
-    )
+    )  # fmt: skip
     seed: int = _option(0, "Seed of all random numbers.", least=0)
     defects: tuple[str, ...] = _option(
         (),
         "Switch on a known defect, such as NAME:friction=0.5Nm,after=2s. Repeatable.",
-        *("NAME[:KEY=VALUE,…]", "defects"),
+        "NAME[:KEY=VALUE,…]",
+        "defects",
         flag="--defect",
         only=_OF_SIMULATED,
         in_campaigns="many",
@@ -218,13 +220,13 @@ class GivenOptions:
         in_campaigns="one",
     )
     view: bool = _option(
-        *(False, "Show the backend physics in MuJoCo's own viewer."),
+        False, "Show the backend physics in MuJoCo's own viewer.",
         only=Only(("physics",), "has no viewer"),
-    )
+    )  # fmt: skip
     port: str | None = _option(
-        *(None, "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "PORT", "ports"),
+        None, "Of the real robot: /dev/ttyACM0, or a pyserial URL.", "PORT", "ports",
         only=_OF_PORT,
-    )
+    )  # fmt: skip
     baud: int | None = _option(None, "Rate to use instead of the robot's.", least=1, only=_OF_PORT)
     guard_for_s: float | None = _option(
         None,
@@ -234,36 +236,35 @@ class GivenOptions:
         only=_OF_PORT,
     )
     detector: str | None = _option(
-        *(None, "What reports where the robot is. For sim: sim, for serial: odometry."),
-        *("sim|odometry|vision:CAMERA|NAME", "detectors"),
+        None,
+        "What reports where the robot is. For sim: sim, for serial: odometry.",
+        "sim|odometry|vision:CAMERA|NAME",
+        "detectors",
         only=_OF_MOVING,
         in_campaigns="many",
     )
     also: str | None = _option(
-        *(None, "A second detector, to compare: its words are logged and do nothing."),
-        *("DETECTOR", "detectors"),
-        only=_OF_MOVING,
-    )
+        None, "A second detector, to compare: its words are logged and do nothing.",
+        "DETECTOR", "detectors", only=_OF_MOVING,
+    )  # fmt: skip
     panel: str | None = _option(
-        *(None, "A MIDI control panel, with its stop; others: pirate panel."),
-        *("NAME[:DEVICE]", "panels"),
-    )
+        None, "A MIDI control panel, with its stop; others: pirate panel.",
+        "NAME[:DEVICE]", "panels",
+    )  # fmt: skip
     ruler: bool = _option(
-        *(False, "In sim: a ruler outside measures the robot's speed, for slip."),
+        False, "In sim: a ruler outside measures the robot's speed, for slip.",
         only=Only((*_SIMULATORS, OTHERS), "has no simulated ruler"),
-    )
+    )  # fmt: skip
     start_at_m: float | None = _option(
-        *(None, "Where the first wheel begins, for odometry.", "LENGTH"),
-        unit=LENGTH,
-        only=_OF_MOVING,
-    )
+        None, "Where the first wheel begins, for odometry.", "LENGTH",
+        unit=LENGTH, only=_OF_MOVING,
+    )  # fmt: skip
     calibration: bool = _option(True, "Use its joint zeros.")
     check: bool = _option(False, "Reject missions with errors.", usual=True)
     twin: str | None = _option(
-        *(None, "Numbers of the simulated robot, from pirate fit --robot.", "FILE", "twins"),
-        only=_OF_SIMULATED,
-        in_campaigns="one",
-    )
+        None, "Numbers of the simulated robot, from pirate fit --robot.", "FILE", "twins",
+        only=_OF_SIMULATED, in_campaigns="one",
+    )  # fmt: skip
     fitted: str | None = _option(
         None, "Numbers of its motors to judge it by, from pirate fit.", "FILE", "twins"
     )

@@ -32,7 +32,7 @@ class Teller:
 
         Args:
             robot: Whose slots and regions they are.
-            with_setpoints: Whether setpoints are told.
+            with_setpoints: Whether setpoints are shown.
             short: Whether regions are named without the ending that they share.
             nominal: Whether it is a trace, where no operator takes a trigger but its script.
         """

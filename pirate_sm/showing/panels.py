@@ -317,21 +317,21 @@ def question(snapshot: Snapshot, width: int) -> list[Text]:
     return lines
 
 
-def told_line(told: NumberedLine) -> Text:
+def numbered_line(shown: NumberedLine) -> Text:
     """Return a line of the log."""
-    topic, text = told.line
+    topic, text = shown.line
     style = TOPICS.get(topic, "")
-    return line((f"{told.now_s:8.2f} ", MUTED), (f"{topic:<9} {text}", style))
+    return line((f"{shown.now_s:8.2f} ", MUTED), (f"{topic:<9} {text}", style))
 
 
-def log(told: Sequence[NumberedLine], width: int, rows: int) -> list[Text]:
+def log(kept: Sequence[NumberedLine], width: int, rows: int) -> list[Text]:
     """Return the last lines of the log in so many rows, each in full."""
     shown: list[Text] = []
-    for each in reversed(told):
+    for each in reversed(kept):
         if len(shown) >= rows:
             break
         first, *more = wrap(each.line.text, max(width - _LOG_TEXT, 8)) or [""]
-        lines = [told_line(each._replace(line=each.line._replace(text=first)))]
+        lines = [numbered_line(each._replace(line=each.line._replace(text=first)))]
         style = TOPICS.get(each.line.topic, "")
         shown = [*lines, *(line((" " * _LOG_TEXT + it, style)) for it in more), *shown]
     return shown[-rows:] if rows else []

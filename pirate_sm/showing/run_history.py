@@ -27,7 +27,7 @@ class Visit(NamedTuple):
 
 
 class NumberedLine(NamedTuple):
-    """A line, when it was told, and the how many-th it is."""
+    """A line, when it was shown, and its number."""
 
     number: int
     now_s: float
@@ -42,7 +42,7 @@ class Story(NamedTuple):
         spent_s: How long it has been in each phase that it has left.
         setpoints: The newest array; empty before the first.
         changed: Slots that the newest array changed.
-        told: How many lines there were.
+        lines: How many lines there were.
         recent: The last lines.
         banner: The last of them that says how a mission ended.
         ended: How it ended.
@@ -57,7 +57,7 @@ class Story(NamedTuple):
     spent_s: Mapping[str, float] = {}
     setpoints: tuple[float, ...] = ()
     changed: frozenset[int] = frozenset()
-    told: int = 0
+    lines: int = 0
     recent: tuple[NumberedLine, ...] = ()
     banner: NumberedLine | None = None
     ended: fx.Ended | None = None
@@ -119,12 +119,12 @@ class Memory:
     def tell(self, line: Line, now_s: float) -> None:
         """Add a line to those that were shown."""
         story = self.story
-        told = NumberedLine(story.told + 1, now_s, line)
-        self._note(told=told.number, recent=(*story.recent, told)[-_KEPT:])
+        shown = NumberedLine(story.lines + 1, now_s, line)
+        self._note(lines=shown.number, recent=(*story.recent, shown)[-_KEPT:])
         if line.topic in _ALARMING:
-            self._note(alarms=(*story.alarms, told)[-_KEPT:])
+            self._note(alarms=(*story.alarms, shown)[-_KEPT:])
         if line.topic == ENDED:
-            self._note(banner=told)
+            self._note(banner=shown)
 
     def lose(self, from_s: float, until_s: float) -> None:
         """Forget where the mission is: nothing is known of it between these times."""

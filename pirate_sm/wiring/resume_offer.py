@@ -91,7 +91,11 @@ class Offer(NamedTuple):
         expected = self.forecast
         if self.refusals or expected is None:
             return self.refusals or ("it is unknown what would become of it",)
-        expects = () if expected.word == "possible" else (f"it {expected.word}: {expected.why}",)
+        expects = (
+            ()
+            if expected.word == "possible"
+            else (f"the check expects '{expected.word}': {expected.why}",)
+        )
         return (*self.changed, *self.unknown, *self.unplaced, *expects)
 
 

@@ -82,7 +82,7 @@ def test_a_seeded_fault_is_found_and_nothing_else(case: Case, here: Path) -> Non
     usual = catalogue.entry_of(finding.code).severity
     assert finding.severity.word == (case.severity or usual)
     assert finding.message
-    assert finding.mend or catalogue.entry_of(finding.code).mend
+    assert finding.fix or catalogue.entry_of(finding.code).fix
 
 
 @pytest.mark.parametrize("made", MADE.values(), ids=MADE.keys())

@@ -1,4 +1,4 @@
-"""The catalogue of finding codes: what each means, why it matters and how to mend it.
+"""The catalogue of finding codes: what each means, why it matters and how to fix it.
 
 The entries are in the YAML files in this folder, one file for each group.
 """
@@ -40,7 +40,7 @@ class Entry(Frozen):
         severity: The severity of its findings, unless the check could not decide.
         title: What is wrong, in one line.
         why: Why it matters.
-        mend: How it is usually mended.
+        fix: How it is usually corrected.
         wrong: A short example with the fault.
         right: The same example without the fault.
         allowable: Whether a comment can allow it; None for the value of its group.
@@ -49,7 +49,7 @@ class Entry(Frozen):
     severity: Literal["error", "warning"]
     title: str
     why: str
-    mend: str
+    fix: str
     wrong: str
     right: str
     allowable: bool | None = None
@@ -90,7 +90,7 @@ def entries() -> Mapping[str, Entry]:
 def entry_of(code: str) -> Entry:
     """Return the entry of a code; for an unknown code, one that only contains the code."""
     return entries().get(code) or Entry(
-        severity="error", title=code, why="", mend="", wrong="", right=""
+        severity="error", title=code, why="", fix="", wrong="", right=""
     )
 
 

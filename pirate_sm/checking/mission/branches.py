@@ -54,10 +54,10 @@ def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) ->
             continue
         if True in truths[where]:
             message = f"'{text}' is true whenever it is asked"
-            yield places.finding(place, "branch.always", message, mend="leave the condition out")
+            yield places.finding(place, "branch.always", message, fix="leave the condition out")
         else:
             message = f"'{text}' is never true when it is asked"
-            yield places.finding(place, "branch.never", message, mend="leave the steps out")
+            yield places.finding(place, "branch.never", message, fix="leave the steps out")
 
 
 def _conditions(loaded: LoadedMission) -> dict[str, Expression]:
@@ -86,8 +86,8 @@ def _arms(view: MissionView) -> Iterator[Finding]:
             shadowed = not conditions.anywhere([*others, *own], every)
             if others and shadowed and conditions.anywhere(own, every):
                 message = f"an earlier arm is taken wherever '{condition.text}' is true"
-                mend = "put it first, or leave it out"
-                yield places.finding(place, "branch.never", message, mend=mend)
+                fix = "put it first, or leave it out"
+                yield places.finding(place, "branch.never", message, fix=fix)
             others.append((node, False))
         else:
             if step.otherwise and len(others) > 1 and not conditions.anywhere(others, every):

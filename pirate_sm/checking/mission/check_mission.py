@@ -12,7 +12,7 @@ from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.mission.branches import branches
 from pirate_sm.checking.mission.explore_mission import (
     conditions_of,
-    explore_mended,
+    explore_corrected,
     explore_mission,
 )
 from pirate_sm.checking.mission.fault_handlers import fault_handlers, ignored_holding
@@ -95,8 +95,8 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
     view = MissionView(loaded, Places(loaded), conditions, explored, explored, in_pipe)
     found = _judge(view)
     if any(each.code in _NEVER for each in found):
-        mended = explore_mended(explored, loaded, conditions)
-        found = _judge(replace(view, seen=[*explored, *mended])) if mended else found
+        corrected = explore_corrected(explored, loaded, conditions)
+        found = _judge(replace(view, seen=[*explored, *corrected])) if corrected else found
     of_robot = robot_errors(loaded.loaded_robot)
     unique = {(each.code, each.place, each.message): each for each in (*told, *of_robot, *found)}
     ordered = sorted(unique.values(), key=lambda each: each.order)
@@ -130,11 +130,11 @@ def too_large(view: MissionView) -> Iterator[Finding]:
         message += " (after the steps that cannot run are corrected)"
     at = Counter(found.program.phase_of[node.state.mission.pc] for node in found.nodes)
     phase, number = at.most_common(1)[0]
-    mend = (
+    fix = (
         f"{number} of them are in the phase '{phase}': give it fewer conditions that depend on "
         "each other, or split the mission and check its parts"
     )
-    yield places.finding(places.mission(), "check.too_large", message, mend=mend)
+    yield places.finding(places.mission(), "check.too_large", message, fix=fix)
 
 
 RULES = (
@@ -202,4 +202,4 @@ _NEVER = frozenset(
         "wait.still",
     }
 )
-"""Codes of things that never happen, but may happen once another fault is mended."""
+"""Codes of things that never happen, but may happen once another fault is corrected."""

@@ -1,4 +1,4 @@
-"""Explore a mission as it is, and with its faults mended."""
+"""Explore a mission as it is, and with its faults corrected."""
 
 from __future__ import annotations
 
@@ -72,10 +72,10 @@ def _after(program: Program, index: int) -> int:
     return step.next  # it has no end that succeeds
 
 
-def explore_mended(
+def explore_corrected(
     explored: Sequence[Explored], loaded: LoadedMission, conditions: Conditions
 ) -> list[Explored]:
-    """Explore a mission whose refused steps and broken rules have been mended.
+    """Explore a mission whose refused steps and broken rules have been corrected.
 
     Parts that are reached, needed or fired only then are not reported as never reached, needed or
     fired.
@@ -94,6 +94,6 @@ def explore_mended(
         else each
         for index, each in enumerate(program.instructions)
     )
-    mended = replace(program, instructions=instructions, rules=() if broken else program.rules)
+    corrected = replace(program, instructions=instructions, rules=() if broken else program.rules)
     left = MOST_WORK - sum(book.found.work for book in explored)
-    return [index_exploration(explore(loaded.robot, mended, conditions, most_work=left))]
+    return [index_exploration(explore(loaded.robot, corrected, conditions, most_work=left))]

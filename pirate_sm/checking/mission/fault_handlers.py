@@ -49,5 +49,5 @@ def ignored_holding(view: MissionView) -> Iterator[Finding]:
     for (place, code), parts in found.items():
         if parts:
             names = " and ".join(f"the {view.loaded.robot.parts[part]}" for part in sorted(parts))
-            message = f"goes on after '{code}' of a joint of {names}, while that part holds"
+            message = f"continues after '{code}' of a joint of {names}, while that part holds"
             yield view.places.finding(view.places.read(place), "handler.holding", message)

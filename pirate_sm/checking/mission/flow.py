@@ -223,11 +223,11 @@ def rises_while_loose(mission: MissionView) -> Iterator[Finding]:
             f"the pipe turns from {turns.from_s:g} s on, and no part of the robot holds before"
             f" {loose_s:.3g} s: it slides"
         )
-        mend = "clamp before, or let the pipe turn later"
+        fix = "clamp before, or let the pipe turn later"
         own = view.loaded.documents[0]
         related = [(view.place_in_pipe(("turns",)), "it turns here")]
         place = own.place_of(("pipe",))
-        yield at(own, place, "geometry.loose", message, mend=mend, related=related)
+        yield at(own, place, "geometry.loose", message, fix=fix, related=related)
 
 
 def _loose_until_s(mission: MissionView) -> float:

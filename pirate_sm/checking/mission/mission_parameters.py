@@ -56,7 +56,7 @@ def check_settings(
         if definition.default is None and name not in settings:
             place = document.place_of(("parameters", name), key=True)
             message = f"nothing sets the parameter '{name}'"
-            mend = "give it a default, or set it for each run of the mission"
+            fix = "give it a default, or set it for each run of the mission"
             found.append(
                 at(
                     document,
@@ -64,7 +64,7 @@ def check_settings(
                     "mission.parameter",
                     message,
                     severity=Severity.WARNING,
-                    mend=mend,
+                    fix=fix,
                 )
             )
     return tuple(found)

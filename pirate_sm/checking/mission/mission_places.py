@@ -57,7 +57,7 @@ class Places:
         message: str,
         *,
         severity: Severity | None = None,
-        mend: str = "",
+        fix: str = "",
         happens: tuple[Exploration, int] | None = None,
         playable: bool = True,
     ) -> Finding:
@@ -68,7 +68,7 @@ class Places:
             code: An entry of the catalogue.
             message: What is wrong.
             severity: The severity; None for the usual one of the code.
-            mend: How to mend it.
+            fix: How to fix it.
             related: Related places, each with an explanation.
             happens: The step of an exploration in which it happens, for its story.
             playable: Whether a trace of the unchanged mission can reach that step.
@@ -84,7 +84,7 @@ class Places:
             severity,
             place,
             message,
-            mend=mend,
+            fix=fix,
             excerpt=excerpt,
             story=told,
             course=(happens,) if happens and sure else (),

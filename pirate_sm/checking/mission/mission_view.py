@@ -21,7 +21,7 @@ class MissionView:
         places: The places of its parts.
         conditions: Decides which conditions can be true together.
         explored: Explorations: of the mission as it is, then without steps that can never run.
-        seen: These, and explorations with other faults mended.
+        seen: These, and explorations with other faults corrected.
         in_pipe: The course of the mission in its pipe; None without one.
     """
 

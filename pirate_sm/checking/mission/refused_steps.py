@@ -39,7 +39,7 @@ def refused_steps(view: MissionView) -> Iterator[Finding]:
             found = _judge(book, visits, name, step, loaded, handling=handling)
             if found is None:
                 continue
-            code, severity, message, step_number, mend = found
+            code, severity, message, step_number, fix = found
             if assumed:
                 message += " (after the step before it that cannot run is corrected)"
             yield places.finding(
@@ -47,7 +47,7 @@ def refused_steps(view: MissionView) -> Iterator[Finding]:
                 code,
                 message,
                 severity=severity,
-                mend=mend,
+                fix=fix,
                 happens=(book.found, step_number) if step_number >= 0 else None,
                 playable=not assumed,
             )
@@ -89,7 +89,7 @@ def _judge(
     *,
     handling: bool,
 ) -> tuple[str, Severity, str, int, str] | None:
-    """Return code, severity, message, step and mend of a finding; None without a fault."""
+    """Return code, severity, message, step and fix of a finding; None without a fault."""
     complete = book.found.complete
     if isinstance(step, Do) and not visits.given and not visits.refused and complete:
         message = f"{name} is never needed: its states hold already whenever the step is reached"

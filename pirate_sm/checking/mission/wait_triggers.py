@@ -21,15 +21,15 @@ def wait_triggers(view: MissionView) -> Iterator[Finding]:
     judge = _Judge(view)
     reported: set[str] = set()
     if view.complete:
-        for place, (code, message, mend) in judge.triggers().items():
+        for place, (code, message, fix) in judge.triggers().items():
             reported.add(place)
-            yield places.finding(places.read(place), code, message, mend=mend)
+            yield places.finding(places.read(place), code, message, fix=fix)
     for place, condition, if_false in _conditions(loaded.program):
         said = judge.constant(condition)
         if said and place not in reported:
             message = f"'{condition.text}' is always {said}"
-            mend = "leave the condition out" if said.startswith("true") else if_false
-            yield places.finding(places.read(place), "condition.constant", message, mend=mend)
+            fix = "leave the condition out" if said.startswith("true") else if_false
+            yield places.finding(places.read(place), "condition.constant", message, fix=fix)
         for each in tree.walk(condition.tree):
             if isinstance(each, tree.Matches) and len({*each.words}) < len(each.words):
                 twice = next(word for word in each.words if each.words.count(word) > 1)
@@ -62,7 +62,7 @@ def _exact(node: tree.Node, vocabulary: Vocabulary) -> Iterator[str]:
 
 
 def _conditions(program: Program) -> Iterator[tuple[str, Expression, str]]:
-    """Yield the place of each condition, the condition, and the mend if it is never true."""
+    """Yield the place of each condition, the condition, and the fix if it is never true."""
     for each in program.instructions:
         if isinstance(each, Branch):
             yield each.place, each.condition, "leave the step out"
@@ -148,8 +148,8 @@ class _Judge:
             f"'{trigger.text}' is true already whenever the wait begins and {' and '.join(names)} "
             f"{are} known: {' and '.join(map(change_of, names))} {are} 0 then"
         )
-        mend = "ask for a change that the wait brings about: one backwards is negative"
-        return "trigger.at_once", message, mend
+        fix = "ask for a change that the wait brings about: one backwards is negative"
+        return "trigger.at_once", message, fix
 
     def _blind(self, wait: Wait, trigger: TriggerSpec, condition: Expression) -> _Said | None:
         """Return the finding about changes of signals that are unknown when the wait begins."""

@@ -97,8 +97,8 @@ def _away(view: PipeView, missed: _Missed) -> Finding:
     )
     turned = missed.bending.roll or 0.0
     how = "to the other side than it is turned" if abs(turned) == 1 else "by two quarter turns"
-    mend = f"write `polarity: {other}`, or turn every part {how}, before this"
-    return _at_step(view, missed, "geometry.polarity", message, mend)
+    fix = f"write `polarity: {other}`, or turn every part {how}, before this"
+    return _at_step(view, missed, "geometry.polarity", message, fix)
 
 
 def _aside(view: PipeView, missed: _Missed) -> Finding:
@@ -109,11 +109,11 @@ def _aside(view: PipeView, missed: _Missed) -> Finding:
         f" {_described(missed.joint)}"
     )
     if missed.askew:
-        mend = (
+        fix = (
             "no quarter turn brings it there: let the robot start with another `roll`, or lay the"
             " bend otherwise"
         )
-        return _at_step(view, missed, "geometry.out_of_plane", message, mend)
+        return _at_step(view, missed, "geometry.out_of_plane", message, fix)
     many = "one quarter turn is" if abs(missed.quarters) == 1 else "two quarter turns are"
     message += f": {many} missing"
     return _at_step(view, missed, "geometry.out_of_plane", message, _how_to_turn(view, missed))
@@ -135,14 +135,14 @@ def _how_to_turn(view: PipeView, missed: _Missed) -> str:
     return f"'{words}' turns '{name}' there, before it bends, while the other part holds"
 
 
-def _at_step(view: PipeView, missed: _Missed, code: str, message: str, mend: str) -> Finding:
+def _at_step(view: PipeView, missed: _Missed, code: str, message: str, fix: str) -> Finding:
     """Return a finding at the step that bends, or at the call of a mission that bends."""
     point = missed.bending.point
     step, mission = view.place_of_step(point.place), view.loaded.documents[0]
     place = view.own_place(point.at - 1, point.place) if step.line else mission.place_of(("pipe",))
     related = [(view.place_in_pipe(view.path_of(missed.joint)), "into this")]
     related[:0] = [(step, "this bends it")] if place != step and step.line else []
-    found = at(view.document(place.file), place, code, message, mend=mend, related=related)
+    found = at(view.document(place.file), place, code, message, fix=fix, related=related)
     return story_of(found, view, point)
 
 

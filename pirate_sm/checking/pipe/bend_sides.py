@@ -81,5 +81,5 @@ def _wrong_side(view: PipeView, part: int, places: list[str]) -> Finding:
     key = "polarity" if view.loaded.mission.polarity is not None else "pipe"
     mission = view.loaded.documents[0]
     place, code = mission.place_of((key,)), "geometry.polarity"
-    mend = f"write `polarity: {other}`, or take a pipe that turns to the other side"
-    return at(mission, place, code, message, mend=mend, related=related)
+    fix = f"write `polarity: {other}`, or take a pipe that turns to the other side"
+    return at(mission, place, code, message, fix=fix, related=related)

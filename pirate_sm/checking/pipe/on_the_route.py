@@ -27,8 +27,8 @@ def takes_bends_that_are_there(view: PipeView) -> Iterator[Finding]:
         for found in (_not_there(view, bendings), _not_passed(view, number - 1, bendings)):
             if found is not None and (place, found[0]) not in reported:
                 reported.add((place, found[0]))
-                code, message, mend = found
-                finding = at(view.document(place.file), place, code, message, mend=mend)
+                code, message, fix = found
+                finding = at(view.document(place.file), place, code, message, fix=fix)
                 yield story_of(finding, view, bendings[0].point)
 
 
@@ -46,8 +46,8 @@ def _not_there(view: PipeView, bendings: list[Bending]) -> _Said | None:
     back = bendings[0].joint < 0
     way, name = "behind" if back else "ahead of", view.fit.robot.parts[bendings[0].bend.part]
     message = f"this bends '{name}' into another bend {way} the robot, but the route has none"
-    mend = "leave it out, or take a pipe or a route with one more bend"
-    return "geometry.no_bend", message, mend
+    fix = "leave it out, or take a pipe or a route with one more bend"
+    return "geometry.no_bend", message, fix
 
 
 def _not_passed(view: PipeView, number: int, bendings: list[Bending]) -> _Said | None:
@@ -102,8 +102,8 @@ def turns_where_it_can(view: PipeView) -> Iterator[Finding]:
         reported.add(place)
         fits = [each.call for each in travel.turns if _can_turn(view, travel, each.call, change)]
         message = f"'{name}' does not turn the robot as it lies here, says `travel` of its profile"
-        mend = f"here {' or '.join(fits)} turns it" if fits else ""
-        yield at(view.document(place.file), place, "align.slope", message, mend=mend)
+        fix = f"here {' or '.join(fits)} turns it" if fits else ""
+        yield at(view.document(place.file), place, "align.slope", message, fix=fix)
 
 
 def _can_turn(view: PipeView, travel: Travel, name: str, change: Change) -> bool:

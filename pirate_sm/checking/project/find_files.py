@@ -156,8 +156,8 @@ def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
             count += 1
             if count > MOST_FILES:
                 message = f"there are more than {MOST_FILES} YAML files in here"
-                mend = "check its folders one by one"
-                findings.append(replace(_finding("check.folder", folder, message), mend=mend))
+                fix = "check its folders one by one"
+                findings.append(replace(_finding("check.folder", folder, message), fix=fix))
                 return
             yield file
 

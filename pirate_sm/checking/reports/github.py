@@ -37,7 +37,7 @@ def _message(finding: Finding) -> str:
     lines += [f"{number}. {each}" for number, each in enumerate(finding.story, start=1)]
     if finding.suggestion:
         lines.append(f"Did you mean '{finding.suggestion}'?")
-    lines += [line for line in (entry.why, finding.mend or entry.mend) if line]
+    lines += [line for line in (entry.why, finding.fix or entry.fix) if line]
     return "\n".join(lines)
 
 

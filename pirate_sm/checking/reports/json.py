@@ -44,7 +44,7 @@ def _finding(finding: Finding) -> dict[str, Any]:
         "title": entry.title,
         "message": finding.message,
         "why": entry.why,
-        "mend": finding.mend or entry.mend,
+        "mend": finding.fix or entry.fix,
         "suggestion": finding.suggestion,
         "excerpt": excerpt(finding),
         "related": [{**_place(place), "message": what} for place, what in finding.related],

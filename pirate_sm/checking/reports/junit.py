@@ -64,7 +64,7 @@ def _body(finding: Finding) -> str:
     lines = [f"{finding.place}: {finding.message}", excerpt(finding)]
     lines += [f"{number}. {each}" for number, each in enumerate(finding.story, start=1)]
     lines += [f"did you mean '{finding.suggestion}'?" if finding.suggestion else ""]
-    lines += [entry.why, finding.mend or entry.mend]
+    lines += [entry.why, finding.fix or entry.fix]
     return "\n".join(line for line in lines if line)
 
 

@@ -63,8 +63,8 @@ def _rule(code: str) -> dict[str, Any]:
         "shortDescription": _message(entry.title),
         "fullDescription": _message(f"{entry.title}. {entry.why}"),
         "help": {
-            "text": f"{entry.why}\n{entry.mend}",
-            "markdown": f"{entry.why}\n\n{entry.mend}\n\n{examples}{entry.right.rstrip()}\n```\n",
+            "text": f"{entry.why}\n{entry.fix}",
+            "markdown": f"{entry.why}\n\n{entry.fix}\n\n{examples}{entry.right.rstrip()}\n```\n",
         },
         "defaultConfiguration": {"level": entry.severity},
         "properties": {"tags": [code.partition(".")[0]]},
@@ -74,7 +74,7 @@ def _rule(code: str) -> dict[str, Any]:
 def _result(finding: Finding, rule: int, seen: Counter[str]) -> dict[str, Any]:
     entry = catalogue.entry_of(finding.code)
     meant = f" Did you mean '{finding.suggestion}'?" if finding.suggestion else ""
-    text = f"{finding.message}.{meant} {finding.mend or entry.mend}"
+    text = f"{finding.message}.{meant} {finding.fix or entry.fix}"
     result: dict[str, Any] = {
         "ruleId": finding.code,
         "ruleIndex": rule,

@@ -66,7 +66,7 @@ def _finding(finding: Finding, paint: Paint, columns: int) -> Iterator[str]:
     for place, what in finding.related:
         yield f"  {paint('place', str(place))}: {paint('', what)}"
     yield from _story(finding, paint, columns)
-    said = ("why", entry.why), ("fix", _fix(finding, entry.mend)), ("example", finding.example)
+    said = ("why", entry.why), ("fix", _fix(finding, entry.fix)), ("example", finding.example)
     for label, text in said:
         if text:
             yield from _wrapped(f"  {label + ': ':6}", text, paint, columns)
@@ -115,9 +115,9 @@ def _wrapped(label: str, text: str, paint: Paint, columns: int) -> Iterator[str]
 def _fix(finding: Finding, default: str) -> str:
     """Return how to fix a finding: a suggestion, the expected input, or the default advice."""
     if not finding.suggestion:
-        return finding.mend or default
-    names = finding.mend.startswith("expected ")  # of which the suggestion is the nearest
-    return f"did you mean '{finding.suggestion}'? {'' if names else finding.mend}".rstrip()
+        return finding.fix or default
+    names = finding.fix.startswith("expected ")  # of which the suggestion is the nearest
+    return f"did you mean '{finding.suggestion}'? {'' if names else finding.fix}".rstrip()
 
 
 def summary(report: Report) -> str:
@@ -199,7 +199,7 @@ def _finding_explained(code: str) -> str:
             f"{code} ({entry.severity}): {entry.title}",
             "",
             f"Why it matters: {entry.why}",
-            f"How to fix it: {entry.mend}",
+            f"How to fix it: {entry.fix}",
             f"Decided by: {group.decided_by}",
             f"Not decided: {group.not_decided}",
             f"On its line it can be allowed: # pirate: allow {code}: <reason>"

@@ -62,7 +62,7 @@ def turning_at_rest(view: RobotView) -> Iterator[Finding]:
             if wheel and states == {each.state} and turns and not each.control:
                 message = f"{each.state} turns '{wheel}', and {name}, which leads to it, is done"
                 message += f" when wheels turn by less than {done.below:g} rad/s"
-                yield view.at(each.path, "robot.never_done", message, mend="write `0 %`")
+                yield view.at(each.path, "robot.never_done", message, fix="write `0 %`")
 
 
 def _never_done_under_controls(

@@ -30,7 +30,7 @@ class _Wrong(NamedTuple):
 
     path: Path
     message: str
-    mend: str
+    fix: str
     severity: Severity | None = None
     key: bool = False
 
@@ -57,13 +57,11 @@ def found_by(rules: Sequence[_Rule], view: RobotView) -> Iterator[Finding]:
     """Yield what some of these rules find, such as `OF_PROFILE`."""
     said: set[Path] = set()
     for rule in rules:
-        for path, message, mend, severity, key in rule(view):
+        for path, message, fix, severity, key in rule(view):
             thing = path[: {"boards": 4, "body": 3}.get(str(path[0]), 2)]
             if thing not in said:
                 said.add(thing)
-                yield view.at(
-                    path, "robot.reference", message, mend=mend, severity=severity, key=key
-                )
+                yield view.at(path, "robot.reference", message, fix=fix, severity=severity, key=key)
 
 
 def _chain(view: RobotView) -> Iterator[_Wrong]:
@@ -74,36 +72,36 @@ def _chain(view: RobotView) -> Iterator[_Wrong]:
         before = [each.part for each in body.wheels[:number]]
         if wheel.part in before and before[-1] != wheel.part:
             message = f"'{wheel.name}' is of the part '{wheel.part}', which ends before it"
-            mend = f"write `part: {before[-1]}`: the wheels of a part follow one another"
-            yield _Wrong(("body", "wheels", number, "part"), message, mend)
+            fix = f"write `part: {before[-1]}`: the wheels of a part follow one another"
+            yield _Wrong(("body", "wheels", number, "part"), message, fix)
     sat: dict[str, str] = {}
     for number, joint in enumerate(body.joints):
         path: Path = ("body", "joints", number)
         if joint.wheel in sat:
             message = f"'{joint.name}' and '{sat[joint.wheel]}' both sit at '{joint.wheel}'"
-            mend = "a wheel has one joint: name another wheel, or delete this joint"
-            yield _Wrong((*path, "wheel"), message, mend)
+            fix = "a wheel has one joint: name another wheel, or delete this joint"
+            yield _Wrong((*path, "wheel"), message, fix)
         elif joint.part != wheels[joint.wheel].part:
             own = wheels[joint.wheel].part
             message = f"'{joint.name}' sits at '{joint.wheel}', which is of the part '{own}'"
             yield _Wrong((*path, "part"), message, f"write `part: {own}`")
         sat.setdefault(joint.wheel, joint.name)
         if joint.name not in view.slot_of:
-            mend = f"give a board a slot with `joint: {joint.name}`; a node that nothing bends has"
+            fix = f"give a board a slot with `joint: {joint.name}`; a node that nothing bends has"
             message = f"no slot drives '{joint.name}'"
             severity = _passive(view, joint.name)
-            yield _Wrong((*path, "name"), message, f"{mend} no joint", severity)
+            yield _Wrong((*path, "name"), message, f"{fix} no joint", severity)
     modules = [link.module for link in body.links]
     for number, link in enumerate(body.links):
         path = ("body", "links", number)
         if link.module in modules[:number]:
             message = f"the module '{link.module}' is a link already"
-            mend = "each link is a module of its own: give it another name"
-            yield _Wrong((*path, "module"), message, mend)
+            fix = "each link is a module of its own: give it another name"
+            yield _Wrong((*path, "module"), message, fix)
         if link.roll and link.roll not in view.slot_of:
-            mend = f"give a board a slot with `roll: {link.roll}`"
+            fix = f"give a board a slot with `roll: {link.roll}`"
             message = f"no slot drives '{link.roll}'"
-            yield _Wrong((*path, "roll"), message, mend, _passive(view, link.roll))
+            yield _Wrong((*path, "roll"), message, fix, _passive(view, link.roll))
 
 
 def _passive(view: RobotView, angle: str) -> Severity | None:
@@ -128,10 +126,10 @@ def _apex_references(view: RobotView) -> Iterator[_Wrong]:
         if apex not in usual:
             message = f"the V of '{part}' needs its tip at a joint of it, between two of its wheels"
             valid = " or ".join(f"`apex: {each}`" for each in sorted(usual))
-            mend = f"write {valid}" if valid else f"give '{part}' a joint"
+            fix = f"write {valid}" if valid else f"give '{part}' a joint"
             own_joint = apex in {each.name for each in joints}  # unusual, yet nothing moves wrongly
             severity = Severity.WARNING if own_joint else None
-            yield _Wrong(("body", "parts", part, "apex"), message, mend, severity)
+            yield _Wrong(("body", "parts", part, "apex"), message, fix, severity)
 
 
 def _needed(view: RobotView) -> Iterator[_Measured]:
@@ -177,8 +175,8 @@ def _measured(view: RobotView) -> Iterator[_Wrong]:
         elif of != each.thing:
             message = f"'{each.signal}' is the {each.sense} of '{each.thing}', and '{channel.slot}'"
             message += f" drives '{of}'" if of else " drives nothing that has one"
-            mend = f"write `slot: {slots[each.thing]}`" if each.thing in slots else ""
-            yield _Wrong((*at, "slot"), message, mend)
+            fix = f"write `slot: {slots[each.thing]}`" if each.thing in slots else ""
+            yield _Wrong((*at, "slot"), message, fix)
         elif other != each.thing:
             message = f"'{each.signal}' is the {each.sense} of '{other}' already"
             yield _Wrong(each.path, message, _own(view, each))
@@ -213,8 +211,8 @@ def _speeds(view: RobotView) -> Iterator[_Wrong]:
             message = f"'{wheel.speed}' is the rate of '{own.rate_of}', and the angle of"
             message += f" '{wheel.name}' is '{wheel.angle}'"
             if wheel.angle in rates:
-                mend = f"write `speed: {rates[wheel.angle]}`"
-                yield _Wrong(path, message, mend)
+                fix = f"write `speed: {rates[wheel.angle]}`"
+                yield _Wrong(path, message, fix)
             else:
                 at = ("derived", wheel.speed, "rate_of")
                 yield _Wrong(at, message, f"write `rate_of: {wheel.angle}`")
@@ -237,8 +235,8 @@ def _derived(view: RobotView) -> Iterator[_Wrong]:
             channel, _ = view.channels.get(own.torque_of, (None, ()))
             if channel and channel.slot not in (own.slot, None):
                 message = f"'{own.torque_of}' is the current of '{channel.slot}'"
-                mend = f"write `slot: {channel.slot}`, or name the current of '{own.slot}'"
-                yield _Wrong((*path, "slot"), message, mend)
+                fix = f"write `slot: {channel.slot}`, or name the current of '{own.slot}'"
+                yield _Wrong((*path, "slot"), message, fix)
         elif isinstance(own, kinds.RollOf | kinds.PitchOf):
             key = "roll_of" if isinstance(own, kinds.RollOf) else "pitch_of"
             found = [view.channels.get(each, (None, ())) for each in getattr(own, key)]
@@ -253,12 +251,12 @@ def _derived(view: RobotView) -> Iterator[_Wrong]:
             of = {type(view.profile.derived.get(each)) for each in own.least_of}
             if len(of) > 1:
                 message = "the least is taken of signals of one kind, and these are of several"
-                mend = "name signals that are derived in the same way"
-                yield _Wrong((*path, "least_of"), message, mend)
+                fix = "name signals that are derived in the same way"
+                yield _Wrong((*path, "least_of"), message, fix)
         if other != name:
             message = f"'{name}' is the same signal as '{other}'"
-            mend = "correct what it is of, or delete it"
-            yield _Wrong(path, message, mend, severity=Severity.WARNING, key=True)
+            fix = "correct what it is of, or delete it"
+            yield _Wrong(path, message, fix, severity=Severity.WARNING, key=True)
 
 
 def _channels(view: RobotView) -> Iterator[_Wrong]:
@@ -278,23 +276,23 @@ def _channels(view: RobotView) -> Iterator[_Wrong]:
         needed, kind = _UNITS.get(channel.senses or ""), types[signal]
         if needed and kind != NumberType(needed):
             message = f"'{signal}' senses `{channel.senses}`, {NumberType(needed)}, and is {kind}"
-            mend = f"`convert` it to {NumberType(needed)}"
-            yield _Wrong((*path, "convert"), message, mend)
+            fix = f"`convert` it to {NumberType(needed)}"
+            yield _Wrong((*path, "convert"), message, fix)
         if channel.senses and _SENSES.get(str(kind), channel.senses) != channel.senses:
             message = f"'{signal}' senses `{channel.senses}`, and is {kind}"
-            mend = f"write `senses: {_SENSES[str(kind)]}`"
-            yield _Wrong((*path, "senses"), message, mend)
+            fix = f"write `senses: {_SENSES[str(kind)]}`"
+            yield _Wrong((*path, "senses"), message, fix)
         if channel.senses == "current" and channel.slot not in own[path[1]]:
             message = f"the current of '{channel.slot}' is measured where it is driven, and"
             message += " another board drives it"
-            mend = "name a slot of this board, or move the channel to the other one"
-            yield _Wrong((*path, "slot"), message, mend, Severity.WARNING)
+            fix = "name a slot of this board, or move the channel to the other one"
+            yield _Wrong((*path, "slot"), message, fix, Severity.WARNING)
         what = channel.senses or "", channel.slot or ""
         other = known.setdefault(what, signal) if all(what) else signal
         if other != signal:
             message = f"'{other}' is the {channel.senses} of '{channel.slot}' already"
-            mend = f"name the slot that '{signal}' is measured at"
-            yield _Wrong((*path, "slot"), message, mend, severity=Severity.WARNING)
+            fix = f"name the slot that '{signal}' is measured at"
+            yield _Wrong((*path, "slot"), message, fix, severity=Severity.WARNING)
 
 
 def _motors(view: RobotView) -> Iterator[_Wrong]:
@@ -306,10 +304,10 @@ def _motors(view: RobotView) -> Iterator[_Wrong]:
             names = [n for n, m in view.profile.motors.items() if m.kind == _MOTORS.get(thing)]
             drives = f"a {thing}" if thing else "no wheel and no joint"
             message = f"'{slot.name}' drives {drives}, with a motor of the kind {kind}"
-            mend = f"write `motor: {names[0]}`" if names else "name a motor of another kind"
+            fix = f"write `motor: {names[0]}`" if names else "name a motor of another kind"
             if not thing:
-                mend = "name the `wheel`, `joint` or `roll` that it drives, or another motor"
-            yield _Wrong((*path, "motor"), message, mend, severity=Severity.WARNING)
+                fix = "name the `wheel`, `joint` or `roll` that it drives, or another motor"
+            yield _Wrong((*path, "motor"), message, fix, severity=Severity.WARNING)
 
 
 _NAMES = {"odometry_of", "speed_of", "robot_speed_of", "roll_of", "pitch_of", "norm_of", "least_of"}
@@ -330,8 +328,8 @@ def _lists(view: RobotView) -> Iterator[_Wrong]:
             for place, each in enumerate(value if path[-1] in _NAMES else ()):
                 if isinstance(each, str):
                     if each in seen:
-                        message, mend = f"'{each}' is listed twice", "write each name once"
-                        yield _Wrong((*path, place), message, mend, Severity.WARNING)
+                        message, fix = f"'{each}' is listed twice", "write each name once"
+                        yield _Wrong((*path, place), message, fix, Severity.WARNING)
                     seen.add(each)
 
 
@@ -343,8 +341,8 @@ def _loads(view: RobotView) -> Iterator[_Wrong]:
         for place, name in enumerate(held.loaded):
             if part_of.get(name) != part:
                 message = f"'{name}' does not show whether '{part}' holds: it is of another part"
-                mend = f"name joints of '{part}'"
-                yield _Wrong(("seen", "parts", part, "loaded", place), message, mend)
+                fix = f"name joints of '{part}'"
+                yield _Wrong(("seen", "parts", part, "loaded", place), message, fix)
     for number, command in enumerate(robot.commands):
         done = view.profile.commands[command.name].done
         moves = view.moves(number)
@@ -369,9 +367,9 @@ def _denials(view: RobotView) -> Iterator[_Wrong]:
             if seen and part not in seen:
                 message = f"{fault.code} shows that '{part}' does not hold by signals of"
                 message += f" '{min(seen)}' alone"
-                mend = f"write `denies: [{min(seen)}]`, or ask for signals of '{part}'"
+                fix = f"write `denies: [{min(seen)}]`, or ask for signals of '{part}'"
                 path = ("faults", number, "denies", place)
-                yield _Wrong(path, message, mend, Severity.WARNING)
+                yield _Wrong(path, message, fix, Severity.WARNING)
 
 
 def _parts_of_signals(view: RobotView) -> dict[str, str]:

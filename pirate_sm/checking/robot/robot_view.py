@@ -130,13 +130,13 @@ class RobotView:
         *,
         key: bool = False,
         offset: int | None = None,
-        mend: str = "",
+        fix: str = "",
         severity: Severity | None = None,
     ) -> Finding:
         """Return a finding at a value, or a key, of the profile."""
         document = self.loaded.documents[0]
         place = document.place_of(path, key=key, offset=offset)
-        return at(document, place, code, message, mend=mend, severity=severity)
+        return at(document, place, code, message, fix=fix, severity=severity)
 
 
 def _written(

@@ -118,14 +118,14 @@ def _slack(view: RobotView) -> Iterator[Finding]:
                 held = ("body", "parts", name, "held")
                 message = f"'{name}' would hold in {first.state} too, where nothing presses it to"
                 message += " the wall"
-                mend = f"ask for states of {view.loaded.normal.regions[first.region]}"
-                yield view.at(held, "robot.clamp_side", message, mend=mend, offset=0)
+                fix = f"ask for states of {view.loaded.normal.regions[first.region]}"
+                yield view.at(held, "robot.clamp_side", message, fix=fix, offset=0)
                 break
             if idle and _holding(view, part, first):
                 message = f"'{name}' holds in {first.state}, and nothing presses it to the wall"
                 sign = "positive" if wheel.direction > 0 else "negative"
-                mend = f"give it a {sign} value in one of the stages, which presses '{wheel.name}'"
-                yield view.at(first.path, "robot.clamp_side", message, mend=f"{mend} to its wall")
+                fix = f"give it a {sign} value in one of the stages, which presses '{wheel.name}'"
+                yield view.at(first.path, "robot.clamp_side", message, fix=f"{fix} to its wall")
 
 
 def _fights(view: RobotView) -> Iterator[Finding]:
@@ -186,7 +186,7 @@ def boards_outside(view: RobotView) -> Iterator[Finding]:
                 ("boards", number, "module"),
                 "robot.reference",
                 message,
-                mend=f"write {' or '.join(modules)}",
+                fix=f"write {' or '.join(modules)}",
                 severity=Severity.WARNING,
             )
 
@@ -208,7 +208,7 @@ def states_alike(view: RobotView) -> Iterator[Finding]:
                     "robot.reference",
                     f"{state} writes exactly what {other} does",
                     key=True,
-                    mend="correct its setpoints, or keep one of the two states",
+                    fix="correct its setpoints, or keep one of the two states",
                     severity=Severity.WARNING,
                 )
 
@@ -224,7 +224,7 @@ def refused_openings(view: RobotView) -> Iterator[Finding]:
                 "robot.never_done",
                 f"{name} is refused wherever it would open a clamp: none would be left",
                 key=True,
-                mend="write `lets_go: true`, or let it lead to a state in which another part holds",
+                fix="write `lets_go: true`, or let it lead to a state in which another part holds",
                 severity=Severity.WARNING,
             )
 

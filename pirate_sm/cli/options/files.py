@@ -125,7 +125,7 @@ class PlanOptions:
     begin: list[str] | None = option(
         "REGION=STATE,…",
         candidates.states_of_several,
-        "Start, instead of its initial states.",
+        "Start from these states instead of its initial ones.",
         "--from",
     )
     json: bool = flag("One JSON object, for programs.", "--json")
@@ -241,7 +241,7 @@ class ConfigOptions:
         None, None, "The settings, or where their files are.", default="show"
     )
     format: Literal["text", "json"] = typed(
-        "For people, or for programs.", "--format", default="text"
+        "Text to read, or JSON for programs.", "--format", default="text"
     )
     debug: bool = common.debug()
 

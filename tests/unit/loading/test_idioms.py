@@ -71,6 +71,6 @@ def test_an_idiom_of_another_language_is_translated(
     assert text.count(here) == 1
     Path("drive.yaml").write_text(text.replace(here, written), "utf-8")
 
-    hints = [each.suggestion or each.mend for each in check_paths(["drive.yaml"]).open]
+    hints = [each.suggestion or each.fix for each in check_paths(["drive.yaml"]).open]
 
     assert any(each.startswith(hint) for each in hints), hints

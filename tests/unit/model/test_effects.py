@@ -27,7 +27,7 @@ def test_in_a_trace_no_operator_takes_triggers(reason: str, nominal: bool, text:
 @pytest.mark.parametrize(
     ("handling", "ending", "level"),
     [
-        ("continue", "logged, the mission goes on", "warning"),
+        ("continue", "logged, the mission continues", "warning"),
         ("stop", "safe stop", "error"),
         ("rescue", "→ rescue", "warning"),
     ],

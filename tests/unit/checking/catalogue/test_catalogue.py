@@ -111,12 +111,12 @@ def test_an_entry_says_all_there_is_to_say_in_few_words(code: str) -> None:
     entry = ENTRIES[code]
 
     assert Severity[entry.severity.upper()]
-    for text in (entry.title, entry.why, entry.mend):
+    for text in (entry.title, entry.why, entry.fix):
         assert 0 < len(text) <= 105
         assert text == text.strip()
     assert not entry.title.endswith(".")
     assert entry.why.endswith(".")
-    assert entry.mend.endswith(".")
+    assert entry.fix.endswith(".")
     assert entry.wrong.strip() != entry.right.strip()
     assert compose(entry.right)[1] == ()
 

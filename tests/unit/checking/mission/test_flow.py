@@ -129,7 +129,7 @@ def test_resuming_is_explored_once_for_each_phase_and_state(
 
     assert found == ["resume.refused a}"] * 5
     limits = [limit for _, limit in explored]
-    assert len(limits) <= 2  # the mission is judged again where faults are mended
+    assert len(limits) <= 2  # the mission is judged again where faults are corrected
     assert max(limits) == MOST_WORK
 
 

@@ -44,7 +44,7 @@ def test_a_step_that_says_where_its_refusal_leads_may_be_refused_at_times(tmp_pa
 def test_what_is_already_so_is_unneeded(tmp_path: Path) -> None:
     check = checked(tmp_path, "start: p\nphases: {p: {do: [HoldNose, HoldNose], go: good}}\n")
 
-    assert "leave the step out" in only(check, "step.unneeded").mend
+    assert "leave the step out" in only(check, "step.unneeded").fix
 
 
 def test_what_is_always_skipped_is_never_needed(tmp_path: Path) -> None:
@@ -123,7 +123,7 @@ def test_a_call_that_says_where_its_refusal_leads_may_be_refused_at_times(tmp_pa
 
 
 @pytest.mark.parametrize(
-    ("steps", "terms", "mend"),
+    ("steps", "terms", "fix"),
     [
         ("SwitchLamp", "{Grip: BothHeld}", "put HoldNose, HoldTail before the call"),
         ("HoldNose, GoAhead", "{Grip: BothHeld}", "put Rest, HoldTail before the call"),
@@ -131,17 +131,17 @@ def test_a_call_that_says_where_its_refusal_leads_may_be_refused_at_times(tmp_pa
     ],
 )
 def test_the_mend_of_a_call_names_the_commands_that_lead_there(
-    tmp_path: Path, steps: str, terms: str, mend: str
+    tmp_path: Path, steps: str, terms: str, fix: str
 ) -> None:
     inner = f"starts_in: {terms}\nstart: q\nphases: {{q: {{do: [SwitchLamp], go: good}}}}\n"
     write(tmp_path, inner + "ends: {good: {succeed: ok}}\n", name="sub")
     body = f"start: p\nphases: {{p: {{do: [{steps}, {{call: sub}}], go: good}}}}\n"
 
-    assert only(checked(tmp_path, body), "call.starts_in").mend.startswith(mend)
+    assert only(checked(tmp_path, body), "call.starts_in").fix.startswith(fix)
 
 
 @pytest.mark.parametrize(
-    ("steps", "mend"),
+    ("steps", "fix"),
     [
         (
             "{command: HoldNose, on_failure: continue}",
@@ -160,7 +160,7 @@ def test_the_mend_of_a_call_names_the_commands_that_lead_there(
     ],
 )
 def test_the_mend_of_a_call_that_is_refused_at_times_fits_what_stands_before_it(
-    tmp_path: Path, steps: str, mend: str
+    tmp_path: Path, steps: str, fix: str
 ) -> None:
     terms = "BothHeld" if "HoldTail" in steps else "NoseHeld"
     inner = (
@@ -169,7 +169,7 @@ def test_the_mend_of_a_call_that_is_refused_at_times_fits_what_stands_before_it(
     write(tmp_path, inner + "ends: {good: {succeed: ok}}\n", name="sub")
     body = f"start: p\nphases: {{p: {{do: [{steps}, {{call: sub}}], go: good}}}}\n"
 
-    assert only(checked(tmp_path, body), "call.maybe_starts_in").mend == mend
+    assert only(checked(tmp_path, body), "call.maybe_starts_in").fix == fix
 
 
 @pytest.mark.parametrize(

@@ -60,7 +60,7 @@ def test_a_bend_to_the_other_side_is_told(name: str, other: str) -> None:
     key = "polarity:" if loaded.mission.polarity else "pipe:"
     assert found.code == "geometry.polarity"
     assert found.excerpt.startswith(key)
-    assert "polarity: " in found.mend
+    assert "polarity: " in found.fix
     assert all(place.line for place, _ in found.related)
 
 

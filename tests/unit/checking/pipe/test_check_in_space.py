@@ -50,7 +50,7 @@ def test_a_part_that_bends_out_of_the_plane_is_told_with_the_turn_that_is_missin
     assert told([missed])[0][1].startswith("BendInto")
     assert "'front' is bent 90 deg out of the plane" in missed.message
     assert "one quarter turn is missing" in missed.message
-    assert missed.mend.startswith("'AlignRight' turns 'front' there")
+    assert missed.fix.startswith("'AlignRight' turns 'front' there")
     (into, words) = missed.related[0]
     written = (tmp_path / "m.yaml").read_text(encoding="utf-8").splitlines()[into.line - 1]
     assert written[into.column - 1 :].startswith(fitting)
@@ -69,11 +69,11 @@ def test_the_command_that_is_named_mends_it(
     pipe = space(f"{{mitre: {angle} deg, roll: {roll} deg}}")
 
     (missed,) = found(tmp_path, FIRST, pipe)
-    assert missed.mend.startswith(f"'{command}'")
+    assert missed.fix.startswith(f"'{command}'")
     turned = FIRST.replace("RelaxFront,", f"RelaxFront, {command},", 1)
     (missed,) = found(tmp_path, turned, pipe)
     assert "'rear' is bent 90 deg" in missed.message
-    assert missed.mend.startswith("'AlignStraight' turns 'rear'")
+    assert missed.fix.startswith("'AlignStraight' turns 'rear'")
     assert "it rolls 'front' by" in "".join(missed.story)
     turned = turned.replace("RelaxRear,", "RelaxRear, AlignStraight,", 1)
     assert found(tmp_path, turned, pipe) == ()
@@ -87,7 +87,7 @@ def test_a_robot_that_starts_rolled_bends_in_its_own_plane(tmp_path: Path) -> No
     assert found(tmp_path, FIRST, space(UP, start="at: 700 mm, roll: 82 deg")) == ()
     (missed,) = found(tmp_path, FIRST, space(UP, start="at: 700 mm, roll: 40 deg"))
     assert "50 deg out of the plane" in missed.message
-    assert missed.mend.startswith("no quarter turn brings it there")
+    assert missed.fix.startswith("no quarter turn brings it there")
 
 
 def test_the_inner_wall_goes_by_the_roll(tmp_path: Path) -> None:
@@ -182,7 +182,7 @@ def test_a_route_is_followed_through_its_network(tmp_path: Path) -> None:
         "geometry.no_bend", "geometry.no_bend"]  # fmt: skip
     back = pipe.replace("START", "up, at: 300 mm")
     (missed,) = found(tmp_path, FIRST, back, "route: back")
-    assert missed.mend.startswith("'AlignRight' turns 'front'")
+    assert missed.fix.startswith("'AlignRight' turns 'front'")
 
 
 # --- tees that are passed straight on ----------------------------------------------------------

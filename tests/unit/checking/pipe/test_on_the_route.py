@@ -33,7 +33,7 @@ def passages(folder: Path, passage: str, segment: str = "mitre: 90 deg") -> list
             encoding="utf-8",
         )
     found = check_mission(folder / "m.yaml").findings
-    return [f"{each.message} ({each.mend})" for each in found if each.code == "route.passage"]
+    return [f"{each.message} ({each.fix})" for each in found if each.code == "route.passage"]
 
 
 @pytest.mark.parametrize(

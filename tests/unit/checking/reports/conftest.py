@@ -19,7 +19,7 @@ def report() -> Report:
     findings = (
         Finding(
             "step.maybe_impossible", Severity.ERROR, place, "RelaxRear can be refused: 50 %",
-            mend="brake first", suggestion="RelaxFront", excerpt=LINE,
+            fix="brake first", suggestion="RelaxFront", excerpt=LINE,
             related=((Place("missions/called.yaml", 3, 1), "called from here"),),
             story=("the mission begins", "RelaxRear is refused:\nwheels turn"), example="loss_1",
             edit=Edit(place, 24, "RelaxFront"),
@@ -49,7 +49,7 @@ def hostile() -> Report:
     nasty = "a]]><b>\0\x1b[31m\x85\u2028\ud800 ::error::x\r\n##[group]"
     place = Place("no\udcffway/<&>,:%\n.yaml", 1, 5)
     finding = Finding(
-        "unknown-key", Severity.ERROR, place, nasty, mend=nasty, suggestion=nasty,
+        "unknown-key", Severity.ERROR, place, nasty, fix=nasty, suggestion=nasty,
         excerpt=f"abc {nasty}", story=(nasty,), related=((place, nasty),), example=nasty,
         edit=Edit(place, 9, nasty, safe=True),
     )  # fmt: skip

@@ -235,7 +235,7 @@ def test_a_clamp_is_pressed_in_one_of_its_stages(
     assert len(slack) == (not held), found
     for each in slack:
         assert "nothing presses it to the wall" in each.message
-        assert "negative value" in each.mend
+        assert "negative value" in each.fix
 
 
 @pytest.mark.parametrize(

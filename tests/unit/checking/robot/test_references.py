@@ -310,14 +310,14 @@ WRONG = {
 }  # fmt: skip
 
 
-@pytest.mark.parametrize(("old", "new", "at", "says", "mend"), WRONG.values(), ids=WRONG)
+@pytest.mark.parametrize(("old", "new", "at", "says", "fix"), WRONG.values(), ids=WRONG)
 def test_the_finding_says_what_to_write(
-    old: str, new: str, at: str, says: str, mend: str, tmp_path: Path
+    old: str, new: str, at: str, says: str, fix: str, tmp_path: Path
 ) -> None:
     found = check_robot(changed(NEWT, tmp_path, "profile.yaml", (old, new))).findings
 
     assert any(
-        says in each.message and mend in each.mend and told([each])[0][1].startswith(at)
+        says in each.message and fix in each.fix and told([each])[0][1].startswith(at)
         for each in found
     ), found
     if says:
