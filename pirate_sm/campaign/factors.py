@@ -54,7 +54,7 @@ def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
     Raises:
         UsageError: The robot does not have the defects.
     """
-    differs = drawn_jitter(Jitter(*order.jitter), np.random.default_rng(order.seed))
+    differs = drawn_jitter(Jitter(**order.jitter), np.random.default_rng(order.seed))
     numbers = dict(_numbers(drawn(order.defects, profile, order.seed)))
     values = {name: parse_quantity(text).value for name, text in numbers.items()}
     values |= zip(FROM_FILES, (differs.start_m, differs.friction, differs.diameter_m), strict=True)

@@ -179,7 +179,7 @@ def _seeds(marked: _SeedRange | list[int]) -> Sequence[int]:
 
 def command_of(order: Order, seed: int) -> str:
     """Return the command that repeats a run."""
-    mission, *words = replace(order, seed=0, check=False).command()
+    mission, *words = replace(order, seed=0, check=True).command()
     words += [word for fault in _faults(order.line) for word in ("--line", fault)]
     return f"pirate run {shlex.join([mission, '--seed', str(seed), '--speed', 'max', *words])}"
 

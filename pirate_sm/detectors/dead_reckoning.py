@@ -275,6 +275,8 @@ class Reckoner:
         def laid(away_m: float) -> Sequence[Vector]:
             return self._lay(numbers, anchor, _moved(spot, away_m)).points
 
+        if all(isnan(point[0]) for point in chain.points):
+            return nan, "unknown"
         away_m = self._walls.away_m(chain.points, laid, most_m)
         return (inf, "contradicts") if isnan(away_m) else (away_m, "fits")
 

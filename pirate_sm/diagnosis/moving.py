@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from contextlib import suppress
-from math import inf, isnan, nan
+from math import isnan, nan
 
 from pirate_sm.backends.serial.link.wire_slots import to_counts
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -47,14 +47,19 @@ class Moving:
 
     @property
     def bearing(self) -> tuple[str, ...]:
-        """The slots of joints that hold something, of which an array of zeros could let go."""
+        """The slots of joints that may hold something, which an array of zeros could release.
+
+        A sensor that has shown nothing does not say that its joint holds nothing.
+        """
         found = []
         for slot in self._profile.slots:
             motor = self._profile.motors[slot.motor]
             stalls = {"current": motor.stall_current, "torque": motor.stall_torque}
-            if slot.wheel is None and any(
-                abs(self._seen(slot.name, sense)) >= BEARS * (stall or inf)
+            if slot.wheel is None and not all(
+                abs(value) < BEARS * stall
                 for sense, stall in stalls.items()
+                if stall
+                for value in self._readings(slot.name, sense)
             ):
                 found.append(slot.name)
         return tuple(found)
@@ -138,11 +143,14 @@ class Moving:
 
     def _seen(self, slot: str, sense: str) -> float:
         """Return what the slot's own sensor of this kind shows, in SI; NaN if it shows nothing."""
+        return next(self._readings(slot, sense), nan)
+
+    def _readings(self, slot: str, sense: str) -> Iterator[float]:
+        """Yield what the slot's own sensors of this kind show, in SI; NaN if one shows nothing."""
         subject = self._listening.subject
         for number, board in subject.robot.boards.items():
             channels = next(b.channels for b in self._profile.boards if b.id == number)
             for place, _, scale in board.channels:
                 channel = channels[place]
                 if (channel.senses, channel.slot) == (sense, slot):
-                    return self._listening.records.last(number, place) * scale
-        return nan
+                    yield self._listening.records.last(number, place) * scale

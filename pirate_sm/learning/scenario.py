@@ -100,7 +100,7 @@ class Scenario:
         ready = prepared(self.loaded, self.backend, seed, check=False, yes=False, **options)
         if not isinstance(ready.backend, SimulatorBackend):
             raise UsageError(
-                f"the backend {self.backend} simulates no robot: take 'sim' or 'physics'"
+                f"the backend {self.backend} has no simulated robot: take 'sim' or 'physics'"
             )
         return ready, ready.backend
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import KW_ONLY, dataclass, field, fields, replace
+from math import isfinite
 from os import PathLike
 from typing import Any, Literal, NamedTuple, TypedDict, get_args, get_origin, get_type_hints
 
@@ -160,7 +161,8 @@ def written(value: float, unit: Dimension) -> str:
     """Return a length, a time or a share as people write it: ``20 mm``; it is read exactly."""
     factor, sign = {LENGTH: (1000, "mm"), TIME: (1000, "ms"), DIMENSIONLESS: (100, "%")}[unit]
     text = f"{value * factor:.12g} {sign}"
-    return text if read_quantity(text, unit) == value else format_quantity(value, unit)
+    exact = not isfinite(value) or read_quantity(text, unit) == value
+    return text if exact else format_quantity(value, unit)
 
 
 def _option(default: Any, help_text: str, form: str = "", completes: str = "", **more: Any) -> Any:
@@ -170,7 +172,17 @@ def _option(default: Any, help_text: str, form: str = "", completes: str = "", *
 
 
 def _jitter(key: str, unit: Dimension, example: str, help_text: str, **more: Any) -> Any:
-    return _option(0.0, help_text, example, key=key, unit=unit, least=0, in_campaigns="one", **more)
+    return _option(
+        0.0,
+        help_text,
+        example,
+        key=key,
+        unit=unit,
+        least=0,
+        only=_OF_SIMULATED,
+        in_campaigns="one",
+        **more,
+    )
 
 
 @dataclass(frozen=True)
@@ -216,7 +228,7 @@ class GivenOptions:
     fidelity: Fidelity = _option(
         USUAL,
         "Of sim; fast computes half the iterations and is coarser.",
-        only=Only(("sim",), "cannot be made fast: only the kinematic simulator can be"),
+        only=Only(("sim",), "cannot be made fast"),
         in_campaigns="one",
     )
     view: bool = _option(
@@ -278,16 +290,16 @@ class GivenOptions:
     diameter_jitter_m: float = _jitter("diameter", LENGTH, "2mm", "Of all inner diameters.")
 
     @property
-    def jitter(self) -> tuple[float, ...]:
-        """How far a simulated run may differ from its files: each of :data:`JITTER`."""
-        return tuple(getattr(self, each.name) for each in JITTER)
+    def jitter(self) -> Mapping[str, float]:
+        """How far a simulated run may differ from its files, by what differs."""
+        return {each.name.replace("_jitter", ""): getattr(self, each.name) for each in JITTER}
 
     def command(self) -> list[str]:
-        """Return the words of a command line that give these options, without defaults."""
+        """Return the words of a command line that give these options, without its defaults."""
         words = [self.mission]
         for each in OPTIONS.values():
             value = getattr(self, each.name)
-            if value == each.default:
+            if value == (each.default if each.many or each.key else each.on_command_line):
                 continue
             if isinstance(value, bool):
                 words.append(each.flag if value else each.flag.replace("--", "--no-", 1))

@@ -65,7 +65,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         ),
         order.seed,
         start_values(loaded),
-        jitter=Jitter(*order.jitter),
+        jitter=Jitter(**order.jitter),
     )
     from pirate_sm.diagnosis.facts import Subject
     from pirate_sm.diagnosis.listening import OpenLink

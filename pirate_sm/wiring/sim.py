@@ -79,7 +79,7 @@ def _senseless(order: Order, pipe: Pipe) -> list[str]:
     return [
         f"jitter of the {each.key}: expected from 0 to below {bounds[each.key][1]}, "
         f"got {written(value, each.unit or DIMENSIONLESS)}"
-        for each, value in zip(JITTER, order.jitter, strict=True)
+        for each, value in zip(JITTER, order.jitter.values(), strict=True)
         if not 0 <= value < bounds[each.key][0]
     ]
 
@@ -96,7 +96,7 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         pipe,
         seed=order.seed,
         start_values=start_values(loaded),
-        jitter=Jitter(*order.jitter),
+        jitter=Jitter(**order.jitter),
         defects=order.defects,
         put_back=order.put_back,
         physics=physics,

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from math import inf, pi, radians, sqrt
+from math import inf, pi, sqrt
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.expressions.vocabulary import change_of
 from pirate_sm.model import profile as model
-
-ANGLE_OFF_RAD = radians(15)
-"""How far a joint may be off the angle that its board was asked for [decided]."""
 
 _COUNTS = 2**15
 """The wire carries int16 values (PICO boards, thesis section 4-2)."""
@@ -56,9 +53,6 @@ def _of_body(profile: model.Profile, robot: RobotSpec) -> Iterator[tuple[str, Ra
     for joint in profile.body.joints:
         if joint.name in names:
             yield joint.name, Range(-joint.end_stop, joint.end_stop)
-    for slot in robot.slots:
-        if slot.unit == "angle" and slot.angle >= 0:
-            yield names[slot.angle], Range(slot.low - ANGLE_OFF_RAD, slot.high + ANGLE_OFF_RAD)
     if robot.bound >= 0:
         yield names[robot.bound], Range(0.0)
 

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Collection, Iterator, Set
-from math import degrees, inf
+from math import degrees, inf, radians
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
-from pirate_sm.checking.exploring.signal_ranges import ANGLE_OFF_RAD, Range
+from pirate_sm.checking.exploring.signal_ranges import Range
 from pirate_sm.engine.robot.command_spec import SlotSpec, Write
 
 STILL_M_S = 0.01
 """Largest speed against its drive that is noise [decided]."""
+
+ANGLE_OFF_RAD = radians(15)
+"""How far a joint may be off the angle that its board was asked for [decided]."""
 
 WOUND = 4.0
 """Largest torque in a loop's joint, as a share of what the loop keeps [decided]: in a simulated

@@ -156,7 +156,8 @@ def _besides(folder: Path, found: tuple[Finding, ...]) -> Iterator[Finding]:
         return
     lines = {(each.place.file, each.place.line) for each in found}
     named = {name for each in found for name in _QUOTED.findall(each.message)}
-    for each in found_by(OF_PROFILE, RobotView(robot)):
+    view = RobotView(robot)
+    for each in (*found_by(OF_PROFILE, view), *travel_missions(view)):
         follows = named.intersection(_QUOTED.findall(each.message))
         if (each.place.file, each.place.line) not in lines and not follows:
             yield each

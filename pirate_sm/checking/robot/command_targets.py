@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
@@ -50,7 +50,9 @@ def travel_missions(view: RobotView) -> Iterator[Finding]:
         try:
             file = find_mission(name, view.loaded.folder)
             mission = read_document(followed(file, view.loaded.folder)).data
-            if path == ("last",) and "way" not in (mission.get("parameters") or {}):
+            parameters = mission.get("parameters")
+            known = parameters if isinstance(parameters, Mapping) else {}
+            if path == ("last",) and "way" not in known:
                 message = f"'{name}' has no parameter `way`, by which it would drive on"
         except UsageError as error:
             message = str(error)

@@ -13,6 +13,8 @@ from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.expressions import tree
 from pirate_sm.loading.problems import Path
 
+_CONSTANT = {True: "this is true whatever the sensors show", False: "this can never be true"}
+
 
 def fault_conditions(view: RobotView) -> Iterator[Finding]:
     """Yield fault rules, and words with a condition, that are never true or always true."""
@@ -25,19 +27,16 @@ def fault_conditions(view: RobotView) -> Iterator[Finding]:
             verdict = _verdict(view, conditions, rule.when.tree)
             if verdict is None:
                 continue
-            word = "always" if verdict else "never"
-            message = f"this can {'only' if verdict else 'never'} be true, so {fault.code} is"
-            message += " raised whatever happens" if verdict else " never raised"
+            word, never = ("always", "") if verdict else ("never", "never ")
+            message = f"{_CONSTANT[verdict]}, so {fault.code} is {never}raised"
             yield view.at(path, f"robot.fault_{word}", message, offset=0)
             break
     for said in view.loaded.normal.word_conditions:
         if (verdict := _verdict(view, conditions, said.when.tree)) is not None:
-            message = f"this can {'only' if verdict else 'never'} be true: '{said.word}' would be"
-            message += " said immediately, wherever the robot is" if verdict else " said nowhere"
+            word, never = ("always", "") if verdict else ("never", "never ")
+            message = f"{_CONSTANT[verdict]}: '{said.word}' would {never}be said"
             path = ("detector", "words", said.word, "when")
-            yield view.at(
-                path, f"robot.fault_{'always' if verdict else 'never'}", message, offset=0
-            )
+            yield view.at(path, f"robot.fault_{word}", message, offset=0)
 
 
 def rule_conditions(view: RobotView) -> Iterator[Finding]:
@@ -52,12 +51,12 @@ def rule_conditions(view: RobotView) -> Iterator[Finding]:
         kept = {must.evaluate(*each) is not False for each in moments}
         if begins and len(kept) > 1:
             continue
-        spoken = "never applies: nothing can break it"
-        if begins:
+        if not begins:
+            spoken = "never applies: nothing can break it"
+        elif kept == {False} and not given.expect:
+            spoken = "is broken whatever is commanded"
+        else:
             spoken = "is kept by every command: nothing can break it"
-            spoken = (
-                spoken if kept != {False} or given.expect else "is broken whatever is commanded"
-            )
         keys = ("always", "never", "expect") if begins else ("after",)
         path = ("rules", number, next(key for key in keys if getattr(given, key)))
         yield view.at(path, "robot.rule_never", f"the rule '{rule.name}' {spoken}", offset=0)

@@ -95,8 +95,8 @@ def _look_around(listening: Listening, subject: Subject, options: DoctorOptions)
         return replace(facts, findings=(*others, note))
     if moving.bearing:
         text = (
-            f"nothing was sent: there is load on {', '.join(moving.bearing)}; zeros could let go "
-            "of what is held, and wheels could move it: if nothing can fall, relax the robot first"
+            f"nothing was sent: {', '.join(moving.bearing)} may bear a load; zeros could release "
+            "what is held, and wheels could move it: if nothing can fall, relax the robot first"
         )
         return replace(facts, findings=(DoctorFinding("no-go", text), *facts.findings))
     move = moving.run()

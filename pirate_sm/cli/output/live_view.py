@@ -133,7 +133,7 @@ class View:
         motors = _motors(snapshot, beside) if table else []
         right = [*self._picture(snapshot, beside, rows - len(motors)), *motors]
         lines += _beside(_words(snapshot, rows), right, rows)
-        recent = [panels.told_line(each) for each in snapshot.story.recent[-log_rows:]]
+        recent = [panels.numbered_line(each) for each in snapshot.story.recent[-log_rows:]]
         lines = [*lines, *below, _title("events", width), *_filled(recent, log_rows)]
         return _cut(lines[:height], width)
 

@@ -35,6 +35,9 @@ _EVEN, _NOISE = 0.3, 0.015
 quarter of that of the middle one while they slip. The second is of the top speed or the stall
 force, two counts of the encoder [decided]."""
 
+_SPREAD = 0.05
+"""A motor may turn faster than its profile says by this share of its top speed [assumed]."""
+
 _WITH = 0.1
 """A wheel turns with the others whose speed differs from theirs by up to this share [decided]."""
 
@@ -101,7 +104,7 @@ def judge_grip(
     if not slips and not unalike:
         return Grip()
     gripping = _gripping(robot, numbers, turning, setpoints)
-    if not gripping and excess_n > slack_n and not steep:
+    if not gripping and excess_n > slack_n and felt and not steep:
         gripping = _carried(numbers, setpoints, turning)
     if gripping or not slips:
         return Grip(speeds=gripping or ends)
@@ -121,7 +124,7 @@ def _carried(numbers: Numbers, setpoints: Numbers, turning: Sequence[WheelSpec])
         return []
     fastest = max(turning, key=lambda wheel: abs(numbers[wheel.speed]))
     speed_m_s = numbers[fastest.speed] * fastest.metres_per_rad
-    free_m_s = abs(setpoints[fastest.slot]) * fastest.top_m_s + _NOISE * fastest.top_m_s
+    free_m_s = (abs(setpoints[fastest.slot]) + _SPREAD) * fastest.top_m_s
     least_n = min(wheel.force_n(numbers) for wheel in turning) + 0.5 * _NOISE * fastest.stall_n
     if abs(speed_m_s) <= free_m_s or not fastest.force_n(numbers) > least_n:
         return []

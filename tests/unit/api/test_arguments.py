@@ -187,7 +187,7 @@ def test_what_takes_longer_than_a_moment_is_logged(
 
 
 def test_numbers_of_numpy_are_numbers() -> None:
-    run = pirate_sm.run(PATROL, "trace", seed=np.int64(3), friction_jitter=np.float32(0.5))
+    run = pirate_sm.run(PATROL, seed=np.int64(3), friction_jitter=np.float32(0.5))
 
     assert (run.header.options["seed"], run.header.options["friction_jitter"]) == (3, 0.5)
     assert pirate_sm.sweep(PATROL, np.arange(2), backend="trace", workers=1)["seed"] == [0, 1]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import replace
-from math import degrees
+from math import degrees, nan
 from statistics import median
 
 import pytest
@@ -137,7 +137,7 @@ def test_a_robot_that_holds_on_is_not_sent_zeros(connect: Connect, subject: Subj
         assert tuple(bay_of(listening).duties) == duties
     assert facts.move is None
     assert not facts.go
-    assert facts.findings[0].message.startswith("nothing was sent: there is load on bend_1, bend_2")
+    assert facts.findings[0].message.startswith("nothing was sent: bend_1, bend_2")
 
 
 def test_no_wheel_turns_on_a_robot_that_its_worm_gears_hold_without_any_current(
@@ -155,8 +155,20 @@ def test_no_wheel_turns_on_a_robot_that_its_worm_gears_hold_without_any_current(
         applied = [each for each in bay_of(listening).records if each.event == "applied"]
 
     assert not any(any(each.counts) for each in applied[arrays:])
-    assert facts.findings[0].message.startswith("nothing was sent: there is load on bend_1, bend_2")
+    assert facts.findings[0].message.startswith("nothing was sent: bend_1, bend_2")
     assert facts.move is None
+
+
+def test_a_joint_whose_load_is_not_shown_may_bear_one(
+    connect: Connect, subject: Subject, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with connect() as listening:
+        listening.listen(2.0)
+        moving = Moving(listening, lambda text: None)
+        assert moving.bearing == ()
+
+        monkeypatch.setattr(listening.records, "last", lambda board, place: nan)
+        assert "bend_1" in moving.bearing
 
 
 @pytest.mark.parametrize("line", [{}, {"delay_s": 0.1}, {"jitter_s": 0.05}], ids=str)

@@ -174,7 +174,7 @@ def test_a_reward_of_ones_own() -> None:
         ({"mission": "mitre_bendd"}, "mitre_bend"),
         ({"defects": "weels_3_4_dead"}, "wheels_3_4_dead"),
         ({"time_limit_s": 0}, "time_limit_s: expected a number above 0, got 0"),
-        ({"backend": "trace"}, "simulates no robot"),
+        ({"backend": "trace"}, "has no simulated robot"),
         ({**NEWT, "states": {}}, "states: name a mission"),
     ],
 )

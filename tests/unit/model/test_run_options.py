@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 from typing import get_args, get_type_hints
 
 import pytest
 from typer.main import get_command
 
+import pirate_sm
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.entry import _single
 from pirate_sm.cli.options.of_runs import values_of
-from pirate_sm.model.run_options import JITTER, OPTIONS, GivenOptions, Options
+from pirate_sm.errors import UsageError
+from pirate_sm.model.run_options import JITTER, OPTIONS, GivenOptions, Options, written
 from pirate_sm.units import LENGTH
 
 NOT_IN_PYTHON = {"backend", "seed", "check", "calibration", "guard_for_s", "panel"}
@@ -29,7 +32,7 @@ GIVEN = GivenOptions(
     guard_for_s=0.5,
     start_at_m=0.7,
     calibration=False,
-    check=True,
+    check=False,
     start_jitter_m=0.02,
     friction_jitter=0.2,
 )
@@ -71,3 +74,18 @@ def test_numbers_are_written_with_their_unit() -> None:
         *("--jitter", "diameter=1.5mm"),
     ]
     assert [each.unit for each in JITTER] == [LENGTH, JITTER[1].unit, LENGTH]
+
+
+def test_a_command_line_says_only_what_it_would_not_take_anyway() -> None:
+    assert GivenOptions("m", check=True).command() == ["m"]
+    assert GivenOptions("m").command() == ["m", "--no-check"]  # from Python
+
+
+def test_a_number_without_an_end_is_written_as_it_is() -> None:
+    assert written(math.inf, LENGTH) == "inf mm"
+
+
+@pytest.mark.parametrize("name", [each.name for each in JITTER])
+def test_backends_that_simulate_no_robot_refuse_how_far_it_may_differ(name: str) -> None:
+    with pytest.raises(UsageError, match="the backend trace has no simulated robot"):
+        pirate_sm.run("drive_on", "trace", **{name: 0.01})
