@@ -1,8 +1,8 @@
 """Gaussian processes with a squared exponential covariance (thesis eq. 2-14 to 2-22, corrected).
 
 Equation 2-21 lacks the inverse of the covariance, 2-22 has the wrong sign before its noise. Values
-are centred; log σ_f, log l and log σ_n are those of the greatest likelihood, found by Rprop
-(Riedmiller and Braun 1993) along the analytic gradient (Rasmussen and Williams 2006, eq. 5.9).
+are centred; log σ_f, log l and log σ_n are those of the greatest likelihood, found along the
+analytic gradient (Rasmussen and Williams 2006, eq. 5.9).
 """
 
 from __future__ import annotations
@@ -11,12 +11,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pirate_sm.errors import UsageError
+from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.simulation.arrays import Floats
 
-_MOST_STEPS = 300
-_FLAT = 1e-6
-"""The search ends where the gradient of the log likelihood is below this."""
+try:
+    from scipy.optimize import Bounds, minimize
+except ModuleNotFoundError:
+    raise not_installed("a curve of slip and friction", "scipy", "fit") from None
+
+_FLAT, _ENOUGH = 1e-6, 1e-14
+"""The search ends where the gradient of the log likelihood is below the first, or where a step
+raises it by less than the second, as a share."""
+
+_BELOW, _ABOVE = np.array([7.0, 5.0, 9.0]), np.array([7.0, 5.0, 7.0])
+"""How far the logs are searched to each side of the start."""
 
 _LEAST_NOISE = 1e-10
 """Variance added for the sake of the arithmetic, over that of the curve."""
@@ -66,8 +74,8 @@ def fit_process(x: Floats, y: Floats) -> GaussianProcess:
     spread, width = max(float(np.std(y)), 1e-9), max(float(np.ptp(x)), 1e-9)
     starts = [np.log([spread, share * width, 0.1 * spread]) for share in (0.03, 0.1, 0.3)]
     centred = y - np.mean(y)
-    best = max(starts, key=lambda each: _likelihood(x, centred, each)[0])
-    logs = _climb(x, centred, best)
+    tops = [_climb(x, centred, start) for start in starts]
+    logs = max(tops, key=lambda each: _likelihood(x, centred, each)[0])
     likelihood, _, factor, weights = _likelihood(x, centred, logs)
     return GaussianProcess(x, float(np.mean(y)), logs, likelihood, factor, weights)
 
@@ -99,23 +107,17 @@ def _likelihood(x: Floats, y: Floats, logs: Floats) -> tuple[float, Floats, Floa
 
 
 def _climb(x: Floats, y: Floats, start: Floats) -> Floats:
-    """Return the logs of the parameters at a top of the likelihood, by Rprop."""
-    logs, step, before = start.copy(), np.full(3, 0.1), np.zeros(3)
-    best, highest = logs.copy(), -np.inf
-    # A length of far more or less than what the points span, or no noise, says nothing more.
-    low, high = start - np.array([7.0, 5.0, 9.0]), start + np.array([7.0, 5.0, 7.0])
-    for _ in range(_MOST_STEPS):
+    """Return the logs of the parameters at a top of the likelihood."""
+
+    def downhill(logs: Floats) -> tuple[float, Floats]:
         try:
             likelihood, gradient, *_ = _likelihood(x, y, logs)
         except np.linalg.LinAlgError:
-            logs, step = best.copy(), step / 4
-            continue
-        if likelihood > highest:
-            best, highest = logs.copy(), likelihood
-        turned = np.sign(gradient * before)
-        step = np.clip(step * np.where(turned > 0, 1.2, np.where(turned < 0, 0.5, 1.0)), 1e-9, 1.0)
-        before = np.where(turned < 0, 0.0, gradient)
-        logs = np.clip(logs + step * np.sign(before), low, high)
-        if np.all(np.abs(gradient) < _FLAT) or np.all(step < 1e-8):
-            break
-    return best
+            return np.inf, np.zeros(3)
+        return -likelihood, -gradient
+
+    # A length of far more or less than what the points span, or no noise, says nothing more.
+    bounds = Bounds(start - _BELOW, start + _ABOVE)
+    options = {"gtol": _FLAT, "ftol": _ENOUGH}
+    found = minimize(downhill, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return np.asarray(found.x, dtype=np.float64)

@@ -8,11 +8,16 @@ from math import pi, sin, sqrt
 
 import numpy as np
 
-from pirate_sm.errors import UsageError
-from pirate_sm.fitting.levenberg_marquardt import LeastSquares, jacobian, least_squares
+from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.simulation.arrays import Floats
 
+try:
+    from scipy.optimize import least_squares
+except ModuleNotFoundError:
+    raise not_installed("a curve of slip and friction", "scipy", "fit") from None
+
 NAMES = ("B", "C", "D", "E")
+_BOUNDS = (0.0, 1.0, 0.0, -np.inf), (np.inf, 2.0, np.inf, 1.0)
 _SURE = 1.96
 """Standard deviations that hold 95 % of a normal distribution."""
 
@@ -65,29 +70,21 @@ def fit_magic(x: Floats, y: Floats) -> MagicFormula:
     if len(x) <= len(NAMES):
         raise UsageError(f"a Magic formula needs more than {len(NAMES)} points, got {len(x)}")
     middle, most = float(np.median(x)), max(float(np.max(y)), 1e-6)
-    starts = product((0.3 / middle, 3.0 / middle, 30.0 / middle), (0.0, 2.0))
+    starts = product((0.3 / middle, 3.0 / middle, 30.0 / middle), (1.5,), (most,), (0.0, -6.4))
     fits = [
-        least_squares(
-            lambda free: magic(x, _bounded(free)) - y,
-            np.array([np.log(stiffness), 0.0, np.log(most), bend]),
-        )
-        for stiffness, bend in starts
+        least_squares(lambda at: magic(x, at) - y, start, bounds=_BOUNDS, x_scale="jac")
+        for start in starts
     ]
-    return _formula(min(fits, key=lambda each: each.squares), len(x))
+    best = min(fits, key=lambda each: float(each.cost))
+    squares = 2.0 * float(best.cost)
+    return MagicFormula(best.x, _interval(best.jac, squares), sqrt(squares / len(x)))
 
 
-def _bounded(free: Floats) -> Floats:
-    """Return B > 0, 1 < C < 2, D > 0 and E < 1 of four numbers that may be anything."""
-    stiffness, shape, peak, bend = np.clip(free, -40.0, 40.0)
-    return np.array(
-        [np.exp(stiffness), 1.0 + 1.0 / (1.0 + np.exp(-shape)), np.exp(peak), 1.0 - np.exp(bend)]
-    )
-
-
-def _formula(found: LeastSquares, count: int) -> MagicFormula:
-    slope = jacobian(_bounded, found.at)
-    # What is at a bound has no slope there: the data do not determine it.
-    spread = np.einsum("ij,jk,ik->i", slope, found.covariance, slope)
-    known = np.isfinite(spread) & (spread >= 0)
-    interval = np.where(known, _SURE * np.sqrt(np.where(known, spread, 0.0)), np.inf)
-    return MagicFormula(_bounded(found.at), interval, sqrt(found.squares / count))
+def _interval(slope: Floats, squares: float) -> Floats:
+    """Return half the width of each parameter's interval, from the residuals' own spread."""
+    rows, columns = slope.shape
+    try:
+        variance = np.diag(np.linalg.inv(slope.T @ slope)) * squares / (rows - columns)
+    except np.linalg.LinAlgError:
+        return np.full(columns, np.inf)
+    return np.where(variance >= 0, _SURE * np.sqrt(np.abs(variance)), np.inf)

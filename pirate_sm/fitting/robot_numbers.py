@@ -12,10 +12,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from pirate_sm.fitting.columns import Columns, Measured, column, has
+from pirate_sm.fitting.estimate import Estimate, estimate_of
 from pirate_sm.fitting.friction_anew import signals_with
 from pirate_sm.fitting.motor_intervals import Intervals, intervals_of
 from pirate_sm.fitting.slip_columns import SlipSignals
-from pirate_sm.fitting.slip_curve import Estimate
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.arrays import Floats
@@ -41,7 +41,6 @@ _STILL, _STEADY = "it hardly moved", "its load hardly varied"
 _LEAST = 15
 """Fewer intervals say nothing."""
 
-_DRAWS, _BLOCKS = 200, 20
 _MOST_WIDTH = 0.5
 """If a 95 % interval is a larger share of the value, the data do not determine it."""
 
@@ -183,20 +182,13 @@ def _hold(all_: Intervals) -> Estimate:
 
 
 def _estimate(rows: Floats, statistic: Callable[[Floats], float], reason: str) -> Estimate:
-    """Return a statistic with its interval, from draws of whole stretches of the recording."""
+    """Return a statistic with its interval; unknown where too little was recorded for it."""
     if len(rows) < _LEAST:
         return Estimate(reason=f"{len(rows)} intervals, {_LEAST} are needed: {reason}")
-    random = np.random.default_rng(0)
-    stretches = np.array_split(rows, min(_BLOCKS, len(rows) // 3))
-    drawn = [
-        statistic(np.concatenate([stretches[i] for i in picked]))
-        for picked in random.integers(len(stretches), size=(_DRAWS, len(stretches)))
-    ]
-    value = statistic(rows)
-    low, high = (float(each) for each in np.nanquantile(drawn, [0.025, 0.975]))
-    if not np.isfinite(value) or high - low > _MOST_WIDTH * abs(value):
-        return Estimate(reason=f"between {low:.3g} and {high:.3g}: {reason}")
-    return Estimate(value, low, high)
+    found = estimate_of(rows, statistic, shortest=3)
+    if not np.isfinite(found.value) or found.high - found.low > _MOST_WIDTH * abs(found.value):
+        return Estimate(reason=f"between {found.low:.3g} and {found.high:.3g}: {reason}")
+    return found
 
 
 def _frictions(measured: Sequence[Measured], profile: Profile) -> Iterator[RobotNumber]:

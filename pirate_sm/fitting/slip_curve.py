@@ -5,14 +5,14 @@ A value that the data cannot give is unknown, with the reason.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from itertools import pairwise
-from math import isnan, nan
+from math import nan
 
 import numpy as np
 
 from pirate_sm.errors import UsageError
+from pirate_sm.fitting.estimate import Estimate, estimate_of
 from pirate_sm.fitting.gaussian_process import GaussianProcess, fit_process
 from pirate_sm.fitting.magic_formula import MagicFormula, fit_magic
 from pirate_sm.simulation.arrays import Floats
@@ -32,32 +32,7 @@ _LEAST_POINTS = 20
 
 _MAGIC_BINS, _PROCESS_BINS = 60, 170
 _LEAST_BINS = 12
-_BLOCKS, _DRAWS = 20, 200
-"""Numbers of stretches of the run and of draws for intervals: neighbours are alike."""
-
 _SURE = 1.96
-
-
-@dataclass(frozen=True)
-class Estimate:
-    """A value with its 95 % interval.
-
-    Attributes:
-        value: NaN where it is unknown.
-        low: Lower end; where only a bound is known, that.
-        high: Upper end.
-        reason: Why it is unknown; empty where it is known.
-    """
-
-    value: float = nan
-    low: float = nan
-    high: float = nan
-    reason: str = ""
-
-    @property
-    def known(self) -> bool:
-        """Whether there is a value."""
-        return not isnan(self.value)
 
 
 @dataclass(frozen=True)
@@ -165,7 +140,7 @@ def _static(slip: Floats, friction: Floats, peak_at: float) -> Estimate:
     near = np.abs(slip - peak_at) < _NEAR * peak_at
     if np.count_nonzero(near) < _LEAST_POINTS:
         return Estimate(low=bound, reason="too few points around the peak")
-    return _with_interval(friction[around], lambda values: float(np.quantile(values, _QUANTILE)))
+    return estimate_of(friction[around], lambda values: float(np.quantile(values, _QUANTILE)))
 
 
 def _kinetic(slip: Floats, friction: Floats) -> Estimate:
@@ -178,19 +153,7 @@ def _kinetic(slip: Floats, friction: Floats) -> Estimate:
             f"a plateau needs {_LEAST_POINTS}"
         )
         return Estimate(reason=reason)
-    return _with_interval(friction[above], lambda values: float(np.median(values)))
-
-
-def _with_interval(values: Floats, statistic: Callable[[Floats], float]) -> Estimate:
-    """Return a statistic with its interval, from draws of whole stretches of the run."""
-    random = np.random.default_rng(0)
-    stretches = np.array_split(values, min(_BLOCKS, len(values)))
-    drawn = [
-        statistic(np.concatenate([stretches[i] for i in picked]))
-        for picked in random.integers(len(stretches), size=(_DRAWS, len(stretches)))
-    ]
-    low, high = np.quantile(drawn, [0.025, 0.975])
-    return Estimate(statistic(values), float(low), float(high))
+    return estimate_of(friction[above], lambda values: float(np.median(values)))
 
 
 def _magic_peak(magic: MagicFormula | None, static: Estimate, most: float) -> Estimate:

@@ -17,8 +17,9 @@ from pirate_sm.visible import visible
 
 if TYPE_CHECKING:
     from pirate_sm.fitting.columns import Measured
+    from pirate_sm.fitting.estimate import Estimate
     from pirate_sm.fitting.slip_columns import SlipSignals
-    from pirate_sm.fitting.slip_curve import Estimate, SlipCurve
+    from pirate_sm.fitting.slip_curve import SlipCurve
     from pirate_sm.model.profile import Profile
     from pirate_sm.simulation.arrays import Floats
 
@@ -35,10 +36,9 @@ def run_fit(options: FitOptions) -> int:
         UsageError: A signal is missing, an option does not fit, or a file cannot be written.
     """
     _refuse_losses(options)
-    measured = _measured(options.runs)
     if options.robot:
-        return _fit_robot(measured, options)
-    curves = _curves(measured, options)
+        return _fit_robot(_measured(options.runs), options)
+    curves = _curves(options)
     for wheel, curve in curves.items():
         for line in _lines(wheel, curve):
             print(visible(line))
@@ -89,13 +89,14 @@ def _signals(options: FitOptions, measured: Measured) -> SlipSignals:
     )
 
 
-def _curves(measured: Sequence[Measured], options: FitOptions) -> dict[str, SlipCurve]:
+def _curves(options: FitOptions) -> dict[str, SlipCurve]:
     """Return the curve of each wheel."""
     import numpy as np
 
     from pirate_sm.fitting.slip_columns import wheels_in
     from pirate_sm.fitting.slip_curve import fit_slip_curve
 
+    measured = _measured(options.runs)
     threshold = read_slip_speed("--threshold", options.threshold)
     wheels = wheels_in(measured[0].columns, _signals(options, measured[0]))
     curves = {}

@@ -6,7 +6,7 @@ from math import isnan
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pirate_sm.fitting.slip_curve import Estimate
+    from pirate_sm.fitting.estimate import Estimate
 
 
 def estimate_text(estimate: Estimate, unit: str = "") -> str:

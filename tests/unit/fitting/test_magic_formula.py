@@ -1,5 +1,6 @@
 import numpy as np
 import pytest
+from scipy import optimize
 
 from pirate_sm.errors import UsageError
 from pirate_sm.fitting.magic_formula import fit_magic, magic
@@ -18,20 +19,27 @@ def test_a_curve_of_the_family_is_found_again() -> None:
     assert fit.limit == pytest.approx(0.55 * np.sin(0.8 * np.pi), rel=1e-3)
 
 
-def test_the_fit_is_as_near_as_that_of_scipy() -> None:
-    optimize = pytest.importorskip("scipy.optimize")
+def test_no_better_fit_is_found_from_the_true_parameters() -> None:
     noisy = Y + 0.01 * np.random.default_rng(3).standard_normal(len(X))
-    theirs = optimize.least_squares(
-        lambda at: magic(X, at) - noisy,
-        TRUE,
-        bounds=([0, 1, 0, -np.inf], [np.inf, 2, np.inf, 1]),
-        x_scale=TRUE,
-    )
+    theirs = optimize.least_squares(lambda at: magic(X, at) - noisy, TRUE, x_scale=TRUE)
 
     fit = fit_magic(X, noisy)
 
     assert fit.misfit == pytest.approx(np.sqrt(2 * theirs.cost / len(X)), rel=1e-3)
     assert fit(X) == pytest.approx(magic(X, theirs.x), abs=2e-3)
+
+
+def test_the_intervals_hold_the_true_parameters() -> None:
+    fit = fit_magic(X, Y + 0.01 * np.random.default_rng(3).standard_normal(len(X)))
+
+    assert (np.abs(fit.parameters - TRUE) < fit.interval).all()
+    assert fit.interval[2] == pytest.approx(0.01, abs=0.009)
+
+
+def test_the_points_of_a_line_do_not_determine_where_it_would_bend() -> None:
+    fit = fit_magic(X, 0.4 * X / 0.2 + 1e-3 * np.random.default_rng(3).standard_normal(len(X)))
+
+    assert fit.interval[0] > fit.parameters[0]
 
 
 def test_parameters_stay_within_what_the_formula_allows() -> None:
@@ -47,3 +55,10 @@ def test_parameters_stay_within_what_the_formula_allows() -> None:
 def test_fewer_points_than_parameters_are_refused() -> None:
     with pytest.raises(UsageError, match="more than 4 points, got 3"):
         fit_magic(X[:3], Y[:3])
+
+
+def test_a_curve_that_hardly_bends_is_found_again() -> None:
+    fit = fit_magic(X, magic(X, np.array([5.0, 1.3, 0.3, -1.0])))
+
+    assert fit.parameters == pytest.approx([5.0, 1.3, 0.3, -1.0], rel=1e-3)
+    assert fit.misfit < 1e-8

@@ -5,9 +5,9 @@ import pytest
 
 import pirate_sm
 from pirate_sm.fitting.columns import Measured, read_measured
+from pirate_sm.fitting.estimate import Estimate
 from pirate_sm.fitting.motor_intervals import Intervals
 from pirate_sm.fitting.robot_numbers import RobotNumber, driven, robot_numbers, wheel_numbers
-from pirate_sm.fitting.slip_curve import Estimate
 from pirate_sm.fitting.twin_text import twin_text
 from pirate_sm.loading.robot.twin_file import load_twin
 

@@ -3,7 +3,7 @@ from math import nan
 import pytest
 
 from pirate_sm.cli.output.estimate_text import estimate_text
-from pirate_sm.fitting.slip_curve import Estimate
+from pirate_sm.fitting.estimate import Estimate
 
 
 @pytest.mark.parametrize(
