@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from benchmarks.vision_boards import draw_board
 from pirate_sm.model.camera import CameraPose, Lens
 from pirate_sm.vision.calibration import Calibration, calibrate
 from pirate_sm.vision.chessboard import Board, find_board, is_another, is_sharp
@@ -12,7 +13,6 @@ from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats
 from pirate_sm.vision.plane import View, rotation_of, turn_of
-from pirate_sm.vision.synthetic.drawn_board import draw_board
 from tests.unit.vision.rendered_boards import SIZE as RENDERED_SIZE
 from tests.unit.vision.rendered_boards import RenderedLens
 

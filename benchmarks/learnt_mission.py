@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from benchmarks.learning_table import WAIT
 from pirate_sm.errors import UsageError
-from pirate_sm.learning.tabular import WAIT
 from pirate_sm.loading.mission import LoadedMission
 
 _LONGEST_WAIT = "60 s"
@@ -18,7 +18,7 @@ def mission_of(course: Sequence[str], loaded: LoadedMission, name: str) -> str:
     last phase waits until the detector says that the whole robot has passed.
 
     Args:
-        course: Commands and waits, as :class:`~pirate_sm.learning.tabular.Played` has them.
+        course: Commands and waits, as :class:`~benchmarks.learning_table.Played` has them.
         loaded: The mission that the episodes began with; its robot, pipe and start are kept.
         name: The name of the mission.
 

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 import pirate_sm
-from pirate_sm.learning.exporting import mission_of
+from benchmarks.learnt_mission import mission_of
 
 COURSE = (
     *("ClampFront", "ClampRear", "DriveForward", "wait close"),

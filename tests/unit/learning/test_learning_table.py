@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.learning import WITHOUT
-from pirate_sm.learning.tabular import Situation, Table, learn, play, situation
+from benchmarks.learning_table import Situation, Table, learn, play, situation
 
 from .conftest import made
 
