@@ -201,7 +201,7 @@ def prepared_on(it: World, port: VirtualPort) -> Prepared:
     order = Order(loaded.mission.mission, "serial", port="virtual")
     return Prepared(
         backend=backend, loaded=loaded, companions=companions, order=order, engine=engine,
-        detector=says.kind,
+        detecting=says,
     )  # fmt: skip
 
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from types import TracebackType
+from collections.abc import Iterator
+from contextlib import contextmanager
 
 from pirate_sm.errors import BackendError, DetectorError
 from pirate_sm.model.effects import Ended
@@ -10,36 +11,26 @@ from pirate_sm.runtime.loop import raised_by_part
 from pirate_sm.runtime.pump import BackendRaisedError, Pump, described
 
 
-class AbandonOnError:
-    """Sends the safe array past the engine when a step breaks, and says so by our own errors."""
+@contextmanager
+def abandoned_on_error(pump: Pump, backend: str) -> Iterator[None]:
+    """Send the safe array past the engine if a step breaks, and say so by our own errors.
 
-    def __init__(self, pump: Pump, backend: str) -> None:
-        self._pump = pump
-        self._backend = backend
-
-    def __enter__(self) -> None:
-        """Begin."""
-
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
-        """Abandon the run if anything was raised.
-
-        Raises:
-            BackendError: It was the backend that raised.
-            DetectorError: It was a detector of another package.
-        """
-        if error is None or self._pump.ended is not None:
-            return
+    Raises:
+        BackendError: It was the backend of this name that raised.
+        DetectorError: It was a detector of another package.
+    """
+    try:
+        yield
+    except BaseException as error:
+        if pump.ended is not None:
+            raise
         cause = raised_by_part(error)
         if isinstance(cause, DetectorError):
-            self._pump.abandon(Ended("fault", str(cause)))
-            raise cause
+            pump.abandon(Ended("fault", str(cause)))
+            raise cause from None
         if isinstance(error, BackendRaisedError):
-            message = f"the {self._backend} backend failed: {described(cause)}"
-            self._pump.abandon(Ended("fault", message))
+            message = f"the {backend} backend failed: {described(cause)}"
+            pump.abandon(Ended("fault", message))
             raise BackendError(message) from cause
-        self._pump.abandon(Ended("interrupted", described(error)))
+        pump.abandon(Ended("interrupted", described(error)))
+        raise

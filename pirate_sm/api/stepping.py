@@ -6,11 +6,10 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from math import inf
 from os import PathLike
-from types import TracebackType
 from typing import Self, Unpack
 
 from pirate_sm.api.arguments import Mission, is_number, prepared, whole
-from pirate_sm.api.guarded_pump import AbandonOnError
+from pirate_sm.api.guarded_pump import abandoned_on_error
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import Notes, noted
 from pirate_sm.companion import entered
@@ -86,23 +85,18 @@ class Session:
                 resuming=resuming,
             )
             stack.callback(pump.close)
-            with AbandonOnError(pump, ready.backend.name):
+            with abandoned_on_error(pump, ready.backend.name):
                 pump.start(paused=True)
             self.advance()
             self._stack = stack.pop_all()
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        traceback: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Bring the robot to its safe state and close the backend."""
         with self._stack:
             pump = self._opened
             if pump.ended is None:
-                with AbandonOnError(pump, self._ready.backend.name):
+                with abandoned_on_error(pump, self._ready.backend.name):
                     pump.abort(CLOSED)
                     while pump.ended is None:
                         pump.take(*pump.wait())
@@ -191,7 +185,7 @@ class Session:
         limit_s = pump.now_s + within_s if isinstance(until, str | None) else float(until)
         robot = self._ready.engine.robot
         condition = compile_condition(until, robot.vocabulary) if isinstance(until, str) else None
-        with AbandonOnError(pump, self._ready.backend.name):
+        with abandoned_on_error(pump, self._ready.backend.name):
             while pump.ended is None:
                 if isinstance(until, str | None) and self._holds(condition):
                     return True
@@ -213,7 +207,7 @@ class Session:
         return not busy and state.robot.awaited is None and state.look is None
 
     def _give(self, event: Event) -> None:
-        with AbandonOnError(self._opened, self._ready.backend.name):
+        with abandoned_on_error(self._opened, self._ready.backend.name):
             self._opened.give(event)
 
     def _tell(self, effects: Sequence[Effect], now_s: float) -> None:

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, replace
-from typing import Any
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
 
-from pydantic import BaseModel, Field, ValidationError
-from pydantic_core import to_jsonable_python
+from pydantic import Field, PlainSerializer, PlainValidator, TypeAdapter, ValidationError
+from pydantic_core import to_json
 
 from pirate_sm.model.campaign import Expectation, StoppingRule, TrueEnd
 from pirate_sm.model.run_options import OPTIONS, written
@@ -18,6 +18,21 @@ from pirate_sm.wiring import Order
 
 FORMAT = 1
 """Version of what is written of a plan."""
+
+
+def _plain_seeds(seeds: Sequence[int]) -> dict[str, int] | list[int]:
+    if isinstance(seeds, range):
+        return {"from": seeds.start, "to": seeds.stop - 1}
+    return list(seeds)
+
+
+def _seeds(marked: Any) -> Sequence[int]:
+    match marked:
+        case {"from": int(first), "to": int(last)}:
+            return range(first, last + 1)
+        case [*listed] if all(isinstance(each, int) for each in listed):
+            return tuple(listed)
+    raise ValueError("neither the first and the last seed nor a list of seeds")
 
 
 @dataclass(frozen=True)
@@ -37,11 +52,11 @@ class Cell:
     row: str
     column: str
     order: Order
-    seeds: Sequence[int]
+    seeds: Annotated[Sequence[int], PlainValidator(_seeds), PlainSerializer(_plain_seeds)]
     end: TrueEnd
     expect: Expectation
     key: str
-    mission: str
+    mission: str = ""
 
     @property
     def name(self) -> str:
@@ -75,60 +90,26 @@ class Plan:
         missions: The loaded missions, pickled, by key.
     """
 
-    name: str
+    name: Annotated[str, Field(alias="campaign")]
     version: str
     cells: tuple[Cell, ...]
-    confidence: float
+    confidence: Annotated[float, Field(gt=0, lt=1)]
     stop: StoppingRule
-    missions: Mapping[str, bytes]
+    missions: Mapping[str, bytes] = field(default_factory=dict)
 
 
-class _SeedRange(BaseModel):
-    first: int = Field(alias="from")
-    last: int = Field(alias="to")
-
-
-class _MarkedCell(BaseModel):
-    row: str
-    column: str
-    key: str
-    seeds: _SeedRange | list[int]
-    order: Order
-    end: TrueEnd
-    expect: Expectation
-
-
-class _Mark(BaseModel):
-    campaign: str
-    version: str
-    confidence: float = Field(gt=0, lt=1)
-    stop: StoppingRule
-    cells: list[_MarkedCell]
+_PLAN = TypeAdapter(Plan)
+_UNMARKED: Any = {"missions": True, "cells": {"__all__": {"mission"}}}
 
 
 def mark_of(plan: Plan) -> dict[str, Any]:
     """Return what a reader of results needs of a plan, as plain data."""
+    mark = _PLAN.dump_python(plan, mode="json", by_alias=True, exclude=_UNMARKED)
     cells = [
-        {
-            "row": cell.row,
-            "column": cell.column,
-            "key": cell.key,
-            "values": cell.values,
-            "seeds": _plain_seeds(cell.seeds),
-            "order": to_jsonable_python(cell.order),
-            "end": cell.end.model_dump(),
-            "expect": cell.expect.model_dump(),
-        }
-        for cell in plan.cells
+        {**marked, "values": cell.values}
+        for marked, cell in zip(mark["cells"], plan.cells, strict=True)
     ]
-    return {
-        "format": FORMAT,
-        "campaign": plan.name,
-        "version": plan.version,
-        "confidence": plan.confidence,
-        "stop": plan.stop.model_dump(),
-        "cells": cells,
-    }
+    return {"format": FORMAT, **mark, "cells": cells}
 
 
 def plan_of(mark: Mapping[str, Any]) -> Plan:
@@ -138,23 +119,9 @@ def plan_of(mark: Mapping[str, Any]) -> Plan:
         ValueError: The mark is damaged; the text says what is wrong with it.
     """
     try:
-        read = _Mark.model_validate(mark)
+        return _PLAN.validate_json(to_json(mark))
     except ValidationError as error:
         raise ValueError("; ".join(_faults_of(error))) from None
-    cells = [
-        Cell(
-            each.row,
-            each.column,
-            each.order,
-            _seeds(each.seeds),
-            each.end,
-            each.expect,
-            each.key,
-            "",
-        )
-        for each in read.cells
-    ]
-    return Plan(read.campaign, read.version, tuple(cells), read.confidence, read.stop, {})
 
 
 def _faults_of(error: ValidationError) -> Iterator[str]:
@@ -163,18 +130,6 @@ def _faults_of(error: ValidationError) -> Iterator[str]:
         place = ".".join(map(str, each["loc"]))
         missing = each["type"] == "missing"
         yield f"`{place}` is missing" if missing else f"`{place}`: {each['msg']}"
-
-
-def _plain_seeds(seeds: Sequence[int]) -> dict[str, int] | list[int]:
-    if isinstance(seeds, range):
-        return {"from": seeds.start, "to": seeds.stop - 1}
-    return list(seeds)
-
-
-def _seeds(marked: _SeedRange | list[int]) -> Sequence[int]:
-    if isinstance(marked, _SeedRange):
-        return range(marked.first, marked.last + 1)
-    return tuple(marked)
 
 
 def command_of(order: Order, seed: int) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from contextlib import suppress
 from dataclasses import replace
 from datetime import UTC, datetime
@@ -82,12 +82,7 @@ def seeds_to_record(tally: Tally, which: Which) -> Sequence[int]:
         tally: The results of the cell.
         which: The first seed of each cause, or all seeds that are kept of it.
     """
-    return sorted({seed for seeds in _of_causes(tally, which) for seed in seeds})
-
-
-def _of_causes(tally: Tally, which: Which) -> Iterator[Sequence[int]]:
-    if which == "none":
-        return
-    found = [*tally.causes.values(), *tally.unsafe_causes.values()]
-    for cause in sorted(found, key=lambda each: -each.count)[:_MOST_CAUSES]:
-        yield cause.seeds[:1] if which == "first" else cause.seeds
+    causes = [*tally.causes.values(), *tally.unsafe_causes.values()]
+    causes.sort(key=lambda each: -each.count)
+    most = {"first": 1, "all": None, "none": 0}[which]
+    return sorted({seed for cause in causes[:_MOST_CAUSES] for seed in cause.seeds[:most]})

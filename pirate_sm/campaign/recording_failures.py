@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 
 from pirate_sm.campaign.chunk import Chunk
 from pirate_sm.campaign.conductor import chunk_of
@@ -23,14 +23,12 @@ _LOOK_S = 0.5
 
 def failures(tallies: Sequence[Tally], store: Store, which: Which) -> list[Chunk]:
     """Return the runs that are to be repeated with a recording and have none yet."""
-    return list(_unrecorded(tallies, store, which))
-
-
-def _unrecorded(tallies: Sequence[Tally], store: Store, which: Which) -> Iterator[Chunk]:
-    for tally in tallies:
-        for seed in seeds_to_record(tally, which):
-            if not is_there(store.recordings / recording_name(tally, seed)):
-                yield chunk_of(tally.cell, [seed])
+    return [
+        chunk_of(tally.cell, [seed])
+        for tally in tallies
+        for seed in seeds_to_record(tally, which)
+        if not is_there(store.recordings / recording_name(tally, seed))
+    ]
 
 
 def record_failures(tallies: Sequence[Tally], store: Store, crew: DaskCrew, which: Which) -> None:

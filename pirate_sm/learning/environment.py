@@ -141,7 +141,7 @@ def scenario_of(options: dict[str, Any]) -> Scenario:
     Raises:
         UsageError: There is no such option, or one does not fit.
     """
-    own = [name for name in Scenario.__dataclass_fields__ if name[0] != "_" and name != "options"]
+    own = [name for name in Scenario.__dataclass_fields__ if name != "options"]
     if wrong := unknown("there is no option", options, sorted([*own, *OPTIONAL])):
         raise UsageError(wrong)
     optional = {name: options[name] for name in OPTIONAL if name in options}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 from math import inf
 from os import PathLike
 from pathlib import Path
@@ -58,7 +59,6 @@ class Scenario:
     reach_m: float | None = None
     time_limit_s: float = 180.0
     options: Options = field(default_factory=Options)
-    _loaded: list[LoadedMission] = field(default_factory=list, init=False, repr=False)
 
     def __post_init__(self) -> None:
         for name in ("time_limit_s", "reach_m"):
@@ -66,7 +66,7 @@ class Scenario:
             if value is not None and (not is_number(value) or not 0 < value < inf):
                 raise UsageError(f"{name}: expected a number above 0, got {value!r}")
 
-    @property
+    @cached_property
     def loaded(self) -> LoadedMission:
         """The mission, read once.
 
@@ -74,11 +74,6 @@ class Scenario:
             LoadError: Everything that is wrong with the files.
             UsageError: There is no such file, or the states do not fit.
         """
-        if not self._loaded:
-            self._loaded.append(self._load())
-        return self._loaded[0]
-
-    def _load(self) -> LoadedMission:
         robot, pipe = (None if x is None else path_of(x) for x in (self.robot, self.pipe))
         if self.mission is not None or robot is None or pipe is None:
             file = library.find_mission(path_of(self.mission or USUAL))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
-from typing import Any, NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 from pirate_sm.errors import BackendError
 from pirate_sm.learning.environment import InPipe
@@ -25,24 +25,10 @@ class Row(NamedTuple):
     info: dict[str, Any]
 
 
-class Shard(Protocol):
-    """Environments that take their steps one after the other.
-
-    What is asked for with ``send`` is returned by ``receive``.
-    """
-
-    def send(self, method: str, *arguments: object) -> None:
-        """Ask for a method of :class:`Share`."""
-
-    def receive(self) -> Any:
-        """Return what it has returned."""
-
-    def close(self) -> None:
-        """End all episodes."""
-
-
 class Share:
     """Environments of one process, which begin a new episode in the step after an end.
+
+    What is asked for with ``send`` is returned by ``receive``, as of a :class:`RemoteShard`.
 
     Args:
         count: How many.

@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from contextlib import ExitStack
+from contextlib import AbstractContextManager, ExitStack
 from typing import NamedTuple
 
-from pirate_sm.api.guarded_pump import AbandonOnError
+from pirate_sm.api.guarded_pump import abandoned_on_error
 from pirate_sm.backends.simulated import SimulatorBackend
 from pirate_sm.companion import entered
 from pirate_sm.engine.mission.operator import why_not_command
@@ -181,8 +181,8 @@ class Trial:
             elif isinstance(effect, Fault):
                 self._faults.append(effect.code)
 
-    def _guarded(self) -> AbandonOnError:
-        return AbandonOnError(self._pump, self._backend.name)
+    def _guarded(self) -> AbstractContextManager[None]:
+        return abandoned_on_error(self._pump, self._backend.name)
 
     @property
     def _state(self) -> EngineState:

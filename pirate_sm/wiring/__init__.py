@@ -112,9 +112,6 @@ def prepare(
         },
         order=_drawn(order, loaded),
         engine=Engine(loaded.robot, loaded.program, nominal=nominal),
-        reckoned=None if made.truth else found.reckoned,
-        camera=found.camera,
-        detector=found.kind,
         detecting=found,
         panel=choose_panel(order.panel, loaded.loaded_robot) if order.panel is not None else None,
     )
@@ -207,8 +204,6 @@ def placed(prepared: Prepared, start_at_m: float) -> Prepared:
         order=order,
         companions=(*others, *found.companions),
         notices=(*notices, *found.notices),
-        reckoned=None if prepared.truth else found.reckoned,
-        camera=found.camera,
         detecting=found,
     )
 

@@ -84,10 +84,7 @@ class Prepared(Equipment):
     """Everything that a run needs, before anything has moved.
 
     Attributes:
-        reckoned: Returns the detector's estimate of the position, if it has one; None if unknown.
-        camera: Returns what a recording keeps of the detector's camera, if it has one.
-        detector: Name of the detector; ``operator`` still needs a keyboard or a panel.
-        detecting: The detector itself.
+        detecting: The detector.
         panel: The control panel, unopened; None if there is none.
         resumed: The header of the run that it goes on from, with what it continues with; None if it
             is a run of its own.
@@ -96,12 +93,24 @@ class Prepared(Equipment):
     order: Order
     loaded: LoadedMission
     engine: Engine
-    reckoned: Callable[[], Truth | None] | None = None
-    camera: Callable[[], CameraView | None] | None = None
-    detector: str = "none"
     detecting: Detecting = NOBODY
     panel: ChosenPanel | None = None
     resumed: RunHeader | None = None
+
+    @property
+    def detector(self) -> str:
+        """Name of the detector; ``operator`` still needs a keyboard or a panel."""
+        return self.detecting.kind
+
+    @property
+    def camera(self) -> Callable[[], CameraView | None] | None:
+        """What returns what a recording keeps of the detector's camera, if it has one."""
+        return self.detecting.camera
+
+    @property
+    def reckoned(self) -> Callable[[], Truth | None] | None:
+        """What returns the detector's estimate of a position that no simulator knows."""
+        return None if self.truth else self.detecting.reckoned
 
     @property
     def others_words(self) -> str:

@@ -14,6 +14,7 @@ from pirate_sm.console.dialogs import Confirm, Pick
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.control_panel.panel_reader import Connection, Happening, PanelReader
 from pirate_sm.control_panel.presses import Press
+from pirate_sm.detectors.registry import Detecting
 from pirate_sm.loading import library
 from pirate_sm.loading.panel_file import load_panel
 from pirate_sm.loading.robot import load_robot
@@ -162,7 +163,7 @@ def test_words_are_said_where_no_detector_speaks() -> None:
             await desk.press(me, "R2")
             me.until(lambda: any("in" in each.split() for each in me.told()))
 
-            me.session.prepared = replace(me.session.prepared, detector="odometry")
+            me.session.prepared = replace(me.session.prepared, detecting=Detecting("odometry"))
             await desk.press(me, "R2")
             assert desk.notices == ["in: the detector speaks for itself (odometry)"]
 

@@ -134,7 +134,7 @@ def test_results_of_something_else_are_refused(tmp_path: Path) -> None:
     [
         ("format", None, "`format` is missing"),
         ("cells", None, "`cells` is missing"),
-        ("cells", 5, "`cells`: Input should be a valid list"),
+        ("cells", 5, "`cells`: Input should be a valid array"),
         ("cells", [{"row": []}], "`cells.0.row`: Input should be a valid string"),
         ("confidence", "much", "`confidence`: Input should be a valid number"),
         ("stop", {"halfwidth": 0.1}, "`stop.halfwidth`: Extra inputs are not permitted"),

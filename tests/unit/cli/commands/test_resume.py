@@ -365,9 +365,9 @@ class Cut(NamedTuple):
     def dialog(self, detector: str, **said: Any) -> ResumeDialog:
         prepared = prepared_on(self.it, self.it.port.next_port())
         if detector == "odometry":
-            counting = replace(prepared, usual_detector="odometry", detector="odometry")
-            found = Detecting("", counting.companions[1:2])
-            prepared = placed(replace(counting, detecting=found), 0.7)
+            found = Detecting("odometry", prepared.companions[1:2])
+            counting = replace(prepared, usual_detector="odometry", detecting=found)
+            prepared = placed(counting, 0.7)
         dialog = ResumeDialog(
             prepared, end_of_run(self.path), Said(**said), _Wishes(), StopRequests()
         )
