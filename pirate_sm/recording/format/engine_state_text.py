@@ -1,4 +1,4 @@
-"""The engine's records as text: its state at checkpoints, and with what a mission is resumed.
+"""The engine's records as text: states at checkpoints, and with what a mission begins or is resumed.
 
 It is derived field by field from the types of the engine's own records. A new field needs no change
 here unless it has a new type.
@@ -13,6 +13,7 @@ from types import NoneType, UnionType
 from typing import Any, Literal, NamedTuple, Union, get_args, get_origin, get_type_hints
 
 from pirate_sm.engine.resuming.resumption import Resumption
+from pirate_sm.engine.robot.robot_state import Mark, RobotState
 from pirate_sm.engine.state import EngineState
 from pirate_sm.recording.format.json_values import (
     number_from_json,
@@ -58,6 +59,37 @@ def resumption_from_text(written: str) -> Resumption | None:
         ValueError: The text is not a resumption by this version of the engine.
     """
     return _from_text(Resumption, written) if written else None
+
+
+class _AtRest(NamedTuple):
+    """What is kept of the robot between two missions; see :class:`RobotState`."""
+
+    configuration: int
+    values: tuple[float, ...]
+    marks: frozenset[tuple[Literal["region", "part"], int, int]]
+    next_id: int
+    seeking: frozenset[int]
+    sent: bool
+
+
+def body_to_text(body: RobotState | None) -> str:
+    """Return the robot state between two missions as JSON; empty for none."""
+    if body is None:
+        return ""
+    return _to_text(_AtRest, [getattr(body, name) for name in _AtRest._fields])
+
+
+def body_from_text(written: str) -> RobotState | None:
+    """Return the robot state in the output of :func:`body_to_text`.
+
+    Raises:
+        ValueError: The text is not a robot state.
+    """
+    if not written:
+        return None
+    found: _AtRest = _from_text(_AtRest, written)
+    marks = frozenset(Mark(*mark) for mark in found.marks)
+    return RobotState(**found._asdict() | {"marks": marks})
 
 
 def _to_text(kind: Any, value: Any) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 from datetime import datetime
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
@@ -147,11 +147,10 @@ class RunHeader:
 
     def to_json(self) -> dict[str, Any]:
         """Return the header as JSON data, without the texts."""
-        files = [{**vars(file)} for file in self.files]
-        for file in files:
+        data = asdict(self)
+        for file in data["files"]:
             del file["text"]
-        resumed = [{**vars(each)} for each in self.resumed]
-        return {**vars(self), "files": files, "resumed": resumed}
+        return data
 
 
 def header_from_json(data: bytes, texts: Mapping[str, str]) -> RunHeader:

@@ -16,12 +16,12 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import ALPHABET_VERSION
 from pirate_sm.recording.format.engine_state_text import (
+    body_from_text,
     resumption_from_text,
     state_from_text,
 )
 from pirate_sm.recording.format.engine_topics import STATE, Abandoned, Started, Topic, Topics
 from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.format.robot_state_text import body_from_text
 from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
 from pirate_sm.recording.read.mcap_records import ChunkPlace, DamagedError

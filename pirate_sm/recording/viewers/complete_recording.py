@@ -16,9 +16,9 @@ from typing import Generic, TypeVar
 from pirate_sm.engine.state import EngineState
 from pirate_sm.errors import RecordingError
 from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.recording.format.engine_state_text import body_to_text
 from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.recording.format.header import REPAIRED
-from pirate_sm.recording.format.robot_state_text import body_to_text
 from pirate_sm.recording.format.samples import SAMPLES, Placed, decode_samples
 from pirate_sm.recording.read.reader import Recording
 from pirate_sm.recording.read.steps import Step

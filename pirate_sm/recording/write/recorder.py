@@ -18,10 +18,9 @@ from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.trail import Trail
-from pirate_sm.recording.format.engine_state_text import resumption_to_text
+from pirate_sm.recording.format.engine_state_text import body_to_text, resumption_to_text
 from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.format.robot_state_text import body_to_text
 from pirate_sm.recording.write.gathered import Gathered, Told
 from pirate_sm.recording.write.kept_samples import KeptSamples
 from pirate_sm.recording.write.piece_maker import PieceMaker, WrittenPiece

@@ -13,7 +13,7 @@ from pirate_sm.engine.resuming.resumption import Beginning
 from pirate_sm.engine.robot.robot_state import Mark, RobotState, at_rest_in
 from pirate_sm.model.effects import Ended, Setpoints, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, SignalReport, Tick
-from pirate_sm.recording.format.robot_state_text import body_from_text, body_to_text
+from pirate_sm.recording.format.engine_state_text import body_from_text, body_to_text
 from pirate_sm.recording.read.reader import Recording, read_recording
 from pirate_sm.recording.read.steps import Step
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
