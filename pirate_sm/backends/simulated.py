@@ -14,12 +14,10 @@ from pirate_sm.backends.protocol import Completion
 from pirate_sm.engine.gliding.glided import Glide
 from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.errors import BackendError
-from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.events import Event, FaultReport, SensorFrame, SubmitResult, SubmitStatus
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
-from pirate_sm.model.true_position import InSpace
 from pirate_sm.model.word_watch import WordWatch
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.full_truth import FullTruth
@@ -158,34 +156,14 @@ class SimulatorBackend:
         """The robot's true position and state."""
         return self.robot.truth
 
-    @property
-    def wheels(self) -> tuple[tuple[float, float], ...]:
-        """Position of each wheel in the drawing of the pipe, m; cheaper than ``truth``."""
-        return self.robot.wheels
-
-    @property
-    def in_space(self) -> InSpace:
-        """What ``wheels`` leaves out of a robot in space."""
-        return self.robot.in_space
-
-    @property
-    def arcs_m(self) -> list[float]:
-        """Position of each wheel along the pipe, m; cheaper than ``truth``, for detectors."""
-        return self.robot.arcs_m
-
     def places_m(self) -> list[float]:
-        """Return the position of each wheel along the pipe, m, as ``arcs_m``."""
+        """Return the position of each wheel along the pipe, m; cheaper than ``truth``."""
         return self.robot.arcs_m
 
     @property
     def moved_until_s(self) -> float:
         """Until when the robot has moved: the end of the last cycle."""
         return self._cycles * self._cycle_s
-
-    @property
-    def bends(self) -> tuple[Bend, ...]:
-        """Where the pipe turns."""
-        return self.robot.bends
 
     def open(self) -> Sequence[Event]:
         """Return the first report of every board."""

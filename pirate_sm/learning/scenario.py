@@ -105,7 +105,7 @@ class Scenario:
         Raises:
             UsageError: The pipe does not go that far.
         """
-        bends, pipe = backend.bends, self.loaded.pipe
+        bends, pipe = backend.robot.bends, self.loaded.pipe
         if self.reach_m is not None:
             if pipe is not None and self.reach_m >= (length_m := pipe.route().length_m):
                 raise UsageError(
@@ -113,6 +113,6 @@ class Scenario:
                 )
             return self.reach_m
         if not bends or pipe is None:
-            return min(backend.arcs_m) + _BEHIND_M
+            return min(backend.robot.arcs_m) + _BEHIND_M
         last = bends[-1]
         return last.crossing_m + last.reach_m + pipe.diameter / 2

@@ -106,7 +106,7 @@ class Trial:
             dict(zip(self.robot.regions, (state or "" for state in states), strict=True)),
             word or "",
             dict(zip(self.robot.vocabulary.numbers, self.numbers, strict=True)),
-            tuple(self._backend.arcs_m),
+            tuple(self._backend.robot.arcs_m),
             tuple(metres * angle for metres, angle in rolled),
         )
 

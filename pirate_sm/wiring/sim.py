@@ -107,14 +107,14 @@ def simulated(order: Order, loaded: LoadedMission, physics: MakePhysics) -> Equi
         backend=backend,
         companions=(
             SlideWatch(backend.places_m),
-            *_ruler(order, loaded, lambda: (backend.moved_until_s, backend.arcs_m)),
+            *_ruler(order, loaded, lambda: (backend.moved_until_s, backend.robot.arcs_m)),
         ),
         usual_detector="sim",
-        places=Places(backend.bends, backend.places_m),
+        places=Places(backend.robot.bends, backend.places_m),
         truth=lambda: backend.truth,
-        wheels=lambda: backend.wheels,
-        in_space=None if flat else lambda: backend.in_space,
-        rolls=(lambda: backend.in_space.rolls_rad) if flat else None,
+        wheels=lambda: backend.robot.wheels,
+        in_space=None if flat else lambda: backend.robot.in_space,
+        rolls=(lambda: backend.robot.in_space.rolls_rad) if flat else None,
     )
 
 

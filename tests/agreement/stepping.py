@@ -89,7 +89,7 @@ class Places(Kept):
     def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
         stood = None if self._trail is None else self._trail.at(now_s)
         if stood is None:
-            self.places.append((now_s, self.backend.wheels, self.backend.in_space))
+            self.places.append((now_s, self.backend.robot.wheels, self.backend.robot.in_space))
         else:
             self.places.append((now_s, stood.wheels, stood.space))
 

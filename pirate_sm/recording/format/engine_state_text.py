@@ -1,4 +1,4 @@
-"""The engine's records as text: states at checkpoints, and with what a mission begins or is resumed.
+"""The engine's records as text: checkpoints, and with what a mission begins or is resumed.
 
 It is derived field by field from the types of the engine's own records. A new field needs no change
 here unless it has a new type.

@@ -191,8 +191,8 @@ def test_it_drives_to_the_bend(profile: Profile) -> None:
     backend.submit(1, values(profile, clamp=0.6, drive=1.0))
     pass_time(backend, 4.0)
     assert backend.truth.distance_m > 0.2
-    assert backend.arcs_m == list(backend.truth.arcs_m)
-    assert backend.arcs_m[0] > backend.bends[0].crossing_m
+    assert backend.robot.arcs_m == list(backend.truth.arcs_m)
+    assert backend.robot.arcs_m[0] > backend.robot.bends[0].crossing_m
     assert len(backend.truth.wheels) == len(profile.body.wheels)
     assert any(backend.truth.touching)
 
