@@ -244,7 +244,6 @@ def test_belief_an_adopted_robot_is_where_somebody_says(clamped: World, says: Sa
     counting = replace(
         prepared,
         usual_detector="odometry",
-        detector="odometry",
         detecting=Detecting("odometry", prepared.companions[1:2]),
     )
     with pytest.raises(UsageError, match="where the detector odometry counts from"):

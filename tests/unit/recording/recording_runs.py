@@ -85,7 +85,8 @@ def record_as_asked(
     camera: Callable[[], CameraView | None] | None = None,
 ) -> Kept:
     """Run the mission at this speed with a recording as the command line makes it."""
-    prepared = replace(prepare(order), camera=camera)
+    prepared = prepare(order)
+    prepared = replace(prepared, detecting=prepared.detecting._replace(camera=camera))
     with recorded(prepared, RecordingOptions(record=str(path)), factor) as kept:
         companions = [*prepared.companions, *kept.companions, FirstChoice()]
         run = MissionRun(
