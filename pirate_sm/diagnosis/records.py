@@ -7,10 +7,12 @@ from math import inf, isnan, nan
 
 from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.conversion import convert
+from pirate_sm.engine.sensing.conversion import measured
+from pirate_sm.engine.sensing.known_signals import nothing_known
 from pirate_sm.engine.sensing.plausibility import sift, unseen
 from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import Reading
+from pirate_sm.engine.signals.table import signal_table
 from pirate_sm.expressions import NumberType
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -81,7 +83,8 @@ class BoardRecord:
         self.channels = tuple(
             ChannelRecord(robot, place, limits.get(place)) for place in range(len(board.channels))
         )
-        self._numbers = [nan] * len(robot.vocabulary.numbers)
+        self._robot = robot
+        self._cells = signal_table(robot).cells(nothing_known(robot))
         self._period_s = robot.link.period_s
         self.frames = 0
         self._heard_s = began_s
@@ -96,11 +99,11 @@ class BoardRecord:
             channel.take(frame)
         if self._spec is None:
             return
-        numbers = convert(self._spec, frame.values, self._numbers)
-        reading = Reading(self._numbers, max(elapsed_s, self._period_s), now)
+        cells = measured(self._robot, frame, self._cells)
+        reading = Reading(self._cells, max(elapsed_s, self._period_s), now)
         for channel in self.channels:
-            channel.judge(numbers, reading)
-        self._numbers = numbers
+            channel.judge(cells, reading)
+        self._cells = cells
 
     def gap_s(self, now: float) -> float:
         """Return the longest time without a frame, until now."""

@@ -1,18 +1,17 @@
-"""Convert raw frames to signals: scales, rates, torques, diameters, odometry (appendix B)."""
+"""Take frames of boards in, and forget what is known no more."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from math import atan2, isfinite, isnan, nan, sqrt
+from collections.abc import Collection, Sequence
+from math import isnan, nan
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
-from pirate_sm.engine.sensing.board_spec import BoardSpec, Vector
+from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
-from pirate_sm.engine.sensing.odometry import count_from_here, either, roll_on
-from pirate_sm.engine.sensing.report_loss import loss_after
-from pirate_sm.engine.sensing.sensor_memory import Reading
-from pirate_sm.geometry.clamping import height_m
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading
+from pirate_sm.engine.signals.evaluator import run
+from pirate_sm.engine.signals.table import signal_table
 from pirate_sm.model.events import FaultReport, SensorFrame
 
 
@@ -43,61 +42,63 @@ def observe(
     board = robot.boards.get(frame.board)
     if board is None or len(frame.values) < board.length:
         return sensing, []
-    numbers = convert(board, frame.values, sensing.numbers)
+    table = signal_table(robot)
+    rows = table.boards[board.position]
+    cells = table.cells(sensing, setpoints, latest)
     elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
+    around = table.lists, cells
+    run(rows.measured, *around, sensing.numbers, frame.values, now, elapsed_s)
+    plain = run(rows.limits, *around, sensing.numbers, frame.values, now, elapsed_s)
     asked = ask(robot, sensing.asked, latest if sent else (), now)
     settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
     reading = Reading(sensing.numbers, elapsed_s, now, asked.setpoints, asked.since_s, settled)
     record, reports = plausibility.sift(
-        robot.plausibility, board.watched, sensing.records[board.position], numbers, reading
+        robot.plausibility, board.watched, sensing.records[board.position], cells, reading, plain
     )
-    records = sensing.records
+    records, layout = sensing.records, table.layout
     if record is not records[board.position]:
-        sensing = count_from_here(board, sensing, record, now)
+        sensing = _count_from_here(board, sensing, record, now)
+        cells[layout.angles : layout.loss] = sensing.angles
         records = (*records[: board.position], record, *records[board.position + 1 :])
-    _derive(board, numbers, sensing.numbers, setpoints, elapsed_s)
-    shares, angles = sensing.shares, sensing.angles
-    if board.wheels:
-        driven = setpoints if latest is setpoints else either(setpoints, latest)
-        shares, angles = roll_on(robot, board, sensing, numbers, driven, now)
-    heard = list(sensing.heard_s)
-    heard[board.position] = now
+    run(rows.derived, *around, sensing.numbers, frame.values, now, elapsed_s)
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
-    loss = loss_after(sensing.loss, elapsed_s, robot.link.period_s)
-    values = tuple(numbers), tuple(heard), sensing.checked_s, stale
+    numbers, heard_s = tuple(cells[: layout.heard]), tuple(cells[layout.heard : layout.shares])
+    shares, angles = cells[layout.shares : layout.angles], cells[layout.angles : layout.loss]
+    values = numbers, heard_s, sensing.checked_s, stale, tuple(shares), tuple(angles)
     # Faster than replacing fields by name; this runs for every frame. The others stay.
-    return Sensing(*(*values, shares, angles, records, asked, loss), *sensing[9:]), reports
+    return Sensing(*values, records, asked, cells[layout.loss], *sensing[9:]), reports
 
 
-def _derive(
-    board: BoardSpec,
-    numbers: list[float],
-    before: Numbers,
-    setpoints: Numbers,
-    elapsed_s: float,
-) -> None:
-    """Compute the rates, torques, vectors and diameters derived from a board's values, in place."""
-    for source, target in board.rates:
-        numbers[target] = (numbers[source] - before[source]) / elapsed_s
-    for source, slot, scale, target in board.torques:
-        setpoint = setpoints[slot]
-        sign = setpoint / abs(setpoint) if setpoint else 0.0  # NaN stays NaN
-        numbers[target] = numbers[source] * scale * sign
-    for vector in board.vectors:
-        numbers[vector.target] = _vector(vector, numbers)
-    for apex, length_m, wheels_m, target in board.diameters:
-        angle = numbers[apex] if isfinite(numbers[apex]) else nan
-        numbers[target] = height_m(length_m, angle) + wheels_m
+def _count_from_here(
+    board: BoardSpec, sensing: Sensing, record: BoardMemory, now_s: float
+) -> Sensing:
+    """Return the signals before a frame, without those from which no change is counted any more.
+
+    A counter that is believed to have restarted has not turned by the difference, nor that fast.
+    """
+    watched = zip(board.watched.sensors, record.channels, strict=True)
+    restarted = {watch.number for watch, channel in watched if channel.since_s == now_s}
+    if not restarted:
+        return sensing
+    places = {wheel.place for wheel in board.wheels if wheel.angle in restarted}
+    distance = sensing.distance
+    return sensing._replace(
+        numbers=_without(restarted, sensing.numbers),
+        angles=_without(places, sensing.angles),
+        distance=distance._replace(angles=_without(places, distance.angles)),
+    )
 
 
-def convert(board: BoardSpec, raw: Numbers, numbers: Sequence[float]) -> list[float]:
-    """Return all numbers, with those that the board measures updated; SI units."""
-    converted = list(numbers)
-    for place, target, scale in board.channels:
-        converted[target] = raw[place] * scale
-    for target, zero in board.zeros:
-        converted[target] -= zero
-    return converted
+def _without(places: Collection[int], numbers: Numbers) -> tuple[float, ...]:
+    return tuple(nan if at in places else each for at, each in enumerate(numbers))
+
+
+def measured(robot: RobotSpec, frame: SensorFrame, cells: Sequence[float]) -> list[float]:
+    """Return the cells, with the signals that a board of the robot measures; SI units."""
+    table, measured = signal_table(robot), list(cells)
+    rows = table.boards[robot.boards[frame.board].position].measured
+    run(rows, table.lists, measured, cells, frame.values, 0.0, 0.0)
+    return measured
 
 
 def ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -> MotorRequest:
@@ -117,16 +118,6 @@ def ask(robot: RobotSpec, asked: MotorRequest, setpoints: Numbers, now: float) -
     return MotorRequest(setpoints, now, driving)
 
 
-def _vector(vector: Vector, numbers: list[float]) -> float:
-    x, y, z = (numbers[source] for source in vector.sources)
-    if vector.how == "norm":
-        return sqrt(x * x + y * y + z * z)
-    if isnan(x) or isnan(y) or isnan(z):
-        return nan
-    # B-13 and B-14; atan2 gives the same for an upright sensor and is valid in all quadrants.
-    return atan2(-y, z) if vector.how == "roll" else atan2(x, sqrt(y * y + z * z))
-
-
 def forget_outdated(sensing: Sensing, now_s: float) -> Sensing:
     """Return the signals, with numbers from outside whose time has passed unknown."""
     outdated = [index for index, until_s in sensing.outside_until_s if until_s < now_s]
@@ -144,7 +135,8 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
     limit = now - robot.link.stale_after_s
     if min(sensing.heard_s, default=now) > limit:
         return sensing._replace(checked_s=now)
-    numbers, records = list(sensing.numbers), list(sensing.records)
+    table = signal_table(robot)
+    numbers, records = table.cells(sensing), list(sensing.records)
     stale = set(sensing.stale)
     for board in robot.boards.values():
         if sensing.heard_s[board.position] <= limit and board.position not in stale:
@@ -153,8 +145,12 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
                 numbers[index] = nan
             # The first reading after the silence may be damaged: it is judged by the last one.
             at, spec = board.position, robot.plausibility
-            reading = Reading(sensing.numbers, now - sensing.heard_s[at], now)
-            records[at], _ = plausibility.sift(spec, board.watched, records[at], numbers, reading)
+            before, elapsed_s = sensing.numbers, now - sensing.heard_s[at]
+            reading, limits = Reading(before, elapsed_s, now), table.boards[at].limits
+            plain = run(limits, table.lists, numbers, before, (), now, elapsed_s)
+            records[at], _ = plausibility.sift(
+                spec, board.watched, records[at], numbers, reading, plain
+            )
     if robot.traction is not None:
         wheels = robot.traction.wheels
         lost = wheels if wheels[-1].board in stale else [w for w in wheels if w.board in stale]
@@ -163,5 +159,8 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
     if robot.speed >= 0 and all(isnan(numbers[wheel.speed]) for wheel in robot.wheels):
         numbers[robot.speed] = nan
     return sensing._replace(
-        numbers=tuple(numbers), checked_s=now, stale=frozenset(stale), records=tuple(records)
+        numbers=tuple(numbers[: table.layout.heard]),
+        checked_s=now,
+        stale=frozenset(stale),
+        records=tuple(records),
     )

@@ -21,7 +21,7 @@ from math import inf, isnan, nan
 
 from pirate_sm.engine.sensing.motion_plausibility import after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Numbers, Reading, SensorMemory
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading, SensorMemory
 from pirate_sm.engine.sensing.value_plausibility import torque, weigh, weigh_jumped
 from pirate_sm.model.events import FaultReport
 
@@ -51,6 +51,7 @@ def sift(
     record: BoardMemory,
     numbers: list[float],
     reading: Reading,
+    plain: bool = False,
 ) -> tuple[BoardMemory, list[FaultReport]]:
     """Replace implausible numbers, and report faulty sensors.
 
@@ -60,6 +61,8 @@ def sift(
         record: The memory of these sensors.
         numbers: All numbers, with those of this board as reported; modified in place.
         reading: The circumstances of the frame.
+        plain: Whether every value is known to be in its range and near the previous one, as in most
+            frames.
 
     Returns:
         The new memory, and the new faults.
@@ -68,7 +71,7 @@ def sift(
     channels: list[SensorMemory] | None = None
     shown = numbers
     remembered: Sequence[SensorMemory] = record.channels
-    if record.special or not _plain(watched, numbers, reading):
+    if record.special or not plain:
         shown = list(numbers)
         channels = [
             _believe(spec, watch, channel, record.seen, shown, reading, reports)
@@ -102,21 +105,6 @@ def _record(watched: WatchedSpec, channels: Sequence[SensorMemory], seen: int) -
     ]
     special = any(not channel.calm for channel in channels)
     return BoardMemory(tuple(channels), seen, special, frozenset().union(*doubted))
-
-
-def _plain(watched: WatchedSpec, numbers: Numbers, reading: Reading) -> bool:
-    """Return whether every value is in its range and near the previous one.
-
-    A fast path: most frames pass this test, and every frame is tested.
-    """
-    before, elapsed_s = reading.before, reading.elapsed_s
-    for number, low, high in watched.ranges:
-        if not low <= numbers[number] <= high:
-            return False
-    for number, rate, slack in watched.rates:
-        if not abs(numbers[number] - before[number]) <= rate * elapsed_s + slack:
-            return False
-    return True
 
 
 def _believe(

@@ -1,16 +1,11 @@
-"""Estimate the loss of reports, and derive how long a board may be silent."""
+"""Derive how long a board may be silent from the share of reports that are lost."""
 
 from __future__ import annotations
 
 from math import inf, log
 
 from pirate_sm.engine.sensing.board_spec import LinkSpec
-
-GAIN = 1 / 64
-"""Weight of one report; six boards with a period of 0.1 s send 64 in about a second."""
-
-_MOST_MISSED = 8
-"""Largest gap in reports; a longer one is a silent board, not a lossy line."""
+from pirate_sm.engine.signals.evaluator import GAIN
 
 _FALSE_ALARM = 1e-6
 """Probability per report that a board is taken for silent although it reports."""
@@ -20,20 +15,6 @@ _UNTRIED = 0.5
 
 LONGEST = 5.0
 """Upper limit as a multiple of ``silent_after``: a silent board is found within it at any loss."""
-
-
-def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
-    """Return the share of lost reports after one more report.
-
-    Args:
-        loss: The share before, a running mean over the reports of all boards.
-        elapsed_s: Time since the same board's last report.
-        period_s: Time between two reports of one board without loss.
-    """
-    if elapsed_s > 1.5 * period_s:
-        missed = round(min(elapsed_s / period_s - 1, _MOST_MISSED))
-        loss = 1 - (1 - loss) * (1 - GAIN) ** missed
-    return loss * (1 - GAIN)
 
 
 def silent_limit_s(link: LinkSpec, loss: float, reports: float = inf) -> float:

@@ -8,21 +8,11 @@ from __future__ import annotations
 TOLERANCE_S = 2e-9
 """The engine is called this long before a deadline; its own tolerance of times is less."""
 
-# Columns of `boards`, a row per board by its position: ranges of rows in the tables below, the
-# first row of its channels in the electronics, and how many values it reports.
-B_CHANNELS, B_DERIVED, B_WHEELS, B_SENSORS, B_ROW, B_VALUES = (0, 2, 4, 6, 8, 9)
-BOARD_COLUMNS = 10
-
-# Columns of `channels`: place in the frame, number index, scale to SI, reading at zero.
-C_PLACE, C_TARGET, C_SCALE, C_ZERO = range(4)
-
-# Columns of `derived`: what is derived, the numbers that it is made of (or a number and a slot),
-# a factor, what is added, and its own number index.
-D_KIND, D_A, D_B, D_C, D_FACTOR, D_MORE, D_TARGET = range(7)
-RATE, TORQUE, ROLL, PITCH, NORM, DIAMETER = range(6)
-
-# Columns of `wheels`, a row per wheel of the robot, and of `own`, the wheels of each board in turn.
-W_PLACE, W_ANGLE, W_SPEED, W_SLOT, W_METRES, W_BOARD = range(6)
+# Columns of `boards`, a row per board by its position: where the rows of its table begin that
+# measure, that limit and that derive, and where they end; a range of rows of `sensors`; the first
+# row of its channels in the electronics, and how many values it reports.
+B_MEASURED, B_LIMITS, B_DERIVED, B_END, B_SENSORS, B_ROW, B_VALUES = (0, 1, 2, 3, 4, 6, 7)
+BOARD_COLUMNS = 8
 
 # Columns of `sensors`, those with limits of each board in turn; see `plausibility_spec.WatchSpec`.
 (
@@ -33,15 +23,12 @@ W_PLACE, W_ANGLE, W_SPEED, W_SLOT, W_METRES, W_BOARD = range(6)
 M_SAME, M_SAME_S, M_REST, M_REST_OF_S, M_PROVEN, M_AWAY, M_CHANGED = range(7)
 MEMORY_COLUMNS = 7
 
-# Entries of `robot`.
+# Entries of `robot`; R_LOSS is the cell with the share of lost reports.
 (
-    R_PERIOD_S, R_SILENT_AFTER_S, R_SETTLE_S, R_UNLOADED, R_STUCK_AFTER_S, R_ODOMETRY, R_SPEED,
-    R_LOSS_GAIN, R_STALE_AFTER_S, R_LISTEN_EVERY_S,
-) = range(10)  # fmt: skip
-ROBOT_ENTRIES = 10
-
-# Columns of `slots`: the value in force, the value in force or sent last, the value asked for.
-V_FORCE, V_DRIVEN, V_ASKED = range(3)
+    R_PERIOD_S, R_SILENT_AFTER_S, R_SETTLE_S, R_UNLOADED, R_STUCK_AFTER_S, R_LOSS,
+    R_STALE_AFTER_S, R_LISTEN_EVERY_S,
+) = range(8)  # fmt: skip
+ROBOT_ENTRIES = 8
 
 # Columns of `conditions`: the first instruction, that after the last, whether it holds, the boards.
 K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
@@ -55,9 +42,9 @@ P_ANGLE, P_TARGET, P_THRESHOLD, P_GAIN, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT =
 # Last, the next deadline without the detector's word.
 A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_ASKED_S, A_DRIVING, A_ASKED, A_DEADLINE_S = range(7)
 
-# Entries of `clock`: time, cycles, the time that the surroundings go by, loss of reports, when
-# silent boards were looked for, when they will be next, until when the detector's word is valid.
-T_NOW_S, T_CYCLES, T_PASSED_S, T_LOSS, T_CHECKED_S, T_LISTENING_S, T_WORD_S = range(7)
+# Entries of `clock`: time, cycles, the time that the surroundings go by, when silent boards were
+# looked for, when they will be next, until when the detector's word is valid.
+T_NOW_S, T_CYCLES, T_PASSED_S, T_CHECKED_S, T_LISTENING_S, T_WORD_S = range(6)
 
 # Columns of `turns`, one per cycle in turn: the board's position, the channels that the cycle
 # reads, and whether the board reports after it.

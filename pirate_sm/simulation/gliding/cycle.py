@@ -29,7 +29,7 @@ def _listens(
     taken: groups.Taken,
 ) -> bool:
     """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
-    boards, _, _, _, _, _, robot = rows
+    boards, _, _, _, robot = rows
     _, _, _, origin, _, watch = task
     _, _, _, ticks, met = taken
     count = origin.shape[0]
@@ -206,7 +206,7 @@ def goes_on(
     """
     sources, counts, rng, forced = electronics
     times_s, reporters, reports, ticks, met = taken
-    boards, _, _, _, _, _, _ = rows
+    boards, _, _, _, _ = rows
     turn = turns[int(clock[col.T_CYCLES]) % turns.shape[0]]
     stays = _measure(place, turns, int(clock[col.T_CYCLES]), sources, counts, rng)
     met[col.N_SURROUNDINGS] = 0 if stays else 1

@@ -77,8 +77,8 @@ class Glider:
         self._tables = robot_tables(robot, electronics.boards)
         self._ids = [each.id for each in sorted(robot.boards.values(), key=lambda b: b.position)]
         self._widths = {each.board: each.last - each.first for each in electronics.boards}
-        self._watch = WatchTables(len(robot.slots), len(robot.vocabulary.numbers))
         self._signals = SignalTables(robot)
+        self._watch = WatchTables(self._signals.setpoints, len(robot.vocabulary.numbers))
         self._survey = SurveyTables(robot)
         self._looks = LookTables(len(simulated.arcs))
         self._around: Floats = np.full(1 + len(simulated.leeway), cycle_s)
@@ -86,7 +86,7 @@ class Glider:
         self._reports_after: list[int] = self._turns[:, U_REPORTS].tolist()
         self._forced: Floats = np.full(len(electronics.counts), nan)
         self._shown: dict[int, float] = {}
-        self._clock: Floats = np.zeros(7)
+        self._clock: Floats = np.zeros(6)
         self._ticks: Floats = np.zeros((_MOST_TICKS, TICK_COLUMNS))
         self._scratch = np.zeros_like(self._signals.signals), np.zeros(DEEPEST)
         self._times_s: Floats = np.zeros(_MOST_FRAMES)
@@ -128,8 +128,8 @@ class Glider:
         self._survey.take(watch)
         self._force(now_s)
         sensing = watch.sensing
-        self._clock[:4] = now_s, cycles, simulated.time_s, sensing.loss
-        self._clock[4:] = sensing.checked_s, watch.listening_s, watch.word_until_s
+        self._clock[:3] = now_s, cycles, simulated.time_s
+        self._clock[3:] = sensing.checked_s, watch.listening_s, watch.word_until_s
         self._around[1:] = simulated.leeway
         self._met[:] = 0
         physics.glide(*self._arguments(physics))
@@ -171,7 +171,7 @@ class Glider:
     def _passed(
         self, watch: Watch, asked: MotorRequest, words: WordWatch | None, before: int
     ) -> Passed:
-        now_s, cycles, time_s, loss, checked_s, _, word_s = self._clock.tolist()
+        now_s, cycles, time_s, checked_s, _, word_s = self._clock.tolist()
         count, waits, position, met, looked = self._met.tolist()
         frames = self._block(count)
         waiting = None
@@ -184,7 +184,7 @@ class Glider:
         wake_s = next((row[1] for row in reversed(rows) if row[1] < inf), watch.wake_s)
         after = None
         if count or rows:
-            times = loss, checked_s, wake_s, word_s
+            times = checked_s, wake_s, word_s
             asked = asked if count else watch.sensing.asked
             after = self._signals.given(asked, *times, self._survey.given())
         said_s = next((row[0] for row in reversed(rows) if row[1] == inf), None)

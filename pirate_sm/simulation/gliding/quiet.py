@@ -4,20 +4,17 @@ from __future__ import annotations
 
 import numpy as np
 
+from pirate_sm.engine.signals import evaluator
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Scratch, Task
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.machine import value_of
-from pirate_sm.simulation.gliding.observing import (
-    convert,
-    derive,
-    is_plausible,
-    moves_as_asked,
-    roll_on,
-)
+from pirate_sm.simulation.gliding.observing import moves_as_asked
 from pirate_sm.simulation.gliding.surveying import survey
-from pirate_sm.simulation.machine_code import compiled
+from pirate_sm.simulation.machine_code import compiled, compiled_module
+
+run = compiled_module(evaluator)["run"]
 
 _IN_TIME = 1.5
 """Periods within which a board must report, else reports have been lost."""
@@ -63,6 +60,15 @@ def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
 
 
 @compiled
+def _is_known(measured: Ints, numbers: Floats) -> bool:
+    """Return whether every signal that these rows measure is known."""
+    known = True
+    for k in range(measured.shape[0]):
+        known = known and not np.isnan(numbers[measured[k, 1]])
+    return known
+
+
+@compiled
 def _copy(some: Floats, to: Floats) -> None:
     for k in range(some.shape[0]):
         to[k] = some[k]
@@ -100,17 +106,12 @@ def take_frame(
     `values` are the raw values of the frame of the board at `position`; the other arguments are
     those of :func:`~pirate_sm.simulation.gliding.cycle.goes_on`.
     """
-    boards, channels, derived, wheels, own, sensors, robot = rows
-    slots, conditions, code, origin, duties, watch = task
+    boards, table, lists, sensors, robot = rows
+    asked, conditions, code, origin, duties, watch = task
     fresh, stack = scratch
-    now_s = clock[col.T_NOW_S]
-    count, width = origin.shape[0], wheels.shape[0]
-    heard_at = count
-    shares_at = heard_at + boards.shape[0]
-    angles_at = shares_at + width
-    memory_at = angles_at + width
-    heard_s = signals[heard_at:shares_at]
-    elapsed_s = max(now_s - heard_s[position], robot[col.R_PERIOD_S])
+    now_s, count = clock[col.T_NOW_S], origin.shape[0]
+    heard_end = count + boards.shape[0]
+    elapsed_s = max(now_s - signals[count + position], robot[col.R_PERIOD_S])
     listens = now_s >= clock[col.T_LISTENING_S]
     due_s = watch[col.A_ALARM_S] if listens else min(watch[col.A_ALARM_S], clock[col.T_LISTENING_S])
     deadline_s = min(watch[col.A_FRAMES_S], due_s - col.TOLERANCE_S)
@@ -118,38 +119,28 @@ def take_frame(
         return False
     board = boards[position]
     _copy(signals, fresh)
-    numbers, before = fresh[:count], signals[:count]
-    known = convert(board, channels, values, numbers)
-    if not (known and is_plausible(board, sensors, numbers, before, elapsed_s)):
+    numbers = fresh[:count]
+    measured = table[board[col.B_MEASURED] : board[col.B_LIMITS]]
+    limits = table[board[col.B_LIMITS] : board[col.B_DERIVED]]
+    derived = table[board[col.B_DERIVED] : board[col.B_END]]
+    run(measured, lists, fresh, signals, values, now_s, elapsed_s)
+    if not (
+        _is_known(measured, numbers)
+        and run(limits, lists, fresh, signals, values, now_s, elapsed_s)
+    ):
         return False
-    memory = fresh[memory_at:].reshape(sensors.shape[0], col.MEMORY_COLUMNS)
-    if not moves_as_asked(board, now_s, sensors, robot, slots, watch, numbers, memory):
+    remembered = sensors.shape[0] * col.MEMORY_COLUMNS
+    memory = fresh[fresh.shape[0] - remembered :].reshape(sensors.shape[0], col.MEMORY_COLUMNS)
+    if not moves_as_asked(board, now_s, sensors, robot, asked, watch, numbers, memory):
         return False
-    derive(board, derived, slots, numbers, before, elapsed_s)
-    roll_on(
-        position,
-        board,
-        now_s,
-        wheels,
-        own,
-        robot,
-        slots,
-        numbers,
-        heard_s,
-        fresh[shares_at:angles_at],
-        signals[angles_at:memory_at],
-        fresh[angles_at:memory_at],
-    )
-    loss = clock[col.T_LOSS] * (1.0 - robot[col.R_LOSS_GAIN])
-    quiet = asks_the_same(duties, numbers, loss)
+    run(derived, lists, fresh, signals, values, now_s, elapsed_s)
+    quiet = asks_the_same(duties, numbers, fresh[int(robot[col.R_LOSS])])
     quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
-    fresh[heard_at + position] = now_s
-    if listens and not may_listen(now_s, fresh[heard_at:shares_at], robot, watch, ticks, met):
+    if listens and not may_listen(now_s, fresh[count:heard_end], robot, watch, ticks, met):
         return False
     if not (quiet and looks_round(now_s, numbers, posture)):
         return False
     if listens:
         listen(now_s, 1.0, robot, watch, clock, ticks, met)
     _copy(fresh, signals)
-    clock[col.T_LOSS] = loss
     return True

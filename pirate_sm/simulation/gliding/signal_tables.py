@@ -7,8 +7,9 @@ import numpy as np
 from pirate_sm.engine.gliding.glided import Glided, sensing_after
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.environment import Surveyed
-from pirate_sm.engine.sensing.known_signals import MotorRequest, Sensing
+from pirate_sm.engine.sensing.known_signals import MotorRequest, Sensing, nothing_known
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, SensorMemory
+from pirate_sm.engine.signals.table import signal_table
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.gliding import columns as col
 
@@ -20,23 +21,23 @@ class SignalTables:
         robot: The robot.
 
     Attributes:
-        signals: One after the other: the signals, SI, NaN is unknown; per board when it last
-            reported; per wheel its share and its angle, see
-            :class:`~pirate_sm.engine.sensing.known_signals.Sensing`; per watched sensor what is
-            remembered, see `columns.py`.
+        signals: The cells, see :class:`~pirate_sm.engine.signals.table.Layout`; then per watched
+            sensor what is remembered, see `columns.py`.
+        setpoints: Of these the setpoints in force and those last sent, a row each.
     """
 
     def __init__(self, robot: RobotSpec) -> None:
         boards = sorted(robot.boards.values(), key=lambda each: each.position)
         self._sensors = [len(board.watched.sensors) for board in boards]
-        numbers, wheels = len(robot.vocabulary.numbers), len(robot.wheels)
-        lengths = numbers, len(boards), wheels, wheels, sum(self._sensors) * col.MEMORY_COLUMNS
-        self.signals: Floats = np.zeros(sum(lengths))
-        ends = np.cumsum(lengths)[:-1]
-        self._numbers, self._heard_s, self._shares, self._angles, memory = np.split(
-            self.signals, ends
+        table, memory = signal_table(robot), sum(self._sensors) * col.MEMORY_COLUMNS
+        cells = table.cells(nothing_known(robot))
+        self.signals: Floats = np.array([*cells, *[0.0] * memory])
+        at = self._layout = table.layout
+        self._numbers, self._heard_s, self._shares, self._angles, _, setpoints, _ = np.split(
+            self.signals, [at.heard, at.shares, at.angles, at.loss, at.force, at.out]
         )
-        self._memory: Floats = memory.reshape(-1, col.MEMORY_COLUMNS)
+        self.setpoints: Floats = setpoints.reshape(2, -1)
+        self._memory: Floats = self.signals[len(cells) :].reshape(-1, col.MEMORY_COLUMNS)
         self._of: Sensing | None = None
 
     def take(self, sensing: Sensing) -> None:
@@ -52,6 +53,7 @@ class SignalTables:
             self._angles[:] = sensing.angles
         if before is None or sensing.records is not before.records:
             self._take_records(sensing.records)
+        self.signals[self._layout.loss] = sensing.loss
         self._of = sensing
 
     def _take_records(self, records: tuple[BoardMemory, ...]) -> None:
@@ -65,7 +67,6 @@ class SignalTables:
     def given(
         self,
         asked: MotorRequest,
-        loss: float,
         checked_s: float,
         wake_s: float,
         word_s: float,
@@ -75,7 +76,6 @@ class SignalTables:
 
         Args:
             asked: What the motors have been asked.
-            loss: Share of lost reports.
             checked_s: When silent boards were looked for.
             wake_s: When the engine asks to be called.
             word_s: Until when the detector's word is valid.
@@ -88,7 +88,8 @@ class SignalTables:
             tuple(self._shares.tolist()),
             tuple(self._angles.tolist()),
             self._records(self._of.records),
-            *(asked, loss, checked_s, wake_s, word_s),
+            *(asked, float(self.signals[self._layout.loss])),
+            *(checked_s, wake_s, word_s),
             surveyed,
         )
         self._of = sensing_after(self._of, after)

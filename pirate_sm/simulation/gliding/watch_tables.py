@@ -52,23 +52,25 @@ class WatchTables:
     """The tables of a watch.
 
     Args:
-        slots: How many slots the robot has.
-        numbers: How many signals.
+        setpoints: Cells of the setpoints in force and of those last sent, a row each; changed.
+        numbers: How many signals the robot has.
 
     Attributes:
-        slots: Setpoints, see `columns.py`; so are `conditions`, `duties` and `watch`.
+        asked: What the slots were asked for.
+        conditions: See `columns.py`; so for `duties` and `watch`.
         origin: Signals when the wait began.
     """
 
-    def __init__(self, slots: int, numbers: int) -> None:
+    def __init__(self, setpoints: Floats, numbers: int) -> None:
         self.pool = CodePool()
-        self.slots: Floats = np.zeros((slots, 3))
+        self._setpoints = setpoints
+        self.asked: Floats = np.zeros(setpoints.shape[1])
         self.conditions: Ints = np.zeros((0, 4), dtype=np.int64)
         self.origin: Floats = np.full(numbers, np.nan)
         self.duties: Floats = np.zeros((0, 8))
         self.watch: Floats = np.zeros(7)
         self._rules: dict[int, tuple[tuple[Condition, ...], Ints | None]] = {}
-        self._asked: object = None
+        self._request: object = None
         self._of: Watch | None = None
         self._possible = False
 
@@ -76,7 +78,7 @@ class WatchTables:
     def arrays(self) -> Task:
         """Return the arrays, as compiled functions take them."""
         return (
-            *(self.slots, self.conditions, self.pool.code),
+            *(self.asked, self.conditions, self.pool.code),
             *(self.origin, self.duties, self.watch),
         )
 
@@ -105,7 +107,7 @@ class WatchTables:
             self.origin[:] = watch.origin
         if (
             before is None
-            or asked is not self._asked
+            or asked is not self._request
             or watch.setpoints is not before.setpoints
             or watch.latest is not before.latest
         ):
@@ -114,15 +116,12 @@ class WatchTables:
         return self._possible
 
     def _take_setpoints(self, watch: Watch, asked: MotorRequest) -> None:
-        self._asked = asked
-        self.slots[:, col.V_FORCE] = watch.setpoints
-        # The values in force, replaced by the latest where they are zero.
-        self.slots[:, col.V_DRIVEN] = [
-            old or new for old, new in zip(watch.setpoints, watch.latest, strict=True)
-        ]
+        self._request = asked
+        self._setpoints[0] = watch.setpoints
+        self._setpoints[1] = watch.latest
         self.watch[col.A_ASKED] = 1.0 if asked.setpoints else 0.0
         if asked.setpoints:
-            self.slots[:, col.V_ASKED] = asked.setpoints
+            self.asked[:] = asked.setpoints
         self.watch[col.A_ASKED_S] = asked.since_s
         self.watch[col.A_DRIVING] = asked.driving
 

@@ -3,6 +3,6 @@
 from __future__ import annotations
 
 from pirate_sm.simulation.machine_code.calls import own_call
-from pirate_sm.simulation.machine_code.decorator import compiled, is_kept
+from pirate_sm.simulation.machine_code.decorator import compiled, compiled_module, is_kept
 
-__all__ = ["compiled", "is_kept", "own_call"]
+__all__ = ["compiled", "compiled_module", "is_kept", "own_call"]

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
 from pirate_sm.errors import UsageError
@@ -45,6 +46,19 @@ def compiled(function: _F) -> _F:
             "itself when it is first used (or use the backend trace)"
         ) from None
     return compiled_when_called(function, long=entry is not None and entry.long)
+
+
+def compiled_module(module: ModuleType) -> Mapping[str, Callable[..., Any]]:
+    """Return the functions of a module by name, as machine code that calls each other's.
+
+    So the core's own source is compiled for the simulator, without knowing of it. Each function
+    comes after those that it calls.
+    """
+    names = dict(vars(module))
+    for name, own in vars(module).items():
+        if isinstance(own, FunctionType) and own.__module__ == module.__name__:
+            names[name] = compiled(FunctionType(own.__code__, names, name))
+    return names
 
 
 def is_kept(function: Callable[..., Any]) -> bool:

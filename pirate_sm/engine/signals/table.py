@@ -1,0 +1,167 @@
+"""Compile what the boards of a robot report, and what follows from it, to a table of signals."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import lru_cache
+from math import inf, nan
+from typing import NamedTuple, TypeAlias
+
+from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.sensing.board_spec import BoardSpec
+from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
+from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec
+from pirate_sm.engine.signals import evaluator as op
+
+Row: TypeAlias = tuple[int, int, int, int, int]
+Rows: TypeAlias = tuple[Row, ...]
+
+
+class BoardRows(NamedTuple):
+    """The rows of a board's frame: what it measures, the limits of that, and what follows."""
+
+    measured: Rows
+    limits: Rows
+    derived: Rows
+
+
+class Layout(NamedTuple):
+    """Where the cells are, of which the signals are the first.
+
+    Attributes:
+        heard: Per board when it last reported.
+        shares: Per wheel its share of the odometry; ``angles``: what its sensor last showed.
+        loss: Share of lost reports.
+        force: Setpoints in force per slot; ``latest``: those last sent.
+        out: Per wheel whether it is not believed.
+        constants: The others, which nothing changes.
+    """
+
+    heard: int
+    shares: int
+    angles: int
+    loss: int
+    force: int
+    latest: int
+    out: int
+    constants: int
+
+
+class SignalTable(NamedTuple):
+    """The table of a robot.
+
+    Attributes:
+        boards: Per board by its position.
+        lists: Operands of which there are many.
+        constants: The last cells.
+        believed: The cells that say that every wheel is believed.
+    """
+
+    layout: Layout
+    boards: tuple[BoardRows, ...]
+    lists: tuple[int, ...]
+    constants: tuple[float, ...]
+    believed: tuple[float, ...]
+
+    def cells(self, sensing: Sensing, force: Numbers = (), latest: Numbers = ()) -> list[float]:
+        """Return the cells before a frame.
+
+        Args:
+            sensing: The signals.
+            force: The setpoints in force per slot; without any they are unknown.
+            latest: Those last sent.
+        """
+        if not force:
+            force = latest = (nan,) * (self.layout.latest - self.layout.force)
+        out = sensing.distance.out
+        return [
+            *(*sensing.numbers, *sensing.heard_s, *sensing.shares, *sensing.angles, sensing.loss),
+            *(*force, *latest),
+            *([place in out for place in range(len(sensing.shares))] if out else self.believed),
+            *self.constants,
+        ]
+
+
+@lru_cache(maxsize=16)
+def signal_table(robot: RobotSpec) -> SignalTable:
+    """Return the table of a robot, which all its engines share."""
+    return _Compiler(robot).table()
+
+
+class _Compiler:
+    """Writes the rows of a robot."""
+
+    def __init__(self, robot: RobotSpec) -> None:
+        self._robot = robot
+        wheels, slots = len(robot.wheels), len(robot.slots)
+        at, begins = len(robot.vocabulary.numbers), []
+        for length in (len(robot.boards), wheels, wheels, 1, slots, slots, wheels):
+            begins.append(at)
+            at += length
+        self._layout = Layout._make([*begins, at])
+        self._constants: list[float] = []
+        self._lists = self._wheels()
+
+    def table(self) -> SignalTable:
+        """Return the table."""
+        boards = sorted(self._robot.boards.values(), key=lambda each: each.position)
+        rows = tuple(self._board(each) for each in boards)
+        believed = (0.0,) * len(self._robot.wheels)
+        return SignalTable(self._layout, rows, self._lists, tuple(self._constants), believed)
+
+    def _constant(self, value: float) -> int:
+        """Return the cell of a constant."""
+        if value not in self._constants:
+            self._constants.append(value)
+        return self._layout.constants + self._constants.index(value)
+
+    def _wheels(self) -> tuple[int, ...]:
+        """Return the description of all wheels, see `evaluator.WHEEL`."""
+        layout, robot = self._layout, self._robot
+        unheard = self._constant(-inf)  # of a wheel that no board reports
+        found = [len(robot.wheels), self._constant(robot.link.silent_after_s)]
+        for wheel, board in zip(robot.wheels, robot.wheel_boards, strict=True):
+            found += (
+                *(wheel.angle, wheel.speed, layout.angles + wheel.place),
+                layout.shares + wheel.place,
+                layout.heard + board if board >= 0 else unheard,
+                *(layout.out + wheel.place, self._constant(wheel.metres_per_rad)),
+                *(layout.force + wheel.slot, layout.latest + wheel.slot),
+            )
+        return tuple(found)
+
+    def _board(self, board: BoardSpec) -> BoardRows:
+        zeros, constant = dict(board.zeros), self._constant
+        measured = [
+            (op.SCALE, target, place, constant(scale), constant(zeros.get(target, 0.0)))
+            for place, target, scale in board.channels
+        ]
+        limits = tuple(self._limits(board.watched))
+        return BoardRows(tuple(measured), limits, tuple(self._derived(board)))
+
+    def _limits(self, watched: WatchedSpec) -> Iterable[Row]:
+        for number, low, high in watched.ranges:
+            yield op.RANGE, number, 0, self._constant(low), self._constant(high)
+        for number, rate, slack in watched.rates:
+            yield op.STEP, number, 0, self._constant(rate), self._constant(slack)
+
+    def _derived(self, board: BoardSpec) -> Iterable[Row]:
+        robot, layout, constant = self._robot, self._layout, self._constant
+        for source, target in board.rates:
+            yield op.RATE, target, source, 0, 0
+        for source, slot, scale, target in board.torques:
+            yield op.TORQUE, target, source, layout.force + slot, constant(scale)
+        for vector in board.vectors:
+            how = {"norm": op.NORM, "roll": op.ROLL, "pitch": op.PITCH}[vector.how]
+            x, y, z = vector.sources
+            yield how, vector.target, x, y, z
+        for apex, leg_m, wheels_m, target in board.diameters:
+            yield op.DIAMETER, target, apex, constant(leg_m), constant(wheels_m)
+        places = [wheel.place for wheel in robot.wheels]
+        for wheel in board.wheels:
+            at = 2 + places.index(wheel.place) * op.WHEEL
+            yield op.ODOMETRY, robot.odometry, at, 0, 0
+        if board.wheels and robot.speed >= 0:
+            yield op.SPEED, robot.speed, 0, 0, 0
+        yield op.LOSS, layout.loss, constant(robot.link.period_s), 0, 0
+        yield op.HEARD, layout.heard + board.position, 0, 0, 0
