@@ -1,4 +1,4 @@
-"""What a robot's states write under the control in force: one answer for all rules.
+"""What a robot's states write under the control in force, and whether its motors can do it.
 
 A control actuates the same states in another way: its wheels may be slower, its clamps weaker. The
 exploration and the course of a mission know which control is in force at each of their points.
@@ -7,14 +7,14 @@ exploration and the course of a mission know which control is in force at each o
 from __future__ import annotations
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Set
+from collections.abc import Iterator, Mapping, Sequence, Set
 from dataclasses import dataclass
 from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.command_spec import Write
-from pirate_sm.engine.robot.criteria import AcceptedSpec
+from pirate_sm.engine.robot.criteria import AcceptedSpec, CriterionSpec, StalledSpec, TurningSpec
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile
@@ -169,3 +169,46 @@ def _rad_s(write: Write, no_load: float) -> float:
             return no_load
         case "bear":
             return no_load if write.value else 0.0
+
+
+def too_strong(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> str:
+    """Return why a joint cannot bear the required torque; empty if it can.
+
+    Args:
+        force: What is in force.
+        done: The criterion.
+        led: Where the command leads to; one that suffices is enough.
+    """
+    if not isinstance(done, StalledSpec) or not led:
+        return ""
+    for load in done.loads:
+        if load.slot < 0:
+            continue
+        most, slot = max(force.most_nm(at, load.slot) for at in led), load.slot
+        if most <= load.least_nm:
+            there = under(force.robot, led[0].control)
+            return (
+                f"its motor gives '{force.profile.slots[slot].joint}' at most {most:.3g} Nm there,"
+                f" and more than {load.least_nm:.3g} Nm are asked for{there}"
+            )
+    return ""
+
+
+def too_slow(force: InForce, done: CriterionSpec, led: Sequence[Actuated]) -> str:
+    """Return why no wheel can reach the required speed; empty if one can.
+
+    The arguments are those of :func:`too_strong`.
+    """
+    if not isinstance(done, TurningSpec):
+        return ""
+    speeds = [force.most_rad_s(at, slot) for at in led for slot, _ in done.wheels]
+    most = max(speeds, default=inf)
+    if most > done.above:
+        return ""
+    if most == 0:
+        return "no wheel is driven in the states that it leads to"
+    there = under(force.robot, led[0].control)
+    return (
+        f"wheels turn with at most {most:.3g} rad/s there, {done.above:.3g} rad/s are asked"
+        f" for{there}"
+    )

@@ -8,8 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.known_settings import BUILT_IN, Value
-from pirate_sm.cli.settings import runs, unusable_runs
+from pirate_sm.cli.settings import BUILT_IN, Value, runs, unusable_runs
 from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.run_recorder import new_recording, requested_recording
 

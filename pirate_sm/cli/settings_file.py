@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.cli.known_settings import SETTINGS, Value, expanded
+from pirate_sm.cli.settings import SETTINGS, Value, expanded
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.library import is_path

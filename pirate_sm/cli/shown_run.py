@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import errno
+import os
+import select
+import stat
 import sys
 from collections.abc import Sequence
 from contextlib import AbstractContextManager, ExitStack
 from math import inf
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, TextIO
 
 from pirate_sm.cli.errors import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.options.running import RunOptions
-from pirate_sm.cli.output.closed_pipe import watch_pipe
 from pirate_sm.cli.output.encoding import shows_signs
 from pirate_sm.cli.output.event_lines import Lines, SaysWhyItWaits
 from pirate_sm.cli.output.json_lines import JsonLines
@@ -210,3 +213,33 @@ def _conclude(result: Result, options: RunOptions) -> int:
         else:
             say(f"the output cannot be written; the mission {ended.outcome}: {ended.message}")
     return result.exit_code
+
+
+class PipeWatch:
+    """A watcher that notices when the other end of a pipe has been closed.
+
+    A mission may wait for minutes without output. It must not go on unseen until the next line.
+    """
+
+    def __init__(self, out: TextIO) -> None:
+        self._poll = select.poll()
+        # No event is requested: the closed other end is always reported.
+        self._poll.register(out.fileno(), 0)
+
+    def pulse(self, now_s: float) -> None:
+        """Check that the output is still read.
+
+        Raises:
+            BrokenPipeError: The other end is closed.
+        """
+        if self._poll.poll(0):
+            raise BrokenPipeError(errno.EPIPE, os.strerror(errno.EPIPE))
+
+
+def watch_pipe(out: TextIO) -> PipeWatch | None:
+    """Return a watcher of the output if it is a pipe or a socket."""
+    try:
+        mode = os.fstat(out.fileno()).st_mode
+    except (OSError, ValueError):  # not a file
+        return None
+    return PipeWatch(out) if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode) else None

@@ -21,7 +21,7 @@ from textual.widgets.option_list import Option
 
 from pirate_sm.console.key_bindings import LEAVE, NO, YES, both_cases
 from pirate_sm.console.terminal_driver import STOP_KEY
-from pirate_sm.console.themed_lines import line
+from pirate_sm.console.themes import line
 from pirate_sm.model.events import Observation
 from pirate_sm.runtime.stop_requests import StopRequests
 from pirate_sm.showing.text_styles import MUTED

@@ -8,7 +8,7 @@ from pirate_sm.console import availability, hand_back_plan
 from pirate_sm.console.check_process import Ask
 from pirate_sm.console.confirmed_actions import ConfirmedActions
 from pirate_sm.console.dialogs import Choice, Pick
-from pirate_sm.console.waits_before import not_passed
+from pirate_sm.console.hand_back_plan import not_passed
 from pirate_sm.engine.robot.planning import Plan
 from pirate_sm.showing.snapshot import Scene, Snapshot
 

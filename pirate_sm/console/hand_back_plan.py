@@ -1,8 +1,8 @@
-"""Commands that restore the states that a phase needs: found in the background, with texts."""
+"""Commands that restore what a phase needs, found in the background, and the waits it skips."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Container, Mapping
 from typing import NamedTuple
 
 from rich.text import Text
@@ -11,6 +11,8 @@ from pirate_sm.checking.plans.restoring_commands import Beginnings, beginnings, 
 from pirate_sm.console.availability import Situation
 from pirate_sm.console.command_series import Series
 from pirate_sm.console.dialogs import Choice
+from pirate_sm.engine.mission.program import Program, Wait
+from pirate_sm.engine.mission.successors import reached
 from pirate_sm.engine.robot.planning import Plan, RulePlaces
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import RobotState, state_change
@@ -98,7 +100,7 @@ def question(robot: RobotSpec, phase: str, plan: Plan, body: RobotState, waits: 
         phase: The phase of the hand-back.
         plan: The plan for it.
         body: The robot's commanded state.
-        waits: The result of :func:`~pirate_sm.console.waits_before.not_passed`.
+        waits: The result of :func:`~pirate_sm.console.hand_back_plan.not_passed`.
     """
     given = names(robot, plan)
     each = "It is awaited" if len(given) == 1 else "Each is awaited"
@@ -137,3 +139,32 @@ def bar(series: Series | None) -> list[Text]:
         sign = "✓" if number < series.done else "…" if number == series.done else " "
         parts.append((f"{name} {sign}  ", STRONG if sign == "…" else ""))
     return [line(*parts, "  (Esc: no more)")]
+
+
+def not_passed(program: Program, phase: str, passed: Container[str]) -> str:
+    """Return the waits before the phase that have not been passed, in words; empty if none.
+
+    Args:
+        program: The mission.
+        phase: One of its phases.
+        passed: Places of the passed waits.
+    """
+    left = [each.phase for each in waits_before(program, phase) if each.place not in passed]
+    phases = list(dict.fromkeys(left))
+    return f"its wait{'s' if len(left) > 1 else ''} of {', '.join(phases)}" if phases else ""
+
+
+def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
+    """Return the waits of which a trigger must fire on every way from the start to the phase.
+
+    Failures, faults and time limits are ways too: a phase that they can reach from anywhere has
+    no waits before it.
+    """
+    goal = program.enter(phase)
+    if goal is None or goal not in reached(program):
+        return ()
+    return tuple(
+        each
+        for at, each in enumerate(program.instructions)
+        if isinstance(each, Wait) and goal not in reached(program, without=at)
+    )

@@ -8,7 +8,7 @@ from textwrap import wrap
 from textual.content import Content
 
 from pirate_sm.console.availability import Entries, command_reason, controls
-from pirate_sm.console.themed_lines import line
+from pirate_sm.console.themes import line
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import STRONG
 

@@ -1,15 +1,19 @@
-"""The themes of the console, made of the palettes; a setting is connected here, by its name."""
+"""The themes of the console, made of the palettes, and styled lines in their colours."""
 
 from __future__ import annotations
 
 import os
 from typing import Any
 
+from rich.text import Text
 from textual.app import App
 from textual.color import Color
+from textual.content import Content, Span
 from textual.theme import Theme as Textual
 
 from pirate_sm.palette import THEMES, Palette, Theme
+from pirate_sm.showing import text_styles as styled
+from pirate_sm.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, WARN, Part
 
 
 def wear(app: App[Any], name: Theme) -> None:
@@ -70,3 +74,30 @@ def _textual(name: str, palette: Palette, *, plain: bool) -> Textual:
             "footer-background": palette["box"],
         },
     )
+
+
+_THEMED = {
+    MUTED: "$soft",
+    STRONG: "bold",
+    GOOD: "$text-success",
+    WARN: "$text-warning",
+    BAD: "$text-error",
+    ACCENT: "$accent",
+    FLAG: "bold reverse",
+}
+_THEMED |= {f"{FLAG}.{role}": f"bold reverse {_THEMED[role]}" for role in (GOOD, WARN, BAD, ACCENT)}
+
+
+def themed(text: Text) -> Content:
+    """Return the text as Textual content."""
+    spans = [
+        Span(each.start, each.end, _THEMED[style])
+        for each in text.spans
+        if (style := str(each.style))
+    ]
+    return Content(text.plain, spans)
+
+
+def line(*parts: Part) -> Content:
+    """Return one line of these parts."""
+    return themed(styled.line(*parts))

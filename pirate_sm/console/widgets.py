@@ -18,8 +18,7 @@ from textual.widget import Widget
 from textual.widgets import Static
 
 from pirate_sm.console.reason_lines import sign_of
-from pirate_sm.console.themed_lines import themed
-from pirate_sm.console.themes import next_theme, no_colour, wear
+from pirate_sm.console.themes import next_theme, no_colour, themed, wear
 from pirate_sm.palette import Theme
 from pirate_sm.showing import alarms, body_panel, motor_page, panels, picture
 from pirate_sm.showing.snapshot import Snapshot

@@ -10,9 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from math import isnan, nan
 
-from pirate_sm.drawing.graph.highlight import highlight
+from pirate_sm.drawing.graph.highlight import RunPath, highlight
 from pirate_sm.drawing.graph.mission_graph import mission_graph
-from pirate_sm.drawing.graph.run_path import RunPath
 from pirate_sm.drawing.svg.svg_writer import svg
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.plane import drawn_walls

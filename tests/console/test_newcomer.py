@@ -11,7 +11,7 @@ from textual.widgets import OptionList
 
 from pirate_sm.console import availability
 from pirate_sm.console.dialogs import Confirm
-from pirate_sm.console.waits_before import not_passed
+from pirate_sm.console.hand_back_plan import not_passed
 from pirate_sm.showing import panels
 
 from .driving import by_hand, operator, played, with_mission

@@ -14,8 +14,10 @@ from pirate_sm.checking.diff.mission_behaviour import (
     Outcome,
     Success,
     Trigger,
+    in_new_names,
+    matched_triggers,
+    renamed,
 )
-from pirate_sm.checking.diff.renamed_parts import in_new_names, matched_triggers, renamed
 from pirate_sm.checking.exploring.exploration import WITHIN
 
 K = TypeVar("K")

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections import deque
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
 from pirate_sm.checking.exploring.answers import BranchAnswers, StepAnswers
 from pirate_sm.checking.exploring.possible_events import PossibleEvent
-from pirate_sm.checking.exploring.state_keys import fewest_mishaps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
@@ -110,3 +110,27 @@ class Exploration:
     def is_playable(self, step: int) -> bool:
         """Return whether a course of single events leads to this step."""
         return all(each.move.kind != "lasting" for each in self.path(step))
+
+
+def fewest_mishaps(steps: Sequence[tuple[int, int, bool]]) -> list[int]:
+    """Return for each state the smallest number of mishaps before it.
+
+    Args:
+        steps: For each step its source (-1 before the start), target, and whether it is a mishap.
+    """
+    after: dict[int, list[tuple[int, bool]]] = {}
+    fewest = [len(steps)] * (1 + max(target for _, target, _ in steps))
+    waiting: deque[int] = deque()
+    for source, target, mishap in steps:
+        if source < 0:
+            fewest[target] = 0
+            waiting.append(target)
+        else:
+            after.setdefault(source, []).append((target, mishap))
+    while waiting:
+        node = waiting.popleft()
+        for target, mishap in after.get(node, ()):
+            if fewest[node] + mishap < fewest[target]:
+                fewest[target] = fewest[node] + mishap
+                (waiting.append if mishap else waiting.appendleft)(target)
+    return fewest

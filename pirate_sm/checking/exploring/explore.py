@@ -30,7 +30,6 @@ from pirate_sm.checking.exploring.exploration import (
     ExploredStep,
 )
 from pirate_sm.checking.exploring.possible_events import Moves, PossibleEvent
-from pirate_sm.checking.exploring.state_keys import key_of, key_of_wait
 from pirate_sm.engine.deadlines import has_come
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.mission.program import Program, Require, Say, Wait
@@ -253,3 +252,31 @@ def _due(wait: Wait, state: EngineState, now: float) -> Collection[Trigger]:
         for number, (each, since) in enumerate(zip(wait.triggers, mission.since, strict=True))
         if not isnan(since) and has_come(mission.clock(now), since + each.held_s)
     ]
+
+
+def key_of(state: EngineState) -> Any:
+    """Return a key that is equal for states that can only continue in the same way."""
+    mission, body = state.mission, state.robot
+    flight, motion = body.flight, body.motion
+    robot = (
+        (body.configuration, body.marks, body.control, body.values, body.seeking),
+        flight and (flight.purpose, flight.values),
+        motion and (motion.command, motion.stage, isnan(motion.accepted_s)),
+        state.rules,
+    )
+    if mission.diverting is not None:  # the place of the fault is irrelevant now
+        where = mission.diverting.go, mission.diverting.go_name, mission.stopped, mission.handling
+        return where, motion and bool(motion.place), robot
+    return (
+        (mission.pc, mission.begun, mission.tries, mission.handling, mission.ended),
+        mission.result.done if mission.result else None,
+        tuple(map(isnan, mission.since)),
+        mission.ending and (mission.ending.outcome, mission.ending.end),
+        motion and motion.place,
+        robot,
+    )
+
+
+def key_of_wait(state: EngineState) -> Any:
+    """Return the same key, independent of the conditions that have become true."""
+    return key_of(state._replace(mission=state.mission._replace(since=())))

@@ -9,8 +9,7 @@ from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.driving import within_reach
-from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.mission_view import MissionView, Places
 from pirate_sm.engine.mission.program import Branch
 from pirate_sm.expressions import Expression
 from pirate_sm.loading.mission import LoadedMission

@@ -24,8 +24,7 @@ from pirate_sm.checking.mission.flow import (
     rises_while_loose,
 )
 from pirate_sm.checking.mission.mission_parameters import parameter_limits, unused_parameters
-from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.mission_view import MissionView, Places
 from pirate_sm.checking.mission.out_of_reach import out_of_reach
 from pirate_sm.checking.mission.reachability import reachability
 from pirate_sm.checking.mission.refused_steps import refused_steps

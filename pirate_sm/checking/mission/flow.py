@@ -10,8 +10,7 @@ from math import asin, atan, inf, isinf
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.checking.exploring.explore import MOST_WORK
 from pirate_sm.checking.findings import Finding, at
-from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.mission_view import MissionView, Places
 from pirate_sm.checking.plans.phase_entry import refused_from
 from pirate_sm.engine.mission.program import Do, Program, Question, Wait
 from pirate_sm.engine.mission.successors import successors

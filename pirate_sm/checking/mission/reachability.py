@@ -9,8 +9,7 @@ from math import isfinite
 from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, ExploredState
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.mission_view import MissionView, Places
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import PhaseChange
 

@@ -10,7 +10,7 @@ from typing import TypeAlias
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
-from pirate_sm.checking.mission.mission_places import Places
+from pirate_sm.checking.mission.mission_view import Places
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 

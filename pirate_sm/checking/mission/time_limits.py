@@ -6,13 +6,11 @@ from collections.abc import Iterator, Sequence
 from heapq import heappop, heappush
 from math import inf, isinf
 
-from pirate_sm.checking.actuation_in_force import Actuated, InForce
-from pirate_sm.checking.criteria_in_force import too_slow, too_strong
+from pirate_sm.checking.actuation_in_force import Actuated, InForce, too_slow, too_strong
 from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_places import Places
-from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.mission_view import MissionView, Places
 from pirate_sm.engine.mission.program import Do, Question, SwitchControl
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.mission import CONTROL_WITHIN_S

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence, Set
+from dataclasses import replace
 
 from pirate_sm.checking.exploring.answers import Fact
-from pirate_sm.checking.exploring.at_wait_start import at_beginning
 from pirate_sm.checking.exploring.piecewise_linear import signals, value
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_view import MissionView
@@ -250,3 +250,35 @@ def numbers_known(node: tree.Node) -> list[Fact]:
         return []
     numbers = (each for each in parts if isinstance(each, tree.Signal) and each.kind == "number")
     return [(tree.Known(each), True) for each in numbers]
+
+
+def at_beginning(node: tree.Node, changes: Set[str]) -> tree.Node:
+    """Return the condition with 0 for each change of a signal.
+
+    A test whether a change is known is kept, because a signal may be unknown when the wait begins.
+
+    Args:
+        node: The condition, or a part of it.
+        changes: Names of the changes, as :func:`~pirate_sm.expressions.vocabulary.change_of` gives
+            them.
+    """
+    if isinstance(node, tree.Signal) and node.name in changes:
+        return tree.Number(0.0)
+    if isinstance(node, tree.Known):
+        return node
+    return _rebuilt(node, lambda each: at_beginning(each, changes))
+
+
+def _rebuilt(node: tree.Node, change: Callable[[tree.Node], tree.Node]) -> tree.Node:
+    """Return the node with a change of each node directly below it."""
+    match node:
+        case tree.Negate(operand) | tree.Not(operand):
+            return replace(node, operand=change(operand))
+        case tree.Arithmetic(_, left, right) | tree.Compare(_, left, right):
+            return replace(node, left=change(left), right=change(right))
+        case tree.Call(_, parts):
+            return replace(node, arguments=tuple(map(change, parts)))
+        case tree.And(parts) | tree.Or(parts):
+            return replace(node, parts=tuple(map(change, parts)))
+        case _:
+            return node

@@ -13,8 +13,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import Bending
-from pirate_sm.checking.pipe.course_story import story_of
-from pirate_sm.checking.pipe.pipe_view import PipeView
+from pirate_sm.checking.pipe.pipe_view import PipeView, story_of
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
 from pirate_sm.geometry.joints import Joint
 

@@ -7,8 +7,7 @@ from math import pi, remainder
 
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.pipe.course_points import CoursePoint
-from pirate_sm.checking.pipe.course_story import story_of
-from pirate_sm.checking.pipe.pipe_view import PipeView, mm
+from pirate_sm.checking.pipe.pipe_view import PipeView, mm, story_of
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, Rolls
 from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.mouth import sink_m

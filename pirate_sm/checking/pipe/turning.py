@@ -14,8 +14,7 @@ from math import asin, degrees
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.course_points import Change
-from pirate_sm.checking.pipe.course_story import story_of
-from pirate_sm.checking.pipe.pipe_view import PipeView
+from pirate_sm.checking.pipe.pipe_view import PipeView, story_of
 
 _MOST_OBLIQUE_RAD = asin(0.1)
 """Smallest obliqueness of the module that is reported [decided]: 6 deg, beside the 47 deg at which

@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report
-from pirate_sm.checking.reports.source_lines import end_column
+from pirate_sm.checking.reports.check_report import Report, end_column
 from pirate_sm.checking.reports.text import summary
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIBLE: "notice"}

@@ -10,8 +10,7 @@ from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
-from pirate_sm.checking.reports.check_report import Report
-from pirate_sm.checking.reports.source_lines import end_column, excerpt
+from pirate_sm.checking.reports.check_report import Report, end_column, excerpt
 from pirate_sm.loading.problems import Edit, Place
 
 FORMAT = 1

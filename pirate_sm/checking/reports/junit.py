@@ -7,8 +7,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report
-from pirate_sm.checking.reports.source_lines import excerpt
+from pirate_sm.checking.reports.check_report import Report, excerpt
 from pirate_sm.visible import visible
 
 

@@ -12,8 +12,7 @@ from urllib.parse import quote
 from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report
-from pirate_sm.checking.reports.source_lines import end_column, excerpt
+from pirate_sm.checking.reports.check_report import Report, end_column, excerpt
 from pirate_sm.loading.problems import Edit, Place
 
 _ROOT = "%SRCROOT%"

@@ -9,8 +9,7 @@ from textwrap import wrap
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal, RehearsedRun
-from pirate_sm.checking.reports.check_report import Report
-from pirate_sm.checking.reports.source_lines import marked
+from pirate_sm.checking.reports.check_report import Report, marked
 from pirate_sm.model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import atan2, degrees, inf, pi
 
-from pirate_sm.checking.criteria_in_force import too_slow, too_strong
+from pirate_sm.checking.actuation_in_force import too_slow, too_strong
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
 from pirate_sm.engine.robot.criteria import (

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple, TextIO
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.emulated_bay import BayOptions
+from pirate_sm.cli.options.links import BayOptions
 from pirate_sm.cli.output.files import refuse_losses
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library

@@ -20,10 +20,9 @@ from pirate_sm.campaign.recording_failures import failures, record_failures
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.campaign.store import DamagedMarkError, Store, is_store
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.known_settings import BUILT_IN, SETTINGS
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.cli.settings import runs, unusable_runs
+from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
 from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.errors import UsageError, not_installed
 from pirate_sm.loading import library

@@ -19,8 +19,7 @@ from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.cli.output.terminal import shows_colour
-from pirate_sm.cli.output.wrapping import columns_of, wrapped
+from pirate_sm.cli.output.terminal import columns_of, shows_colour, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
 from pirate_sm.gallery.scene_file import HERE, OUT, check_scene

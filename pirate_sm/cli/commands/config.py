@@ -7,8 +7,8 @@ from typing import Any
 
 from pirate_sm.cli import settings
 from pirate_sm.cli.commands.list import print_table
-from pirate_sm.cli.known_settings import SETTINGS, Value
 from pirate_sm.cli.options.files import ConfigOptions
+from pirate_sm.cli.settings import SETTINGS, Value
 from pirate_sm.visible import visible
 
 FORMAT = 1

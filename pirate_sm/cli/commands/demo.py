@@ -16,8 +16,7 @@ from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import DemoOptions
 from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
-from pirate_sm.cli.output.terminal import is_terminal
-from pirate_sm.cli.output.wrapping import columns_of, wrapped
+from pirate_sm.cli.output.terminal import columns_of, is_terminal, wrapped
 from pirate_sm.cli.scene_steps import simulating, why_refused, why_unplayable
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.experiments.needed_extras import is_missing

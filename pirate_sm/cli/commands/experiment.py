@@ -9,8 +9,7 @@ from time import perf_counter
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.options.estimates import ExperimentOptions
-from pirate_sm.cli.output.csv_table import csv_line, write_csv
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.visible import visible
 

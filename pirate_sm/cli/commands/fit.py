@@ -3,14 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from math import isnan
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.options.estimates import FitOptions
 from pirate_sm.cli.options.values import read_length, read_slip_speed
-from pirate_sm.cli.output.csv_table import csv_line, write_csv
-from pirate_sm.cli.output.estimate_text import estimate_text
-from pirate_sm.cli.output.files import refuse_losses, write_file
+from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import UsageError
 from pirate_sm.visible import visible
@@ -22,6 +21,7 @@ if TYPE_CHECKING:
     from pirate_sm.fitting.slip_curve import SlipCurve
     from pirate_sm.model.profile import Profile
     from pirate_sm.simulation.arrays import Floats
+
 
 NOTHING = 1
 
@@ -227,3 +227,13 @@ def _one_robot(profiles: list[Profile | None]) -> Profile:
     if len(names) > 1:
         raise UsageError(f"the recordings are of several robots: {', '.join(sorted(names))}")
     return known[0]
+
+
+def estimate_text(estimate: Estimate, unit: str = "") -> str:
+    """Return a value with its 95 % interval, or why it is unknown."""
+    if not estimate.known:
+        bound = "" if isnan(estimate.low) else f"at least {estimate.low:.3f}{unit}, "
+        return f"{bound}unknown: {estimate.reason}"
+    if isnan(estimate.low):
+        return f"{estimate.value:.3f}{unit}"
+    return f"{estimate.value:.3f}{unit} [{estimate.low:.3f}, {estimate.high:.3f}]"

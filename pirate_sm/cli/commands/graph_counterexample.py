@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 
+from pirate_sm.drawing.graph.highlight import RunPath
 from pirate_sm.drawing.graph.highlight import Stop as Reached
-from pirate_sm.drawing.graph.run_path import RunPath
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event

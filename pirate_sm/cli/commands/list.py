@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from pirate_sm.cli.options.files import ListOptions
-from pirate_sm.cli.output.wrapping import columns_of, wrapped
+from pirate_sm.cli.output.terminal import columns_of, wrapped
 from pirate_sm.errors import PirateError
 from pirate_sm.expressions import EnumType, NumberType
 from pirate_sm.loading import library

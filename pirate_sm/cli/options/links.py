@@ -1,8 +1,9 @@
-"""Options of the commands for connected devices: `doctor`, `calibrate` and `panel`."""
+"""Options of the commands for connected devices and the emulated bay."""
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
@@ -65,4 +66,55 @@ class PanelOptions:
         "A panel's name, or a file; a MIDI device alone shows bare numbers.",
         default=None,
     )
+    debug: bool = common.debug()
+
+
+@dataclass(frozen=True, kw_only=True)
+class BayOptions:
+    """Emulate a robot's bay behind a serial port until Ctrl-C.
+
+    The name of the port is printed first.
+    """
+
+    mission: str | None = option(
+        "NAME", named_files.missions, "Robot, pipe and start are those of this mission."
+    )
+    robot: str | None = common.one_robot()
+    pipe: str | None = common.a_pipe("Pipe it is in (default: the first bundled one).")
+    seed: int = of_run("seed")
+    link: Path | None = option("PATH", named_files.files, "Make a symbolic link to the port here.")
+    log: Path | None = option("FILE", named_files.files, "JSON Lines of arrays and restarts.")
+    overwrite: bool = common.overwrite()
+    loss: str | None = option("SHARE", None, "Frames lost each way, such as 20%.")
+    loss_in: str | None = option("SHARE", None, "Instead of --loss: towards the bay.")
+    loss_out: str | None = option("SHARE", None, "Instead of --loss: from the bay.")
+    never_two: bool = flag("Never two frames of a topic lost in a row.", "--never-two")
+    corruption: str | None = option("SHARE", None, "Bytes changed on their way.")
+    delay: float = typed("Further seconds for every frame.", default=0.0)
+    jitter: float = typed("Up to this many seconds more.", default=0.0)
+    reset_at: list[float] | None = typed("Restart after this many seconds. Repeatable.")
+    reset_every: float = typed("Mean seconds between restarts.", default=0.0)
+    hang_at: float | None = typed("Hang the firmware after this many seconds.")
+    hang_for: float | None = typed("... for this many seconds.")
+    boot: float | None = typed("Seconds of boot loader and set-up.")
+    overrun: bool = flag(
+        "Lose bytes when the ring is full.", "--overrun/--no-overrun", default=True
+    )
+    stale_every: float = typed("Mean seconds between spells of repeated values.", default=0.0)
+    wrong_md5: list[str] | None = option(
+        "state|echo|setpoints",
+        candidates.words("state", "echo", "setpoints"),
+        "Announce a wrong md5. Repeatable.",
+    )
+    unconfigured_at: list[float] | None = typed(
+        "Obey without echo after this many seconds. Repeatable."
+    )
+    spontaneous_at: list[float] | None = typed("A motor moves on its own. Repeatable.")
+    motors_started: bool = flag("Start with actuators on.", "--play/--no-play", default=True)
+    sensors_started: bool = flag("Start with sensors on.", "--set/--no-set", default=True)
+    old_client: bool = flag("Lose the host after an overrun (2014-2017).", "--old-client")
+    dead_man: bool = flag(
+        "Stop the motors when the host is silent.", "--dead-man/--no-dead-man", default=True
+    )
+    defects: list[str] | None = of_run("defects")
     debug: bool = common.debug()

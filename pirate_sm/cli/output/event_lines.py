@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, TextIO
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.cli.output.wrapping import columns_of, wrapped
+from pirate_sm.cli.output.terminal import columns_of, wrapped
 from pirate_sm.model.effects import Effect, Ended
 from pirate_sm.model.fidelity import USUAL
 from pirate_sm.model.simulation import SIMULATORS

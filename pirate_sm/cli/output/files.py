@@ -1,9 +1,11 @@
-"""Writes the output files of a command, without overwriting what a person has written."""
+"""Writes the output files and tables of a command, never over what a person has written."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import csv
+from collections.abc import Iterable, Sequence
 from contextlib import suppress
+from io import StringIO
 from pathlib import Path
 
 from pirate_sm.errors import UsageError
@@ -146,3 +148,22 @@ def write_bytes(place: Path, content: bytes) -> None:
     except (OSError, RuntimeError) as error:  # RuntimeError: a link that leads to itself
         why = error.strerror if isinstance(error, OSError) else str(error)
         raise UsageError(f"'{place}' cannot be written: {why}") from None
+
+
+def write_csv(place: Path, header: Sequence[str], rows: Iterable[Sequence[object]]) -> None:
+    """Write a table; an unknown number is an empty cell.
+
+    Raises:
+        UsageError: The file cannot be written.
+    """
+    text = StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(header)
+    for row in rows:
+        writer.writerow(["" if each != each else each for each in row])  # noqa: PLR0124
+    write_file(place, text.getvalue())
+
+
+def csv_line(header: Sequence[str]) -> str:
+    """Return the first line of a table."""
+    return ",".join(header)

@@ -8,8 +8,7 @@ from contextlib import contextmanager, suppress
 from time import monotonic
 from typing import Protocol, TextIO
 
-from pirate_sm.cli.output.terminal import is_terminal
-from pirate_sm.cli.output.wrapping import columns_of
+from pirate_sm.cli.output.terminal import columns_of, is_terminal
 
 _FIRST_S = 0.5
 """Shorter tasks show nothing."""

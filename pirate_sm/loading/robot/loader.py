@@ -18,7 +18,7 @@ from pirate_sm.loading.chart.table_cache import cached_table
 from pirate_sm.loading.extended_file import read_extended
 from pirate_sm.loading.file_names import PROFILE_FILE
 from pirate_sm.loading.problems import LoadError, Problems
-from pirate_sm.loading.robot.actuation import resolve_actuation
+from pirate_sm.loading.robot.actuation import check_levelled, resolve_actuation
 from pirate_sm.loading.robot.boards import resolve_boards
 from pirate_sm.loading.robot.body_chain import resolve_chain
 from pirate_sm.loading.robot.body_check import check_body
@@ -29,8 +29,6 @@ from pirate_sm.loading.robot.commands import (
     resolve_parts,
 )
 from pirate_sm.loading.robot.controls import resolve_controls
-from pirate_sm.loading.robot.detector_words import resolve_words, words_behind
-from pirate_sm.loading.robot.levels import check_levelled
 from pirate_sm.loading.robot.postures import resolve_postures
 from pirate_sm.loading.robot.safety_rules import resolve_rules
 from pirate_sm.loading.robot.sensor_limits import thresholds
@@ -38,7 +36,7 @@ from pirate_sm.loading.robot.slots import resolve_slots
 from pirate_sm.loading.robot.state_confirmation import resolve_sight
 from pirate_sm.loading.robot.traction_signals import resolve_traction
 from pirate_sm.loading.robot.twin_file import twin_in, with_twin
-from pirate_sm.loading.robot.vocabulary import resolve_signals
+from pirate_sm.loading.robot.vocabulary import resolve_signals, resolve_words, words_behind
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.validation import try_validate
 from pirate_sm.model.profile import Profile

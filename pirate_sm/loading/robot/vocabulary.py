@@ -1,16 +1,24 @@
-"""Build the vocabulary of regions, channels and derived signals."""
+"""Build the vocabulary of regions, channels, derived signals and the detector's words."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from math import inf
 from typing import Literal
 
 from pirate_sm.engine.robot.chart_table import ChartTable
+from pirate_sm.engine.robot.robot_spec import WordCondition
 from pirate_sm.engine.sensing.board_spec import WheelSpec
 from pirate_sm.engine.sensing.environment import SEGMENTS
 from pirate_sm.engine.sensing.joint_around import JOINTS
 from pirate_sm.engine.state import OUTSIDE
-from pirate_sm.expressions import EnumType, NumberType, Vocabulary
+from pirate_sm.expressions import (
+    EnumType,
+    ExpressionError,
+    NumberType,
+    Vocabulary,
+    compile_condition,
+)
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.robot.derived_signals import add_derived
 from pirate_sm.loading.robot.signals import Signals, check_name
@@ -132,4 +140,31 @@ def _with_motor(signals: Signals, wheel: WheelSpec) -> WheelSpec:
         stall_n=stall_nm / radius_m,
         drag_n=(motor.dead_drag or 0.0) / radius_m,
         top_m_s=(motor.no_load_speed or inf) * radius_m,
+    )
+
+
+def resolve_words(signals: Signals) -> tuple[WordCondition, ...]:
+    """Return the conditions of the words that have one, in the profile's order; report faults."""
+    return tuple(_conditions(signals))
+
+
+def _conditions(signals: Signals) -> Iterator[WordCondition]:
+    for name, word in signals.profile.detector.words.items():
+        if word.when is None:
+            continue
+        try:
+            when = compile_condition(word.when, signals.vocabulary)
+        except ExpressionError as error:
+            signals.problems.add_expression(("detector", "words", name, "when"), error)
+            continue
+        yield WordCondition(name, when, word.held)
+
+
+def words_behind(profile: model.Profile) -> frozenset[str]:
+    """Return the detector's words that mean that the last wheel has passed the bend."""
+    last = profile.body.wheels[-1].name
+    return frozenset(
+        name
+        for name, word in profile.detector.words.items()
+        if word.forward and word.forward.wheel == last and word.forward.passed >= 0.0
     )

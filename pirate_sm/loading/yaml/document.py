@@ -19,8 +19,7 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.problems import Edit, LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
-from pirate_sm.loading.yaml.nodes import Node
-from pirate_sm.loading.yaml.overlay import from_file, overlaid
+from pirate_sm.loading.yaml.nodes import Node, from_file, overlaid
 from pirate_sm.on_disk import opened
 
 LARGEST_FILE: Final = 1 << 20  # bytes

@@ -73,7 +73,7 @@ def test_a_command_imports_no_other_commands_options() -> None:
     _, modules = imported("pirate explain --help", COLUMNS="60")
 
     assert "pirate_sm.cli.options.checks" in modules
-    assert "pirate_sm.cli.options.emulated_bay" not in modules
+    assert "pirate_sm.cli.options.links" not in modules
 
 
 @pytest.mark.parametrize(

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.console.waits_before import waits_before
+from pirate_sm.console.hand_back_plan import waits_before
 from pirate_sm.wiring import Order, load
 
 

@@ -18,10 +18,9 @@ from pirate_sm.model.true_position import Truth
 from pirate_sm.showing import panels
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
 from pirate_sm.showing.picture import ON_A_TERMINAL, draw
-from pirate_sm.showing.pose import RobotPose, pose_of
+from pirate_sm.showing.pose import Dial, RobotPose, arrow, pose_of
 from pirate_sm.showing.run_history import Memory
 from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.unrolled import Dial, arrow
 from pirate_sm.wiring import Order, prepare
 
 ROOT = Path(__file__).parents[3]

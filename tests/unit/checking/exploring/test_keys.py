@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.checking.exploring.state_keys import fewest_mishaps
+from pirate_sm.checking.exploring.exploration import fewest_mishaps
 
 
 def test_the_mishaps_of_a_state_are_those_of_the_way_with_the_fewest() -> None:

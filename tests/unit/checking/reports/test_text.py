@@ -5,8 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report
-from pirate_sm.checking.reports.source_lines import end_column, marked
+from pirate_sm.checking.reports.check_report import Report, end_column, marked
 from pirate_sm.checking.reports.text import explained, listed, text_report
 from pirate_sm.loading.problems import Place
 

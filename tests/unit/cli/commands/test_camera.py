@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from pirate_sm.cli.commands import camera_calibrate
+from pirate_sm.cli.commands import camera
 from pirate_sm.loading import library
 from pirate_sm.loading.camera_file import load_camera
 from pirate_sm.vision.opencv import cv2
@@ -132,7 +132,7 @@ def test_a_board_in_a_bad_picture_is_left_out_by_the_name_of_its_file(
                 picture[:, x] = np.roll(picture[:, x], round(5 * np.sin(x / 25)))
         assert cv2.imwrite(str(mine.parent / "seen" / f"{number:02}.png"), picture)
     hours = itertools.count(0.0, 3600.0)
-    monkeypatch.setattr(camera_calibrate.time, "monotonic", lambda: next(hours))
+    monkeypatch.setattr(camera.time, "monotonic", lambda: next(hours))
 
     result = pirate("camera", "calibrate", "mine", "--seconds", "1")
 

@@ -1,7 +1,7 @@
 from math import nan
 from pathlib import Path
 
-from pirate_sm.cli.output.csv_table import write_csv
+from pirate_sm.cli.output.files import write_csv
 
 
 def test_an_unknown_number_is_an_empty_cell(tmp_path: Path) -> None:

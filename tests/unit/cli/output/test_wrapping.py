@@ -6,7 +6,7 @@ import io
 
 import pytest
 
-from pirate_sm.cli.output.wrapping import columns_of, wrapped
+from pirate_sm.cli.output.terminal import columns_of, wrapped
 
 LINE = "climb   Drive up an upright pipe, hold there, drive down again"
 

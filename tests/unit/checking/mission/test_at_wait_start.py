@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.checking.exploring.at_wait_start import at_beginning
+from pirate_sm.checking.mission.wait_triggers import at_beginning
 from pirate_sm.expressions import NumberType, Vocabulary, compile_condition
 from pirate_sm.units import DIMENSIONLESS
 
