@@ -16,7 +16,7 @@ from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.camera_file import opened_by
 from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.mission.loader import TOLERABLE, read_mission
+from pirate_sm.loading.mission.loader import TOLERABLE, load_mission
 from pirate_sm.loading.mission.parameter_values import read_value
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.problems import LoadError, Problems, Severity
@@ -198,8 +198,9 @@ class NameReader:
             self._read[same] = None
             file = library.find_mission(mission)
             try:
-                loaded, problems = read_mission(file, robot=robot, pipe=pipe, tolerated=TOLERABLE)
-                problems.raise_errors()
+                loaded = load_mission(file, robot=robot, pipe=pipe, tolerated=TOLERABLE)
+                if any(each.severity is Severity.ERROR for each in loaded.problems):
+                    raise LoadError(loaded.problems)
                 self._read[same] = loaded
             except LoadError as error:
                 references.tell(error, file, references.MISSION, at, self.problems)

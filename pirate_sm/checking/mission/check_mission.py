@@ -32,7 +32,7 @@ from pirate_sm.checking.mission.time_limits import time_limits
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings, view_in_pipe
 from pirate_sm.checking.robot.check_robot import robot_errors
-from pirate_sm.loading.mission import TOLERABLE, LoadedMission, read_mission
+from pirate_sm.loading.mission import TOLERABLE, LoadedMission, load_mission
 from pirate_sm.loading.problems import LoadError
 from pirate_sm.loading.yaml.document import Document
 
@@ -72,13 +72,10 @@ def check_mission(
         UsageError: An argument does not fit the mission.
     """
     try:
-        loaded, problems = read_mission(
-            path, robot=robot, pipe=pipe, settings=settings, tolerated=TOLERABLE
-        )
+        loaded = load_mission(path, robot=robot, pipe=pipe, settings=settings, tolerated=TOLERABLE)
     except LoadError as error:
         return MissionCheck(tuple(finding_of(problem) for problem in error.problems))
-    told = tuple(finding_of(problem) for problem in problems.all)
-    return check_loaded(loaded, told)
+    return check_loaded(loaded, tuple(map(finding_of, loaded.problems)))
 
 
 def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> MissionCheck:

@@ -13,7 +13,7 @@ from itertools import product
 from math import prod
 from typing import TYPE_CHECKING
 
-from pirate_sm.loading.chart.guards import ANY_OF
+from pirate_sm.loading.chart.guards import States, asked_by, holds
 
 if TYPE_CHECKING:
     from pirate_sm.engine.robot.chart_table import ChartTable
@@ -23,29 +23,12 @@ MOST_COMBINATIONS = 4096
 
 _ELSEWHERE = ""
 
-States = Mapping[str, str]
-"""The state of each region."""
-
 
 def offset_of(guard: str, node: ast.expr) -> int:
     """Return the offset of a part of a guard in the guard's text."""
     lines = guard.split("\n")
     before = sum(len(line) + 1 for line in lines[: node.lineno - 1])
     return before + len(lines[node.lineno - 1].encode()[: node.col_offset].decode())
-
-
-def holds(node: ast.expr, states: States) -> bool:
-    """Return whether a part of a guard is true in these states."""
-    match node:
-        case ast.BoolOp(op=ast.And(), values=parts):
-            return all(holds(part, states) for part in parts)
-        case ast.BoolOp(values=parts):
-            return any(holds(part, states) for part in parts)
-        case ast.UnaryOp(operand=operand):
-            return not holds(operand, states)
-        case _:
-            region, asked = _asked(node)
-            return states.get(region) in asked
 
 
 def regions_of(node: ast.expr) -> frozenset[str]:
@@ -94,13 +77,6 @@ def constant_parts(
         yield from constant_parts(node.operand, states)
 
 
-def conjuncts(node: ast.expr) -> list[ast.expr]:
-    """Return the parts that must all be true."""
-    if isinstance(node, ast.BoolOp) and isinstance(node.op, ast.And):
-        return node.values
-    return [node]
-
-
 class ReachedCombinations:
     """The reached combinations, projected on a few regions at a time."""
 
@@ -121,12 +97,4 @@ class ReachedCombinations:
 def _questions(node: ast.expr) -> Iterator[tuple[str, list[str]]]:
     for each in ast.walk(node):
         if isinstance(each, ast.Call):
-            yield _asked(each)
-
-
-def _asked(node: ast.expr) -> tuple[str, list[str]]:
-    """Return region and states of an `In('…')`; several for a compound state."""
-    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
-        region, _, states = str(node.args[0].value).partition(".")
-        return region, states.split(ANY_OF)
-    raise AssertionError(f"the loader has let {ast.dump(node)} pass")
+            yield asked_by(each)

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
-from pirate_sm.loading.chart.guards import ANY_OF
+from pirate_sm.loading.chart.guards import States, asked_by, conjuncts, holds
 from pirate_sm.loading.chart.outline import ChartOutline, StateNode
 from pirate_sm.loading.problems import Problems
 
@@ -176,9 +176,9 @@ class _Reasons:
         """Return the unmet conditions of the command, or the states in which it is possible."""
         ways: dict[str, None] = {}
         if guards := self._guards.get(command):
-            named = zip(self._regions, states, strict=True)
-            active = {f"{region}.{state}" for region, state in named}
-            needs = [_denials(tree, active) for source, tree in guards if source in active]
+            named = dict(zip(self._regions, states, strict=True))
+            active = {f"{region}.{state}" for region, state in named.items()}
+            needs = [_denials(tree, named) for source, tree in guards if source in active]
             ways = dict.fromkeys(map(_joined, filter(None, needs)))
         return f"it needs {', or '.join(ways or self._states[command])}"
 
@@ -201,22 +201,16 @@ def _joined(parts: Sequence[str]) -> str:
     return " and ".join(f"({part})" if " or " in part else part for part in parts)
 
 
-def _denials(guard: ast.expr, active: set[str]) -> list[str]:
+def _denials(guard: ast.expr, states: States) -> list[str]:
     """Return the conjuncts of a guard that are false in this configuration."""
-    parts = (
-        guard.values if isinstance(guard, ast.BoolOp) and isinstance(guard.op, ast.And) else [guard]
-    )
-    return [_said(part) for part in parts if not _holds(part, active)]
+    return [_said(part) for part in conjuncts(guard) if not holds(part, states)]
 
 
 def _said(node: ast.expr) -> str:
     """Return a part of a guard as missions write it: ``Region == state``, ``Region in (…)``."""
-    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
-        region, _, states = str(node.args[0].value).partition(".")
-        several = ANY_OF in states
-        return (
-            f"{region} in ({states.replace(ANY_OF, ', ')})" if several else f"{region} == {states}"
-        )
+    if isinstance(node, ast.Call):
+        region, states = asked_by(node)
+        return f"{region} in ({', '.join(states)})" if states[1:] else f"{region} == {states[0]}"
     if isinstance(node, ast.UnaryOp) and isinstance(node.operand, ast.Call):
         said = _said(node.operand)
         return said.replace(" == ", " != ") if " == " in said else f"not {said}"
@@ -230,16 +224,3 @@ def _said(node: ast.expr) -> str:
             f"({part})" if " and " in part or " or " in part else part for part in parts
         )
     return ast.unparse(node)
-
-
-def _holds(node: ast.expr, active: set[str]) -> bool:
-    """Return whether a part of a guard is true; used for explanations only."""
-    if isinstance(node, ast.BoolOp):
-        values = [_holds(part, active) for part in node.values]
-        return all(values) if isinstance(node.op, ast.And) else any(values)
-    if isinstance(node, ast.UnaryOp):
-        return not _holds(node.operand, active)
-    if isinstance(node, ast.Call) and isinstance(node.args[0], ast.Constant):
-        region, _, states = str(node.args[0].value).partition(".")
-        return any(f"{region}.{state}" in active for state in states.split(ANY_OF))
-    return True

@@ -2,11 +2,6 @@
 
 from __future__ import annotations
 
-from pirate_sm.loading.mission.loader import (
-    TOLERABLE,
-    LoadedMission,
-    load_mission,
-    read_mission,
-)
+from pirate_sm.loading.mission.loader import TOLERABLE, LoadedMission, load_mission
 
-__all__ = ["TOLERABLE", "LoadedMission", "load_mission", "read_mission"]
+__all__ = ["TOLERABLE", "LoadedMission", "load_mission"]

@@ -22,7 +22,7 @@ from pirate_sm.loading.mission.program import build_program
 from pirate_sm.loading.mission.scope import Source
 from pirate_sm.loading.pipe_file import check_fit, load_pipe
 from pirate_sm.loading.pipe_shape import check_section, part_of
-from pirate_sm.loading.problems import LoadError, Problems, Severity
+from pirate_sm.loading.problems import LoadError, Problem, Problems, Severity
 from pirate_sm.loading.robot import LoadedRobot, load_robot, with_fitted
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
@@ -45,6 +45,7 @@ class LoadedMission:
         files: Hash of each file, by its name.
         parameters: The values in force, as text for messages.
         notices: Messages for the user that are not faults.
+        problems: What was found when it was loaded: warnings, and faults that were tolerated.
     """
 
     mission: Mission
@@ -57,10 +58,15 @@ class LoadedMission:
     files: Mapping[str, str]
     parameters: Mapping[str, str]
     notices: tuple[str, ...] = ()
+    problems: tuple[Problem, ...] = ()
 
     def __repr__(self) -> str:
         where = f"in pipe {self.pipe_name}" if self.pipe_name else "without a pipe"
         return f"<LoadedMission {self.mission.mission}: robot {self.robot.name}, {where}>"
+
+
+TOLERABLE = frozenset({"mission.command"})
+"""Faults that can be tolerated by leaving out the steps that have them."""
 
 
 def load_mission(
@@ -72,6 +78,7 @@ def load_mission(
     start_phase: str | None = None,
     states: Mapping[str, str] | None = None,
     fitted: Document | None = None,
+    tolerated: Collection[str] = (),
 ) -> LoadedMission:
     """Return a mission ready to run.
 
@@ -83,54 +90,12 @@ def load_mission(
         start_phase: The first phase; overrides the mission's.
         states: Initial states of the robot by region; override ``starts_in``.
         fitted: A file with numbers of the robot's motors, instead of the profile's.
+        tolerated: Codes of faults with which the mission is still returned, without the parts that
+            have them, and with plausible values of parameters that nothing sets.
 
     Raises:
         LoadError: The files have faults; holds all of them.
         UsageError: An argument does not fit the mission.
-    """
-    loaded, problems = read_mission(
-        path,
-        robot=robot,
-        pipe=pipe,
-        settings=settings,
-        start_phase=start_phase,
-        states=states,
-        fitted=fitted,
-    )
-    problems.raise_errors()
-    return loaded
-
-
-TOLERABLE = frozenset({"mission.command"})
-"""Faults that can be tolerated by leaving out the steps that have them."""
-
-
-def read_mission(
-    path: Path,
-    *,
-    robot: str | None = None,
-    pipe: str | None = None,
-    settings: Mapping[str, str] | None = None,
-    start_phase: str | None = None,
-    states: Mapping[str, str] | None = None,
-    fitted: Document | None = None,
-    tolerated: Collection[str] = (),
-) -> tuple[LoadedMission, Problems]:
-    """Return the mission, without parts that have tolerated faults, and all problems found.
-
-    Args:
-        path: As for :func:`load_mission`, as are the next six arguments.
-        robot: Robot.
-        pipe: Pipe.
-        settings: Parameters.
-        start_phase: First phase.
-        states: Initial states.
-        fitted: Fitted numbers.
-        tolerated: Codes of faults with which a mission is still returned.
-
-    Raises:
-        LoadError: There are faults of other codes; holds all faults.
-        UsageError: An argument is invalid.
     """
     document = read_document(path)
     problems = Problems(document)
@@ -163,10 +128,8 @@ def read_mission(
     texts = {name: value.text for name, value in values.items()}
     notices = (shadow,) if shadow else ()
     spec = holding_in(spec, loaded.profile, chosen)
-    result = LoadedMission(
-        mission, loaded, spec, program, chosen, pipe_name, documents, hashes, texts, notices
-    )
-    return result, problems
+    found = documents, hashes, texts, notices, problems.all
+    return LoadedMission(mission, loaded, spec, program, chosen, pipe_name, *found)
 
 
 def _shadowing(mission: Mission, loaded: LoadedRobot, problems: Problems) -> str:

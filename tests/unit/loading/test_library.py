@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.mission import read_mission
+from pirate_sm.loading.mission import load_mission
 
 ROOT = Path(__file__).resolve().parents[3]
 NEWT = ROOT / "tests" / "robots" / "newt"
@@ -104,11 +104,11 @@ def test_a_robot_that_hides_a_shipped_one_is_told(tmp_path):
     for robot, notices in (("pirate_ii", (told,)), ("./pirate_ii", ())):
         text = shipped.replace("robot: pirate_ii", f"robot: {robot}")
         mission.write_text(text, encoding="utf-8")
-        loaded, problems = read_mission(mission)
+        loaded = load_mission(mission)
         assert loaded.loaded_robot.folder == own
         assert loaded.notices == notices
-        assert tuple(problem.message for problem in problems.all) == notices
-    assert read_mission(ROOT / "sequences" / "climb.yaml")[0].notices == ()
+        assert tuple(problem.message for problem in loaded.problems) == notices
+    assert load_mission(ROOT / "sequences" / "climb.yaml").notices == ()
 
 
 @pytest.mark.parametrize("name", ["none.yaml", "mine.yaml/none.yaml"])
