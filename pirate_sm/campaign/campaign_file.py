@@ -301,8 +301,7 @@ class _Reading:
         try:
             prepare(order, loaded)
         except LoadError as error:
-            for problem in error.problems:
-                self.problems.put(problem)
+            self.problems.take(error)
         except UsageError as error:
             self.problems.add("campaign.run", _blamed(order, loaded, choices), str(error))
         else:

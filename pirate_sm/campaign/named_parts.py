@@ -151,8 +151,7 @@ class NameReader:
                 raise UsageError(f"a campaign only simulates: '{name}' opens {opened}")
             return seen
         except LoadError as error:
-            for problem in error.problems:
-                self.problems.put(problem)
+            self.problems.take(error)
             return None
         except UsageError as error:
             self._refer(error, "campaign.run", at)
@@ -172,8 +171,7 @@ class NameReader:
         try:
             load_twin(Path(file), profile)
         except LoadError as error:
-            for problem in error.problems:
-                self.problems.put(problem)
+            self.problems.take(error)
 
     def _beside(self, name: str, *, followed: bool = True) -> str:
         """Return a name, or the path of a file beside the campaign's as seen from here."""

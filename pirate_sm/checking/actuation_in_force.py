@@ -50,16 +50,20 @@ class InForce:
     profile: Profile
     robot: RobotSpec
 
-    def stages(self, at: Actuated) -> Iterator[tuple[Write, ...]]:
-        """Yield the stages of all states of a configuration."""
-        actuation = self.robot.controls[at.control].actuation
-        for region, state in enumerate(self.robot.table.configurations[at.configuration]):
-            yield from actuation[region][state]
+    @cached_property
+    def part_of(self) -> Mapping[int, int]:
+        """Return the part of the joint that each slot bends, by their indexes."""
+        parts, joints = self.robot.parts, self.profile.body.joints
+        own = {joint.name: parts.index(joint.part) for joint in joints}
+        slots = enumerate(self.profile.slots)
+        return {number: own[slot.joint] for number, slot in slots if slot.joint}
 
     def writes(self, at: Actuated, slot: int | None = None) -> Iterator[Write]:
         """Yield what all stages write, to one slot or to all."""
-        for stage in self.stages(at):
-            yield from (write for write in stage if slot is None or write.slot == slot)
+        actuation = self.robot.controls[at.control].actuation
+        for region, state in enumerate(self.robot.table.configurations[at.configuration]):
+            for stage in actuation[region][state]:
+                yield from (write for write in stage if slot is None or write.slot == slot)
 
     def last_writes(self, at: Actuated) -> Iterator[Write]:
         """Yield what the last stage of each state writes."""

@@ -13,11 +13,10 @@ from pirate_sm.engine.sensing.plausibility import sift, unseen
 from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import Reading
 from pirate_sm.engine.signals.table import signal_table
-from pirate_sm.expressions import NumberType
 from pirate_sm.model.events import SensorFrame
 from pirate_sm.model.fault_codes import BuiltInFault
 from pirate_sm.model.profile import Board
-from pirate_sm.units import DIMENSIONLESS, Dimension
+from pirate_sm.units import Dimension
 
 
 class ChannelRecord:
@@ -179,8 +178,7 @@ def meanings(subject: Subject, board: int) -> dict[int, Meaning]:
     vocabulary, zeros = subject.robot.vocabulary, dict(spec.zeros)
     found: dict[int, Meaning] = {}
     for place, target, scale in spec.channels:
-        kind = vocabulary.types[vocabulary.numbers[target]]
-        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+        dimension = vocabulary.dimension(vocabulary.numbers[target])
         found[place] = (scale, zeros.get(target, 0.0), dimension)
     return found
 

@@ -9,7 +9,7 @@ from functools import cached_property
 from types import MappingProxyType
 from typing import Final, Literal, TypeAlias
 
-from pirate_sm.units import UNITS, Dimension, Quantity, describe
+from pirate_sm.units import DIMENSIONLESS, UNITS, Dimension, Quantity, describe
 
 KEYWORDS: Final = frozenset({"and", "or", "not", "in", "true", "false"})
 FUNCTIONS: Final = frozenset({"abs", "min", "max", "known", "change"})
@@ -85,6 +85,11 @@ class Vocabulary:
         self._slots.update(
             {name: SignalSlot("word", index) for index, name in enumerate(self.words)}
         )
+
+    def dimension(self, name: str) -> Dimension:
+        """Return the dimension of a number; of a word none."""
+        kind = self.types[name]
+        return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
 
     @cached_property
     def said(self) -> frozenset[str]:

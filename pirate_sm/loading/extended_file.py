@@ -50,10 +50,6 @@ def _read(path: Path, above: tuple[Path, ...]) -> Document:
     except UsageError as error:
         problems.add(references.code_of(error, "robot.extends"), (KEY,), str(error))
     except LoadError as error:
-        for problem in error.problems:
-            if problem.place.line:
-                problems.put(problem)
-            else:
-                problems.add("robot.extends", (KEY,), f"{problem.place}: {problem.message}")
+        problems.take(error, "robot.extends", (KEY,))
     problems.raise_errors()
     raise AssertionError("raise_errors raises here")

@@ -32,6 +32,12 @@ class Place:
     def __str__(self) -> str:
         return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
 
+    @classmethod
+    def read(cls, text: str) -> Place:
+        """Return the place of ``file:line:column``."""
+        file, line, column = text.rsplit(":", 2)
+        return cls(file, int(line), int(column))
+
 
 @dataclass(frozen=True, slots=True, order=True)
 class Edit:
@@ -169,6 +175,14 @@ class Problems:
     def put(self, problem: Problem) -> None:
         """Add a problem with its place, unless it is known already."""
         self._found[problem] = None
+
+    def take(self, error: LoadError, code: str = "", path: Path = ()) -> None:
+        """Add the problems of a file; with a code, those without a line there at a path here."""
+        for problem in error.problems:
+            if code and not problem.place.line:
+                self.add(code, path, f"{problem.place}: {problem.message}")
+            else:
+                self.put(problem)
 
     def add(
         self,

@@ -98,8 +98,7 @@ def tell(
         problems: Collects the faults.
     """
     if _has(file, keys):
-        for problem in error.problems:
-            problems.put(problem)
+        problems.take(error)
         return
     code = "mission.pipe" if keys is PIPE else "mission.call"
     problems.add(code, at, f"this leads to a file that is no {keys[0]}")

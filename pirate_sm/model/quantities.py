@@ -230,6 +230,11 @@ def _limits(bounds: Mapping[str, float], dimension: Dimension) -> str:
     return "".join(f", {_LIMITS[name]} {limit.strip()}" for name, limit in shown.items())
 
 
+def _of(dimension: Dimension) -> tuple[BeforeValidator, _Written]:
+    """Return how a quantity of a dimension is read, and what a JSON Schema says of it."""
+    return BeforeValidator(_reader(dimension)), _Written(dimension)
+
+
 _ANY_SCHEMA = WithJsonSchema(
     {
         "anyOf": [
@@ -253,39 +258,21 @@ Pixels: TypeAlias = Annotated[
         }
     ),
 ]
-Length: TypeAlias = Annotated[float, BeforeValidator(_reader(units.LENGTH)), _Written(units.LENGTH)]
-Angle: TypeAlias = Annotated[float, BeforeValidator(_reader(units.ANGLE)), _Written(units.ANGLE)]
-Duration: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TIME)), _Written(units.TIME)]
-Frequency: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FREQUENCY)), _Written(units.FREQUENCY)
-]
-Inertia: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.INERTIA)), _Written(units.INERTIA)
-]
-Speed: TypeAlias = Annotated[float, BeforeValidator(_reader(units.SPEED)), _Written(units.SPEED)]
-AngularSpeed: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.ANGULAR_SPEED)), _Written(units.ANGULAR_SPEED)
-]
-Acceleration: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.ACCELERATION)), _Written(units.ACCELERATION)
-]
-Torque: TypeAlias = Annotated[float, BeforeValidator(_reader(units.TORQUE)), _Written(units.TORQUE)]
-Current: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.CURRENT)), _Written(units.CURRENT)
-]
-Mass: TypeAlias = Annotated[float, BeforeValidator(_reader(units.MASS)), _Written(units.MASS)]
-Stiffness: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.STIFFNESS)), _Written(units.STIFFNESS)
-]
-SpringRate: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.FORCE_PER_LENGTH)), _Written(units.FORCE_PER_LENGTH)
-]
-Damping: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.DAMPING)), _Written(units.DAMPING)
-]
-VelocityGain: TypeAlias = Annotated[
-    float, BeforeValidator(_reader(units.VELOCITY_GAIN)), _Written(units.VELOCITY_GAIN)
-]
+Length: TypeAlias = Annotated[float, *_of(units.LENGTH)]
+Angle: TypeAlias = Annotated[float, *_of(units.ANGLE)]
+Duration: TypeAlias = Annotated[float, *_of(units.TIME)]
+Frequency: TypeAlias = Annotated[float, *_of(units.FREQUENCY)]
+Inertia: TypeAlias = Annotated[float, *_of(units.INERTIA)]
+Speed: TypeAlias = Annotated[float, *_of(units.SPEED)]
+AngularSpeed: TypeAlias = Annotated[float, *_of(units.ANGULAR_SPEED)]
+Acceleration: TypeAlias = Annotated[float, *_of(units.ACCELERATION)]
+Torque: TypeAlias = Annotated[float, *_of(units.TORQUE)]
+Current: TypeAlias = Annotated[float, *_of(units.CURRENT)]
+Mass: TypeAlias = Annotated[float, *_of(units.MASS)]
+Stiffness: TypeAlias = Annotated[float, *_of(units.STIFFNESS)]
+SpringRate: TypeAlias = Annotated[float, *_of(units.FORCE_PER_LENGTH)]
+Damping: TypeAlias = Annotated[float, *_of(units.DAMPING)]
+VelocityGain: TypeAlias = Annotated[float, *_of(units.VELOCITY_GAIN)]
 Ratio: TypeAlias = Annotated[float, BeforeValidator(_read_ratio), _WrittenRatio()]
 Number: TypeAlias = Annotated[
     float, BeforeValidator(_read_number), WithJsonSchema({"type": "number"})

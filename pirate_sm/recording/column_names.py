@@ -6,8 +6,7 @@ from collections.abc import Iterable
 from functools import cache
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.expressions import NumberType
-from pirate_sm.units import DIMENSIONLESS, Dimension, unit_of
+from pirate_sm.units import Dimension, unit_of
 
 
 @cache
@@ -19,19 +18,14 @@ def with_unit(name: str, dimension: Dimension) -> str:
 
 def signal_units(robot: RobotSpec) -> dict[str, str]:
     """Return the unit of each signal by its column name; empty for one that has none."""
-    units = (unit_of(_dimension(robot, name)) for name in robot.vocabulary.numbers)
+    units = (unit_of(robot.vocabulary.dimension(name)) for name in robot.vocabulary.numbers)
     return dict(zip(signal_names(robot), units, strict=True))
 
 
 def signal_names(robot: RobotSpec, names: Iterable[str] | None = None) -> tuple[str, ...]:
     """Return the column names of these signals; by default of all, in the engine's order."""
     wanted = robot.vocabulary.numbers if names is None else names
-    return tuple(with_unit(name, _dimension(robot, name)) for name in wanted)
-
-
-def _dimension(robot: RobotSpec, name: str) -> Dimension:
-    kind = robot.vocabulary.types[name]
-    return kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+    return tuple(with_unit(name, robot.vocabulary.dimension(name)) for name in wanted)
 
 
 def slot_names(robot: RobotSpec) -> tuple[str, ...]:

@@ -19,6 +19,7 @@ from pirate_sm.checking.diff.mission_behaviour import (
     renamed,
 )
 from pirate_sm.checking.exploring.exploration import WITHIN
+from pirate_sm.checking.reports.text import count
 
 K = TypeVar("K")
 V = TypeVar("V")
@@ -289,11 +290,7 @@ def _handling(go: str) -> str:
 
 def _way_words(way: Success) -> str:
     """Return the number of commands and events on a path to success."""
-    return f"{_count(way.commands, 'command')} and {_count(way.events, 'event')}"
-
-
-def _count(number: int, thing: str) -> str:
-    return f"{number} {thing}" if number == 1 else f"{number} {thing}s"
+    return f"{count(way.commands, 'command')} and {count(way.events, 'event')}"
 
 
 def _quoted(names: Iterable[str]) -> str:

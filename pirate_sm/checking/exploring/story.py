@@ -7,7 +7,7 @@ from math import isnan
 from typing import TypeAlias
 
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
-from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.expressions import Vocabulary
 from pirate_sm.model.effects import (
     CommandStatus,
     Effect,
@@ -16,7 +16,7 @@ from pirate_sm.model.effects import (
     PhaseChange,
     TriggerFired,
 )
-from pirate_sm.units import DIMENSIONLESS, format_quantity
+from pirate_sm.units import format_quantity
 
 Written: TypeAlias = Callable[[str, str], str]
 """Returns the name of a command as written in the step at a place, ``file:line:col``."""
@@ -109,8 +109,5 @@ def _shown(
 
 
 def _quantity(vocabulary: Vocabulary, name: str, value: float) -> str:
-    kind = vocabulary.types[name]
-    if isnan(value):
-        return "unknown"
-    dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
-    return format_quantity(float(f"{value:.4g}"), dimension)
+    shown = float(f"{value:.4g}")
+    return "unknown" if isnan(value) else format_quantity(shown, vocabulary.dimension(name))

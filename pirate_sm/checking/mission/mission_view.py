@@ -44,8 +44,7 @@ class Places:
 
     def read(self, text: str) -> Place:
         """Return the place of ``file:line:col``."""
-        file, line, column = text.rsplit(":", 2)
-        return Place(file, int(line), int(column))
+        return Place.read(text)
 
     def of(self, path: Path, *, key: bool = False) -> Place:
         """Return the place of a part of the mission's own file."""

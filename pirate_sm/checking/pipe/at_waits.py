@@ -50,7 +50,7 @@ class AtWaits:
         self._view = view
         robot, profile = view.fit.robot, view.fit.profile
         bends, program = len(view.bends), view.loaded.program
-        self._course = course_of(robot, program, profile, bends, failing=True)
+        self._course = course_of(view.fit.force, program, bends, failing=True)
         situations = self._course.situations if self._course is not None else ()
         usual = {each.at for each in view.course.situations}
         self._points: dict[int, list[CoursePoint]] = defaultdict(list)
@@ -232,7 +232,7 @@ _LEAST_TURN_RAD = 0.5
 
 def _bending(view: PipeView) -> bool:
     """Return whether the robot has commands that bend a part into a bend."""
-    bends, table = Bends(view.fit.robot, view.fit.profile), view.fit.robot.table
+    bends, table = Bends(view.fit.force), view.fit.robot.table
     return any(bends.of(number) for number in range(len(table.configurations)))
 
 

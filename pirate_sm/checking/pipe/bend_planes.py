@@ -11,9 +11,9 @@ from collections.abc import Iterator
 from math import degrees, pi, remainder
 from typing import NamedTuple
 
-from pirate_sm.checking.findings import Finding, at
+from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.course_points import Bending
-from pirate_sm.checking.pipe.pipe_view import PipeView, story_of
+from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
 from pirate_sm.geometry.joints import Joint
 
@@ -137,12 +137,10 @@ def _how_to_turn(view: PipeView, missed: _Missed) -> str:
 def _at_step(view: PipeView, missed: _Missed, code: str, message: str, fix: str) -> Finding:
     """Return a finding at the step that bends, or at the call of a mission that bends."""
     point = missed.bending.point
-    step, mission = view.place_of_step(point.place), view.loaded.documents[0]
-    place = view.own_place(point.at - 1, point.place) if step.line else mission.place_of(("pipe",))
+    step, place = view.place_of_step(point.place), view.own_place(point.at - 1, point.place)
     related = [(view.place_in_pipe(view.path_of(missed.joint)), "into this")]
     related[:0] = [(step, "this bends it")] if place != step and step.line else []
-    found = at(view.document(place.file), place, code, message, fix=fix, related=related)
-    return story_of(found, view, point)
+    return view.finding_at(point, code, message, fix=fix, related=related)
 
 
 def _name(view: PipeView, missed: _Missed) -> str:

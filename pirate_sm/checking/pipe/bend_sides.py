@@ -50,7 +50,7 @@ def side_of(joint: Joint) -> int:
 
 def _bent_in_vain(view: PipeView) -> Iterator[Finding]:
     """Report parts that are bent in a pipe without bends, by handlers too."""
-    bends, reported = Bends(view.fit.robot, view.fit.profile), set[Place]()
+    bends, reported = Bends(view.fit.force), set[Place]()
     steps = [(b.point.at - 1, b.point.place, {b.bend.part}) for b in view.course.bends]
     for number, it in enumerate(view.loaded.program.instructions):
         if isinstance(it, Do) and (parts := bends.always(it.command)):

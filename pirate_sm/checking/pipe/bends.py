@@ -5,8 +5,7 @@ from __future__ import annotations
 from math import copysign
 from typing import NamedTuple
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.model.profile import Profile
+from pirate_sm.checking.actuation_in_force import Actuated, InForce
 
 
 class Bend(NamedTuple):
@@ -29,12 +28,8 @@ class Bends:
     actuation of a state counts: no control seeks an angle.
     """
 
-    def __init__(self, robot: RobotSpec, profile: Profile) -> None:
-        self._robot = robot
-        parts = {joint.name: robot.parts.index(joint.part) for joint in profile.body.joints}
-        self._parts = {
-            slot: parts[each.joint] for slot, each in enumerate(profile.slots) if each.joint
-        }
+    def __init__(self, force: InForce) -> None:
+        self._force, self._robot = force, force.robot
         self._found: dict[int, Bend | None] = {}
         self._always: dict[int, frozenset[int]] = {}
 
@@ -55,12 +50,10 @@ class Bends:
         return self._always[command]
 
     def _look(self, configuration: int) -> Bend | None:
-        held = self._robot.held[configuration]
+        held, parts = self._robot.held[configuration], self._force.part_of
         sought = {
-            Bend(self._parts[write.slot], -int(copysign(1, write.value)))
-            for region, state in enumerate(self._robot.table.configurations[configuration])
-            for stage in self._robot.actuation[region][state]
-            for write in stage
-            if write.how == "seek" and write.value and self._parts.get(write.slot) not in held
+            Bend(parts[write.slot], -int(copysign(1, write.value)))
+            for write in self._force.writes(Actuated(configuration))
+            if write.how == "seek" and write.value and parts.get(write.slot) not in held
         }
         return sought.pop() if held and len(sought) == 1 else None

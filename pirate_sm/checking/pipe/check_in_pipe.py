@@ -43,7 +43,7 @@ def view_in_pipe(loaded: LoadedMission) -> PipeView | None:
     profile = loaded.loaded_robot.profile
     fit = Fit(profile, loaded.robot, loaded.pipe)
     bends = sum(1 for joint in fit.route.joints if joint.turn_rad)
-    course = course_of(loaded.robot, loaded.program, profile, bends)
+    course = course_of(fit.force, loaded.program, bends)
     return PipeView(loaded, loaded.pipe, course, fit) if course is not None else None
 
 

@@ -8,7 +8,7 @@ from math import degrees, pi
 
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import Bending, Change
-from pirate_sm.checking.pipe.pipe_view import PipeView, story_of
+from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
 from pirate_sm.model.travel import PassedBy, Travel
 
@@ -22,13 +22,13 @@ def takes_bends_that_are_there(view: PipeView) -> Iterator[Finding]:
         made[each.point.at, each.bend.part].append(each)
     reported = set[tuple[object, str]]()
     for (number, _), bendings in made.items():
-        place = view.own_place(number - 1, bendings[0].point.place)
         for found in (_not_there(view, bendings), _not_passed(view, number - 1, bendings)):
-            if found is not None and (place, found[0]) not in reported:
-                reported.add((place, found[0]))
+            if found is not None:
                 code, message, fix = found
-                finding = at(view.document(place.file), place, code, message, fix=fix)
-                yield story_of(finding, view, bendings[0].point)
+                finding = view.finding_at(bendings[0].point, code, message, fix=fix)
+                if (finding.place, code) not in reported:
+                    reported.add((finding.place, code))
+                    yield finding
 
 
 _Said = tuple[str, str, str]

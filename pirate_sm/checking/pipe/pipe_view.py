@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from functools import cached_property
+from typing import Any
 
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import CoursePoint, UsualCourse
@@ -38,7 +39,7 @@ class PipeView:
     @cached_property
     def roll_joint(self) -> RollJoint:
         """Return the roll joint of the robot."""
-        return RollJoint(self.fit.robot, self.fit.profile)
+        return RollJoint(self.fit.force)
 
     @property
     def start_roll_rad(self) -> float:
@@ -130,10 +131,7 @@ class PipeView:
 
     def place_of_step(self, text: str) -> Place:
         """Return the place of a step, from `file:line:col`."""
-        if not text:
-            return Place(self.loaded.documents[0].name)
-        file, line, column = text.rsplit(":", 2)
-        return Place(file, int(line), int(column))
+        return Place.read(text) if text else Place(self.loaded.documents[0].name)
 
     def calls(self, at: int) -> tuple[Require, ...]:
         """Return the calls in which an instruction is written out, outermost first."""
@@ -161,6 +159,19 @@ class PipeView:
         place = self.place_of_step(text)
         calls = self.calls(at)
         return self.place_of_step(calls[0].place) if place.file != own and calls else place
+
+    def finding_at(self, point: CoursePoint, code: str, message: str, **more: Any) -> Finding:
+        """Return a finding, with its story, at the step of a point or the call that leads to it.
+
+        Args:
+            point: The point.
+            code: An entry of the catalogue.
+            message: What is wrong, in one sentence.
+            more: Further arguments of :func:`pirate_sm.checking.findings.at`.
+        """
+        place = self.own_place(point.at - 1, point.place)
+        place = place if place.line else self.loaded.documents[0].place_of(("pipe",))
+        return story_of(at(self.document(place.file), place, code, message, **more), self, point)
 
     def stands_in(self, point: CoursePoint) -> list[Piece]:
         """Return the pieces in which the robot can be: those before and behind its bend."""

@@ -41,6 +41,11 @@ class Fit:
     pipe: Pipe
 
     @cached_property
+    def force(self) -> InForce:
+        """Return what the robot's states write."""
+        return InForce(self.profile, self.robot)
+
+    @cached_property
     def route(self) -> Route:
         """Return the route through the pipe."""
         return self.pipe.route()
@@ -126,7 +131,7 @@ class Fit:
         """
         joint = self.profile.body.parts[self.robot.parts[part]].apex
         found, slots = [(inf, inf)], self.profile.slots
-        for write in InForce(self.profile, self.robot).writes(at):
+        for write in self.force.writes(at):
             slot = slots[write.slot]
             stall = self.profile.motors[slot.motor].stall_torque
             if slot.joint == joint and write.how == "set" and stall is not None:

@@ -5,9 +5,8 @@ from __future__ import annotations
 from math import isnan, nan, pi, remainder
 from typing import NamedTuple
 
+from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.engine.robot.command_spec import Write
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.model.profile import Profile
 
 QUARTER_RAD = pi / 2
 _DIGITS = 6
@@ -48,22 +47,18 @@ class RollJoint:
         link: Index of the link that it turns; -1 without a roll joint.
     """
 
-    def __init__(self, robot: RobotSpec, profile: Profile) -> None:
-        self._robot = robot
-        body = profile.body
+    def __init__(self, force: InForce) -> None:
+        self._force, robot = force, force.robot
+        self._robot, body = robot, force.profile.body
         rolls = [number for number, link in enumerate(body.links) if link.roll is not None]
         self.link = rolls[0] if len(rolls) == 1 else -1
-        self._slots = {n for n, slot in enumerate(profile.slots) if slot.roll is not None}
+        self._slots = {n for n, slot in enumerate(force.profile.slots) if slot.roll}
         self._ahead = frozenset(
             robot.parts.index(wheel.part)
             for number, wheel in enumerate(body.wheels)
             if number <= self.link
         )
         self._aims: dict[int, float | None] = {}
-        joints = {joint.name: robot.parts.index(joint.part) for joint in body.joints}
-        self._joints = {
-            slot: joints[each.joint] for slot, each in enumerate(profile.slots) if each.joint
-        }
 
     def is_ahead(self, part: int) -> bool:
         """Return whether a part is ahead of the joint."""
@@ -91,11 +86,8 @@ class RollJoint:
 
     def _asked(self, configuration: int) -> Write | None:
         """Return what a configuration writes to the joint; None if it keeps its angle."""
-        for region, state in enumerate(self._robot.table.configurations[configuration]):
-            for write in self._robot.actuation[region][state][-1]:
-                if write.slot in self._slots and write.how != "keep":
-                    return write
-        return None
+        writes = self._force.last_writes(Actuated(configuration))
+        return next((w for w in writes if w.slot in self._slots and w.how != "keep"), None)
 
     def commands_to(self, joint: float) -> tuple[str, ...]:
         """Return the commands that turn the joint to an angle, in quarter turns, in every case."""
@@ -160,17 +152,11 @@ class RollJoint:
         if not wound and not left:
             return wound
         posture = self._robot.commands[command].posture(after)
-        stages = [
-            stage
-            for region, state in enumerate(self._robot.table.configurations[after])
-            for stage in self._robot.actuation[region][state]
-        ]
-        if posture is not None:
-            stages.append(posture.writes)
-        writes = (write for stage in stages for write in stage if write.how == "seek")
-        sought = {self._joints[write.slot] for write in writes if write.slot in self._joints}
+        writes = [*self._force.writes(Actuated(after)), *(posture.writes if posture else ())]
+        parts = self._force.part_of
+        sought = {parts[w.slot] for w in writes if w.how == "seek" and w.slot in parts}
         return frozenset((wound | left) - held[after] - sought)
 
     def _locks(self, part: int) -> bool:
-        own = (slot for slot, its in self._joints.items() if its == part)
+        own = (slot for slot, its in self._force.part_of.items() if its == part)
         return any(self._robot.slots[slot].self_locking for slot in own)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import pi, remainder
 
-from pirate_sm.checking.findings import Finding, Severity, at
+from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.pipe.course_points import CoursePoint
-from pirate_sm.checking.pipe.pipe_view import PipeView, mm, story_of
+from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, Rolls
 from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.mouth import sink_m
@@ -71,11 +71,5 @@ def _finding(
     if not beyond:
         message = f"if the robot drives so far: {message}"
     severity = Severity.ERROR if beyond else Severity.WARNING
-    place, mission = view.own_place(point.at - 1, point.place), view.loaded.documents[0]
-    tee = view.place_in_pipe(view.path_of(joint))
-    if not place.line:
-        place = mission.place_of(("pipe",))
-    document = view.document(place.file)
-    related = [(tee, "past this")]
-    found = at(document, place, "tee.in_plane", message, severity=severity, related=related)
-    return story_of(found, view, point)
+    related = [(view.place_in_pipe(view.path_of(joint)), "past this")]
+    return view.finding_at(point, "tee.in_plane", message, severity=severity, related=related)

@@ -47,7 +47,7 @@ def _wound(view: PipeView, change: Change, turning: frozenset[int]) -> Finding |
 
 
 def _oblique(view: PipeView, change: Change, turning: frozenset[int]) -> Finding | None:
-    bend = Bends(view.fit.robot, view.fit.profile).of(change.before.configuration)
+    bend = Bends(view.fit.force).of(change.before.configuration)
     if bend is not None and bend.part in turning:
         message = f"{_command(view, change)} turns {_names(view, [bend.part])}, which is bent"
         return _at_step(view, change, "align.oblique", message)

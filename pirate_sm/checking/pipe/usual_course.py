@@ -11,6 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
+from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.pipe.bends import Bend, Bends
 from pirate_sm.checking.pipe.course_points import Bending, Change, CoursePoint, UsualCourse
 from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
@@ -18,7 +19,6 @@ from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.mission.successors import failures, successes
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.model.profile import Profile
 
 MOST_SITUATIONS = 100_000
 """Largest number of situations; a larger mission is not checked in its pipe."""
@@ -36,7 +36,7 @@ class _Follower:
         turned: The changes that turn the roll joint.
     """
 
-    robot: RobotSpec
+    force: InForce
     program: Program
     bends: Bends
     roll_joint: RollJoint
@@ -46,6 +46,11 @@ class _Follower:
     ways: dict[int, int] = field(default_factory=dict)
     made: dict[tuple[Bend, int, int, float | None], Bending] = field(default_factory=dict)
     turned: list[Change] = field(default_factory=list)
+
+    @property
+    def robot(self) -> RobotSpec:
+        """Return the engine's specification of the robot."""
+        return self.force.robot
 
     def after(self, now: CoursePoint) -> Iterator[CoursePoint]:
         """Yield the possible next points."""
@@ -135,32 +140,29 @@ class _Follower:
         if configuration in self.ways:
             return self.ways[configuration]
         values = [0.0] * len(self.robot.slots)
-        for region, state in enumerate(self.robot.table.configurations[configuration]):
-            for write in self.robot.actuation[region][state][-1]:
-                if write.turns:
-                    values[write.slot] = write.value
+        for write in self.force.last_writes(Actuated(configuration)):
+            if write.turns:
+                values[write.slot] = write.value
         return self.ways.setdefault(configuration, self.robot.travel(values))
 
 
 def course_of(
-    robot: RobotSpec, program: Program, profile: Profile, joints: int = 0, *, failing: bool = False
+    force: InForce, program: Program, joints: int = 0, *, failing: bool = False
 ) -> UsualCourse | None:
     """Return the course of the mission; None if it is too large.
 
     Args:
-        robot: The engine's specification of the robot, in the polarity of the mission.
+        force: What the robot's states write, in the polarity of the mission.
         program: The mission.
-        profile: The robot.
         joints: How many bends its pipe has.
         failing: Whether failures, time limits and fault handlers are followed too.
     """
-    wheels = profile.body.wheels
+    wheels = force.profile.body.wheels
     leads = tuple(
         1 if part == wheels[0].part else -1 if part == wheels[-1].part else 0
-        for part in robot.parts
+        for part in force.robot.parts
     )
-    joint = RollJoint(robot, profile)
-    follower = _Follower(robot, program, Bends(robot, profile), joint, leads, joints, failing)
+    follower = _Follower(force, program, Bends(force), RollJoint(force), leads, joints, failing)
     order, came = [_first(follower)], dict[CoursePoint, CoursePoint]()
     follower.note(order[0])
     found, onward = {order[0][:-1]}, dict[tuple[object, ...], tuple[CoursePoint, ...]]()

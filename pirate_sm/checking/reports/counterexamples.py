@@ -22,14 +22,14 @@ from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.errors import UsageError
-from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.expressions import Vocabulary
 from pirate_sm.loading import library
 from pirate_sm.loading.mission import TOLERABLE, LoadedMission
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.trace_script import UNKNOWN
-from pirate_sm.units import DIMENSIONLESS, format_quantity
+from pirate_sm.units import format_quantity
 
 SCRIPT_SUFFIX = ".script.yaml"
 
@@ -105,11 +105,10 @@ def _signals(
     vocabulary: Vocabulary, numbers: Mapping[str, float], words: Mapping[str, str | None]
 ) -> dict[str, str]:
     found = {name: word or UNKNOWN for name, word in words.items()}
-    for name, value in numbers.items():
-        kind = vocabulary.types[name]
-        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
-        found[name] = UNKNOWN if isnan(value) else format_quantity(value, dimension)
-    return found
+    return found | {
+        name: UNKNOWN if isnan(value) else format_quantity(value, vocabulary.dimension(name))
+        for name, value in numbers.items()
+    }
 
 
 def _moved(loaded: LoadedMission, path: Path, folder: Path) -> str:

@@ -10,13 +10,13 @@ from pirate_sm.cli.errors import say
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
 from pirate_sm.errors import UsageError
-from pirate_sm.expressions import NumberType, Vocabulary
+from pirate_sm.expressions import Vocabulary
 from pirate_sm.on_disk import is_folder, is_there, why_hidden
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.replay.compare import Comparison, compare, compared_run
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.setup_differences import unlike
-from pirate_sm.units import DIMENSIONLESS, format_quantity
+from pirate_sm.units import format_quantity
 
 SAME, DIFFERENT, UNREADABLE = 0, 1, 2
 
@@ -122,8 +122,7 @@ def _deviations(result: Comparison, vocabulary: Vocabulary) -> Iterator[str]:
     if apart:
         yield "largest differences, relative to the range of signals of their kind:"
     for each in apart[:_MOST_SIGNALS]:
-        kind = vocabulary.types[each.name]
-        dimension = kind.dimension if isinstance(kind, NumberType) else DIMENSIONLESS
+        dimension = vocabulary.dimension(each.name)
         most, typical, a, b = (
             format_quantity(float(f"{value:.4g}"), dimension)
             for value in (each.most, each.typical, each.first, each.second)

@@ -24,22 +24,32 @@ MOST_RUNS = 20
 """The most recordings that are offered from the folder for recordings; the newest ones."""
 
 
-def missions(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the shipped missions, and files."""
-    yield from _shipped(library.missions(), typed)
-    yield from _yaml(typed, {"mission"})
+def _of(
+    shipped: Callable[[], Iterable[Path]], fits: Callable[[Path], bool]
+) -> Callable[[typer.Context, str], Iterator[Candidate]]:
+    """Return a function that yields shipped names, and the files that fit."""
+
+    def found(context: typer.Context, typed: str) -> Iterator[Candidate]:
+        yield from _shipped(shipped(), typed)
+        yield from _files(typed, fits)
+
+    return found
 
 
-def missions_or_recordings(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the shipped missions, files of missions, and recordings."""
-    yield from _shipped(library.missions(), typed)
-    yield from _files(typed, lambda path: path.suffix == RECORDING or _is(path, {"mission"}))
-
-
-def pipes(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the shipped pipes, and files."""
-    yield from _shipped(library.pipes(), typed)
-    yield from _yaml(typed, {"pipe"})
+missions = _of(library.missions, lambda path: _is(path, {"mission"}))
+missions_or_recordings = _of(
+    library.missions, lambda path: path.suffix == RECORDING or _is(path, {"mission"})
+)
+campaigns = _of(library.missions, lambda path: _is(path, {"campaign", "mission"}))
+pipes = _of(library.pipes, lambda path: _is(path, {"pipe"}))
+cameras = _of(library.cameras, lambda path: _is(path, {"camera"}))
+panels = _of(library.panels, lambda path: _is(path, {"panel"}))
+scripts = _of(tuple, lambda path: _is(path, {"trace script"}))
+twins = _of(tuple, lambda path: _is(path, {"twin"}))
+charts_in_scxml = _of(tuple, lambda path: path.suffix in {".scxml", ".xml"})
+checkable = _of(tuple, lambda path: path.suffix in library.SUFFIXES)
+files = _of(tuple, lambda path: True)
+folders = _of(tuple, lambda path: False)
 
 
 def robots(context: typer.Context, typed: str) -> Iterator[Candidate]:
@@ -52,18 +62,6 @@ def robots(context: typer.Context, typed: str) -> Iterator[Candidate]:
         yield (folder.rstrip("/"), about_file(profile)) if is_file(profile) else (folder, about)
 
 
-def cameras(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the shipped cameras, and files."""
-    yield from _shipped(library.cameras(), typed)
-    yield from _yaml(typed, {"camera"})
-
-
-def panels(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield the shipped control panels, and files."""
-    yield from _shipped(library.panels(), typed)
-    yield from _yaml(typed, {"panel"})
-
-
 def scenes(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the scenes of the gallery, and files."""
     for path in library.scenes():
@@ -72,42 +70,11 @@ def scenes(context: typer.Context, typed: str) -> Iterator[Candidate]:
     yield from _files(typed, lambda path: "scene" in read(path))
 
 
-def campaigns(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield files of campaigns, and missions."""
-    yield from _shipped(library.missions(), typed)
-    yield from _yaml(typed, {"campaign", "mission"})
-
-
 def drawable(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield missions, robots and pipes, and files of them and of charts."""
     yield from _shipped([*library.missions(), *library.pipes()], typed)
     yield from robots(context, typed)
     yield from _files(typed, lambda path: _is(path, {"mission", "pipe", "robot", "chart"}))
-
-
-def scripts(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield files with triggers, or with an event sequence."""
-    yield from _yaml(typed, {"trace script"})
-
-
-def twins(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield files with fitted numbers of a robot."""
-    yield from _yaml(typed, {"twin"})
-
-
-def checkable(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield YAML files, and folders."""
-    yield from _files(typed, lambda path: path.suffix in library.SUFFIXES)
-
-
-def files(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield all files, and folders."""
-    yield from _files(typed, lambda path: True)
-
-
-def folders(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield folders."""
-    yield from _files(typed, lambda path: False)
 
 
 def recordings(context: typer.Context, typed: str) -> Iterator[Candidate]:
@@ -128,19 +95,10 @@ def recordings_or_tables(context: typer.Context, typed: str) -> Iterator[Candida
     yield from _files(typed, lambda path: path.suffix == ".csv")
 
 
-def charts_in_scxml(context: typer.Context, typed: str) -> Iterator[Candidate]:
-    """Yield files in SCXML."""
-    yield from _files(typed, lambda path: path.suffix in {".scxml", ".xml"})
-
-
 def _shipped(paths: Iterable[Path], typed: str) -> Iterator[Candidate]:
     for path in paths:
         if path.stem.startswith(typed):
             yield path.stem, about_file(path)
-
-
-def _yaml(typed: str, kinds: Collection[str]) -> Iterator[Candidate]:
-    return _files(typed, lambda path: _is(path, kinds))
 
 
 def _files(typed: str, fits: Callable[[Path], bool]) -> Iterator[Candidate]:

@@ -171,8 +171,7 @@ def _robot(robot: str | None, mission: Mission, folder: Path, problems: Problems
     except UsageError as error:
         problems.add("mission.robot", ("robot",), str(error))
     except LoadError as error:
-        for problem in error.problems:
-            problems.put(problem)
+        problems.take(error)
     raise LoadError(problems.all)
 
 

@@ -168,11 +168,7 @@ def _chart(folder: Path, name: str, problems: Problems) -> Document | None:
         problems.add(references.code_of(error, "robot.chart"), ("chart",), str(error))
         return None
     except LoadError as error:
-        for problem in error.problems:
-            if problem.place.line:
-                problems.put(problem)
-            else:
-                problems.add("robot.chart", ("chart",), f"{problem.place}: {problem.message}")
+        problems.take(error, "robot.chart", ("chart",))
         return None
 
 

@@ -7,6 +7,7 @@ from math import isnan
 
 import pytest
 
+from pirate_sm.checking.actuation_in_force import InForce
 from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.robot import LoadedRobot, load_robot
@@ -26,7 +27,7 @@ def robot(loaded: LoadedRobot) -> RobotSpec:
 
 @pytest.fixture(scope="module")
 def joint(loaded: LoadedRobot, robot: RobotSpec) -> RollJoint:
-    return RollJoint(robot, loaded.profile)
+    return RollJoint(InForce(loaded.profile, robot))
 
 
 def course(robot: RobotSpec, *commands: str) -> list[tuple[int, int, int]]:
@@ -100,7 +101,7 @@ def test_an_angle_that_only_the_run_will_know_is_asked_for_once(
     (stage,) = states["AlignedRight"]
     states["AlignedRight"] = (tuple(write._replace(share_of=0) for write in stage),)
     actuation = (*robot.actuation[:region], states, *robot.actuation[region + 1 :])
-    joint = RollJoint(replace(robot, actuation=actuation), loaded.profile)
+    joint = RollJoint(InForce(loaded.profile, replace(robot, actuation=actuation)))
     right, hold, relax = course(robot, *REAR, "AlignRight", "ClampFront", "RelaxRear")[1:]
 
     aim = joint.aim(right[2])
@@ -137,7 +138,7 @@ def test_a_relaxed_part_stays_wound_until_its_joints_are_sought(
 def test_a_robot_without_a_roll_joint_never_turns() -> None:
     loaded = load_robot(NEWT)
     robot = loaded.normal
-    joint = RollJoint(robot, loaded.profile)
+    joint = RollJoint(InForce(loaded.profile, robot))
 
     assert joint.link == -1
     aims = [joint.aim(number) for number in range(len(robot.table.configurations))]
