@@ -1,4 +1,4 @@
-"""Column names with their SI unit, in characters that every program accepts in a name."""
+"""Names of columns with their SI unit, in characters that every program accepts in a name."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ from collections.abc import Iterable
 from functools import cache
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.model.profile import Profile
 from pirate_sm.units import Dimension, unit_of
 
 
@@ -32,3 +33,17 @@ def slot_names(robot: RobotSpec) -> tuple[str, ...]:
     """Return the column names of all setpoints."""
     units = {"duty": "duty", "angle": "rad"}
     return tuple(f"{slot.name}_{units[slot.unit]}" for slot in robot.slots)
+
+
+def current_signals(profile: Profile, *, of_wheels: bool) -> list[str]:
+    """Return the signals that are currents of wheels' motors, or of all others."""
+    slots = {slot.name: slot for slot in profile.slots}
+    return [
+        channel.signal
+        for board in profile.boards
+        for channel in board.channels
+        if channel.senses == "current"
+        and channel.signal
+        and channel.slot
+        and (slots[channel.slot].wheel is not None) == of_wheels
+    ]

@@ -10,6 +10,7 @@ from math import degrees, isnan, nan
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.profile import Profile
+from pirate_sm.recording.column_names import current_signals
 from pirate_sm.report.contents import Chart, Series
 from pirate_sm.report.sampling import Samples, over, value_at
 
@@ -80,11 +81,15 @@ def _of_joints(it: Measured) -> Iterator[Chart]:
     yield Chart("Joint angles", "°", 2, it.named(names, _DEGREES))
     torques = [joint.torque for joint in joints if joint.torque]
     yield Chart("Joint torques", "Nm", 3, it.named(torques))
-    yield Chart("Joint motor currents", "mA", 0, it.named(_currents(it.profile, False), 1e3))
+    yield Chart(
+        "Joint motor currents", "mA", 0, it.named(current_signals(it.profile, of_wheels=False), 1e3)
+    )
 
 
 def _of_wheels(it: Measured) -> Iterator[Chart]:
-    yield Chart("Wheel motor currents", "mA", 0, it.named(_currents(it.profile, True), 1e3))
+    yield Chart(
+        "Wheel motor currents", "mA", 0, it.named(current_signals(it.profile, of_wheels=True), 1e3)
+    )
     rims = tuple(it.rim(number, 1e3) for number in range(len(it.robot.wheels)))
     yield Chart("Wheel speeds at the rim", "mm/s", 1, rims, "Positive is forward.")
     yield _slip(it)
@@ -92,16 +97,6 @@ def _of_wheels(it: Measured) -> Iterator[Chart]:
     yield Chart("Normal forces", "N", 1, it.derived(kinds.NormalForceOf), note)
     note = "Known if a wheel slips steadily and an outside sensor measures the speed."
     yield Chart("Friction", "", 2, it.derived(kinds.FrictionOf), note)
-
-
-def _currents(profile: Profile, of_wheels: bool) -> Iterator[str]:
-    slots = {slot.name: slot for slot in profile.slots}
-    for board in profile.boards:
-        for channel in board.channels:
-            if channel.senses != "current" or channel.signal is None or channel.slot is None:
-                continue
-            if (slots[channel.slot].wheel is not None) == of_wheels:
-                yield channel.signal
 
 
 def _slip(it: Measured) -> Chart:

@@ -15,7 +15,7 @@ from xml.etree import ElementTree as Xml
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import derived as kinds
 from pirate_sm.palette import CURVES, EITHER
-from pirate_sm.recording.column_names import signal_names, slot_names
+from pirate_sm.recording.column_names import current_signals, signal_names, slot_names
 from pirate_sm.recording.viewers.transforms import PIPE
 
 Split: TypeAlias = dict[str, Any]
@@ -42,13 +42,6 @@ def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
     """Return the plots for a robot's profile."""
     robot, profile = loaded.robot, loaded.loaded_robot.profile
     names = dict(zip(robot.vocabulary.numbers, signal_names(robot), strict=True))
-    slots = {slot.name: slot for slot in profile.slots}
-    currents = [
-        (channel.signal, slots[channel.slot].wheel is not None)
-        for board in profile.boards
-        for channel in board.channels
-        if channel.senses == "current" and channel.signal and channel.slot
-    ]
     joints, rolls = profile.body.joints, [link.roll for link in profile.body.links if link.roll]
     way, speed = (
         [robot.vocabulary.numbers[index]] if index >= 0 else []
@@ -60,8 +53,8 @@ def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
         ("Speed", speed),
         ("Joint angles", [*(joint.name for joint in joints), *rolls]),
         ("Joint torques", [joint.torque for joint in joints if joint.torque]),
-        ("Wheel motor currents", [name for name, wheel in currents if wheel]),
-        ("Joint motor currents", [name for name, wheel in currents if not wheel]),
+        ("Wheel motor currents", current_signals(profile, of_wheels=True)),
+        ("Joint motor currents", current_signals(profile, of_wheels=False)),
         ("Inner diameter", diameters),
     ]
     found = [Plot(title, tuple(("/signals", names[it]) for it in each)) for title, each in others]

@@ -97,7 +97,7 @@ class Guardian:
                 self._hear()
         if self._plugged:
             try:
-                data = self._port.read(now())
+                data = self._port.read()
             except PortLostError as error:
                 self._lose(error)
             else:

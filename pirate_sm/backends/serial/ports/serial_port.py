@@ -5,10 +5,8 @@ from __future__ import annotations
 import errno
 import os
 import re
-import select
 import time
 from contextlib import suppress
-from math import inf
 from pathlib import Path
 
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -22,7 +20,6 @@ except ModuleNotFoundError:
     raise not_installed("the serial backend", "pyserial", "serial") from None
 
 _WRITE_WITHIN_S = 0.5
-_POLL_S = 0.005
 _MOST_BYTES = 4096
 _NO_ADDRESS = "{} is not an address that pyserial can use, such as socket://HOST:PORT"
 _NOT_THERE = {errno.ENOENT, errno.ENOTDIR, errno.ELOOP, errno.ENAMETOOLONG}
@@ -65,13 +62,6 @@ class SerialPort:
         except Exception:  # pyserial raises anything on bad options in URLs
             raise BackendError(_NO_ADDRESS.format(self.name)) from None
 
-    def reopen(self) -> bool:
-        """Try to reopen the port; return whether it is open."""
-        self.let_go()
-        with suppress(BackendError):
-            self.open()
-        return self._port is not None
-
     def write(self, data: bytes) -> None:
         """Write the bytes in one piece."""
         if self._port is None:
@@ -82,12 +72,11 @@ class SerialPort:
             self.let_go()  # a replugged device gets its old name only then
             raise PortLostError(f"{self.name} cannot be written to: {error}") from None
 
-    def read(self, until_s: float) -> bytes:
-        """Return received bytes as soon as there are any; empty if none came by ``until_s``."""
+    def read(self) -> bytes:
+        """Return the bytes that have been received; empty if there are none."""
         if self._port is None:
             raise PortLostError(f"{self.name} is closed")
         try:
-            self._wait(self._port, until_s)
             return bytes(self._port.read(_MOST_BYTES))
         except (serial.SerialException, OSError, TypeError):
             # pyserial raises a TypeError when its descriptor is closed meanwhile.
@@ -102,31 +91,7 @@ class SerialPort:
         except (AttributeError, OSError):
             return -1
 
-    def _wait(self, port: serial.Serial, until_s: float) -> None:
-        descriptor = self.descriptor
-        if descriptor < 0:
-            while not port.in_waiting and time.monotonic() < until_s:
-                time.sleep(_POLL_S)
-            return
-        timeout_s = None if until_s == inf else max(0.0, until_s - time.monotonic())
-        select.select([descriptor], [], [], timeout_s)
-
-    def wait(self, until_s: float) -> None:
-        """Sleep until that time."""
-        time.sleep(max(0.0, until_s - time.monotonic()))
-
-    def beat(self, safe_frame: bytes) -> None:
-        """Do nothing: this port has no guardian."""
-
-    def overruled(self) -> bool:
-        """Return false: this port has no guardian."""
-        return False
-
-    def remark(self) -> str:
-        """Return nothing: this port has no guardian."""
-        return ""
-
-    def close(self, stopped: bool = False) -> None:
+    def close(self) -> None:
         """Close the port once all written bytes have gone out."""
         if self._port is not None:
             with suppress(Exception):  # the port may have gone

@@ -121,17 +121,5 @@ def test_a_port_has_one_user_and_is_free_afterwards(terminal: str) -> None:
 
     assert refusal(terminal).startswith(f"{terminal} is in use by another program")
     first.close()
-    assert first.reopen()
+    first.open()
     first.close()
-
-
-def test_waiting_for_a_time_that_has_passed_takes_no_time(monkeypatch: pytest.MonkeyPatch) -> None:
-    slept: list[float] = []
-    monkeypatch.setattr("time.sleep", slept.append)
-    monkeypatch.setattr("time.monotonic", lambda: 100.0)
-    port = SerialPort("/dev/none", 57600)
-
-    port.wait(99.0)
-    port.wait(100.5)
-
-    assert slept == [0.0, 0.5]
