@@ -121,9 +121,7 @@ class Outcome:
     cpu_s: float = field(default=0.0, compare=False, repr=False)
 
 
-def watched_run(
-    order: Order, loaded: LoadedMission, *, slides: bool = True, tap: Tap | None = None
-) -> Outcome:
+def watched_run(order: Order, loaded: LoadedMission, *, slides: bool = True) -> Outcome:
     """Run the mission to its end and return what came of it.
 
     Args:
@@ -131,14 +129,13 @@ def watched_run(
         loaded: Its mission, loaded.
         slides: Whether to look how far a robot slides after a mission that has succeeded; after
             others that is always looked at.
-        tap: Receives every input and output of the engine.
 
     Raises:
         UsageError: The order does not fit.
         Exception: Whatever an internal error raises.
     """
     began = perf_counter()
-    return finished(prepare(order, loaded), began, slides=slides, tap=tap)
+    return finished(prepare(order, loaded), began, slides=slides)
 
 
 def finished(

@@ -52,7 +52,6 @@ class PanelReader:
         panel: The panel.
         device: Its file; None: found by the name of its sound card.
         end_run: Ends the run.
-        system: Where devices are found.
         reopen_every_s: How often a device that has gone is looked for.
 
     Attributes:
@@ -65,13 +64,12 @@ class PanelReader:
         device: Path | None,
         end_run: EndRun,
         *,
-        system: MidiSystem | None = None,
         reopen_every_s: float = REOPEN_EVERY_S,
     ) -> None:
         self.panel = panel
         self._device = device
         self._end_run = end_run
-        self._system = system or MidiSystem()
+        self._system = MidiSystem()
         self._reopen_every_s = reopen_every_s
         self._happened: deque[Happening] = deque(maxlen=MOST_WAITING)
         self._presses = Presses(panel)

@@ -168,11 +168,6 @@ class Map:
         side, up = dot(frame.side, self.up), -dot(frame.normal, self.up)
         return atan2(side, up) if hypot(side, up) > LEAST_ACROSS else nan
 
-    def pitch_of(self, leg: int) -> float:
-        """Return the pitch of a leg, rad, as the bends before it say."""
-        along = dot(self.frame(leg).ahead, self.up)
-        return atan2(along, (max(0.0, 1.0 - along * along)) ** 0.5)
-
 
 def middle(values: list[float]) -> float:
     """Return the median; NaN of nothing."""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from functools import cache
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -23,10 +22,10 @@ def signal_units(robot: RobotSpec) -> dict[str, str]:
     return dict(zip(signal_names(robot), units, strict=True))
 
 
-def signal_names(robot: RobotSpec, names: Iterable[str] | None = None) -> tuple[str, ...]:
-    """Return the column names of these signals; by default of all, in the engine's order."""
-    wanted = robot.vocabulary.numbers if names is None else names
-    return tuple(with_unit(name, robot.vocabulary.dimension(name)) for name in wanted)
+def signal_names(robot: RobotSpec) -> tuple[str, ...]:
+    """Return the column names of all signals, in the engine's order."""
+    known = robot.vocabulary
+    return tuple(with_unit(name, known.dimension(name)) for name in known.numbers)
 
 
 def slot_names(robot: RobotSpec) -> tuple[str, ...]:

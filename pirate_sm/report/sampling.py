@@ -112,7 +112,6 @@ class Samples:
         *,
         scale: float = 1.0,
         stepped: bool = False,
-        main: bool = False,
         until_s: float | None = None,
     ) -> Series:
         """Return one of the numbers as a curve.
@@ -122,7 +121,6 @@ class Samples:
             name: Name of the curve.
             scale: Factor from SI to the unit of the chart.
             stepped: As in the curve.
-            main: As in the curve.
             until_s: Time up to which the last value held; None: no longer than its own time.
         """
         times, values = self._curves[index].points()
@@ -130,7 +128,7 @@ class Samples:
         if until_s is not None and times and times[-1] < until_s:
             times.append(until_s)
             values.append(values[-1])
-        return Series(name, *thinned(times, values), stepped=stepped, main=main)
+        return Series(name, *thinned(times, values), stepped=stepped)
 
 
 def thinned(

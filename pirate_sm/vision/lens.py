@@ -85,10 +85,6 @@ class LensModel:
         count = int(np.argmin(slopes > 0)) or _TABLE
         return radii[:count], angles[:count]
 
-    def undistorted(self, size: FrameSize) -> UndistortedView:
-        """Return the view of this lens without distortion, for pictures of this size."""
-        return UndistortedView(self, size)
-
 
 @dataclass(frozen=True)
 class UndistortedView:
@@ -132,13 +128,6 @@ class UndistortedView:
     def rays(self, pixels: Floats) -> Floats:
         """Return the unit directions in which pixels of this view look, (N, 3)."""
         return _unit(_homogeneous(pixels) @ np.linalg.inv(self.matrix).T)
-
-    def pixels(self, rays: Floats) -> Floats:
-        """Return where directions are in this view, (N, 2)."""
-        with np.errstate(divide="ignore", invalid="ignore"):
-            flat = rays[:, :2] / rays[:, 2:]
-        flat[rays[:, 2] <= 0] = np.nan
-        return (_homogeneous(flat) @ self.matrix.T)[:, :2]
 
 
 def _homogeneous(points: Floats) -> Floats:

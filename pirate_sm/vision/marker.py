@@ -65,7 +65,7 @@ class MarkerFinder:
 
     @cached_property
     def _flat(self) -> UndistortedView:
-        return self.view.lens.undistorted(self.size)
+        return UndistortedView(self.view.lens, self.size)
 
     def _everywhere(self, frame: Frame) -> Floats:
         """Return the places that fit in every second pixel; the best one from all pixels."""
