@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from pirate_sm.experiments.experiment_setup import ExperimentSetup
+from pirate_sm.experiments.mission_setups import ExperimentSetup
 from pirate_sm.model import quantities as si
 from pirate_sm.model.base import Frozen, Name
 from pirate_sm.model.simulation import Friction

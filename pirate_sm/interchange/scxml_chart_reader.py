@@ -10,8 +10,14 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 from pirate_sm.interchange.scxml_guards import ConditionError, guard_of
-from pirate_sm.interchange.scxml_names import OURS, SCXML
-from pirate_sm.interchange.xml_elements import Attribute, Element, lines_of, read_elements
+from pirate_sm.interchange.xml_elements import (
+    OURS,
+    SCXML,
+    Attribute,
+    Element,
+    lines_of,
+    read_elements,
+)
 from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Place, Problem, Problems

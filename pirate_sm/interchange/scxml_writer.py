@@ -14,7 +14,7 @@ from xml.etree import ElementTree as Xml
 
 from pirate_sm.drawing.graph.step_text import amount, short, step_lines
 from pirate_sm.interchange.scxml_guards import condition_of
-from pirate_sm.interchange.scxml_names import OURS, SCXML
+from pirate_sm.interchange.xml_elements import OURS, SCXML
 from pirate_sm.loading.chart.outline import ChartOutline, StateNode
 from pirate_sm.loading.mission.wait_writer import TIME_LIMIT, trigger_names
 from pirate_sm.model import mission as model

@@ -22,6 +22,13 @@ _ATTRIBUTE: Final = re.compile(rb"""\s+([^\s=<>"']+)\s*=\s*(?:"[^"]*"|'[^']*')""
 _LINE_END: Final = re.compile("\r\n|\r|\n")
 
 
+SCXML: Final = "http://www.w3.org/2005/07/scxml"
+"""The namespace of SCXML 1.0 (W3C Recommendation, 1 September 2015)."""
+
+OURS: Final = "urn:pirate-sm"
+"""The namespace of what SCXML has no word for; other programs ignore it."""
+
+
 @dataclass(frozen=True, slots=True)
 class Attribute:
     """An attribute with the line and column of its name."""

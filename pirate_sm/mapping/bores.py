@@ -40,16 +40,6 @@ class Narrowing(NamedTuple):
     diameter_m: float
 
 
-class _Bin(NamedTuple):
-    rear_m: float
-    front_m: float
-    diameter_m: float
-
-    @property
-    def middle_m(self) -> float:
-        return (self.rear_m + self.front_m) / 2
-
-
 def diameter_of(bores: Sequence[Bore]) -> float | None:
     """Return the first inner diameter along a leg, m; None if it was never shown."""
     plateaus = _plateaus(bores)
@@ -75,10 +65,10 @@ def narrowings(bores: Sequence[Bore]) -> Iterator[Narrowing]:
                 break
 
 
-def _plateaus(bores: Sequence[Bore]) -> list[list[_Bin]]:
+def _plateaus(bores: Sequence[Bore]) -> list[list[Bore]]:
     """Return the stretches of one diameter, in order; neighbours differ by more than noise."""
-    found: list[list[_Bin]] = []
-    part: list[_Bin] = []
+    found: list[list[Bore]] = []
+    part: list[Bore] = []
     for each in (*_bins(bores), None):
         known = median([it.diameter_m for it in part]) if part else 0.0
         if each is not None and abs(each.diameter_m - known) <= _EVEN * known:
@@ -90,7 +80,7 @@ def _plateaus(bores: Sequence[Bore]) -> list[list[_Bin]]:
     return [stretch for stretch in found if len(stretch) >= _PLATEAU_BINS]
 
 
-def _add(found: list[list[_Bin]], part: list[_Bin]) -> None:
+def _add(found: list[list[Bore]], part: list[Bore]) -> None:
     """Add a stretch, or join it to the last one if it has the same diameter."""
     own = median(each.diameter_m for each in part)
     last = median(each.diameter_m for each in found[-1]) if found else 0.0
@@ -100,10 +90,10 @@ def _add(found: list[list[_Bin]], part: list[_Bin]) -> None:
         found.append(part)
 
 
-def _bins(bores: Sequence[Bore]) -> Iterator[_Bin]:
+def _bins(bores: Sequence[Bore]) -> Iterator[Bore]:
     """Yield what was shown in each piece of the way."""
     pieces: dict[int, list[Bore]] = defaultdict(list)
     for each in bores:
         pieces[round((each.rear_m + each.front_m) / 2 / _BIN_M)].append(each)
     for _, group in sorted(pieces.items()):
-        yield _Bin(*(median(values) for values in zip(*group, strict=True)))
+        yield Bore(*(median(values) for values in zip(*group, strict=True)))

@@ -18,7 +18,7 @@ LEAST_ACROSS = 0.2
 
 
 class Bore(NamedTuple):
-    """What the V of a clamped part showed of the inner diameter.
+    """What the V of a clamped part showed of the inner diameter, or several of them on average.
 
     Attributes:
         rear_m: Place in the leg of the part's last wheel.
@@ -29,6 +29,11 @@ class Bore(NamedTuple):
     rear_m: float
     front_m: float
     diameter_m: float
+
+    @property
+    def middle_m(self) -> float:
+        """Return the place in the leg of the middle of both."""
+        return (self.rear_m + self.front_m) / 2
 
 
 @dataclass

@@ -8,8 +8,7 @@ from math import inf, nan
 from pirate_sm.model.body import Body
 from pirate_sm.recording.format.samples import SAMPLES, Placed, decode_samples
 from pirate_sm.recording.read.reader import NS_PER_S, Recording
-from pirate_sm.recording.viewers.places_in_space import rolls_of, space_of
-from pirate_sm.recording.viewers.viewer_messages import PLACES
+from pirate_sm.recording.viewers.viewer_messages import PLACES, rolls_of, space_of
 
 
 def recorded_places(recording: Recording, body: Body, since_s: float = -inf) -> Iterator[Placed]:

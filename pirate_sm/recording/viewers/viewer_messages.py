@@ -27,7 +27,6 @@ from pirate_sm.recording.column_names import signal_names, slot_names
 from pirate_sm.recording.format.samples import rounded
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
-from pirate_sm.recording.viewers.places_in_space import ROLLS, columns_in_space, values_in_space
 from pirate_sm.recording.viewers.transforms import Transforms
 from pirate_sm.recording.viewers.transforms_in_space import SpaceTransforms
 from pirate_sm.recording.viewers.viewer_channel import (
@@ -278,3 +277,30 @@ def _listed(names: Sequence[str]) -> str:
 
 def _json(content: Mapping[str, Any]) -> bytes:
     return json.dumps(content, separators=(",", ":")).encode()
+
+
+ROLLS = ("joint_roll_rad", "front_roll_rad", "rear_roll_rad")
+
+
+def columns_in_space(wheels: Sequence[str]) -> tuple[str, ...]:
+    """Return the names of the columns: z of each wheel, then the rolls."""
+    return (*(f"{name}_z_m" for name in wheels), *ROLLS)
+
+
+def values_in_space(space: InSpace) -> tuple[float, ...]:
+    """Return the values of these columns."""
+    return (*space.z_m, *space.rolls_rad)
+
+
+def space_of(content: Mapping[str, Any], wheels: Sequence[str]) -> InSpace | None:
+    """Return what a message has in these columns; None if it is of a robot in a plane."""
+    names = columns_in_space(wheels)
+    if any(name not in content for name in names):
+        return None
+    values = tuple(float(content[name]) for name in names)
+    return InSpace(values[: len(wheels)], values[len(wheels) :])
+
+
+def rolls_of(content: Mapping[str, Any]) -> tuple[float, ...]:
+    """Return the rolls in a message; empty if it has none."""
+    return tuple(float(content[name]) for name in ROLLS) if content.keys() >= {*ROLLS} else ()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.model.true_position import InSpace
-from pirate_sm.recording.viewers.places_in_space import (
+from pirate_sm.recording.viewers.viewer_messages import (
     columns_in_space,
     space_of,
     values_in_space,
