@@ -254,10 +254,11 @@ def _summed(found: Sequence[Judged]) -> bool:
     print(f"{len(found)} runs: {len(false)} claim falsely, {refused} were refused at once")
     print(f"with nothing wrong {good} of {len(plain)} succeed; {wide} bounds are too wide")
     print(f"{held} of {len(covered)} bounds hold the truth")
-    for each in plain:
-        if each.verdict != "claimed" or each.wide:
-            bound = f", within {each.claim.bound_m * 1000:.0f} mm" if each.wide else ""
-            print(f"    {each.case.number} {each.why}{bound}")
+    for each in found:
+        amiss = each.verdict != "claimed" and each.case.trouble == "nothing"
+        if amiss or each.wide or not all(each.covered):
+            said = _said(each.claim.estimate_m, each.claim)
+            print(f"    {each.case.number} {each.why}{'' if amiss else f': {said}'}")
             print(f"        {command_of(each.case.order, each.case.order.seed)}")
     missed = good < SUCCEEDS * len(plain) or held < COVERED * len(covered)
     return bool(false) or bool(wide) or missed

@@ -44,6 +44,16 @@ friction: {static: 0.843, kinetic: 0.786}
 """
 
 
+DRY = """\
+format: 1
+pipe: dry
+diameter: 120 mm
+segments: [{straight: 1.135 m}]
+start: {at: 500 mm}
+friction: {static: 0.478, kinetic: 0.429}
+"""
+
+
 def shown(record) -> tuple[float, float, float]:
     """What the odometer shows, its bound, and how far the robot is from it, in mm.
 
@@ -64,6 +74,25 @@ def test_belief_in_wheels_that_are_dead_ends_with_the_way_that_they_lack(run, de
 
     _, bound_mm, off_mm = shown(record)
     assert off_mm < min(20, bound_mm)
+
+
+def test_belief_in_the_mean_of_the_wheels_ends_where_dead_ones_are_dragged(tmp_path: Path) -> None:
+    """One of three wheels slipped where the others rolled: it said 18 ± 27 mm at -13 mm."""
+    pipe = tmp_path / "dry.yaml"
+    pipe.write_text(DRY, encoding="utf-8")
+    order = Order(
+        "exp_1a_both",
+        pipe=str(pipe),
+        settings={"far": "381 mm"},
+        seed=1940,
+        start_jitter_m=0.02,
+        defects=("rear_wheels_dead:friction=0.108Nm",),
+    )
+
+    found = judged(Case(1940, "one defect", WAYS[14], order, None, 2.286))
+
+    assert found.verdict == "claimed"
+    assert 0.02 < abs(found.claim.estimate_m - found.claim.truth_m) < found.claim.bound_m
 
 
 def test_belief_in_a_distance_has_a_narrow_bound_where_nothing_is_wrong(run) -> None:

@@ -7,7 +7,7 @@ a slope the slide comes on top of it.
 from __future__ import annotations
 
 from collections.abc import Collection, Sequence
-from math import inf, isnan, nan
+from math import copysign, inf, isinf, isnan, nan
 from statistics import fmean, median
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -60,7 +60,7 @@ def counting(robot: RobotSpec, sensing: Sensing, before: DistanceMemory, *, read
         read: Whether the mission reads the distance, so that each round of the boards is judged.
     """
     every_s = _ROUND * robot.link.period_s if read else _UNREAD_S
-    width_m, rolled_m = before.width_m, before.rolled_m
+    width_m, rolled_m = before.width_m + abs(before.apart_m), before.rolled_m
     memory = DistanceMemory(every_s, width_m=width_m, late_m=BASE_M, rolled_m=rolled_m)
     return _with_bound(robot, sensing, sensing.numbers, memory)
 
@@ -125,23 +125,21 @@ def judge(
     by = believed(robot, sensing, setpoints, rolled_m, now_s)
     joints = _joints(robot, sensing)
     elapsed_s, grip = now_s - memory.at_s, judge_grip(robot, sensing, setpoints, by, pitch_rad)
-    # Joints are steered and duties trimmed meanwhile: not each array that was sent is a start.
-    turns = tuple((setpoints[w.slot] > 0) - (setpoints[w.slot] < 0) for w in robot.wheels)
-    begun_s = memory.begun_s if turns == memory.turns else sensing.asked.since_s
-    # While it starts and stops, boards report different moments; a robot that slipped still may.
-    stops = not sensing.asked.driving and not memory.slipped
-    changed_s = max(begun_s, sensing.asked.since_s) if stops else begun_s
+    turns, begun_s, changed_s = _changed(robot, sensing, setpoints)
     changes = now_s - changed_s < _STARTING_S
     ways_m = [abs(speed * elapsed_s - by.moved_m) for speed in grip.speeds]
     lacking, spanned = _tilted(robot, sensing, held, bores_m)
-    slipped_m = 0.0
+    slipped_m, apart_m = 0.0, memory.apart_m
     if grip.slips:
         slipped_m = max(abs(by.moved_m), *ways_m) + memory.pending_m
         slipped_m += memory.sliding_m_s * elapsed_s + _bent_m(robot, memory.joints, joints)
-    elif ways_m and not changes:  # off the axis they differ by as much as the parts lack
-        slipped_m = max(0.0, max(ways_m) - lacking * abs(by.moved_m)) * _SOME
+    else:
+        if ways_m and not changes:  # off the axis they differ by as much as the parts lack
+            slipped_m = max(0.0, max(ways_m) - lacking * abs(by.moved_m)) * _SOME
+        apart_m += _apart_m(by, rolled_m)
+        apart_m = copysign(max(0.0, abs(apart_m) - slipped_m), apart_m)
     paces_m_s = _paces_m_s(robot, sensing)
-    late_m, gone_m = _late_m(robot, sensing, by, paces_m_s, now_s)
+    late_m, gone_m = _late_m(robot, sensing, by, setpoints, paces_m_s, now_s)
     wrong = _SHARE + _LOST * sensing.loss + min(_LEANS * lacking, _LEANS_AT_MOST)
     width_m = memory.width_m + wrong * abs(by.moved_m) + BALANCED * abs(by.missed_m) + gone_m
     sliding_m_s = memory.sliding_m_s + grip.pull_m_s2 * elapsed_s
@@ -163,14 +161,46 @@ def judge(
         out=by.out,
         width_m=width_m if pending else width_m + slipped_m,
         paces_m_s=paces_m_s,
-        late_m=BASE_M + late_m,
+        apart_m=apart_m,
+        late_m=BASE_M + late_m + abs(apart_m),
         pending_m=slipped_m if pending else 0.0,
         sliding_m_s=max(0.0, sliding_m_s) if grip.slips else 0.0,
         rolled_m=memory.rolled_m + abs(by.moved_m),
         spanned=spanned,
         slipped=grip.slips and not pending,
     )
-    return _with_bound(robot, sensing, numbers, memory)
+    return _with_bound(robot, sensing._replace(shares=_shares(sensing, by)), numbers, memory)
+
+
+def _changed(
+    robot: RobotSpec, sensing: Sensing, setpoints: Numbers
+) -> tuple[tuple[int, ...], float, float]:
+    """Return in which directions wheels are driven, since when, and when that began or ended."""
+    memory = sensing.distance
+    # Joints are steered and duties trimmed meanwhile: not each array that was sent is a start.
+    turns = tuple((setpoints[w.slot] > 0) - (setpoints[w.slot] < 0) for w in robot.wheels)
+    begun_s = memory.begun_s if turns == memory.turns else sensing.asked.since_s
+    # While it starts and stops, boards report different moments; a robot that slipped still may.
+    stops = not sensing.asked.driving and not memory.slipped
+    return turns, begun_s, max(begun_s, sensing.asked.since_s) if stops else begun_s
+
+
+def _shares(sensing: Sensing, by: Believed) -> Numbers:
+    """Return the shares of the wheels, which differ from now on if others are believed."""
+    before = sensing.distance.out
+    if by.out == before:
+        return sensing.shares
+    count = {*by.wheels, *(before - by.out)}
+    return tuple(1 / len(count) if at in count else 0.0 for at in range(len(sensing.shares)))
+
+
+def _apart_m(by: Believed, rolled_m: Sequence[float]) -> float:
+    """Return what most of the wheels that turn have rolled in a round less the mean of these.
+
+    A few slip or are held back, at forces at which the others roll.
+    """
+    turning_m = [rolled_m[at] for at in by.wheels if isinf(by.odd_s[at])]
+    return median(turning_m) - fmean(turning_m) if turning_m else 0.0
 
 
 def _paces_m_s(robot: RobotSpec, sensing: Sensing) -> Numbers:
@@ -181,11 +211,17 @@ def _paces_m_s(robot: RobotSpec, sensing: Sensing) -> Numbers:
 
 
 def _late_m(
-    robot: RobotSpec, sensing: Sensing, by: Believed, paces_m_s: Numbers, now_s: float
+    robot: RobotSpec,
+    sensing: Sensing,
+    by: Believed,
+    setpoints: Numbers,
+    paces_m_s: Numbers,
+    now_s: float,
 ) -> tuple[float, float]:
     """Return how far the robot may have driven since its wheels should have reported.
 
-    Without its report nobody knows whether a wheel has stopped since, as others may have.
+    Without its report nobody knows whether a wheel has stopped since, as others may have. One that
+    is limp is dead, or its board has repeated its report while it has rolled as it is driven.
 
     Returns:
         That of the wheels that count, and of those that have just been silent for too long to.
@@ -196,7 +232,11 @@ def _late_m(
     for at in driven:
         age_s = now_s - sensing.heard_s[robot.wheel_boards[at]]
         late_s = (age_s if age_s > _MISSED * period_s else 0.0) + sensing.loss * period_s
-        late_m[at] = max(abs(paces_m_s[at]), others_m_s) * late_s
+        pace_m_s = max(abs(paces_m_s[at]), others_m_s)
+        if at in by.wheels and not isinf(by.odd_s[at]):
+            late_s = max(late_s, now_s - by.odd_s[at] + period_s)
+            pace_m_s = abs(setpoints[robot.wheels[at].slot]) * robot.wheels[at].top_m_s
+        late_m[at] = pace_m_s * late_s
     counted = [at for at, each in enumerate(sensing.distance.strayed_m) if not isnan(each)]
     gone_m = sum(late_m.get(at, 0.0) for at in counted if isnan(by.strayed_m[at]))
     heard_m = sum(late_m[at] for at in by.wheels)
@@ -210,23 +250,26 @@ def _tilted(
 
     A part in a plane off the axis of a round pipe spans less than its diameter. Its wheels lean
     on the wall, and roll on as much less than their radius as the part spans less. While another
-    part lies along the axis, they turn faster than its wheels, which is seen without this.
+    part lies along the axis, they turn faster than its wheels, which is seen without this. One that
+    nearly does lacks what it spans less, and the other one no less.
 
     Returns:
         The share, and whether a part has spanned the pipe where the run began. Until then less is
         no narrower pipe.
     """
-    body, lacks, spanned = robot.body, [], sensing.distance.spanned
+    body, lacks, leans = robot.body, [], True
     spans = [body.parts[at].diameter for at in held]
     shown = [sensing.numbers[span] for span in spans if span >= 0]
+    spanned = sensing.distance.spanned
     spanned = spanned or any(each >= bores_m[0] * (1 - AGREEING) for each in shown if bores_m)
     for span_m in shown:
         able = [bore_m for bore_m in bores_m if span_m <= bore_m * (1 + AGREEING)]
         bore_m = min(able, default=0.0) if spanned else bores_m[0] if able else 0.0
-        if not span_m < bore_m * (1 - AGREEING):
-            return 0.0, spanned  # it lies along the axis, or nobody knows
-        lacks.append((bore_m - span_m) / (bore_m - 2 * body.wheel_radius_m))
-    return (fmean(lacks) if lacks else 0.0), spanned
+        leans &= span_m < bore_m * (1 - AGREEING)
+        lack_m = bore_m - span_m if span_m < bore_m else 0.0  # or nobody knows
+        lacks.append(lack_m / (bore_m - 2 * body.wheel_radius_m) if lack_m else 0.0)
+    share = fmean if leans else min
+    return (share(lacks) if lacks else 0.0), spanned
 
 
 def _begun(robot: RobotSpec, sensing: Sensing, now_s: float) -> DistanceMemory:

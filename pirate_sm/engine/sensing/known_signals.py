@@ -40,7 +40,8 @@ class DistanceMemory(NamedTuple):
         odd_s: Per wheel since when it is limp, or turns with the others again; infinite otherwise.
         out: Places of the wheels that are not believed.
         width_m: How far the robot may be from the odometry where all wheels have just reported.
-        late_m: How far it may have driven since its wheels reported.
+        apart_m: What most wheels have rolled less the mean of all, while these do not slip.
+        late_m: How far it may have driven since its wheels reported, and how far ``apart_m`` is.
         rolled_m: How far it has driven, back and forth.
         sliding_m_s: How fast it may be sliding down a slope.
         pitch_rad: By how much the pipe climbs where that was known last.
@@ -62,6 +63,7 @@ class DistanceMemory(NamedTuple):
     odd_s: Numbers = ()
     out: frozenset[int] = frozenset()
     width_m: float = 0.0
+    apart_m: float = 0.0
     late_m: float = 0.0
     rolled_m: float = 0.0
     sliding_m_s: float = 0.0

@@ -300,7 +300,8 @@ def test_belief_ends_only_in_part_where_one_part_rolls_and_the_other_slips() -> 
         ([0.100, 0.108], (0, 1), (0.12,), 16 / 72),
         ([0.100, 0.100], (0, 1), (0.11, 0.12), 10 / 62),
         ([0.110, 0.110], (0, 1), (0.12, 0.11), 10 / 72),  # it began in 120 mm, and never spanned it
-        ([0.100, 0.117], (0, 1), (0.12,), 0),  # one lies along the axis
+        ([0.100, 0.117], (0, 1), (0.12,), 3 / 72),  # one nearly lies along the axis
+        ([0.100, 0.120], (0, 1), (0.12,), 0),  # one does
         ([0.100, 0.120], (0,), (0.12,), 20 / 72),
         ([0.110, 0.110], (0, 1), (0.11, 0.12), 0),
         ([0.113, 0.113], (0, 1), (0.11, 0.12), 0),
@@ -647,3 +648,73 @@ def test_wheels_that_are_not_driven_do_not_slip() -> None:
     world.drive(5)
 
     assert world.drive(5) == pytest.approx(0.006 * way_m(5, 2.2 / 3))
+
+
+@pytest.mark.parametrize(
+    ("speeds", "off"),
+    [
+        ([0.77, 0.7, 0.7, 0.7, 0.7, 0.7], 0.07 / 6),
+        ([0.98, 0.98, 0.98, 0.98, 1.0, 0.83], 0.13 / 6),
+        ([0.79, SPEED, SPEED, SPEED, SPEED, SPEED], 0.01 / 6),
+    ],
+)
+@pytest.mark.parametrize("travel", [1, -1])
+def test_belief_in_the_mean_of_the_wheels_ends_as_far_as_most_of_them_show_another_way(
+    speeds: list[float], off: float, travel: int
+) -> None:
+    """One wheel slips at the force at which the others of its part roll, or is held back."""
+    world = World()
+    world.speeds = [travel * each for each in speeds]
+
+    world.drive(20)
+
+    rolled_m = way_m(20, sum(speeds) / 6)
+    assert world.bound_m == pytest.approx(BASE_M + 0.006 * rolled_m + way_m(20, off), rel=0.02)
+
+
+def test_most_wheels_that_differ_as_much_on_the_way_back_show_the_same_way_as_all() -> None:
+    world = World()
+    world.speeds[0] -= 0.01
+    world.drive(20)
+    world.speeds = [-each for each in world.speeds]
+    world.drive(20)
+
+    assert world.bound_m == pytest.approx(BASE_M + world.width_m)
+
+
+def test_belief_in_the_mean_of_the_wheels_does_not_come_back_with_a_new_run() -> None:
+    before = DistanceMemory(width_m=0.03, apart_m=-0.01)
+    sensing = counting(robot(), nothing_known(robot()), before, read=True)
+
+    assert sensing.numbers[robot().bound] == pytest.approx(BASE_M + 0.04)
+
+
+def test_belief_in_a_wheel_that_shows_nothing_ends_before_it_is_known_to_be_dead() -> None:
+    """It may have repeated its last report; then it has rolled on with the others."""
+    world = World()
+    world.drive(5)
+    world.speeds[0] = world.speeds[1] = 0.0
+
+    world.drive(1)
+
+    odometry_lacks_m = way_m(1) * 2 / 6
+    assert world.bound_m > world.width_m + BASE_M + odometry_lacks_m
+    world.drive(1)
+    assert world.bound_m > world.width_m + BASE_M + 2 * odometry_lacks_m
+    world.speeds[0] = world.speeds[1] = SPEED
+    world.drive(1)
+    assert world.bound_m < world.width_m + BASE_M + odometry_lacks_m, "they turn"
+
+
+def test_belief_in_wheels_counts_whole_from_when_the_dead_ones_are_taken_out() -> None:
+    """Their next reports are of a time in which they alone have shown the way."""
+    world = World()
+    world.speeds = [SPEED] * 3 + [0.0] * 3
+    while not world.sensing.distance.out:
+        world.drive()
+    assert world.sensing.shares == pytest.approx((1 / 3,) * 3 + (0.0,) * 3)
+
+    world.speeds = [SPEED] * 6
+    while world.sensing.distance.out:
+        world.drive()
+    assert world.sensing.shares == pytest.approx((1 / 6,) * 6)
