@@ -28,8 +28,8 @@ import pirate_sm
 import pirate_sm.learning
 from benchmarks.learning_table import Played, Table, learn, play
 from benchmarks.learnt_mission import mission_of
+from pirate_sm.learning import IN_PIPE
 from pirate_sm.learning.environment import InPipe
-from pirate_sm.learning.registration import IN_PIPE
 from pirate_sm.learning.rewards import least_commands
 from pirate_sm.learning.transition import Transition
 

@@ -6,7 +6,6 @@ from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import inf, nan
-from types import TracebackType
 from typing import Self
 
 from pirate_sm.backends.serial.backend import ANSWER_WITHIN_S, SerialBackend
@@ -122,12 +121,7 @@ class Listening:
             raise
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         """Ask the device to stop publishing, and close the port."""
         stopped = self.exchange.stopped.confirmed
         with suppress(BackendError):

@@ -5,7 +5,7 @@
 
 from __future__ import annotations
 
-from pirate_sm.learning.registration import IN_PIPE, register
+from pirate_sm.errors import not_installed
 from pirate_sm.learning.rewards import REWARDS, Reward, least_commands, least_slip, progress, reach
 from pirate_sm.learning.transition import Outcome, Transition
 
@@ -21,4 +21,15 @@ __all__ = [
     "reach",
 ]
 
-register()
+IN_PIPE = "pirate_sm/InPipe-v0"
+
+try:
+    import gymnasium
+except ImportError as error:
+    raise not_installed("learning", "gymnasium", "gym") from error
+
+gymnasium.register(
+    IN_PIPE,
+    entry_point="pirate_sm.learning.environment:InPipe",
+    vector_entry_point="pirate_sm.learning.vector:InPipes",
+)

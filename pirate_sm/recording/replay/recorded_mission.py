@@ -31,14 +31,11 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
     Raises:
         RecordingError: This version cannot load the texts any more, or they cannot be written.
     """
+    has_pipe = any(file.role == "pipe" for file in header.files)
     with ExitStack() as stack:
-        try:
+        with _failing("mission", header):
             folder = Path(stack.enter_context(TemporaryDirectory(prefix="recorded-")))
             mission, robot = _write(header, folder)
-        except OSError as error:
-            raise _unwritable(error) from None
-        has_pipe = any(file.role == "pipe" for file in header.files)
-        try:
             loaded = load_mission(
                 mission,
                 robot=str(robot),
@@ -48,12 +45,24 @@ def recorded_mission(header: RunHeader) -> Iterator[LoadedMission]:
                 states=header.options.get("states"),
                 fitted=recorded_fit(header),
             )
-        except (LoadError, UsageError) as error:
-            raise RecordingError(
-                f"the mission in the recording, made with version {header.version}, cannot be "
-                f"loaded any more: {error}"
-            ) from None
         yield as_recorded(loaded, header)
+
+
+@contextmanager
+def _failing(what: str, header: RunHeader) -> Iterator[None]:
+    """Raise the RecordingError that says why this part of a recording cannot be loaded."""
+    try:
+        yield
+    except OSError as error:
+        raise RecordingError(
+            "the files of the recording cannot be written into a temporary folder: "
+            f"{error.strerror}; TMPDIR names another place"
+        ) from None
+    except (LoadError, UsageError) as error:
+        raise RecordingError(
+            f"the {what} in the recording, made with version {header.version}, cannot be "
+            f"loaded any more: {error}"
+        ) from None
 
 
 def recorded_robot(header: RunHeader) -> RobotSpec:
@@ -77,17 +86,9 @@ def recorded_robot_files(header: RunHeader) -> LoadedRobot:
     Raises:
         RecordingError: This version cannot load the texts any more, or they cannot be written.
     """
-    try:
-        with TemporaryDirectory(prefix="recorded-") as folder:
-            robot = load_robot(_write_robot(header, Path(folder)))
-            return with_fitted(robot, recorded_fit(header))
-    except OSError as error:
-        raise _unwritable(error) from None
-    except (LoadError, UsageError) as error:
-        raise RecordingError(
-            f"the robot in the recording, made with version {header.version}, cannot be "
-            f"loaded any more: {error}"
-        ) from None
+    with _failing("robot", header), TemporaryDirectory(prefix="recorded-") as folder:
+        robot = load_robot(_write_robot(header, Path(folder)))
+        return with_fitted(robot, recorded_fit(header))
 
 
 def recorded_fit(header: RunHeader) -> Document | None:
@@ -98,13 +99,6 @@ def recorded_fit(header: RunHeader) -> Document | None:
     """
     fits = (parse_document(file.text, file.name) for file in header.files if file.role == "fit")
     return next(fits, None)
-
-
-def _unwritable(error: OSError) -> RecordingError:
-    return RecordingError(
-        "the files of the recording cannot be written into a temporary folder: "
-        f"{error.strerror}; TMPDIR names another place"
-    )
 
 
 def as_recorded(loaded: LoadedMission, header: RunHeader) -> LoadedMission:

@@ -16,7 +16,7 @@ from pirate_sm.vision.picture_arrays import Frame
 from pirate_sm.vision.plane import View
 from pirate_sm.vision.synthetic.brush import Brush, Colour
 from pirate_sm.vision.synthetic.lighting import Sensor
-from pirate_sm.vision.synthetic.shown_scene import ShownScene
+from pirate_sm.vision.synthetic.shown_scene import ShownScene, between
 
 # Blue, green, red of what is drawn, in light of strength 1.
 _ROOM: Final[Colour] = (60, 62, 66)
@@ -145,7 +145,7 @@ class SyntheticPictures:
         for a, b, c, d in zip(side_a, side_a[1:], side_b[1:], side_b, strict=False):
             for one, other in zip(_along(a, b), _along(d, c), strict=True):
                 over.polygon([one[0], one[1], other[1], other[0]], 0.1, (28, 26, 24))
-            for start, end in _along(_share(a, d, 0.4), _share(b, c, 0.4)):
+            for start, end in _along(between(a, d, 0.4), between(b, c, 0.4)):
                 over.bar(start, end, 0.004, 0.11, (120, 118, 116))
         # The haze takes a part of what is behind it away.
         dimmed = cv2.addWeighted(brush.frame, 0.85, veil, 1.0, 0.0)
@@ -194,13 +194,7 @@ def _grained(number: int) -> Colour:
 _Segment = tuple[tuple[float, float], tuple[float, float]]
 
 
-def _share(
-    one: tuple[float, float], other: tuple[float, float], share: float
-) -> tuple[float, float]:
-    return one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1])
-
-
 def _along(one: tuple[float, float], other: tuple[float, float]) -> list[_Segment]:
     """Return a straight in twenty pieces: of a long one the lens may not see all."""
-    places = [_share(one, other, number / 20) for number in range(21)]
+    places = [between(one, other, number / 20) for number in range(21)]
     return list(pairwise(places))

@@ -63,8 +63,8 @@ class ShownScene:
         links = tuple(
             ShownLink(
                 now.module,
-                _between(then.front, now.front, share),
-                _between(then.rear, now.rear, share),
+                between(then.front, now.front, share),
+                between(then.rear, now.rear, share),
             )
             for then, now in zip(before.links, self.links, strict=True)
         )
@@ -89,8 +89,6 @@ def scene_in_pipe(wheels: Sequence[Place], body: Body, route: Route) -> ShownSce
     return ShownScene(links, (side_a, side_b), body.wheel_radius, body.body_half_thickness)
 
 
-def _between(then: Place, now: Place, share: float) -> Place:
-    return (
-        then[0] + share * (now[0] - then[0]),
-        then[1] + share * (now[1] - then[1]),
-    )
+def between(one: Place, other: Place, share: float) -> Place:
+    """Return the place that is this share of the way from one to the other."""
+    return one[0] + share * (other[0] - one[0]), one[1] + share * (other[1] - one[1])
