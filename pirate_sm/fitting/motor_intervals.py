@@ -26,7 +26,7 @@ _DEVIATIONS = 1.4826
 
 
 class Intervals(NamedTuple):
-    """Between two readings of a motor, in force the same duty.
+    """Between two readings of a motor, at the same duty.
 
     Attributes:
         duty: −1 to 1.
