@@ -74,8 +74,7 @@ class Odometry:
         self._pipe_roll_rad = pipe.roll
         self.due_s = 0.0
         self.reckoned: Reckoned | None = None
-        self._warned = False
-        self._placed_s = 0.0
+        self._warned, self._placed_s = False, nan
         self._take(robot)
         words = words_of(profile)
         errors = (0.0,) * len(words)
@@ -83,11 +82,11 @@ class Odometry:
         self._detector = Detector(words, errors, route.bends, valid_for_s)
         self._ahead = RouteReport(route, valid_for_s)
         self._said: tuple[Event | None, ...] = ()
-        self._shapes: deque[Shape] = deque(maxlen=_SHAPES)
+        self._shapes: deque[Shape] = deque(["unknown"] * _SHAPES, _SHAPES)
         self._doubted_m = self._bent_m = nan
         behind = [word for word in words if word.name in robot.words_behind]
         ways_m = [point.passed_m for word in behind for point in (word.forward, word.backward)]
-        self._clear_m = max(ways_m, default=0.0)
+        self._clear_m = max(ways_m, default=nan)
         self._swept: dict[int, tuple[float, float]] = {}
         self._first_word = words[0].name if words else ""
 
@@ -114,7 +113,7 @@ class Odometry:
             return self._warn(numbers) if now_s >= _PATIENCE_S else ()
         else:
             self.reckoned = self._reckoner.begin(self.first_wheel_m, numbers, held, self._roll_rad)
-            self._warned = False
+            self._warned, self._placed_s = False, now_s
         travel = robot.travel(state.robot.values)
         places_m = self.reckoned.places_m
         self._sweep(numbers, in_bend=state.surveyed.in_bend)
@@ -209,7 +208,7 @@ class Odometry:
         Any motion in that time is an error.
         """
         after = self._reckoner.look(before, numbers, held, felt)
-        if after.lost and not before.lost:
+        if after.lost:
             stood = self._reckoner.look(before, numbers, frozenset(before.spots) - {WHOLE})
             after = self._reckoner.look(stood, numbers, held)
             if after.lost and now_s - self._placed_s < _PATIENCE_S:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isnan, nan, pi, remainder
+from math import isnan, nan, pi, remainder
 
 from pirate_sm.detectors.word_timing import REPEAT_SHARE
+from pirate_sm.geometry.joints import Joint
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.events import EnvironmentReport
 
@@ -26,8 +27,7 @@ class RouteReport:
     def __init__(self, route: Route, valid_for_s: float) -> None:
         self._route = route
         self._valid_for_s = valid_for_s
-        self._said: EnvironmentReport | None = None
-        self._said_s = -inf
+        self._said: tuple[float, Joint | None, EnvironmentReport] | None = None
 
     def look(
         self, now_s: float, places_m: Sequence[float], front_roll_rad: float
@@ -42,21 +42,21 @@ class RouteReport:
         if any(map(isnan, places_m)):
             self._said = None
             return None
-        found, before = self._report(places_m, front_roll_rad), self._said
-        if before is not None and now_s - self._said_s < REPEAT_SHARE * self._valid_for_s:
-            same = (found.joint, found.junction, found.run) == (
-                before.joint,
-                before.junction,
-                before.run,
-            )
+        joints, first_m, last_m = self._route.joints, max(places_m), min(places_m)
+        joint = next((each for each in joints if each.arc_m + each.behind_m > last_m), None)
+        found = self._report(joint, first_m, front_roll_rad)
+        if self._said is not None and now_s - self._said[0] < REPEAT_SHARE * self._valid_for_s:
+            _, known, before = self._said
+            same = (joint, found.run) == (known, before.run)
             if same and abs(found.arc_m - before.arc_m) < _EVERY_M:
                 return None
-        self._said, self._said_s = found, now_s
+        self._said = now_s, joint, found
         return found
 
-    def _report(self, places_m: Sequence[float], front_roll_rad: float) -> EnvironmentReport:
-        route, first_m, last_m = self._route, max(places_m), min(places_m)
-        joint = next((each for each in route.joints if each.arc_m + each.behind_m > last_m), None)
+    def _report(
+        self, joint: Joint | None, first_m: float, front_roll_rad: float
+    ) -> EnvironmentReport:
+        route = self._route
         at_m = route.length_m if joint is None else joint.arc_m
         report = EnvironmentReport(
             *("", nan, nan, nan, self._valid_for_s),

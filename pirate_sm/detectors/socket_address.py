@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import errno
 import os
+import re
 import socket
 from dataclasses import dataclass
 from ipaddress import ip_address
@@ -28,8 +29,8 @@ class Address:
         return self.path or (f"[{self.host}]" if ":" in self.host else self.host) + f":{self.port}"
 
 
-def read_address(text: str) -> Address:
-    """Return the address in ``HOST:PORT`` or ``/PATH``; for an empty text the user's Unix socket.
+def read_address(text: str | None) -> Address:
+    """Return the address in ``HOST:PORT`` or ``/PATH``; without a text the user's Unix socket.
 
     Raises:
         UsageError: It is neither, or other machines could reach it.
@@ -40,7 +41,7 @@ def read_address(text: str) -> Address:
         return Address(path=text)
     host, _, port = text.rpartition(":")
     host = "127.0.0.1" if host == "localhost" else host.removeprefix("[").removesuffix("]")
-    if not (port.isascii() and port.isdecimal() and 0 < int(port[:9]) <= _HIGHEST_PORT):
+    if not (re.fullmatch("[0-9]{1,9}", port) and 0 < int(port) <= _HIGHEST_PORT):
         raise UsageError(f"socket:{text}: {_FORM}")
     try:
         inside = ip_address(host).is_loopback
@@ -95,7 +96,7 @@ def _tcp_socket(address: Address) -> socket.socket:
 
 def _unix_socket(path: Path) -> socket.socket:
     """Return a socket whose file only this user can write to; replace an unused file."""
-    listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+    listening = socket.socket(socket.AF_UNIX)
     try:
         if path.is_socket() and not _answers(path):
             path.unlink()
@@ -110,5 +111,5 @@ def _unix_socket(path: Path) -> socket.socket:
 
 
 def _answers(path: Path) -> bool:
-    with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
+    with socket.socket(socket.AF_UNIX) as probe:
         return probe.connect_ex(str(path)) == 0

@@ -1,22 +1,29 @@
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import pairwise
 from math import nan, radians
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import pytest
 
 from pirate_sm.companion import Onlooker
-from pirate_sm.detectors.dead_reckoning import Reckoned, Shape, Spot
+from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Shape, Spot
 from pirate_sm.detectors.odometry_detector import Odometry
+from pirate_sm.engine.engine import Engine
+from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import LAPSED, Mark, confirmed_parts
 from pirate_sm.errors import UsageError
 from pirate_sm.geometry.chain_in_space import ChainInSpace
 from pirate_sm.geometry.space import DRAWING
-from pirate_sm.model.events import DetectorWord
+from pirate_sm.model.events import DetectorWord, Event, FaultReport
+from pirate_sm.model.pipe import Pipe
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.wiring import Order, load, prepare
 from pirate_sm.wiring.prepared import Prepared
 
 ROBOTS = Path(__file__).resolve().parents[2] / "robots"
@@ -299,3 +306,316 @@ def test_a_robot_that_counts_from_zero_again_has_to_roll_on_only_for_the_rest(
     companion.look(run.state, end_s + 1.0)
 
     assert companion._clear(run.state.sensing.numbers) == said
+
+
+class Reckoning:
+    """Dead reckoning and an odometer that show what a test wants, and note what they are asked."""
+
+    def __init__(self, robot: RobotSpec | None = None, pipe: Pipe | None = None) -> None:
+        loaded = load(Order("mitre_bend"))
+        self.robot, self.pipe = robot or loaded.robot, pipe or loaded.pipe
+        self.state, _ = Engine(loaded.robot, loaded.program, nominal=True).start()
+        values = list(self.state.robot.values)
+        for wheel in self.robot.wheels:
+            values[wheel.slot] = 1.0 if wheel.metres_per_rad > 0 else -1.0
+        self.state = self.state._replace(robot=self.state.robot._replace(values=tuple(values)))
+        self.companion = Odometry(loaded.loaded_robot.profile, self.robot, self.pipe)
+        self.companion._reckoner = self.companion._odometer = self  # type: ignore[assignment]
+        self.shape: Shape = "fits"
+        self.is_straight = True
+        self.way_m, self.front_m = 0.0, 0.5
+        self.spots: Mapping[int, Spot] = {0: Spot(0.5, 0.1), 1: Spot(0.4, 0.2)}
+        self.silent: list[int] = []
+        self.lying: Sequence[int] = (0, 1)
+        self.asked: list[tuple[Any, ...]] = []
+
+    def unknown(self, numbers: Sequence[float]) -> list[int]:
+        return self.silent
+
+    def begin(self, *given: Any) -> Reckoned:
+        self.asked.append(("begin", *given))
+        return self.reckoned
+
+    def look(self, *given: Any) -> Any:
+        if isinstance(given[0], Reckoned):
+            self.asked.append(("look", *given))
+            return self.reckoned
+        self.asked.append(("odometer", *given))
+        return self.way_m
+
+    def straight(self, *_: Any) -> bool:
+        return self.is_straight
+
+    def lies(self, numbers: Sequence[float], part: int, middle_m: float) -> bool:
+        return part in self.lying
+
+    def roll_of(self, reckoned: Reckoned, part: int) -> float:
+        return 0.3 + 0.1 * part
+
+    @property
+    def reckoned(self) -> Reckoned:
+        places_m = tuple(self.front_m - 0.05 * wheel for wheel in range(6))
+        points = tuple((place, 0.01, 0.02) for place in places_m)
+        chain = ChainInSpace(points, DRAWING, DRAWING)
+        return Reckoned(places_m, chain, self.way_m, 1, dict(self.spots), 0.0, self.shape)
+
+    def shows(self, now_s: float, **signals: float) -> list[Event]:
+        """Look with these signals, and return what is said."""
+        numbers = list(self.state.sensing.numbers)
+        for name, value in signals.items():
+            numbers[self.robot.vocabulary.numbers.index(name)] = value
+        sensing = self.state.sensing._replace(numbers=tuple(numbers))
+        self.state = self.state._replace(sensing=sensing)
+        self.logs = [log.message for log in self.companion.look(self.state, now_s)]
+        return list(self.companion.speak(now_s))
+
+    def word(self, now_s: float, **signals: float) -> str:
+        """Look beyond the bend; return the word that is said, and one that is due in brackets."""
+        self.front_m = 1.35
+        said = self.shows(now_s, **signals)
+        words = [event.word for event in said if isinstance(event, DetectorWord)]
+        return words[0] if words else f"({self.companion._detector.due})"
+
+    def announced(self, *, in_bend: bool) -> None:
+        self.state = self.state._replace(surveyed=self.state.surveyed._replace(in_bend=in_bend))
+
+
+def test_belief_in_a_passed_bend_needs_a_shape_that_fits_in_four_looks() -> None:
+    reckoning, said = Reckoning(), []
+    shapes: list[Shape] = ["fits", "fits", "unknown", "fits", "fits", "fits", "fits", "fits"]
+    reckoning.is_straight = False
+    for number, reckoning.shape in enumerate(shapes):
+        said.append(reckoning.word(0.1 * number))
+        reckoning.is_straight, reckoning.way_m = True, 1.0
+
+    assert said == ["(past)"] * 6 + ["past", "(past)"]
+    fresh = Reckoning()
+    assert [fresh.word(0.1 * step) for step in range(4)] == ["(past)"] * 3 + ["past"]
+
+
+def test_belief_in_a_passed_bend_needs_a_way_that_was_rolled_straight_too() -> None:
+    reckoning, said = Reckoning(), []
+    for number in range(8):
+        reckoning.is_straight, reckoning.way_m = number > 5, 0.1 * number
+        said.append(reckoning.word(0.1 * number))
+
+    assert said == ["(past)"] * 6 + ["past", "(past)"]
+
+
+@pytest.mark.parametrize(("diameters", "said"), [((0, 1), "(past)"), ((0, -1), "past")])
+def test_a_robot_that_measures_no_diameter_shows_no_shape(
+    diameters: tuple[int, int], said: str
+) -> None:
+    robot = load(Order("mitre_bend")).robot
+    parts = (vee._replace(diameter=at) for vee, at in zip(robot.body.parts, diameters, strict=True))
+    reckoning = Reckoning(replace(robot, body=replace(robot.body, parts=tuple(parts))))
+    reckoning.shape = "contradicts"
+
+    assert reckoning.word(0.0) == said
+
+
+BENT = dict.fromkeys(("gamma_1", "gamma_2", "gamma_3", "gamma_4"), radians(10))
+STRAIGHT = dict.fromkeys(BENT, 0.0)
+
+
+@pytest.mark.parametrize("stiff", ["", *BENT])
+def test_belief_in_a_passed_bend_needs_joints_that_have_moved_in_it(stiff: str) -> None:
+    reckoning = Reckoning()
+    reckoning.front_m = 0.95
+    for step in range(3):  # the first word is said, the bend is announced
+        reckoning.shows(0.1 * step, **STRAIGHT)
+    reckoning.announced(in_bend=True)
+    reckoning.shows(0.3, **STRAIGHT)
+    reckoning.shows(0.4, **BENT | ({stiff: radians(9)} if stiff else {}))
+    reckoning.shows(0.5, **dict.fromkeys(BENT, nan))
+    for step in range(6, 11):
+        said = reckoning.word(0.1 * step, **STRAIGHT)
+        if said == "past":
+            break
+
+    assert said == ("(past)" if stiff else "past")
+    if stiff:
+        assert reckoning.companion.reckoned.shape == "contradicts"
+        misfit = reckoning.companion._misfit(reckoning.companion.reckoned, [])
+        assert misfit == f"{stiff} has not moved in the bend"
+        reckoning.announced(in_bend=False)
+        assert [reckoning.word(2.0 + 0.1 * step) for step in range(4)][-1] == "past"
+
+
+def test_of_a_bend_in_which_it_began_nobody_knows_how_the_joints_moved() -> None:
+    reckoning = Reckoning()
+    reckoning.announced(in_bend=True)
+    reckoning.front_m = 1.15
+    reckoning.shows(0.0, **STRAIGHT)
+    assert "past" in [reckoning.word(0.1 * step, **STRAIGHT) for step in range(1, 5)]
+
+
+@pytest.mark.parametrize(
+    ("lying", "misfit"),
+    [
+        ((0,), "rear_diameter shows 101 mm where it has 120 mm"),
+        ((1,), "front_diameter shows 102 mm where it has 120 mm"),
+        ((0, 1), "a wheel would be in a wall, or its parts do not lie along one axis"),
+    ],
+)
+def test_what_does_not_fit_the_pipe_is_named(lying: Sequence[int], misfit: str) -> None:
+    reckoning = Reckoning()
+    reckoning.lying = lying
+    names, numbers = list(reckoning.robot.vocabulary.numbers), [nan] * 60
+    for part, shown_m in zip(reckoning.robot.body.parts, (0.102, 0.101), strict=True):
+        numbers[part.diameter] = shown_m
+        misfit = misfit.replace(
+            ("front", "rear")[part.wheels[0] > 0] + "_diameter", names[part.diameter]
+        )
+
+    assert reckoning.companion._misfit(reckoning.reckoned, numbers) == misfit
+
+
+def test_it_reckons_from_the_pipes_start_by_what_was_rolled_and_felt() -> None:
+    loaded = load(Order("mitre_bend"))
+    start = loaded.pipe.start.model_copy(update={"roll": 0.25})
+    reckoning = Reckoning(pipe=loaded.pipe.model_copy(update={"start": start}))
+    felt = reckoning.state.surveyed.reported._replace(roll_rad=0.5)
+    surveyed = reckoning.state.surveyed._replace(part=1, reported=felt)
+    reckoning.state = reckoning.state._replace(surveyed=surveyed)
+    reckoning.way_m = 0.125
+    reckoning.shows(0.0)
+    reckoning.shows(0.1)
+
+    names = [name for name, *_ in reckoning.asked]
+    assert names == ["odometer", "begin", "odometer", "look"]
+    (_, state, now_s, every), (_, first_m, numbers, held, roll_rad) = reckoning.asked[:2]
+    assert (state, now_s, every) == (reckoning.asked[0][1], 0.0, (0, 1, 2, 3, 4, 5))
+    assert (first_m, numbers[reckoning.robot.odometry]) == (pytest.approx(0.7), 0.125)
+    assert (held, roll_rad) == (frozenset(), 0.25)
+    assert reckoning.asked[2][2:] == (0.1, (3, 4, 5))
+    assert reckoning.asked[3][3:] == (frozenset(), Felt(1, 0.5))
+
+
+def test_a_pipe_without_a_start_says_nothing_of_the_roll() -> None:
+    pipe = load(Order("mitre_bend")).pipe.model_copy(update={"start": None})
+    reckoning = Reckoning(pipe=pipe)
+    reckoning.shows(0.0)
+
+    assert reckoning.asked[1][-1] == 0.0
+
+
+@pytest.mark.parametrize("place", [0.0, 2.0])
+def test_it_may_begin_at_either_end_of_the_pipe_and_its_odometer_be_any_signal(
+    place: float,
+) -> None:
+    loaded = load(Order("mitre_bend"))
+    robot = replace(loaded.robot, odometry=0)
+    companion = Odometry(loaded.loaded_robot.profile, robot, loaded.pipe, place)
+
+    assert companion.first_wheel_m == place
+
+
+def test_it_warns_again_of_a_place_that_is_lost_after_it_was_known() -> None:
+    reckoning, warnings = Reckoning(), []
+    for now_s, silent, spots in (
+        (0.99, [0], {}),
+        (1.0, [0], {}),
+        (1.1, [0], {}),
+        (1.2, [], reckoning.spots),
+        (1.3, [], {}),
+        (2.19, [5], {}),
+        (2.3, [5], {}),
+        (2.4, [5], {}),
+    ):
+        reckoning.silent, reckoning.spots = silent, spots
+        reckoning.shows(now_s)
+        warnings += [(now_s, message) for message in reckoning.logs]
+
+    silent, lost = (
+        "does not know yet where the robot is",
+        "has lost the robot's place while the hold changed",
+    )
+    assert warnings == [
+        (1.0, f"odometry {silent}: gamma_1 unknown; it says no word"),
+        (1.3, f"odometry {lost}; it says no word"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("after_s", "found", "lost"),
+    [(0.9, False, False), (1.0, False, True), (0.9, True, False), (1.0, True, False)],
+)
+def test_a_place_that_is_lost_while_the_hold_changes_stays_for_a_moment(
+    after_s: float, found: bool, lost: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    reckoning = Reckoning()
+    reckoning.shows(5.0)
+    known = reckoning.companion.reckoned
+    nowhere = known._replace(spots={})
+    again = known._replace(anchor=0)
+    answers = iter([nowhere, known, again if found else nowhere])
+    asked: list[tuple[Any, ...]] = []
+
+    def look(*given: Any) -> Reckoned:
+        asked.append(given)
+        return next(answers)
+
+    monkeypatch.setattr(reckoning.companion, "_reckoner", SimpleNamespace(look=look))
+    held, numbers, felt = frozenset({0}), [1.0], Felt(1, 0.5)
+    before = known._replace(spots={-1: Spot(0.5, 0.0), 1: Spot(0.4, 0.0)})
+
+    after = reckoning.companion._follow(before, numbers, held, felt, 5.0 + after_s)
+
+    assert after.lost is lost
+    assert lost or after is (again if found else known)
+    assert asked == [
+        (before, numbers, held, felt),
+        (before, numbers, frozenset({1})),
+        (known, numbers, held),
+    ]
+
+
+def test_a_fault_of_the_place_is_said_with_the_words() -> None:
+    reckoning = Reckoning()
+    reckoning.shape = "contradicts"
+    reckoning.word(0.0)
+    reckoning.way_m = 0.13
+    reckoning.front_m = 1.35
+    events = reckoning.shows(0.1)
+
+    assert [event.code for event in events if isinstance(event, FaultReport)] == [
+        "place.contradicted"
+    ]
+    assert reckoning.companion.speak(0.2) == ()
+
+
+def test_where_it_is_in_a_round_pipe_is_shown_with_its_rolls() -> None:
+    loaded = load(Order("mitre_bend"))
+    reckoning = Reckoning(pipe=loaded.pipe.model_copy(update={"section": "round"}))
+    reckoning.companion.first_wheel_m = 0.2
+    reckoning.shows(0.0)
+
+    shown = reckoning.companion.truth()
+    assert shown.distance_m == pytest.approx(0.3)
+    assert shown.z_m == (0.02,) * 6
+    assert shown.rolls_rad == pytest.approx((-0.1, 0.3, 0.4))
+    assert reckoning.companion._front_roll_rad() == 0.3
+
+
+def test_between_bars_the_plane_of_the_pipe_is_the_robots() -> None:
+    loaded = load(Order("mitre_bend"))
+    reckoning = Reckoning(pipe=loaded.pipe.model_copy(update={"roll": 0.4}))
+    reckoning.shows(0.0)
+
+    assert reckoning.companion._front_roll_rad() == -0.4
+    assert reckoning.companion.truth().rolls_rad == ()
+
+
+def test_what_was_rolled_before_a_restart_counts_on() -> None:
+    reckoning = Reckoning()
+    companion = reckoning.companion
+    companion.restart(reckoning.robot)
+    assert companion.reckoned is None
+
+    companion.reckoned = reckoning.reckoned._replace(odometer_m=0.5)
+    companion._bent_m, companion._doubted_m = 0.45, 0.4
+    companion.restart(reckoning.robot)
+
+    assert companion.reckoned.odometer_m == 0.0
+    assert (companion._bent_m, companion._doubted_m) == pytest.approx((-0.05, -0.1))

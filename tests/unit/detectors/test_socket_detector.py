@@ -106,25 +106,6 @@ def test_a_web_page_cannot_say_a_word(outside: OutsideWords) -> None:
         assert hear(outside)[0] == []
 
 
-def test_who_does_not_read_the_answers_is_let_go(outside: OutsideWords) -> None:
-    with connect(outside) as link:
-        link.setblocking(False)
-        rubbish = b"!\n" * 2000
-        for _ in range(5000):
-            try:
-                link.send(rubbish)
-            except BlockingIOError:
-                pass
-            except OSError:
-                break
-            hear(outside, 1)
-        else:
-            pytest.fail("it was never let go")
-    with connect(outside) as other:
-        other.sendall(CLOSE)
-        assert hear(outside)[0] == [DetectorWord("close", 2.0)]
-
-
 def test_more_than_sixteen_are_turned_away(outside: OutsideWords) -> None:
     links = [connect(outside) for _ in range(17)]
     _, logs = hear(outside)
@@ -147,8 +128,11 @@ def test_nobody_is_connected_afterwards(outside: OutsideWords) -> None:
 
 
 def test_it_listens_until_the_run_ends(outside: OutsideWords) -> None:
-    assert outside.listening
-    outside.react((Ended("succeeded", "done"),), 1.0)
+    outside.react((Log("info", "x"),), 1.0)
+    assert (outside.listening, outside.due_s) == (True, 0.0)
+    outside.speak(1.0)
+    assert outside.due_s == pytest.approx(1.05)
+    outside.react((Log("info", "x"), Ended("succeeded", "done")), 1.0)
     assert (outside.listening, outside.due_s) == (False, inf)
 
 
@@ -178,6 +162,29 @@ def test_a_socket_that_a_dead_run_left_is_replaced_and_a_file_is_not(tmp_path: P
     assert file.read_text("utf-8") == "keep me"
 
 
+@pytest.mark.parametrize(
+    ("path", "why"),
+    [
+        ("missing/words", r"missing/words: No such file or directory$"),
+        ("w" * 200, r"AF_UNIX path too long$"),
+    ],
+)
+def test_why_a_socket_cannot_be_made_is_said(tmp_path: Path, path: str, why: str) -> None:
+    with pytest.raises(UsageError, match=why):
+        OutsideWords(Address(path=str(tmp_path / path)), ACCEPTED).__enter__()
+
+
+def test_programs_may_come_by_the_newer_protocol_of_this_machine() -> None:
+    try:
+        socket.create_server(("::1", 0), family=socket.AF_INET6).close()
+    except OSError as error:
+        pytest.skip(f"this machine has no ::1: {error}")
+    with OutsideWords(Address("::1", 0), ACCEPTED) as companion, connect(companion) as link:
+        link.sendall(CLOSE)
+        assert hear(companion)[0] == [DetectorWord("close", 2.0)]
+        assert companion.address.host == "::1"
+
+
 def test_a_port_in_use_is_reported(outside: OutsideWords) -> None:
     with pytest.raises(
         UsageError, match=f"socket:127.0.0.1:{outside.address.port}: .*listens here"
@@ -190,6 +197,8 @@ def test_a_port_in_use_is_reported(outside: OutsideWords) -> None:
     [
         ("127.0.0.1:5005", Address("127.0.0.1", 5005)),
         ("localhost:80", Address("127.0.0.1", 80)),
+        ("127.0.0.1:1", Address("127.0.0.1", 1)),
+        ("127.0.0.1:65535", Address("127.0.0.1", 65535)),
         ("[::1]:5005", Address("::1", 5005)),
         ("/tmp/words", Address(path="/tmp/words")),
     ],
@@ -207,6 +216,11 @@ def test_an_address_is_read(text: str, address: Address) -> None:
         ("127.0.0.1:0", "expected socket:HOST:PORT"),
         ("127.0.0.1:65536", "expected socket:HOST:PORT"),
         ("127.0.0.1:five", "expected socket:HOST:PORT"),
+        ("127.0.0.1:", "expected socket:HOST:PORT"),
+        ("127.0.0.1:-5", "expected socket:HOST:PORT"),
+        ("127.0.0.1:\u0661", "expected socket:HOST:PORT"),
+        ("127.0.0.1:0000065536", "expected socket:HOST:PORT"),
+        ("127.0.0.1:" + "9" * 5000, "expected socket:HOST:PORT"),
         ("example.org:5005", "expected socket:HOST:PORT"),
         ("0.0.0.0:5005", "could steer the robot"),
         ("192.168.0.2:5005", "could steer the robot"),
@@ -315,7 +329,8 @@ def test_a_program_that_floods_is_dropped_and_others_are_heard(outside: OutsideW
 def test_refused_lines_are_shown_at_most_once_a_second(outside: OutsideWords) -> None:
     with connect(outside) as link:
         link.sendall(b"rubbish\n")
-        assert hear(outside)[1]
+        (log,) = hear(outside)[1]
+        assert log.message.endswith("not a line of JSON in UTF-8: rubbish")
         answers = link.makefile("rb")
         answers.readline()
         for _ in range(3):
