@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import ExitStack
 from math import inf
 from typing import Self
@@ -25,9 +25,7 @@ class Beside:
     def __init__(self, name: str, companion: Companion) -> None:
         self._name = name
         self._companion = companion
-        self._word = ""
-        self._until_s = -inf
-        self._logs: list[Log] = []
+        self._until_s: dict[str, float] = {}
         self._entered = ExitStack()
 
     @property
@@ -61,19 +59,18 @@ class Beside:
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Return the detector's own messages, and its words and faults since the last look."""
         looked = self._companion.look(state, now_s) if isinstance(self._companion, Onlooker) else ()
-        self._note(self._companion.speak(now_s), now_s)
-        logs, self._logs = self._logs, []
-        return (*looked, *logs)
+        return (*looked, *self._logs(self._companion.speak(now_s), now_s))
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return nothing: the detector has been asked in ``look``."""
         return ()
 
-    def _note(self, events: Sequence[Event], now_s: float) -> None:
+    def _logs(self, events: Sequence[Event], now_s: float) -> Iterator[Log]:
+        """Yield a message for each fault, and for a word that is not valid already."""
         for event in events:
             if isinstance(event, FaultReport):
-                self._logs.append(Log("warning", f"also {self._name}: {event.message}"))
+                yield Log("warning", f"also {self._name}: {event.message}")
             elif isinstance(event, DetectorWord):
-                if event.word != self._word or now_s > self._until_s:
-                    self._logs.append(Log("info", f"also {self._name}: {event.word}"))
-                self._word, self._until_s = event.word, now_s + event.valid_for_s
+                if now_s > self._until_s.get(event.word, -inf):
+                    yield Log("info", f"also {self._name}: {event.word}")
+                self._until_s = {event.word: now_s + event.valid_for_s}

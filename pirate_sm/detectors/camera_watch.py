@@ -26,11 +26,11 @@ class CameraWatch:
         blind_after_s: How long nothing of a driven robot may be seen.
 
     Attributes:
-        wrong: The faults that last.
+        wrong: The fault that lasts; None while the camera is good.
     """
 
     def __init__(self, blind_after_s: float) -> None:
-        self.wrong: frozenset[BuiltInFault] = frozenset()
+        self.wrong: BuiltInFault | None = None
         self._blind_after_s = blind_after_s
         self._last: Sighting | None = None
         self._arrived_s = 0.0
@@ -47,7 +47,7 @@ class CameraWatch:
         self._last, self._arrived_s = sighting, now_s
 
     def look(self, now_s: float, why: str, *, driven: bool) -> list[FaultReport]:
-        """Return the faults that begin now.
+        """Return the fault that begins now, if one does.
 
         Args:
             now_s: Time.
@@ -56,34 +56,26 @@ class CameraWatch:
         """
         if not driven:
             self._found_s = now_s
-        found = self._faults(now_s)
-        began = [fault for fault in found if fault not in self.wrong]
-        self.wrong = frozenset(found)
-        return [
-            fault.report(f"{fault.meaning}{_detail(fault, self._last, why)}") for fault in began
-        ]
-
-    def _faults(self, now_s: float) -> list[BuiltInFault]:
-        if has_come(now_s, self._arrived_s + SILENT_AFTER_S):
-            return [BuiltInFault.VISION_SILENT]
-        if self._last is None:
+        was, (self.wrong, detail) = self.wrong, self._fault(now_s, why)
+        if self.wrong is None or self.wrong is was:
             return []
+        return [self.wrong.report(f"{self.wrong.meaning}{detail}")]
+
+    def _fault(self, now_s: float, why: str) -> tuple[BuiltInFault | None, str]:
+        """Return what is wrong now, and what to add to its meaning."""
+        last = self._last
+        if has_come(now_s, self._arrived_s + SILENT_AFTER_S):
+            return BuiltInFault.VISION_SILENT, why and f": {why}"
+        if last is None:
+            return None, ""
         if has_come(now_s, self._changed_s + FROZEN_AFTER_S):
-            return [BuiltInFault.VISION_FROZEN]
-        if self._last.gray_spread < LEAST_SPREAD:
-            return [BuiltInFault.VISION_DARK]
+            return BuiltInFault.VISION_FROZEN, ""
+        if last.gray_spread < LEAST_SPREAD:
+            spread = f"{last.gray_spread:.0f} of 255"
+            return BuiltInFault.VISION_DARK, f": dark and bright differ by {spread}"
         if has_come(now_s, self._surveyed_s + MOVED_AFTER_S):
-            return [BuiltInFault.VISION_MOVED]
+            off = f"{last.rms_px:.1f} px off; survey it again"
+            return BuiltInFault.VISION_MOVED, f": the setup's tags are {off}"
         if has_come(now_s, self._found_s + self._blind_after_s):
-            return [BuiltInFault.VISION_BLIND]
-        return []
-
-
-def _detail(fault: BuiltInFault, last: Sighting | None, why: str) -> str:
-    if fault is BuiltInFault.VISION_SILENT and why:
-        return f": {why}"
-    if fault is BuiltInFault.VISION_MOVED and last is not None and last.rms_px is not None:
-        return f": the setup's tags are {last.rms_px:.1f} px off; survey it again"
-    if fault is BuiltInFault.VISION_DARK and last is not None:
-        return f": dark and bright differ by {last.gray_spread:.0f} of 255"
-    return ""
+            return BuiltInFault.VISION_BLIND, ""
+        return None, ""

@@ -55,6 +55,9 @@ _LEVEL = 0.7
 
 _UNKNOWN: Vector = (nan, nan, nan)
 
+_RIGID = -1
+"""In place of the link with a roll joint: none."""
+
 
 Shape: TypeAlias = Literal["fits", "contradicts", "unknown"]
 
@@ -125,12 +128,12 @@ class Reckoner:
         self._route = route
         self._odometer = odometer
         self._flat = route.section == "bars"
-        self._link = -1 if self._flat or body.roll < 0 else body.roll_link
+        self._rolls = not self._flat and body.roll >= 0
         self._walls = KnownWalls(route, body.wheel_radius_m, sum(body.lengths_m))
 
     def unknown(self, numbers: Sequence[float]) -> list[int]:
         """Return the indexes of the joints that are unknown."""
-        roll = [self._body.roll] if self._link >= 0 else []
+        roll = [self._body.roll] if self._rolls else []
         return [each for each in (*self._body.joints, *roll) if each >= 0 and isnan(numbers[each])]
 
     def begin(
@@ -192,7 +195,7 @@ class Reckoner:
             # The first anchor's estimate of another one holds; only the odometer replaces it.
             spots[other] = self._stand(other, chain, places) or spots[other]
         if any(map(isnan, places)):
-            for other in sorted(spots.keys() - {anchor}):
+            for other in sorted(spots):
                 chain = _filled(chain, self._lay(numbers, other, spots[other]))
             places = self._places(chain, spots[anchor])
         checked_m = before.checked_m if isnan(away_m) else counted
@@ -229,7 +232,7 @@ class Reckoner:
 
         def sure(anchor: int) -> tuple[bool, bool, bool]:
             spot = spots[anchor]
-            lies = anchor == WHOLE or self.lies(numbers, anchor, spot.middle_m)
+            lies = self.lies(numbers, anchor, spot.middle_m)
             return not isnan(spot.roll_rad), lies, anchor == before
 
         return max(sorted(spots), key=sure)
@@ -266,7 +269,7 @@ class Reckoner:
         The distance is NaN if the walls do not show it, and infinite if they leave no place: then
         a joint is wrong, and what is rolled from now on explains no place farther away.
         """
-        level = self._link < 0 or abs(numbers[self._body.roll]) <= _FLAT_RAD
+        level = abs(self._turned_rad(numbers)) <= _FLAT_RAD
         if anchor == WHOLE or not level or isnan(spot.roll_rad):
             return nan, "unknown"
         if not self.lies(numbers, anchor, spot.middle_m):
@@ -275,7 +278,7 @@ class Reckoner:
         def laid(away_m: float) -> Sequence[Vector]:
             return self._lay(numbers, anchor, _moved(spot, away_m)).points
 
-        if all(isnan(point[0]) for point in chain.points):
+        if all(isnan(sum(point)) for point in chain.points):
             return nan, "unknown"
         away_m = self._walls.away_m(chain.points, laid, most_m)
         return (inf, "contradicts") if isnan(away_m) else (away_m, "fits")
@@ -289,8 +292,6 @@ class Reckoner:
         # Not the mean of the positions: they jump where a wheel cuts the corner of a mitre.
         beyond = [piece.beyond_m(chain.points[wheel]) for wheel in wheels]
         middle_m = piece.arc_m + _mean(beyond)
-        if self._flat:
-            return Spot(middle_m, 0.0)
         normal = (chain.front if wheels[0] <= self._body.roll_link else chain.rear).normal
         frame = self._route.frame_at(middle_m)
         return Spot(middle_m, atan2(dot(normal, frame.side), dot(normal, frame.normal)))
@@ -313,7 +314,8 @@ class Reckoner:
             at: The wheels at the spot; by default the anchor's.
         """
         body, wheels = self._body, self._body.wheels_of(anchor)
-        shape = body.places(body.angles(numbers), wheels[0])
+        first = min(wheels)
+        shape = body.places(body.angles(numbers), first)
         aside_m = 0.0 if anchor == WHOLE else self._aside_m(spot.middle_m)
         turn = body.lean(shape, wheels, aside_m)
         laid = [turned(place, turn) for place in shape]
@@ -323,10 +325,14 @@ class Reckoner:
         return in_space(
             [(x + forward, y + across) for x, y in laid],
             self._route.frame_at(spot.middle_m).rolled(roll_rad),
-            wheel=wheels[0],
-            link=self._link,
-            roll_rad=numbers[body.roll] if self._link >= 0 else 0.0,
+            wheel=first,
+            link=body.roll_link if self._rolls else _RIGID,
+            roll_rad=self._turned_rad(numbers),
         )
+
+    def _turned_rad(self, numbers: Sequence[float]) -> float:
+        """Return the angle of the roll joint; 0 without one."""
+        return numbers[self._body.roll] if self._rolls else 0.0
 
     def _aside_m(self, arc_m: float) -> float:
         """Return how far from the axis a wheel is that touches the wall."""
@@ -334,7 +340,7 @@ class Reckoner:
 
     def _places(self, chain: ChainInSpace, spot: Spot) -> tuple[float, ...]:
         """Return the position of each wheel along the pipe; NaN where it is unknown."""
-        places = (nan if isnan(it[0]) else self._route.arc_of(it) for it in chain.points)
+        places = (nan if isnan(sum(it)) else self._route.arc_of(it) for it in chain.points)
         if not isnan(spot.roll_rad):
             return tuple(places)
         return tuple(nan if self._turns(spot.middle_m, place) else place for place in places)
@@ -362,12 +368,12 @@ def _moved(spot: Spot, by_m: float) -> Spot:
 def _filled(chain: ChainInSpace, other: ChainInSpace) -> ChainInSpace:
     """Return a chain with another one's places where its own are unknown."""
     points = tuple(
-        second if isnan(first[0]) else first
+        second if isnan(sum(first)) else first
         for first, second in zip(chain.points, other.points, strict=True)
     )
-    front = other.front if isnan(chain.front.normal[0]) else chain.front
-    rear = other.rear if isnan(chain.rear.normal[0]) else chain.rear
-    return ChainInSpace(points, front, rear)
+    front = other.front if isnan(sum(chain.front.normal)) else chain.front
+    rear = other.rear if isnan(sum(chain.rear.normal)) else chain.rear
+    return chain._replace(points=points, front=front, rear=rear)
 
 
 def _mean(values: Sequence[float]) -> float:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import dist, inf, isnan, nan
+from math import isnan, nan
 
 from pirate_sm.geometry.room import Room
 from pirate_sm.geometry.route import Route
@@ -21,8 +21,6 @@ _STEP_M = 0.003
 _MOST_M = 0.25
 """Places farther away are never looked at: what happened on so long a way is unknown [decided]."""
 
-_MOVED_M = 0.1
-
 
 class KnownWalls:
     """The walls of the pipes of a route.
@@ -35,8 +33,7 @@ class KnownWalls:
 
     def __init__(self, route: Route, wheel_radius_m: float, reach_m: float) -> None:
         self._everywhere = Room.of(route, wheel_radius_m)
-        self._reach_m = reach_m + _MOST_M + _MOVED_M
-        self._near, self._at = self._everywhere, (inf, inf, inf)
+        self._reach_m = reach_m + _MOST_M
 
     def away_m(
         self,
@@ -47,7 +44,7 @@ class KnownWalls:
         """Return how far away the nearest place is at which no wheel is in a wall.
 
         Args:
-            points: The wheels of the robot; NaN is unknown.
+            points: The wheels of the robot, one of them at least known; NaN is unknown.
             laid: Returns them after the robot was moved ahead by a distance.
             most_m: Places farther away are not looked at.
 
@@ -56,23 +53,16 @@ class KnownWalls:
             such place.
         """
         known = [point for point in points if not isnan(point[0])]
-        if not known:
-            return nan
-        self._look_around(known[0])
-        if self._have_room(known, _IN_WALL_M):
+        if _have_room(self._everywhere, known, _IN_WALL_M):
             return 0.0
+        near = self._everywhere.near(known[0], self._reach_m)
         for step in range(1, round(min(most_m, _MOST_M) / _STEP_M) + 1):
             for away_m in (step * _STEP_M, -step * _STEP_M):
-                if self._have_room(laid(away_m), _CLEAR_M):
+                if _have_room(near, laid(away_m), _CLEAR_M):
                     return away_m
         return nan
 
-    def _look_around(self, point: Vector) -> None:
-        """Keep the pipes near a point at hand."""
-        if not dist(point, self._at) <= _MOVED_M:
-            self._near, self._at = self._everywhere.near(point, self._reach_m), point
 
-    def _have_room(self, points: Sequence[Vector], most_m: float) -> bool:
-        """Return whether no wheel is farther in a wall; an unknown one is in none."""
-        room = self._near
-        return all(isnan(it[0]) or room.outside_m(it, most_m) <= most_m for it in points)
+def _have_room(room: Room, points: Sequence[Vector], most_m: float) -> bool:
+    """Return whether no wheel is farther in a wall; an unknown one is in none."""
+    return all(isnan(it[0]) or room.outside_m(it, most_m) <= most_m for it in points)

@@ -8,6 +8,7 @@ such as dead ones, are not counted; where it believes none of the part, those of
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from math import inf, isnan, nan
 from statistics import median
@@ -32,12 +33,11 @@ class Odometer:
         self._robot = robot
         self._rolling = Rolling(robot)
         self._angles = [nan] * count
-        self._ways_m = [0.0] * count
-        self._active = False
+        self._ways_m: dict[int, float] = defaultdict(float)
         self._stopped_s = inf
         self._counted_m = 0.0
-        self._piece_s = -inf
-        self._begun_m = [0.0] * count
+        self._piece_s = nan
+        self._begun_m: Sequence[float] = ()
         self._sharing: tuple[int, ...] = ()
 
     def look(self, state: EngineState, now_s: float, holding: Sequence[int]) -> float:
@@ -50,9 +50,8 @@ class Odometer:
         """
         unheard = self._rolling.look(state, now_s)
         self._measure(state)
-        totals = [way + more for way, more in zip(self._ways_m, unheard, strict=True)]
+        totals = [self._ways_m[place] + more for place, more in enumerate(unheard)]
         piece_m = self._piece(totals)
-        self._notice_stop(state, now_s)
         sharing = self._sharers(state, now_s, holding)
         if sharing != self._sharing or now_s - self._piece_s >= _PIECE_S:
             self._counted_m += piece_m
@@ -67,28 +66,27 @@ class Odometer:
         return median(totals[place] - self._begun_m[place] for place in self._sharing)
 
     def _measure(self, state: EngineState) -> None:
-        """Read the wheels' odometers; ignore rolling while no wheel is driven."""
+        """Read the wheels' odometers."""
         for wheel in self._robot.wheels:
             shown, before = state.sensing.angles[wheel.place], self._angles[wheel.place]
-            if self._active and not isnan(shown) and not isnan(before):
+            if not isnan(shown) and not isnan(before):
                 self._ways_m[wheel.place] += (shown - before) * wheel.metres_per_rad
             self._angles[wheel.place] = shown
 
-    def _notice_stop(self, state: EngineState, now_s: float) -> None:
-        """Count on until every wheel has reported after the stop, or its board is silent."""
+    def _may_roll(self, state: EngineState, now_s: float) -> bool:
+        """Return whether wheels are driven, or one has not reported since and is not silent."""
         in_force, newest = state.robot.values, state.robot.latest
         if any(in_force[wheel.slot] or newest[wheel.slot] for wheel in self._robot.wheels):
-            self._active, self._stopped_s = True, inf
-            return
+            self._stopped_s = inf
+            return True
         self._stopped_s = min(self._stopped_s, now_s)
         heard_s = [state.sensing.heard_s[position] for position in self._robot.wheel_boards]
         silent_s = now_s - self._robot.link.silent_after_s
-        if all(at > self._stopped_s or at <= silent_s for at in heard_s):
-            self._active = False
+        return any(silent_s < at <= self._stopped_s for at in heard_s)
 
     def _sharers(self, state: EngineState, now_s: float, holding: Sequence[int]) -> tuple[int, ...]:
         """Return the indices of the wheels whose median counts now."""
-        if not self._active:
+        if not self._may_roll(state, now_s):
             return ()
         in_force, newest = state.robot.values, state.robot.latest
         silent_s = now_s - self._robot.link.silent_after_s

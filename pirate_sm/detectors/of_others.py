@@ -35,7 +35,7 @@ class OfOthers:
         self._whose = whose
         self._companion = companion
         self._entered = ExitStack()
-        self._moment_s, self._spoken = -inf, 0
+        self._moment_s, self._left = -inf, _MOST_WORDS_OF_A_MOMENT
         for name in _OPTIONAL:
             if hasattr(companion, name):
                 setattr(self, name, guarded(whose, name, getattr(companion, name)))
@@ -85,9 +85,9 @@ class OfOthers:
 
     def _keep_time(self, now_s: float) -> None:
         if now_s > self._moment_s + _MOMENT_S:
-            self._moment_s, self._spoken = now_s, 0
-        self._spoken += 1
-        if self._spoken > _MOST_WORDS_OF_A_MOMENT:
+            self._moment_s, self._left = now_s, _MOST_WORDS_OF_A_MOMENT
+        self._left -= 1
+        if self._left < 0:
             due = f"due_s is {self.due_s:g} s at {now_s:g} s of mission time"
             raise DetectorError(
                 f"{self._whose} lets time stand still: {due}; speak must move it on"

@@ -236,12 +236,12 @@ def _valid_for(profile: Profile) -> dict[str, float]:
 
 def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
     """Return the door for other programs, and how they use it."""
-    address = read_address(asked.argument or "")
+    address = read_address(asked.argument)
     if address.path:
         return OutsideWords(address, accepted), f"that write to {address}"
     token = os.environ.get(TOKEN_VARIABLE, "")
     shown = f"with the token in {TOKEN_VARIABLE}"
-    if any("\ud800" <= letter <= "\udfff" for letter in token):
+    if token != token.encode(errors="replace").decode():
         raise UsageError(f"{TOKEN_VARIABLE} holds bytes that are not UTF-8 text")
     if not token:
         token = secrets.token_urlsafe(_TOKEN_BYTES)

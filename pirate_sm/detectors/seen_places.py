@@ -8,15 +8,16 @@ point of the robot; dead reckoning gives the shape and the heading of the chain.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import cos, isnan, nan, sin
+from math import cos, inf, isnan, nan, sin
 from typing import NamedTuple, Protocol
 
 from pirate_sm.detectors.dead_reckoning import Reckoned
 from pirate_sm.engine.sensing.body_spec import BodySpec
+from pirate_sm.geometry.kinematics import Pose
 from pirate_sm.geometry.plane import inner_corner
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place
-from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.sighting import Sighting
 
 BRIDGED_S = 0.3
 """How long joint angles stand in for a tag that is not seen [decided]: it drives 30 mm in it."""
@@ -39,7 +40,7 @@ class Seen(NamedTuple):
     def outside(self) -> bool:
         """Return whether a wheel was seen outside of the pipe, where none can be."""
         pairs = zip(self.places_m, self.points, strict=True)
-        return any(isnan(place) and not isnan(x + y) for place, (x, y) in pairs)
+        return any(isnan(place) and not isnan(x) for place, (x, _) in pairs)
 
 
 class Placing(Protocol):
@@ -63,66 +64,43 @@ class Tags:
         self._route = route
         self._links = links
         self._origin = inner_corner(route)
-        self._seen_s = [-1e9] * len(body.lengths_m)
+        self._seen_s = [-inf] * len(body.lengths_m)
 
     def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
         """Return where the wheels were."""
         chains = []
         for mark in sighting.marks:
-            if mark.heading_rad is None:
-                continue
-            link = self._links[mark.on]
-            self._seen_s[link] = sighting.captured_s
-            chains.append((link, self._ends(mark, link)))
+            if mark.heading_rad is not None:
+                link = self._links[mark.on]
+                self._seen_s[link] = sighting.captured_s
+                chains.append((link, self._laid(mark.place_m, mark.heading_rad, link, angles)))
         if not chains:
             return _nowhere(len(angles))
-        points = [self._wheel(wheel, chains, angles, sighting) for wheel in range(len(angles))]
+        points = [self._wheel(wheel, chains, sighting.captured_s) for wheel in range(len(angles))]
         return _along(self._route, points)
 
-    def _ends(self, mark: Mark, link: int) -> tuple[Place, Place]:
-        """Return the wheels of a link, front first, in the plane of the pipe."""
-        x, y = mark.place_m[0] + self._origin[0], mark.place_m[1] + self._origin[1]
-        assert mark.heading_rad is not None
-        half = self._body.lengths_m[link] / 2
-        dx, dy = half * cos(mark.heading_rad), half * sin(mark.heading_rad)
-        return (x + dx, y + dy), (x - dx, y - dy)
+    def _laid(
+        self, place_m: Place, heading_rad: float, link: int, angles: Sequence[float]
+    ) -> Sequence[Place]:
+        """Return all wheels, in the plane of the pipe, by the tag of one link and the joints."""
+        half_m = self._body.lengths_m[link] / 2
+        x = place_m[0] + self._origin[0] + half_m * cos(heading_rad)
+        y = place_m[1] + self._origin[1] + half_m * sin(heading_rad)
+        return self._body.places(angles, link, Pose(x, y, heading_rad))
 
     def _wheel(
-        self,
-        wheel: int,
-        chains: Sequence[tuple[int, tuple[Place, Place]]],
-        angles: Sequence[float],
-        sighting: Sighting,
+        self, wheel: int, chains: Sequence[tuple[int, Sequence[Place]]], captured_s: float
     ) -> Place:
         """Return the mean of what the tags of its links show, else what the nearest tag shows."""
-        shown = [ends[wheel - link] for link, ends in chains if wheel in (link, link + 1)]
+        shown = [places[wheel] for link, places in chains if wheel in (link, link + 1)]
         if shown:
             return (
                 sum(x for x, _ in shown) / len(shown),
                 sum(y for _, y in shown) / len(shown),
             )
-        link, ends = min(chains, key=lambda each: abs(each[0] + 0.5 - wheel))
-        between = range(link + 1, wheel) if wheel > link else range(wheel, link)
-        oldest_s = min(self._seen_s[each] for each in between)
-        if sighting.captured_s - oldest_s > BRIDGED_S:
-            return _UNKNOWN
-        return self._hung(wheel, link, ends, angles)
-
-    def _hung(
-        self, wheel: int, link: int, ends: tuple[Place, Place], angles: Sequence[float]
-    ) -> Place:
-        """Return a wheel's place from a link that is seen and the joint angles in between."""
-        (ax, ay), (bx, by) = ends
-        headings = self._body.headings(angles, link)
-        length = self._body.lengths_m[link]
-        cosine, sine = (ax - bx) / length, (ay - by) / length
-        x, y = ends[1] if wheel > link else ends[0]
-        passed = range(link + 1, wheel) if wheel > link else range(link - 1, wheel - 1, -1)
-        for each in passed:
-            along = self._body.lengths_m[each] * (-1.0 if wheel > link else 1.0)
-            dx, dy = along * cos(headings[each]), along * sin(headings[each])
-            x, y = x + dx * cosine - dy * sine, y + dx * sine + dy * cosine
-        return x, y
+        link, places = min(chains, key=lambda each: abs(each[0] + 0.5 - wheel))
+        oldest_s = min(self._seen_s[min(wheel, link) : max(wheel, link)])
+        return places[wheel] if captured_s - oldest_s <= BRIDGED_S else _UNKNOWN
 
 
 class OneMarker:
@@ -164,7 +142,5 @@ def _arc(route: Route, point: Place) -> float:
     In the outer corner of a square mitre the wall is 0.71 of the diameter from the centre line, so
     a whole diameter allows for errors, and for no other pipe [decided].
     """
-    if isnan(sum(point)):
-        return nan
     arc_m, away_m = route.nearest((*point, 0.0))
     return arc_m if away_m < route.piece_at(arc_m).diameter_m else nan

@@ -64,6 +64,6 @@ class SignalWords:
                 continue
             if value is None:
                 unknown = True
-            elif value and has_come(now_s, self._since_s[each.word] + each.held_s):
+            elif has_come(now_s, self._since_s[each.word] + each.held_s):
                 holding = each.word
         return holding

@@ -43,7 +43,7 @@ class _Client:
     """
 
     link: socket.socket
-    trusted: bool
+    trusted: bool = False
     begun: bytearray = field(default_factory=bytearray)
     turns: int = 0
     full_turns: int = 0
@@ -115,8 +115,7 @@ class Listener:
             if len(self._clients) < _MOST_CLIENTS:
                 self._clients.append(_Client(link, trusted=not self._token))
             else:
-                turned_away = _Client(link, trusted=False)
-                self._refuse(turned_away, f"{_MOST_CLIENTS} programs are connected already")
+                self._refuse(_Client(link), f"{_MOST_CLIENTS} programs are connected already")
                 link.close()
 
     def _make_room(self) -> None:
@@ -143,7 +142,7 @@ class Listener:
         client.full_turns = client.full_turns + 1 if len(came) == _AT_ONCE else 0
         *lines, rest = (client.begun + came).split(b"\n")
         stays = bool(came)
-        if rest and (not stays or len(rest) > LONGEST_LINE):
+        if not stays or len(rest) > LONGEST_LINE:
             # The last line before the end needs no newline. An endless line is refused.
             lines.append(rest)
             stays, rest = False, bytearray()

@@ -8,7 +8,8 @@ stands. What has been added stays until the wheel reports, so that positions do 
 
 from __future__ import annotations
 
-from math import inf, isnan
+from math import inf, isnan, nan
+from operator import itemgetter
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
@@ -25,8 +26,7 @@ class Rolling:
         count = len(robot.wheels)
         self._robot = robot
         self._now_s = -inf
-        self._heard_s = [-inf] * count
-        self._rolled_m = [0.0] * count
+        self._heard_s, self._rolled_m = [nan] * count, [nan] * count
 
     def look(self, state: EngineState, now_s: float) -> tuple[float, ...]:
         """Return how far each wheel has rolled since its last report, m; backward is negative.
@@ -54,17 +54,17 @@ class Rolling:
     def _freshest(self, state: EngineState) -> float:
         """Return the speed of the driven wheel that reported last, m/s; 0 if none is known."""
         robot, sensing = self._robot, state.sensing
-        heard_s, freshest = -inf, 0.0
-        for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True):
-            speed = sensing.numbers[wheel.speed] * wheel.metres_per_rad
-            known = sensing.shares[wheel.place] and not isnan(speed)
-            if known and sensing.heard_s[position] > heard_s:
-                heard_s, freshest = sensing.heard_s[position], speed
-        return freshest
+        speeds = (
+            (sensing.heard_s[position], sensing.numbers[wheel.speed] * wheel.metres_per_rad)
+            for wheel, position in zip(robot.wheels, robot.wheel_boards, strict=True)
+            if sensing.shares[wheel.place]
+        )
+        known = [each for each in speeds if not isnan(each[1])]
+        return max(known, key=itemgetter(0))[1] if known else 0.0
 
 
 def _slower(own: float, robots: float) -> float:
     """Return the slower of two speeds; 0 if signs differ, the other if one is unknown."""
     if isnan(own):
         return robots
-    return min(own, robots, key=abs) if own * robots > 0.0 else 0.0
+    return sorted((own, robots, 0.0))[1]

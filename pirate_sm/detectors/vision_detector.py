@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from math import inf, isnan
+from math import inf, isnan, nan
 from typing import NamedTuple, Protocol, Self
 
 from pirate_sm.detectors.camera_watch import CameraWatch
@@ -121,9 +121,9 @@ class Sight:
         words, valid_for_s = words_of(profile), profile.detector.valid_for
         self._tracker, errors = Tracker(), (0.0,) * len(words)
         self._detector = Detector(words, errors, route.bends, valid_for_s, self._tracker)
-        self._believed_s, self._believed_m = -inf, (0.0,) * len(robot.body.joints)
+        self._believed_s, self._believed_m = nan, (nan,) * len(robot.body.joints)
         self._apart = False
-        self._inside_s, self._outside_s = inf, 0.0
+        self._inside_s: float | None = None
         self._events: list[Event] = []
 
     def __enter__(self) -> Self:
@@ -189,8 +189,9 @@ class Sight:
 
     def view(self) -> CameraView | None:
         """Return what a recording keeps of this moment; None before the first sighting."""
-        if self.newest is None or self.seen is None:
+        if self.seen is None:
             return None
+        assert self.newest is not None, "in it something was seen"
         sighting, jpeg = self.newest.sighting, b""
         if sighting.captured_s >= self._shown_s + SHOWN_EVERY_S:
             self._shown_s, jpeg = sighting.captured_s, self.newest.jpeg()
@@ -224,11 +225,11 @@ class Sight:
 
     def _wrong_pipe(self, captured_s: float, *, outside: bool) -> Sequence[Log]:
         """Return, once, a warning that the robot is seen outside of the pipe all the time."""
-        if not outside or self._inside_s == inf:
+        if not outside or self._inside_s is None:
             self._inside_s = captured_s
-        before_s, self._outside_s = self._outside_s, captured_s - self._inside_s
-        if not before_s < _DOUBTED_S <= self._outside_s:
+        if captured_s - self._inside_s < _DOUBTED_S:
             return ()
+        self._inside_s = inf  # it is said once
         message = "the camera sees wheels outside of the pipe, whose positions count as unknown"
         return (Log("warning", f"{message}: is it another pipe, or was the camera moved?"),)
 

@@ -62,13 +62,13 @@ class Repeater:
         valid_for_s: How long a word is valid.
 
     Attributes:
-        reported_s: When a word was reported last.
+        reported_s: When a word was reported last; NaN before the first one.
     """
 
     def __init__(self, valid_for_s: float) -> None:
         self.valid_for_s = valid_for_s
         self._word = ""
-        self.reported_s = -math.inf
+        self.reported_s = math.nan
 
     def say(self, word: str, now_s: float) -> DetectorWord | None:
         """Return the word to report now, given the one that holds (empty for none)."""
@@ -204,12 +204,12 @@ class Detector:
     def _holding(self) -> str:
         if self._direction == 0:
             return ""
+        points = self._points(self._direction)
         for crossing, reach in self._bends:
-            for number, (word, error) in enumerate(self._words, start=1):  # the farthest first
-                point = word.forward if self._direction > 0 else word.backward
-                passed = self._direction * (self._tracker.place(point.wheel) - crossing)
-                passed += error - point.passed_m
-                passed += reach if number == len(self._words) else -reach
+            for number, (wheel, off_m) in enumerate(points):  # the farthest first
+                word = self._words[number][0]
+                passed = self._direction * (self._tracker.place(wheel) - crossing) + off_m
+                passed += reach if word is self._words[-1][0] else -reach
                 if math.isnan(passed):
                     return ""
                 if passed >= (-_SLACK_M if word.name == self._word else 0.0):

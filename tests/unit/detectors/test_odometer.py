@@ -10,6 +10,7 @@ import pytest
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.engine.robot.robot_state import Flight
 from pirate_sm.engine.state import EngineState
 from pirate_sm.wiring import Order, prepare
 
@@ -35,6 +36,9 @@ class World:
         self.rolled = [0.0] * 6
         self.shown = [0.0] * 6
         self.heard_s = [0.0] * 6
+        self.sent: float | None = None
+        self.measures_speed = True
+        self.found: list[float] = []
 
     def run(
         self,
@@ -51,8 +55,9 @@ class World:
         self.state = self.state._replace(sensing=self.state.sensing._replace(distance=distance))
         for _ in range(round(for_s / STEP_S)):
             self.now_s += STEP_S
-            now_speeds = speeds(self.now_s) if duty else [0.0] * 6
+            now_speeds = speeds(self.now_s) if duty or self.sent else [0.0] * 6
             found = self._look(now_speeds, duty, mute, holding)
+            self.found.append(found)
         return found
 
     def _look(
@@ -65,7 +70,8 @@ class World:
             if wheel.place not in mute:
                 self.shown[wheel.place] = self.rolled[wheel.place] / wheel.metres_per_rad
                 self.heard_s[wheel.place] = self.now_s
-            numbers[wheel.speed] = speeds[wheel.place] / wheel.metres_per_rad
+            speed = speeds[wheel.place] if self.measures_speed else nan
+            numbers[wheel.speed] = speed / wheel.metres_per_rad
             values[wheel.slot] = duty
             heard_s[position] = self.heard_s[wheel.place]
         sensing = sensing._replace(
@@ -74,7 +80,8 @@ class World:
             angles=tuple(self.shown),
             shares=(1 / 6,) * 6,
         )
-        robot = body._replace(values=tuple(values), flight=None)
+        newest = Flight(1, (self.sent,) * len(values), "gate") if self.sent is not None else None
+        robot = body._replace(values=tuple(values), flight=newest)
         state = self.state._replace(sensing=sensing, robot=robot)
         return self.odometer.look(state, self.now_s, holding)
 
@@ -89,6 +96,8 @@ def world(begun: tuple[RobotSpec, EngineState]) -> World:
 def test_wheels_that_roll_alike_are_the_way(world: World) -> None:
     assert world.run(5.0) == pytest.approx(5 * SPEED, abs=0.006)
     assert world.run(1.0, duty=0.0) == pytest.approx(5 * SPEED, abs=0.006)
+    so_far = [min(max(0, step) * STEP_S, 5.0) * SPEED for step in range(-3, 121)]
+    assert world.found == pytest.approx(so_far, abs=0.008)
 
 
 def test_backward_counts_backward(world: World) -> None:
@@ -146,3 +155,79 @@ def test_a_silent_wheel_does_not_hold_the_way_back(world: World) -> None:
 def test_nothing_is_counted_of_a_wheel_without_a_value(world: World) -> None:
     world.shown = [nan] * 6
     assert world.run(1.0, mute=ALL) == 0.0
+
+
+def test_a_wheel_whose_value_comes_back_counts_from_there(world: World) -> None:
+    world.run(1.0)
+    shown, world.shown = world.shown, [nan] * 6
+    lost_m = 0.5 * SPEED
+    assert world.run(0.5, mute=ALL) == pytest.approx(1.0 * SPEED, abs=0.01)
+    world.shown = shown
+    assert world.run(2.0) == pytest.approx(3.5 * SPEED - lost_m, abs=0.015)
+
+
+def slowing(now_s: float) -> list[float]:
+    """Wheels that are slower than when they were last heard, at 1.2 s of mission time."""
+    return [SPEED if now_s < 1.21 else SPEED / 4] * 6
+
+
+@pytest.mark.parametrize("heard", [True, False])
+def test_how_far_wheels_rolled_until_the_stop_is_taken_from_their_next_report(
+    world: World, heard: bool
+) -> None:
+    world.run(1.0, slowing)
+    world.measures_speed = False  # what was rolled unheard is estimated by the last known speed
+    world.run(0.4, slowing, mute=ALL)
+    world.run(0.05, duty=0.0, mute=() if heard else ALL)
+    for place in FRONT:  # until the part that holds stands; the other one stands already
+        world.rolled[place] += 0.01
+
+    way_m = SPEED + 0.4 * SPEED / 4 + 0.01
+    assert world.run(0.2, duty=0.0) == pytest.approx(way_m, abs=0.006)
+    world.rolled = [rolled + 0.05 for rolled in world.rolled]  # somebody pushes it
+    assert world.run(0.5, duty=0.0) == pytest.approx(way_m, abs=0.006)
+    assert world.run(1.0) == pytest.approx(way_m + SPEED, abs=0.012)
+
+
+def test_a_silent_board_is_not_waited_for_after_a_stop(world: World) -> None:
+    world.run(1.0)
+    world.run(0.1, duty=0.0, mute=(5,))
+    world.run(2.0, duty=0.0, mute=(5,))
+    world.rolled = [rolled + 0.05 for rolled in world.rolled]
+
+    assert world.run(0.2, duty=0.0, mute=(5,)) == pytest.approx(SPEED, abs=0.006)
+
+
+@pytest.mark.parametrize(("in_force", "sent"), [(1.0, 0.0), (0.0, 1.0)])
+def test_wheels_roll_while_the_array_in_force_or_the_newest_one_drives_them(
+    world: World, in_force: float, sent: float
+) -> None:
+    world.run(1.0)
+    world.run(1.0, duty=0.0)
+    world.sent = sent
+    assert world.run(2.0, duty=in_force) == pytest.approx(3 * SPEED, abs=0.012)
+
+
+def test_the_second_stop_is_another_one(world: World) -> None:
+    world.run(1.0)
+    world.run(1.0, duty=0.0)
+    world.run(1.0)
+    world.measures_speed = False
+    world.run(0.2, mute=ALL)
+    world.run(0.1, duty=0.0, mute=ALL)
+
+    assert world.run(0.2, duty=0.0) == pytest.approx(2.2 * SPEED, abs=0.012)
+
+
+def test_wheels_that_are_heard_in_turns_have_all_reported_in_a_piece_of_the_way(
+    world: World,
+) -> None:
+    world.measures_speed = False
+    for turn in range(60):
+        found = world.run(STEP_S, mute=tuple(place for place in ALL if turn % 6 != place))
+
+    assert found == pytest.approx(60 * STEP_S * SPEED, rel=0.1)
+
+
+def test_where_the_engine_believes_no_wheel_they_all_count(world: World) -> None:
+    assert world.run(2.0, out=ALL) == pytest.approx(2 * SPEED, abs=0.006)

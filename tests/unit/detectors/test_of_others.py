@@ -60,6 +60,8 @@ class Door(Silent):
         self.said.append("opened")
 
     def __exit__(self, *_: object) -> None:
+        if "stuck" in self.said:
+            raise OSError("stuck")
         self.said.append("closed")
 
 
@@ -78,6 +80,17 @@ class Saying(Silent):
 def ran(companion: Companion) -> Any:
     ready = prepare(Order("mitre_bend", "trace"))
     return MissionRun(ready.engine, ready.backend, companions=[companion]).execute()
+
+
+class Strange(Silent):
+    """A detector nobody can ask whether it listens; it notes the effects."""
+
+    @property
+    def listening(self) -> bool:
+        raise OSError("gone")
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        self.noted = effects, now_s
 
 
 @pytest.mark.parametrize("method", ["react", "look", "speak"])
@@ -116,9 +129,31 @@ def test_whatever_a_detector_of_another_package_makes_fails_in_its_name() -> Non
 
     assert made.reckoned is not None
     assert made.camera is not None
-    for call in (lambda: made.companions[0].speak(0.0), made.reckoned, made.camera):
-        with pytest.raises(DetectorError, match=re.escape(WHOSE)):
+    calls = {
+        "speak": lambda: made.companions[0].speak(0.0),
+        "reckoned": made.reckoned,
+        "camera": made.camera,
+    }
+    for name, call in calls.items():
+        with pytest.raises(DetectorError, match=re.escape(f"{WHOSE} fails in {name} with")):
             call()
+
+
+def test_a_detector_may_speak_a_thousand_times_at_one_moment() -> None:
+    other = OfOthers(WHOSE, Saying(()))
+    for now_s in (0.0, 1.0, 1.00009):
+        for _ in range(500):
+            other.speak(now_s)
+    with pytest.raises(DetectorError, match="lets time stand still"):
+        other.speak(1.0001)
+    other.speak(1.00011)
+
+
+def test_a_detectors_own_error_keeps_its_words_and_another_of_ours_gets_its_name() -> None:
+    with pytest.raises(DetectorError, match=r"^it is mine$"):
+        OfOthers(WHOSE, Raising("react", DetectorError("it is mine"))).react((), 0.0)
+    with pytest.raises(DetectorError, match="fails in react with UsageError: no such port"):
+        OfOthers(WHOSE, Raising("react", UsageError("no such port"))).react((), 0.0)
 
 
 def test_words_are_passed_on() -> None:
@@ -127,6 +162,14 @@ def test_words_are_passed_on() -> None:
 
     assert said == (WORD,)
     assert (other.due_s, other.listening) == (0.0, False)
+    reacting = Silent()
+    reacting.listening = True
+    assert OfOthers(WHOSE, reacting).listening
+    strange = Strange()
+    OfOthers(WHOSE, strange).react((), 2.0)
+    assert strange.noted == ((), 2.0)
+    with pytest.raises(DetectorError, match=re.escape(f"{WHOSE} fails in listening with OSError")):
+        _ = OfOthers(WHOSE, strange).listening
 
 
 def test_a_time_that_is_none_is_said() -> None:
@@ -151,6 +194,12 @@ def test_it_is_opened_and_closed_as_the_detector_is() -> None:
     with entered([OfOthers(WHOSE, door), OfOthers(WHOSE, Silent())]):
         assert door.said == ["opened"]
     assert door.said == ["opened", "closed"]
+
+    with (
+        pytest.raises(DetectorError, match="fails in __exit__ with OSError: stuck"),
+        entered([OfOthers(WHOSE, door)]),
+    ):
+        door.said.append("stuck")
 
 
 def test_what_a_detector_refuses_as_it_is_opened_is_said_in_its_words() -> None:

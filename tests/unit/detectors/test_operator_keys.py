@@ -24,6 +24,7 @@ def test_a_key_says_its_word(keys: str, words: tuple[str, ...]) -> None:
     keyboard = Keyboard()
     companion = WordKeys(keyboard, ("near", "far"), 1.5)
     keyboard.keys = keys
+    assert companion.due_s == 0.0
     assert companion.speak(2.0) == tuple(DetectorWord(word, 1.5) for word in words)
     assert companion.due_s == pytest.approx(2.05)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import asin, cos, isnan, nan, pi, radians, remainder, sin
 from random import Random
 
@@ -11,7 +12,7 @@ from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Reckoner
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.sensing.part_axes import axis_at, plane_of, wheel_at
-from pirate_sm.geometry.network import Elbow, Mitre, Straight, planar
+from pirate_sm.geometry.network import Elbow, Mitre, Reducer, Straight, planar
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Frame, dot
 from pirate_sm.loading import library
@@ -195,6 +196,16 @@ def test_the_inertial_unit_gives_the_roll_in_a_flat_leg(robot: RobotSpec) -> Non
     assert felt.spots[REAR].roll_rad == pytest.approx(radians(20))
     assert other.spots[REAR].roll_rad == 0.0
     assert unknown.spots[REAR].roll_rad == pytest.approx(radians(20))
+    over = looking.look(begun, clamped(robot), IN_REAR, Felt(REAR, radians(200)))
+    assert over.spots[REAR].roll_rad == pytest.approx(radians(-160))
+
+
+def test_the_roll_that_is_felt_is_against_the_horizontal(robot: RobotSpec) -> None:
+    """The frame of this pipe has its side up, so a robot of roll 0 feels a quarter turn."""
+    looking = reckoner(robot, route_of(Straight(2.0), up=(0.0, 1.0, 0.0)))
+    begun = looking.begin(0.8, clamped(robot), IN_REAR)
+    felt = looking.look(begun, clamped(robot), IN_REAR, Felt(REAR, radians(20)))
+    assert felt.spots[REAR].roll_rad == pytest.approx(radians(20 - 90))
 
 
 def test_and_not_in_a_steep_one(robot: RobotSpec) -> None:
@@ -215,6 +226,11 @@ def test_a_robot_that_has_let_go_is_known_in_its_straight_only(robot: RobotSpec)
     inside, across = let_go(robot, looking, 0.7), let_go(robot, looking, 0.98)
     assert isnan(inside.spots[REAR].roll_rad)
     assert not any(map(isnan, inside.places_m))
+    assert isnan(looking.roll_of(inside, REAR))
+    assert {round(z, 9) for _, _, z in inside.chain.points} == {0.0}, "it is drawn with roll 0"
+    # Its shape is not held against walls that nobody knows the roll of.
+    held = looking.look(inside, clamped(robot), IN_REAR)
+    assert (held.shape, held.checked_m) == ("unknown", 0.0)
     assert [isnan(place) for place in across.places_m] == [True] + [False] * 5
     felt = looking.look(across, clamped(robot), IN_REAR, Felt(REAR, 0.0))
     assert not any(map(isnan, felt.places_m))
@@ -236,3 +252,92 @@ def test_an_unknown_roll_joint_leaves_the_part_that_holds(robot: RobotSpec) -> N
     blind = looking.look(begun, clamped(robot, phi=nan), IN_REAR)
     assert [isnan(place) for place in blind.places_m] == [True, True, False, False, False, False]
     assert looking.unknown(clamped(robot, phi=nan)) == [robot.body.roll]
+    # Both parts hold: each gives the places and the plane of its own.
+    turned = clamped(robot, phi=radians(50))
+    both = looking.look(looking.look(begun, turned, IN_REAR), turned, IN_REAR | IN_FRONT)
+    filled = looking.look(both, clamped(robot, phi=nan), IN_REAR | IN_FRONT)
+    assert filled.places_m == pytest.approx(both.places_m, abs=0.01)
+    assert dot(filled.chain.front.normal, both.chain.front.normal) > 0.8
+    assert dot(filled.chain.rear.normal, both.chain.rear.normal) > 0.99
+    assert dot(filled.chain.front.normal, both.chain.rear.normal) < 0.8
+
+
+@pytest.mark.parametrize(
+    ("fitting", "first_m", "unknown"),
+    [
+        (Mitre(pi / 2), 0.93, []),
+        (Mitre(pi / 2), 0.95, [0]),
+        (Reducer(0.05, 0.11), 1.2, []),
+        (Mitre(pi / 2), 1.6, []),
+    ],
+)
+def test_what_is_beyond_a_turn_is_unknown_of_a_robot_of_unknown_roll(
+    robot: RobotSpec, fitting, first_m: float, unknown: list[int]
+) -> None:
+    loose = let_go(robot, reckoner(robot, route_of(Straight(1.0), fitting, Straight(1.0))), first_m)
+    assert [wheel for wheel, place in enumerate(loose.places_m) if isnan(place)] == unknown
+
+
+def test_the_last_wheels_may_be_those_before_the_turn(robot: RobotSpec) -> None:
+    looking = reckoner(robot, bend())
+    length_m = 1.6 - looking.begin(1.6, clamped(robot), IN_REAR).places_m[-1]
+    begun = looking.begin(1.05 + length_m, clamped(robot), IN_REAR)
+    loose = looking.look(begun, clamped(robot), LOOSE)
+    assert [isnan(place) for place in loose.places_m] == [False] * 5 + [True]
+
+
+def test_a_robot_that_lets_go_while_a_joint_is_silent_is_lost(robot: RobotSpec) -> None:
+    looking = reckoner(robot, bend())
+    begun = looking.begin(0.7, clamped(robot), IN_REAR)
+    silent = clamped(robot, gamma_2=nan)
+    assert looking.look(looking.look(begun, silent, IN_REAR), silent, LOOSE).lost
+
+
+def test_the_anchor_whose_roll_is_known_is_the_surer_one(robot: RobotSpec) -> None:
+    looking, both = reckoner(robot, bend()), IN_REAR | IN_FRONT
+    begun = looking.look(looking.begin(0.7, clamped(robot), IN_REAR), clamped(robot), both)
+    assert begun.anchor == REAR
+    rolled = {REAR: begun.spots[REAR]._replace(roll_rad=nan), FRONT: begun.spots[FRONT]}
+    assert looking.look(begun._replace(spots=rolled), clamped(robot), both).anchor == FRONT
+
+
+@pytest.mark.parametrize(
+    ("phi_deg", "shape"), [(0, "fits"), (10, "fits"), (-10, "fits"), (11, "unknown")]
+)
+def test_a_part_that_is_turned_is_not_held_to_the_walls(robot, phi_deg: float, shape: str) -> None:
+    looking = reckoner(robot, bend())
+    begun = looking.begin(0.7, clamped(robot), IN_REAR)
+    turned = looking.look(begun, clamped(robot, phi=radians(phi_deg)), IN_REAR)
+    assert turned.shape == shape
+
+
+def test_between_bars_nobody_asks_for_the_angle_of_the_roll_joint(robot: RobotSpec) -> None:
+    looking = reckoner(robot, Route(planar(BORE_M, (Straight(3.0),))))
+    for phi in (nan, 0.5):
+        numbers = clamped(robot, phi=phi)
+        assert looking.unknown(numbers) == []
+        found = looking.look(looking.begin(0.8, numbers, IN_REAR), numbers, IN_REAR)
+        assert not any(map(isnan, found.places_m))
+        assert [z for _, _, z in found.chain.points] == [0.0] * 6
+        assert found.shape == "fits"
+
+
+def test_the_roll_joint_may_be_the_first_of_the_signals(robot: RobotSpec) -> None:
+    roll = robot.body.roll
+    swapped = tuple(roll if joint == 0 else joint for joint in robot.body.joints)
+    looking = Reckoner(replace(robot.body, roll=0, joints=swapped), bend(), robot.odometry)
+    numbers = clamped(robot, phi=nan)
+    numbers[0], numbers[roll] = numbers[roll], numbers[0]
+    begun = looking.begin(0.8, [0.0, *numbers[1:]], IN_REAR)
+    assert looking.unknown(numbers) == [0]
+    blind = looking.look(begun, numbers, IN_REAR)
+    assert [isnan(place) for place in blind.places_m] == [True, True, False, False, False, False]
+
+
+def test_a_robot_without_a_roll_joint_is_planar_in_a_round_pipe_too(robot: RobotSpec) -> None:
+    body = replace(robot.body, roll=-1, roll_link=-1)
+    numbers, looking = [*clamped(robot, phi=nan), 5.0], Reckoner(body, bend(), robot.odometry)
+    found = looking.look(looking.begin(0.8, numbers, IN_REAR), numbers, IN_REAR)
+    assert not any(map(isnan, found.places_m))
+    assert found.chain.front == found.chain.rear
+    assert found.shape == "fits"

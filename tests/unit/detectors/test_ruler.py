@@ -41,6 +41,10 @@ def test_it_says_the_speed_since_its_last_look(speed):
     assert said(Robot(speed, 0.5, 0.4, 0.3), SETTINGS, 4) == pytest.approx([speed] * 3)
 
 
+def test_a_robot_of_one_wheel_heads_along_the_pipe():
+    assert said(Robot(0.09, 0.5), SETTINGS, 2) == pytest.approx([0.09])
+
+
 def test_ahead_is_where_the_front_wheel_is():
     assert said(Robot(0.09, 0.3, 0.4, 0.5), SETTINGS, 3) == pytest.approx([-0.09] * 2)
 
@@ -49,6 +53,7 @@ def test_it_says_nothing_before_anything_has_moved_on():
     robot = Robot(0.09, 0.5, 0.4)
     ruler = Ruler(SETTINGS, robot.places, 1)
 
+    assert ruler.due_s == 0.0
     assert ruler.speak(0.0) == ()
     assert ruler.speak(0.0) == ()
     assert ruler.due_s == pytest.approx(0.1)

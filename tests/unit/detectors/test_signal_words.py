@@ -81,6 +81,13 @@ def test_a_word_that_comes_again_is_said_again() -> None:
     assert robot.shows(0.1, 1.0, 0.0) == [("close", 1.0)]
 
 
+def test_the_first_look_is_at_once_and_the_next_mission_may_have_other_conditions() -> None:
+    robot = Robot()
+    assert robot.detector.due_s == 0.0
+    robot.detector.restart(replace(robot.spec, word_conditions=()))
+    assert robot.shows(0.0, 1.0, 1.0) == []
+
+
 def test_a_mission_goes_on_by_a_condition_that_stands_in_yaml_alone(tmp_path: Path) -> None:
     newt = Path(__file__).resolve().parents[2] / "robots" / "newt"
     copytree(newt, tmp_path / "newt")

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from statistics import mean, stdev
 from typing import Literal
 
 import pytest
@@ -67,21 +68,33 @@ def test_the_next_mission_may_have_another_polarity(loaded: LoadedMission) -> No
     assert say(sees, places, driven(loaded, "mirrored", 1), there) == ["close", "in", "past"]
 
 
-@pytest.mark.thorough
 def test_its_errors_are_those_of_the_seed(loaded: LoadedMission) -> None:
-    def first_word(seed: int) -> float:
-        places = [0.0] * 6
-        both = loaded.loaded_robot
-        sees = TruePlaces(both.profile, both.normal, (Bend(1.0),), lambda: places, seed)
-        state = driven(loaded, "normal", 1)
-        for step in range(3000):
-            places[:] = [0.7 + 0.0002 * step - 0.06 * wheel for wheel in range(6)]
-            sees.look(state, 0.002 * step)
-            if sees.speak(0.002 * step):
-                return places[0]
-        raise AssertionError("nothing was said")
+    profile, robot = loaded.loaded_robot.profile, loaded.loaded_robot.normal
 
-    assert first_word(1) == first_word(1)
-    found = [first_word(seed) for seed in range(8)]
-    assert len(set(found)) > 4
-    assert found == pytest.approx([0.94] * 8, abs=0.02)
+    def errors(seed: int) -> list[float]:
+        sees = TruePlaces(profile, robot, (Bend(1.0),), lambda: (), seed)
+        return [error_m for _, error_m in sees._detector._words]
+
+    assert errors(1) == errors(1) != errors(2)
+    drawn = [error_m for seed in range(200) for error_m in errors(seed)]
+    assert abs(mean(drawn)) < 0.001
+    assert stdev(drawn) == pytest.approx(profile.simulation.noise.detector, rel=0.1)
+
+
+def test_others_may_look_for_it_while_nothing_new_is_to_be_said(loaded: LoadedMission) -> None:
+    places = [0.98 - 0.06 * wheel for wheel in range(6)]
+    both, state = loaded.loaded_robot, driven(loaded, "normal", 1)
+    sees = TruePlaces(both.profile, both.normal, (Bend(1.0),), lambda: places, seed=1)
+    assert sees.due_s == 0.0
+    assert sees.word_watch(state) is None, "it has not seen which way the robot drives"
+    sees.look(state, 0.0)
+    assert [word.word for word in sees.speak(0.0)] == ["close"]
+    assert sees.speak(0.0) == ()
+
+    watch = sees.word_watch(state)
+    assert watch is not None
+    assert (watch.places_m(), watch.due_s) == (places, pytest.approx(0.05))
+    sees.relieve([(0.05, places)], 0.1, None)
+    assert sees.due_s == 0.1
+    assert [at_s for at_s, _ in sees.word_watch(state).seen] == [0.0, 0.05]
+    assert sees.word_watch(driven(loaded, "normal", -1)) is None

@@ -111,6 +111,26 @@ def test_a_wheel_whose_speed_is_forgotten_goes_as_fast_as_the_robot(world: World
     assert world.look(HEARD_S + 0.6) == pytest.approx(0.06 / 6)
 
 
+def test_the_wheel_heard_last_counts_wherever_it_is_in_the_robot(world: World) -> None:
+    world.heard_s[0], world.speeds[0] = HEARD_S + 0.3, 0.04
+
+    assert world.look(HEARD_S + 0.3) == pytest.approx(0.012 * 5 / 6)
+
+
+def test_a_wheel_that_was_heard_last_without_a_speed_shows_nothing_of_the_robot(
+    world: World,
+) -> None:
+    world.heard_s[5], world.speeds[5] = HEARD_S + 0.2, nan
+
+    assert world.look(HEARD_S + 0.3) == pytest.approx((5 * 0.03 + 0.01) / 6)
+
+
+def test_wheels_none_of_which_shares_in_the_odometry_go_no_farther(world: World) -> None:
+    world.shares = [0.0] * 6
+
+    assert world.look(HEARD_S + 0.3) == 0.0
+
+
 def test_once_a_board_counts_as_silent_its_wheels_go_no_farther(world: World) -> None:
     world.look(HEARD_S + 0.9)
 

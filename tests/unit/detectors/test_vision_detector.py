@@ -5,23 +5,27 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import replace
 from itertools import pairwise
-from math import atan2, pi
+from math import atan2, inf, nan, pi
 from random import Random
-from typing import NamedTuple
+from typing import Any, Literal, NamedTuple
 
 import pytest
 
-from pirate_sm.detectors.camera_watch import CameraWatch
+from pirate_sm.detectors.dead_reckoning import Reckoned
 from pirate_sm.detectors.odometry_detector import Odometry
-from pirate_sm.detectors.seen_places import OneMarker, Tags
+from pirate_sm.detectors.seen_places import OneMarker, Seen, Tags
 from pirate_sm.detectors.vision_detector import Sight
-from pirate_sm.geometry.plane import inner_corner
-from pirate_sm.model.effects import Detected, Log
-from pirate_sm.model.events import FaultReport, OutsideNumber
+from pirate_sm.engine.engine import Engine
+from pirate_sm.geometry.chain_in_space import ChainInSpace
+from pirate_sm.geometry.plane import inner_corner, walls
+from pirate_sm.geometry.space import DRAWING
+from pirate_sm.model.effects import Detected, Ended, Log
+from pirate_sm.model.events import DetectorWord, FaultReport, OutsideNumber
 from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.true_position import Truth
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, Prepared, prepare
+from pirate_sm.wiring import Order, Prepared, load, prepare
 
 Places = Sequence[tuple[float, float]]
 
@@ -276,25 +280,260 @@ def turned_round(seen: Sighting) -> Sighting:
     return replace(seen, marks=tuple(marks))
 
 
+class Script:
+    """A camera, dead reckoning and a way to find the wheels that all do as a test says."""
+
+    def __init__(self, **options: Any) -> None:
+        self.loaded = load(Order("mitre_bend"))
+        profile, route = self.loaded.loaded_robot.profile, self.loaded.pipe.route()
+        self.state, _ = Engine(self.loaded.robot, self.loaded.program, nominal=True).start()
+        self.due_s, self.fault, self.closed = 0.0, "", False
+        self.reckoned: Any = None
+        self._coming: list[Shown] = []
+        self._places: dict[int, Sequence[float]] = {}
+        placing = options.pop("placing", self)
+        if options.pop("reckons", False):
+            options["odometry"] = self
+        self.sight = Sight(profile, self.loaded.robot, route, lambda: self, placing, **options)
+        self.sight.__enter__()
+
+    def look(self, *given: Any) -> Any:
+        """Be the camera that is asked for its pictures, or the odometry that is given a state."""
+        if len(given) == 2:
+            return ()
+        coming, self._coming = self._coming, []
+        return coming
+
+    def close(self) -> None:
+        self.closed = True
+
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+        places_m = self._places[sighting.digest]
+        assert len(angles) == 6
+        inside = tuple(nan if place == OUTSIDE_M else place for place in places_m)
+        return Seen(inside, tuple((place, 0.5) for place in places_m))
+
+    def drives(self, way: int, polarity: Literal["normal", "mirrored"] = "normal") -> None:
+        robot = self.loaded.loaded_robot.oriented(polarity)
+        values = list(self.state.robot.values)
+        for wheel in robot.wheels:
+            values[wheel.slot] = way * (1.0 if wheel.metres_per_rad > 0 else -1.0)
+        self.state = self.state._replace(robot=self.state.robot._replace(values=tuple(values)))
+
+    def shows(
+        self, captured_s: float, *places_m: float, now_s: float | None = None, **seen: Any
+    ) -> list[str]:
+        """Show the wheels at these places, or all at one; return what is said to people."""
+        digest = len(self._places)
+        self._places[digest] = places_m if len(places_m) == 6 else places_m * 6
+        mark = Mark("head", (0.0, 0.0), 0.0)
+        sighting = replace(Sighting(captured_s, (mark,), 0.5, 100.0, digest), **seen)
+        self._coming.append(Shown(sighting))
+        logs = self.sight.look(self.state, captured_s if now_s is None else now_s)
+        return [log.message for log in logs]
+
+
+OUTSIDE_M = 1000.0
+"""A place that is shown as one outside of the pipe."""
+
+
 @pytest.mark.parametrize(
-    ("rms_px", "blind_after_s", "code"), [(9.0, 5.0, "vision.moved"), (0.5, 1.0, "vision.blind")]
+    ("moved_m", "passed_s", "believed"),
+    [
+        (0.049, 0.1, True),
+        (0.051, 0.1, False),
+        (-0.051, 0.1, False),
+        (0.5, 1.0, False),
+        (0.5, 1.01, True),
+        (0.319, 1.0, True),
+        (nan, 0.1, False),
+    ],
 )
-def test_a_camera_that_has_never_shown_its_setup_or_the_robot_is_wrong_from_the_beginning_on(
-    rms_px: float, blind_after_s: float, code: str
+def test_belief_in_a_place_to_which_the_robot_cannot_have_moved_begins_after_its_time(
+    moved_m: float, passed_s: float, believed: bool
 ) -> None:
-    watch, found = CameraWatch(blind_after_s), []
-    for digest, now_s in enumerate((0.4, 0.8, 0.99, 1.0)):
-        watch.take(Sighting(now_s, (), rms_px, 100.0, digest), now_s)
-        found.append([fault.code for fault in watch.look(now_s, "", driven=True)])
+    script = Script()
+    assert script.sight.seen is None
+    script.shows(1.0, 5.0)
+    script.shows(1.0 + passed_s, 5.0 + moved_m)
 
-    assert found == [[], [], [], [code]]
+    assert script.sight.seen.places_m[0] == pytest.approx(5.0 + moved_m if believed else 5.0)
+    # What is not believed is not what the next sighting is held against.
+    script.shows(1.0 + passed_s + 0.01, 5.0 + (moved_m if believed else 0.0))
+    assert script.sight.seen.places_m[0] == pytest.approx(5.0 + moved_m if believed else 5.0)
 
 
-def test_a_camera_that_has_never_given_a_picture_is_silent_after_its_time() -> None:
-    watch = CameraWatch(5.0)
+def test_one_wheel_that_leaps_is_enough_for_doubt() -> None:
+    script = Script()
+    script.shows(1.0, 0.5)
+    script.shows(1.1, 0.5, 0.5, 0.5, 0.5, 0.5, 0.9)
 
-    assert watch.look(0.49, "", driven=False) == []
-    assert [fault.code for fault in watch.look(0.5, "", driven=False)] == ["vision.silent"]
+    assert script.sight.seen.places_m == (0.5,) * 6
+
+
+def test_wheels_outside_of_the_pipe_are_warned_of_once_each_time() -> None:
+    script, said = Script(), []
+    for number, outside in enumerate("1110111111111110111111"):
+        place_m = OUTSIDE_M if outside == "1" else 0.5
+        if script.shows(2.0 + 0.25 * number, place_m, 0.5, 0.5, 0.5, 0.5, 0.5):
+            said.append(number)
+
+    assert said == [7, 19]
+
+
+def test_the_second_opinion_is_heard_when_it_begins_to_differ() -> None:
+    script, said = Script(reckons=True), []
+    assert script.shows(1.0, 0.5) == []  # it has not reckoned yet
+    script.reckoned = Reckoned((nan,) * 6, ChainInSpace((), DRAWING, DRAWING), 0.0, 0, {}, 0.0)
+    assert script.shows(1.5, 0.5) == []  # it is lost
+    for number, off_m in enumerate((0.04, 0.05, 0.051, 0.06, 0.03, 0.055, 0.02, 0.04, -0.052)):
+        chain = ChainInSpace((), DRAWING, DRAWING)
+        script.reckoned = Reckoned((nan, 0.0, *(off_m,) * 4), chain, 0.0, 0, {}, 0.0)
+        for message in script.shows(10.0 + 2 * number, 7.0, *(0.0,) * 5):
+            said.append((off_m, message))
+
+    assert said == [
+        (off_m, f"the camera and dead reckoning differ by {text} mm; the camera counts")
+        for off_m, text in ((0.051, "51"), (-0.052, "52"))
+    ]
+
+
+def test_one_marker_has_no_opinion_of_its_own() -> None:
+    placing = OneMarker(load(Order("mitre_bend")).pipe.route(), 2)
+    script = Script(reckons=True, placing=placing)
+    chain = ChainInSpace(tuple((0.1 * x, 0.0, 0.0) for x in range(5, -1, -1)), DRAWING, DRAWING)
+    script.reckoned = Reckoned((0.1,) * 6, chain, 0.0, 0, {}, 0.0)
+
+    assert script.shows(1.0, 0.5) == []
+    assert placing.reckoned is script.reckoned
+    assert script.sight.seen.places_m[2] > 0.9
+
+
+@pytest.mark.parametrize(
+    ("measures", "wheels", "said"),
+    [
+        ("ruler", [0.0] * 6, [(0.1, 0.05)]),
+        ("ruler", [nan, nan, 0.2, 0.1, nan, nan], [(0.1, 0.05)]),
+        ("ruler", [nan, nan, 0.1, 0.2, nan, nan], [(-0.1, 0.05)]),
+        ("ruler", [0.2, 0.21, 0.1, 0.0, nan, nan], [(0.1, 0.05)]),  # the first two are uncertain
+        ("ruler", [nan, nan, 0.1, nan, nan, nan], []),
+        ("", [0.0] * 6, []),
+    ],
+)
+def test_the_speed_of_the_wheels_is_measured_from_two_sightings(measures, wheels, said) -> None:
+    script = Script(measures=measures)
+    script.drives(1)
+    for step in range(3):  # the first one is of a moment before the wheels were driven
+        at_s = 1.0 + 0.1 * step
+        places = [0.5 + 0.01 * step + off_m - 0.001 * n for n, off_m in enumerate(wheels)]
+        script.shows(at_s, *places, now_s=at_s + 0.05)
+        events = script.sight.speak(at_s + 0.05)
+
+    found = [(each.value, each.age_s) for each in events if isinstance(each, OutsideNumber)]
+    assert found == [pytest.approx(each) for each in said]
+
+
+def test_what_is_seen_is_shown_with_a_picture_twice_a_second() -> None:
+    script, pictures = Script(), []
+    assert script.sight.view() is None
+    for step in range(9):
+        script.shows(1.0 + 0.125 * step, 0.5)
+        view = script.sight.view()
+        assert view.seen is script.sight.seen
+        assert view.sighting.captured_s == 1.0 + 0.125 * step
+        pictures.append(view.jpeg)
+
+    assert pictures == [b"a picture", b"", b"", b""] * 2 + [b"a picture"]
+
+
+def test_nothing_is_shown_of_a_camera_that_has_not_seen_the_robot() -> None:
+    script = Script()
+    script.shows(1.0, nan)
+    assert script.sight.newest is not None
+    assert script.sight.view() is None
+    assert script.sight.truth() is None
+
+
+def test_the_place_is_shown_where_all_wheels_are_seen() -> None:
+    script = Script()
+    script.shows(1.0, 0.6, 0.5, 0.4, 0.3, 0.2, 0.1)
+    truth, profile = script.sight.truth(), script.loaded.loaded_robot.profile
+    assert truth == Truth(
+        script.sight.seen.points, profile.body.wheel_radius, walls(script.loaded.pipe.route()), 0.6
+    )
+    script.shows(1.1, 0.6, 0.5, nan, 0.3, 0.2, 0.1)
+    assert script.sight.truth() is None
+
+
+@pytest.mark.parametrize(
+    ("camera_due_s", "due_s"), [(2.02, 2.02), (2.2, 2.05), (2.0, 2.05), (1.0, 2.05)]
+)
+def test_it_looks_when_the_camera_asks_for_it_or_every_50_ms(
+    camera_due_s: float, due_s: float
+) -> None:
+    script = Script()
+    assert script.sight.due_s == 0.0
+    script.due_s = camera_due_s
+    assert script.sight.speak(2.0) == ()
+    assert script.sight.due_s == pytest.approx(due_s)
+
+
+def test_it_listens_to_a_camera_in_real_time_until_the_run_ends_and_closes_it() -> None:
+    assert not Script().sight.listening
+    script = Script(live=True)
+    script.sight.react((Log("info", "x"),), 1.0)
+    assert script.sight.listening
+    script.sight.react((Log("info", "x"), Ended("succeeded", "done")), 1.0)
+    assert (script.sight.listening, script.sight.due_s) == (False, inf)
+    script.sight.__exit__()
+    assert script.closed
+
+
+@pytest.mark.parametrize(("way", "codes"), [(0, []), (1, ["vision.blind"]), (-1, ["vision.blind"])])
+def test_a_robot_that_is_driven_has_to_be_in_sight(way: int, codes: list[str]) -> None:
+    script, found = Script(), []
+    script.drives(way)
+    for step in range(30):
+        script.shows(0.05 * step, nan, marks=())
+        found += [event.code for event in script.sight.speak(0.05 * step)]
+
+    assert found == codes
+
+
+def test_no_word_is_said_of_what_a_camera_sees_that_cannot_be_believed() -> None:
+    script = Script()
+    script.drives(1)
+    said = words_on_the_way(script, gray_spread=3.0)
+
+    assert [word for word, _ in said] == []
+
+
+def words_on_the_way(script: Script, **seen: Any) -> list[tuple[str, bool]]:
+    """Drive through the bend; return each word once, and whether a picture is kept with it."""
+    found: list[tuple[str, bool]] = []
+    for step in range(160):
+        at_s, first_m = 1.0 + 0.05 * step, 0.7 + 0.005 * step
+        script.shows(at_s, *(first_m - 0.06 * wheel for wheel in range(6)), **seen)
+        view = script.sight.view()
+        for word in script.sight.speak(at_s):
+            if isinstance(word, DetectorWord) and word.word not in dict(found):
+                found.append((word.word, bool(view.jpeg)))
+    return found
+
+
+def test_each_word_is_kept_with_its_picture() -> None:
+    script = Script()
+    script.drives(1)
+
+    assert words_on_the_way(script) == [("close", True), ("in", True), ("past", True)]
+
+
+def test_the_next_mission_may_have_another_polarity() -> None:
+    script = Script()
+    script.sight.restart(script.loaded.loaded_robot.mirrored)
+    script.drives(1, "mirrored")
+
+    assert [word for word, _ in words_on_the_way(script)] == ["close", "in", "past"]
 
 
 @pytest.mark.parametrize(("make", "reckons"), [(tags, False), (marker, True)])

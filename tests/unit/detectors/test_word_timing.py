@@ -3,12 +3,13 @@ from __future__ import annotations
 import itertools
 import random
 from collections.abc import Iterable
-from math import nan
+from math import inf, nan
 
 import pytest
 
 from pirate_sm.detectors.word_timing import Detector, Point, Word
 from pirate_sm.geometry.joints import Bend
+from pirate_sm.model.events import DetectorWord
 
 WORDS = (
     Word("near", Point(0, -0.06), Point(2, -0.06)),
@@ -157,3 +158,139 @@ def test_a_word_that_holds_is_said_again_while_valid() -> None:
     times = [3 + 0.1 * i for i in range(30) if one.look(3 + 0.1 * i, [0.95, 0.85, 0.75], 0)]
     assert times
     assert max(b - a for a, b in itertools.pairwise(times)) <= 0.6
+
+
+def test_the_words_of_an_elbow_count_from_where_it_begins_and_where_it_ends() -> None:
+    one, said = Detector(WORDS, (0.0,) * 3, (Bend(1.0, 0.05),), 1e9), []
+    for step, place in enumerate(course(0.7, 1.5)):
+        word = one.look(0.01 * step, [place - length for length in LENGTHS], 1)
+        said += [(word.word, place)] if word is not None else []
+
+    assert [word for word, _ in said] == ["near", "within", "through"]
+    assert [place for _, place in said] == pytest.approx([0.89, 1.13, 1.31], abs=1.1e-3)
+
+
+def test_the_last_word_of_a_bend_ends_and_the_next_bend_has_its_own() -> None:
+    bends = (Bend(1.0), Bend(2.0))
+    one, due = Detector(WORDS, (0.0,) * 3, bends, 1e9), []
+    for step, place in enumerate(course(0.7, 2.4)):
+        one.look(0.01 * step, [place - length for length in LENGTHS], 1)
+        if one.due not in {word for word, _ in due[-1:]}:
+            due.append((one.due, place))
+
+    words = ["", "near", "within", "through"]
+    assert [word for word, _ in due] == words + words
+    places = [0.94, 1.08, 1.26, 1.51, 1.94, 2.08, 2.26]
+    assert [place for _, place in due[1:]] == pytest.approx(places, abs=1.1e-3)
+
+
+def test_a_word_stays_until_its_wheel_is_clearly_before_its_point() -> None:
+    one = detector()
+    for step, place in enumerate([*course(0.9, 0.95), 0.931]):
+        one.look(0.5 * step, [place - length for length in LENGTHS], 1)
+    assert one.due == "near"
+    one.look(100.0, [0.929, 0.829, 0.729], 1)
+    assert one.due == ""
+    one.look(101.0, [0.939, 0.839, 0.739], 1)
+    assert one.due == ""
+
+
+def standing(one: Detector, place: float, travel: int = 1) -> list[float]:
+    """Show the wheels where they stand while they are driven; return their places."""
+    places = [place - length for length in LENGTHS]
+    one.look(1.0, places, travel)
+    return places
+
+
+@pytest.mark.parametrize(
+    ("place", "travel", "word"),
+    [
+        (0.5, 0, (-1, "", 2.0, 0.0, inf)),
+        (0.5, 1, (-1, "", 2.0, 0.0, inf)),
+        (0.95, 1, (2, "near", 2.0, 1.0, 1.0)),
+        (1.3, 1, (0, "through", 2.0, 1.0, 1.0)),
+        (1.11, -1, (1, "within", 2.0, 1.0, 1.0)),
+    ],
+)
+def test_what_it_knows_lets_others_look_for_it(
+    place: float, travel: int, word: tuple[object, ...]
+) -> None:
+    one = detector((0.001, 0.002, 0.003), valid_for_s=2.0)
+    places = standing(one, place, travel)
+
+    watch = one.watch(lambda: places, 1.05, travel)
+
+    assert watch is not None
+    forward = ((2, -0.057), (1, 0.022), (0, 0.061))
+    backward = ((0, -0.057), (1, 0.022), (2, 0.061))
+    assert watch.points == tuple(
+        (wheel, pytest.approx(off_m)) for wheel, off_m in (forward if travel > 0 else backward)
+    )
+    assert (watch.places_m(), watch.due_s, watch.every_s, watch.window_s) == (
+        places,
+        1.05,
+        0.05,
+        0.4,
+    )
+    assert list(watch.seen) == [(1.0, tuple(places))]
+    assert (watch.driven, watch.direction, watch.bends) == (travel != 0, travel, (Bend(1.0),))
+    assert (watch.slack_m, watch.forgotten_m) == (0.01, 0.25)
+    assert watch[-5:] == word
+
+
+@pytest.mark.parametrize(("seen", "now"), [(1, 0), (0, 1), (1, -1)])
+def test_nobody_looks_for_it_once_the_wheels_are_driven_otherwise(seen: int, now: int) -> None:
+    one = detector()
+    standing(one, 0.5, 1)
+    standing(one, 0.5, seen)
+
+    assert one.watch(list, 2.0, now) is None
+
+
+def test_others_may_look_for_it_while_it_stands() -> None:
+    one = detector()
+    standing(one, 0.95, 1)
+    standing(one, 0.95, 0)
+
+    watch = one.watch(list, 2.0, 0)
+    assert watch is not None
+    assert (watch.driven, watch.direction, watch.name) == (False, 1, "near")
+
+
+def test_a_bend_that_is_passed_is_passed_wherever_other_wheels_seem_to_be() -> None:
+    one = detector()
+    one.look(0.0, [1.6, 1.1, 1.4], 1)
+    assert one.due == ""
+
+
+def test_nobody_looks_for_it_while_the_word_that_holds_must_not_be_said() -> None:
+    one = detector()
+    one.look(1.0, [0.95, 0.85, 0.75], 1, frozenset({"near"}))
+
+    assert one.watch(list, 2.0, 1) is None
+
+
+@pytest.mark.parametrize(
+    ("said_s", "again"), [(None, [True, False, False]), (1.5, [False, False, True])]
+)
+def test_looks_of_others_count_as_its_own(said_s: float | None, again: list[bool]) -> None:
+    one = detector(valid_for_s=0.5)
+    places = standing(one, 0.95)
+    looks = [(1.3, (0.98, 0.88, 0.78)), (1.6, (1.01, 0.91, 0.81))]
+
+    one.relieve(looks, said_s)
+
+    watch = one.watch(lambda: places, 2.0, 1)
+    assert watch is not None
+    assert list(watch.seen) == [*looks]  # what was seen at 1 s is too old by now
+    said = [one.look(at_s, None, 1) for at_s in (1.7, 1.74, 1.75)]
+    assert said == [DetectorWord("near", 0.5) if each else None for each in again]
+
+
+def test_a_wheel_on_its_point_is_there() -> None:
+    """Numbers without rounding: a word begins on its point, and ends a quarter of a metre on."""
+    words = (Word("at", Point(0, 0.0), Point(0, 0.0)),)
+    for place, due in ((0.0, "at"), (-0.001, ""), (0.249, "at"), (0.25, "")):
+        one = Detector(words, (0.0,), (Bend(0.0),), 1.0)
+        one.look(0.0, [place], 1)
+        assert one.due == due
