@@ -9,7 +9,6 @@ from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.sensing.environment import Surveyed
 from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
-from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 from pirate_sm.engine.state import EngineState
 from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event, SensorFrame
@@ -30,9 +29,9 @@ class Glided(NamedTuple):
     heard_s: Numbers
     shares: Numbers
     angles: Numbers
-    records: tuple[BoardMemory, ...]
     asked: MotorRequest
     loss: float
+    motion: Numbers
     checked_s: float
     wake_at_s: float
     word_until_s: float
@@ -107,8 +106,8 @@ def after_glide(state: EngineState, after: Glided) -> EngineState:
 
 def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
     """Return the signals after quiet frames."""
-    numbers, heard_s, shares, angles, records, asked, loss, checked_s, *_ = after
+    numbers, heard_s, shares, angles, asked, loss, motion, checked_s, *_ = after
     return Sensing(
-        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, records, asked, loss),
-        *sensing[9:],
+        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, sensing.records, asked),
+        *(loss, motion, *sensing[10:]),
     )

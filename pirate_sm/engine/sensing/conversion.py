@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
+from pirate_sm.engine.sensing.motion_plausibility import Motion, Rows
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading
 from pirate_sm.engine.signals.evaluator import run
 from pirate_sm.engine.signals.table import signal_table
@@ -43,30 +44,58 @@ def observe(
     if board is None or len(frame.values) < board.length:
         return sensing, []
     table = signal_table(robot)
-    rows = table.boards[board.position]
-    cells = table.cells(sensing, setpoints, latest)
-    elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
-    around = table.lists, cells
-    run(rows.measured, *around, sensing.numbers, frame.values, now, elapsed_s)
-    plain = run(rows.limits, *around, sensing.numbers, frame.values, now, elapsed_s)
+    rows = table.boards[board.position].whole  # most frames need nothing else
     asked = ask(robot, sensing.asked, latest if sent else (), now)
-    settled = not asked.driving and now - asked.since_s >= robot.plausibility.settle_s
-    reading = Reading(sensing.numbers, elapsed_s, now, asked.setpoints, asked.since_s, settled)
-    record, reports = plausibility.sift(
-        robot.plausibility, board.watched, sensing.records[board.position], cells, reading, plain
-    )
-    records, layout = sensing.records, table.layout
-    if record is not records[board.position]:
-        sensing = _count_from_here(board, sensing, record, now)
-        cells[layout.angles : layout.loss] = sensing.angles
-        records = (*records[: board.position], record, *records[board.position + 1 :])
-    run(rows.derived, *around, sensing.numbers, frame.values, now, elapsed_s)
+    elapsed_s = max(now - sensing.heard_s[board.position], robot.link.period_s)
+    record, reports = sensing.records[board.position], list[FaultReport]()
+    cells, raw = table.cells(sensing, setpoints, latest, asked), frame.values
+    calm = not record.special and record.seen > robot.plausibility.hold_back
+    if not (calm and run(rows, table.lists, cells, sensing.numbers, raw, now, elapsed_s)):
+        cells = table.cells(sensing, setpoints, latest, asked)
+        sensing, reports = _judged(robot, board, sensing, frame, cells, now, elapsed_s)
     stale = sensing.stale - {board.position} if sensing.stale else sensing.stale
+    layout = table.layout
     numbers, heard_s = tuple(cells[: layout.heard]), tuple(cells[layout.heard : layout.shares])
-    shares, angles = cells[layout.shares : layout.angles], cells[layout.angles : layout.loss]
+    shares, angles = cells[layout.shares : layout.angles], cells[layout.angles : layout.motion]
     values = numbers, heard_s, sensing.checked_s, stale, tuple(shares), tuple(angles)
     # Faster than replacing fields by name; this runs for every frame. The others stay.
-    return Sensing(*values, records, asked, cells[layout.loss], *sensing[9:]), reports
+    loss, motion = cells[layout.loss], tuple(cells[layout.motion : layout.loss])
+    return Sensing(*values, sensing.records, asked, loss, motion, *sensing[10:]), reports
+
+
+def _judged(
+    robot: RobotSpec,
+    board: BoardSpec,
+    sensing: Sensing,
+    frame: SensorFrame,
+    cells: list[float],
+    now: float,
+    elapsed_s: float,
+) -> tuple[Sensing, list[FaultReport]]:
+    """Return the signals before a frame that is not plain, and the faults that it shows.
+
+    The cells, which are those before it, become those after it. The signals are without those from
+    which no change is counted any more.
+    """
+    table = signal_table(robot)
+    rows, lists = table.boards[board.position], table.lists
+
+    def kept(some: Rows) -> bool:
+        return run(some, lists, cells, sensing.numbers, frame.values, now, elapsed_s)
+
+    kept(rows.measured)
+    reading, motion = Reading(sensing.numbers, elapsed_s, now), Motion(rows.stuck, rows.rest, kept)
+    record, reports = plausibility.sift(
+        *(robot.plausibility, board.watched, sensing.records[board.position], cells, reading),
+        motion,
+    )
+    if record is not sensing.records[board.position]:
+        at, records = board.position, sensing.records
+        sensing = _count_from_here(board, sensing, record, now)
+        sensing = sensing._replace(records=(*records[:at], record, *records[at + 1 :]))
+        cells[table.layout.angles : table.layout.motion] = sensing.angles
+    kept(rows.derived)
+    return sensing, reports
 
 
 def _count_from_here(
@@ -145,11 +174,10 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
                 numbers[index] = nan
             # The first reading after the silence may be damaged: it is judged by the last one.
             at, spec = board.position, robot.plausibility
-            before, elapsed_s = sensing.numbers, now - sensing.heard_s[at]
-            reading, limits = Reading(before, elapsed_s, now), table.boards[at].limits
-            plain = run(limits, table.lists, numbers, before, (), now, elapsed_s)
+            rows, elapsed_s = table.boards[at], now - sensing.heard_s[at]
+            reading, motion = Reading(sensing.numbers, elapsed_s, now), Motion(rows.stuck)
             records[at], _ = plausibility.sift(
-                spec, board.watched, records[at], numbers, reading, plain
+                spec, board.watched, records[at], numbers, reading, motion
             )
     if robot.traction is not None:
         wheels = robot.traction.wheels

@@ -9,6 +9,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory
 from pirate_sm.engine.sensing.traction_memory import Traction, nothing_estimated
+from pirate_sm.engine.signals.evaluator import UNMOVED
 
 Numbers = tuple[float, ...]
 
@@ -94,6 +95,8 @@ class Sensing(NamedTuple):
         records: Per board what is remembered of its sensors, to know which values to believe.
         asked: What the motors have been asked, which tells what can move.
         loss: Share of the boards' reports that is lost, lately.
+        motion: Per sensor of a motion what is remembered to compare it with what was asked, one
+            after the other, see :data:`pirate_sm.engine.signals.evaluator.UNMOVED`.
         told: Instead of ``numbers``, what a script says that conditions see; empty without one.
             Changes of signals may follow, see :func:`with_changes`.
         traction: What is remembered of the wheels' slip and normal forces.
@@ -115,6 +118,7 @@ class Sensing(NamedTuple):
     records: tuple[BoardMemory, ...] = ()
     asked: MotorRequest = MotorRequest()
     loss: float = 0.0
+    motion: Numbers = ()
     told: Numbers = ()
     traction: Traction = Traction()
     outside_until_s: tuple[tuple[int, float], ...] = ()
@@ -177,6 +181,7 @@ def nothing_known(robot: RobotSpec, *, blind: bool = False) -> Sensing:
         shares=(0.0,) * count,
         angles=(nan,) * count,
         records=tuple(plausibility.unseen(board.watched) for board in robot.boards.values()),
+        motion=UNMOVED * sum(len(board.watched.moving) for board in robot.boards.values()),
         traction=nothing_estimated(robot.traction),
     )
 

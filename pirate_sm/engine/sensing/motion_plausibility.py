@@ -2,82 +2,95 @@
 
 from __future__ import annotations
 
-from math import inf, isnan, nan
+from collections.abc import Callable, Sequence
+from math import nan
+from operator import itemgetter
+from typing import NamedTuple, TypeAlias
 
-from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Numbers, Reading, SensorMemory
+from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
+from pirate_sm.engine.sensing.sensor_memory import SensorMemory
+from pirate_sm.engine.signals.evaluator import JUST_MOVED
 from pirate_sm.model.events import FaultReport
 from pirate_sm.model.fault_codes import BuiltInFault
+
+Rows: TypeAlias = Sequence[Sequence[int]]
+
+
+class Motion(NamedTuple):
+    """The rows of a board's motions, see :mod:`pirate_sm.engine.signals.evaluator`.
+
+    Attributes:
+        kept: Runs rows, and returns whether all limits are kept; None if no motion is judged.
+    """
+
+    stuck: Rows = ()
+    rest: Rows = ()
+    kept: Callable[[Rows], bool] | None = None
+
+    def repeated(self, cells: Sequence[float]) -> dict[int, tuple[float, float]]:
+        """Return the constant reading of each sensor that shows one, and since when it does."""
+        return {place: (cells[at], cells[at + 1]) for _, _, at, _, place in self.stuck}
+
+
+NOTHING_COMPARED = Motion()
 
 
 def after_motion(
     spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: SensorMemory,
-    numbers: Numbers,
-    reading: Reading,
-    reports: list[FaultReport],
-) -> SensorMemory:
-    """Return the memory of a motion sensor after a comparison with its motor's setpoint."""
-    value = numbers[watch.number]
-    duty = abs(reading.setpoints[watch.slot])
-    if watch.load >= 0 and (duty > watch.least_duty or channel.same_s < inf):
-        load = abs(numbers[watch.load])
-        free = duty > watch.least_duty and load < spec.unloaded * duty * watch.full_load
-        channel = _stuck(spec, watch, channel, value, free, reading.now_s, reports)
-    if duty == 0 and reading.settled:
-        good = value if channel.calm else channel.good
-        channel = _unasked(spec, watch, channel, good, reading.since_s, reports)
-    return channel
-
-
-def _stuck(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: SensorMemory,
-    value: float,
-    free: bool,
+    watched: WatchedSpec,
+    channels: Sequence[SensorMemory],
+    motion: Motion,
+    cells: list[float],
     now_s: float,
-    reports: list[FaultReport],
-) -> SensorMemory:
-    """Report a sensor without motion although its motor is driven without load."""
-    if not free:
-        return channel if channel.same_s == inf else channel._replace(same_s=inf)
-    if channel.same_s == inf or value != channel.same:
-        return channel._replace(same=value, same_s=now_s)
-    if value == channel.stuck or now_s - channel.same_s < spec.stuck_after_s:
-        return channel
+) -> tuple[Sequence[SensorMemory], list[FaultReport]]:
+    """Return the sensors' memories after a comparison with their motors' setpoints, and faults.
+
+    Args:
+        spec: Thresholds of the robot.
+        watched: The board's sensors.
+        channels: Their memories, which are returned as they are where nothing is found.
+        motion: The comparison.
+        cells: All cells, with the signals as reported. What is remembered of motions is changed.
+        now_s: When the frame was received.
+    """
+    found: list[tuple[int, FaultReport]] = []
+    if motion.kept is None:
+        return channels, []
+    if not motion.kept(motion.stuck):
+        for _, number, memory, _, place in motion.stuck:
+            value, channel = cells[number], channels[place]
+            stays = now_s - cells[memory + 1] >= spec.stuck_after_s
+            if stays and value != channel.stuck:
+                found.append((place, _stuck(spec, watched.sensors[place])))
+                channel = channel._replace(
+                    calm=False, good=value, good_s=now_s, wound=nan, stuck=value
+                )
+                channels = [*channels[:place], channel, *channels[place + 1 :]]
+    believed = [
+        (watch.number, cells[watch.number], channel.good)
+        for watch, channel in zip(watched.sensors, channels, strict=True)
+        if not channel.calm
+    ]
+    for number, _, good in believed:
+        cells[number] = good
+    if not motion.kept(motion.rest):
+        for _, _, memory, _, place in motion.rest:
+            if cells[memory + 6] == JUST_MOVED:
+                cells[memory + 6] = 1.0
+                found.append((place, _moved(watched.sensors[place])))
+    for number, value, _ in believed:
+        cells[number] = value
+    return channels, [report for _, report in sorted(found, key=itemgetter(0))]
+
+
+def _stuck(spec: PlausibilitySpec, watch: WatchSpec) -> FaultReport:
     message = (
         f"{watch.name} has shown the same for {spec.stuck_after_s:g} s while its motor is "
         "driven and bears no load: the sensor is stuck, or the motor gets no current"
     )
-    reports.append(watch.report(BuiltInFault.SENSOR_STUCK, message))
-    return channel._replace(calm=False, good=value, good_s=now_s, wound=nan, stuck=value)
+    return watch.report(BuiltInFault.SENSOR_STUCK, message)
 
 
-def _unasked(
-    spec: PlausibilitySpec,
-    watch: WatchSpec,
-    channel: SensorMemory,
-    good: float,
-    since_s: float,
-    reports: list[FaultReport],
-) -> SensorMemory:
-    """Report a motion although no wheel is driven and the setpoints have not changed."""
-    if isnan(good):
-        return channel
-    if channel.rest_of_s != since_s:
-        return channel._replace(rest=good, rest_of_s=since_s, proven=False, away=0, unasked=False)
-    if abs(good - channel.rest) <= watch.moved:
-        calm = channel.proven and channel.away == 0
-        return channel if calm else channel._replace(proven=True, away=0)
-    if not channel.proven and channel.away < spec.moved_readings:
-        # Each of the two readings may be corrupt.
-        return channel._replace(rest=good, away=channel.away + 1)
-    if channel.away + 1 < spec.moved_readings:
-        return channel._replace(away=channel.away + 1)
-    if channel.unasked:
-        return channel
+def _moved(watch: WatchSpec) -> FaultReport:
     message = f"{watch.name} moves though nothing was asked of its motor"
-    reports.append(watch.report(BuiltInFault.MOTION_UNASKED, message))
-    return channel._replace(unasked=True)
+    return watch.report(BuiltInFault.MOTION_UNASKED, message)

@@ -17,9 +17,9 @@ Values are in SI units; unknown is NaN. The profile holds the thresholds, in ``p
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import inf, isnan, nan
+from math import isnan, nan
 
-from pirate_sm.engine.sensing.motion_plausibility import after_motion
+from pirate_sm.engine.sensing.motion_plausibility import NOTHING_COMPARED, Motion, after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading, SensorMemory
 from pirate_sm.engine.sensing.value_plausibility import torque, weigh, weigh_jumped
@@ -37,7 +37,7 @@ def begin_anew(record: BoardMemory) -> BoardMemory:
     Joint angles survive a restart, so an implausible joint sensor stays implausible.
     """
     channels = tuple(
-        channel._replace(rest_of_s=inf, same_s=inf)
+        channel
         if channel.jumped or not isnan(channel.stuck)
         else SensorMemory(hidden=channel.hidden)
         for channel in record.channels
@@ -51,7 +51,7 @@ def sift(
     record: BoardMemory,
     numbers: list[float],
     reading: Reading,
-    plain: bool = False,
+    motion: Motion = NOTHING_COMPARED,
 ) -> tuple[BoardMemory, list[FaultReport]]:
     """Replace implausible numbers, and report faulty sensors.
 
@@ -61,39 +61,23 @@ def sift(
         record: The memory of these sensors.
         numbers: All numbers, with those of this board as reported; modified in place.
         reading: The circumstances of the frame.
-        plain: Whether every value is known to be in its range and near the previous one, as in most
-            frames.
+        motion: The comparison with what was asked of the motors.
 
     Returns:
         The new memory, and the new faults.
     """
     reports: list[FaultReport] = []
-    channels: list[SensorMemory] | None = None
-    shown = numbers
-    remembered: Sequence[SensorMemory] = record.channels
-    if record.special or not plain:
-        shown = list(numbers)
-        channels = [
-            _believe(spec, watch, channel, record.seen, shown, reading, reports)
-            for watch, channel in zip(watched.sensors, remembered, strict=True)
-        ]
-        remembered = channels
-    setpoints, settled = reading.setpoints, reading.settled
-    if setpoints:
-        for at, slot, least_duty in watched.moving:
-            channel = remembered[at]
-            if settled or abs(setpoints[slot]) > least_duty or channel.same_s < inf:
-                after = after_motion(spec, watched.sensors[at], channel, numbers, reading, reports)
-                if after is not channel:
-                    remembered = channels = channels or list(remembered)
-                    channels[at] = after
+    shown, repeated = list(numbers), motion.repeated(numbers)
+    channels: Sequence[SensorMemory] = [
+        _believe(spec, watch, channel, record.seen, shown, reading, repeated.get(at), reports)
+        for at, (watch, channel) in enumerate(zip(watched.sensors, record.channels, strict=True))
+    ]
+    channels, found = after_motion(spec, watched, channels, motion, numbers, reading.now_s)
     seen = record.seen if record.seen > spec.hold_back else record.seen + 1  # limited
-    if channels is None:
-        return (record if seen == record.seen else record._replace(seen=seen)), reports
     for watch, channel in zip(watched.sensors, channels, strict=True):
         value = numbers[watch.number]
         numbers[watch.number] = nan if channel.stuck == value else shown[watch.number]
-    return _record(watched, channels, seen), reports
+    return _record(watched, channels, seen), [*reports, *found]
 
 
 def _record(watched: WatchedSpec, channels: Sequence[SensorMemory], seen: int) -> BoardMemory:
@@ -114,13 +98,14 @@ def _believe(
     seen: int,
     shown: list[float],
     reading: Reading,
+    repeated: tuple[float, float] | None,
     reports: list[FaultReport],
 ) -> SensorMemory:
     """Return the sensor's memory after a reading, and write the shown value into ``shown``."""
     if channel.calm:
         good, good_s = reading.before[watch.number], reading.now_s - reading.elapsed_s
-        if channel.same == good and channel.same_s < good_s:  # its board may have repeated it
-            good_s = max(channel.same_s, good_s - spec.repeats_s)
+        if repeated and repeated[0] == good and repeated[1] < good_s:  # its board may repeat it
+            good_s = max(repeated[1], good_s - spec.repeats_s)
         wound = torque(watch, reading.before)
         channel = channel._replace(good=good, good_s=good_s, seen=seen, wound=wound)
     value = shown[watch.number]

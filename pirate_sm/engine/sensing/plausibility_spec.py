@@ -94,10 +94,9 @@ class WatchedSpec:
         return tuple((w.number, w.rate, w.slack) for w in self.sensors if w.rate < inf)
 
     @cached_property
-    def moving(self) -> tuple[tuple[int, int, float], ...]:
-        """Return place, slot and least duty of the sensors that measure a motion."""
-        sensors = enumerate(self.sensors)
-        return tuple((at, w.slot, w.least_duty) for at, w in sensors if w.moved < inf)
+    def moving(self) -> tuple[int, ...]:
+        """Return the places of the sensors that measure a motion."""
+        return tuple(place for place, watch in enumerate(self.sensors) if watch.moved < inf)
 
 
 class PlausibilitySpec(NamedTuple):

@@ -29,11 +29,6 @@ class SensorMemory(NamedTuple):
         stuck: The value at which it is stuck; NaN if it is not.
         hidden: Number of spikes so far; ``spikes``: the times of the last ones.
         spiking_s: When it was last reported as spiking.
-        same: The constant reading since ``same_s`` while its motor is driven without load.
-        rest: The reading at rest after the setpoints changed at ``rest_of_s``.
-        proven: Whether a second reading has confirmed ``rest``.
-        away: Number of consecutive readings far from ``rest``.
-        unasked: Whether the motion away from ``rest`` was reported.
     """
 
     calm: bool = True
@@ -50,13 +45,6 @@ class SensorMemory(NamedTuple):
     hidden: int = 0
     spikes: tuple[float, ...] = ()
     spiking_s: float = -inf
-    same: float = nan
-    same_s: float = inf
-    rest: float = nan
-    rest_of_s: float = inf
-    proven: bool = False
-    away: int = 0
-    unasked: bool = False
 
     @property
     def doubted(self) -> bool:
@@ -87,14 +75,8 @@ class Reading(NamedTuple):
         before: Numbers after the board's previous frame.
         elapsed_s: Time since that frame.
         now_s: Time of this frame.
-        setpoints: The array last sent; empty before the first.
-        since_s: When it was sent.
-        settled: Whether all motion must have ended: no wheel is driven, and the array is old.
     """
 
     before: Numbers
     elapsed_s: float
     now_s: float
-    setpoints: Numbers = ()
-    since_s: float = inf
-    settled: bool = False

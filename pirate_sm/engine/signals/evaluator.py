@@ -11,7 +11,7 @@ otherwise; `t` is the cell that is written.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import atan2, isfinite, isnan, nan, sin, sqrt
+from math import atan2, inf, isfinite, isnan, nan, sin, sqrt
 
 SCALE = 0
 """The raw value at place `a`, times `b`, less `c`."""
@@ -44,6 +44,12 @@ LOSS = 11
 HEARD = 12
 """The time of the frame."""
 
+STUCK, REST = 13, 14
+"""Limits of what a motion sensor `t` shows: its motion while its motor is driven without load, its
+rest while nothing is asked of it. Its memory is from cell `a` on, see :data:`UNMOVED`, what it is
+judged by is at place `b` of the lists, see :data:`MOTION`. `c` is its place among the sensors of
+its board. These limits do not end a run."""
+
 GAIN = 1 / 64
 """Weight of one report in the share that is lost; six boards with a period of 0.1 s send 64 in
 about a second."""
@@ -56,6 +62,22 @@ WHEEL = 9
 with the angle last shown, its share, when its board reported, whether it is not believed, its
 metres per rad, its setpoint in force and that last sent, either of which drives it. Before the
 first come their number and the cell with the time after which a board counts as silent."""
+
+
+UNMOVED = (nan, inf, nan, inf, 0.0, 0.0, 0.0)
+"""The memory of a motion sensor at first: the constant reading and since when it is shown while
+the motor is driven without load (:data:`STUCK`); the reading at rest, when what it rests by was
+asked, whether a second reading has confirmed it, how many readings after one another were far from
+it, and whether that was found (:data:`REST`)."""
+
+JUST_MOVED = 2.0
+"""The last of these, in the frame that shows it."""
+
+MOTION = 11
+"""So many entries of the lists say what a motion sensor is judged by: cells of its motor's setpoint
+and current; its least duty, share of the load, full load, time; how far it may move, how many
+readings count, how long all takes to settle; cells of the time of the last request and whether that
+drives wheels."""
 
 
 def loss_after(loss: float, elapsed_s: float, period_s: float) -> float:
@@ -156,6 +178,48 @@ def mean_speed(wheels: int, lists: Sequence[int], cells: Sequence[float]) -> flo
     return whole / every if every > 0 else nan
 
 
+def turns(
+    number: int, memory: int, at: int, lists: Sequence[int], cells: list[float], now_s: float
+) -> bool:
+    """Remember how long a driven motor shows no motion; return whether that is not too long."""
+    duty = abs(cells[lists[at]])
+    driven = duty > cells[lists[at + 2]] and cells[lists[at + 9]] < inf
+    if not driven and cells[memory + 1] == inf:
+        return True
+    load = abs(cells[lists[at + 1]])
+    if not (driven and load < cells[lists[at + 3]] * duty * cells[lists[at + 4]]):
+        cells[memory + 1] = inf
+    elif cells[memory + 1] == inf or cells[number] != cells[memory]:
+        cells[memory] = cells[number]
+        cells[memory + 1] = now_s
+    return not now_s - cells[memory + 1] >= cells[lists[at + 5]]
+
+
+def rests(
+    number: int, memory: int, at: int, lists: Sequence[int], cells: list[float], now_s: float
+) -> bool:
+    """Remember where a sensor rests; return whether it has not just left that place for long."""
+    value, since_s = cells[number], cells[lists[at + 9]]
+    settled = cells[lists[at + 10]] == 0.0 and now_s - since_s >= cells[lists[at + 8]]
+    if not settled or cells[lists[at]] != 0.0 or isnan(value):
+        return True
+    readings, away = cells[lists[at + 7]], cells[memory + 5]
+    if cells[memory + 3] != since_s:
+        cells[memory + 2], cells[memory + 3] = value, since_s
+        cells[memory + 4], cells[memory + 5], cells[memory + 6] = 0.0, 0.0, 0.0
+    elif abs(value - cells[memory + 2]) <= cells[lists[at + 6]]:
+        cells[memory + 4], cells[memory + 5] = 1.0, 0.0
+    elif cells[memory + 4] == 0.0 and away < readings:
+        # Each of the two readings may be corrupt.
+        cells[memory + 2], cells[memory + 5] = value, away + 1.0
+    elif away + 1.0 < readings:
+        cells[memory + 5] = away + 1.0
+    elif cells[memory + 6] == 0.0:
+        cells[memory + 6] = JUST_MOVED
+        return False
+    return True
+
+
 def run(  # noqa: C901 - one branch for each operation
     rows: Sequence[Sequence[int]],
     lists: Sequence[int],
@@ -177,8 +241,9 @@ def run(  # noqa: C901 - one branch for each operation
         elapsed_s: Time since the board's last frame, at least its period.
 
     Returns:
-        Whether every limit is kept; the first one that is not ends the run.
+        Whether every limit is kept; the first value that is not plausible ends the run.
     """
+    kept = True
     for row in rows:
         operation, t, a = row[0], row[1], row[2]
         if operation == SCALE:
@@ -191,6 +256,10 @@ def run(  # noqa: C901 - one branch for each operation
         elif operation == STEP:
             if not abs(cells[t] - before[t]) <= cells[row[3]] * elapsed_s + cells[row[4]]:
                 return False
+        elif operation == STUCK:
+            kept = turns(t, a, row[3], lists, cells, now_s) and kept
+        elif operation == REST:
+            kept = rests(t, a, row[3], lists, cells, now_s) and kept
         elif operation == TORQUE:
             setpoint = cells[row[3]]
             sign = setpoint / abs(setpoint) if setpoint != 0.0 else 0.0  # NaN stays NaN
@@ -207,4 +276,4 @@ def run(  # noqa: C901 - one branch for each operation
             cells[t] = diameter_m(cells[a], cells[row[3]], cells[row[4]])
         else:
             cells[t] = vector(operation, cells[a], cells[row[3]], cells[row[4]])
-    return True
+    return kept

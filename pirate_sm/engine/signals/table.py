@@ -9,8 +9,8 @@ from typing import NamedTuple, TypeAlias
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.board_spec import BoardSpec
-from pirate_sm.engine.sensing.known_signals import Numbers, Sensing
-from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec
+from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
+from pirate_sm.engine.sensing.plausibility_spec import WatchedSpec, WatchSpec
 from pirate_sm.engine.signals import evaluator as op
 
 Row: TypeAlias = tuple[int, int, int, int, int]
@@ -18,10 +18,16 @@ Rows: TypeAlias = tuple[Row, ...]
 
 
 class BoardRows(NamedTuple):
-    """The rows of a board's frame: what it measures, the limits of that, and what follows."""
+    """The rows of a board's frame.
 
+    ``whole`` is all of them: what it measures, the limits of that, two comparisons of motions with
+    what was asked, and what follows.
+    """
+
+    whole: Rows
     measured: Rows
-    limits: Rows
+    stuck: Rows
+    rest: Rows
     derived: Rows
 
 
@@ -31,8 +37,10 @@ class Layout(NamedTuple):
     Attributes:
         heard: Per board when it last reported.
         shares: Per wheel its share of the odometry; ``angles``: what its sensor last showed.
+        motion: Per sensor of a motion what is remembered, see `evaluator.UNMOVED`.
         loss: Share of lost reports.
         force: Setpoints in force per slot; ``latest``: those last sent.
+        asked: When the latest were asked, ``driving``: whether they drive wheels.
         out: Per wheel whether it is not believed.
         constants: The others, which nothing changes.
     """
@@ -40,9 +48,12 @@ class Layout(NamedTuple):
     heard: int
     shares: int
     angles: int
+    motion: int
     loss: int
     force: int
     latest: int
+    asked: int
+    driving: int
     out: int
     constants: int
 
@@ -63,20 +74,29 @@ class SignalTable(NamedTuple):
     constants: tuple[float, ...]
     believed: tuple[float, ...]
 
-    def cells(self, sensing: Sensing, force: Numbers = (), latest: Numbers = ()) -> list[float]:
+    def cells(
+        self,
+        sensing: Sensing,
+        force: Numbers = (),
+        latest: Numbers = (),
+        asked: MotorRequest | None = None,
+    ) -> list[float]:
         """Return the cells before a frame.
 
         Args:
             sensing: The signals.
             force: The setpoints in force per slot; without any they are unknown.
             latest: Those last sent.
+            asked: What they ask of the motors; by default what they did before.
         """
         if not force:
             force = latest = (nan,) * (self.layout.latest - self.layout.force)
+        asked = sensing.asked if asked is None else asked
         out = sensing.distance.out
         return [
-            *(*sensing.numbers, *sensing.heard_s, *sensing.shares, *sensing.angles, sensing.loss),
-            *(*force, *latest),
+            *(*sensing.numbers, *sensing.heard_s, *sensing.shares, *sensing.angles),
+            *(*sensing.motion, sensing.loss, *force, *latest),
+            *(asked.since_s if asked.setpoints else inf, asked.driving),
             *([place in out for place in range(len(sensing.shares))] if out else self.believed),
             *self.constants,
         ]
@@ -95,19 +115,22 @@ class _Compiler:
         self._robot = robot
         wheels, slots = len(robot.wheels), len(robot.slots)
         at, begins = len(robot.vocabulary.numbers), []
-        for length in (len(robot.boards), wheels, wheels, 1, slots, slots, wheels):
+        moving = sum(len(board.watched.moving) for board in robot.boards.values())
+        motion = moving * len(op.UNMOVED)
+        for length in (len(robot.boards), wheels, wheels, motion, 1, slots, slots, 1, 1, wheels):
             begins.append(at)
             at += length
         self._layout = Layout._make([*begins, at])
         self._constants: list[float] = []
         self._lists = self._wheels()
+        self._remembered = self._layout.motion
 
     def table(self) -> SignalTable:
         """Return the table."""
         boards = sorted(self._robot.boards.values(), key=lambda each: each.position)
         rows = tuple(self._board(each) for each in boards)
         believed = (0.0,) * len(self._robot.wheels)
-        return SignalTable(self._layout, rows, self._lists, tuple(self._constants), believed)
+        return SignalTable(self._layout, rows, tuple(self._lists), tuple(self._constants), believed)
 
     def _constant(self, value: float) -> int:
         """Return the cell of a constant."""
@@ -115,7 +138,7 @@ class _Compiler:
             self._constants.append(value)
         return self._layout.constants + self._constants.index(value)
 
-    def _wheels(self) -> tuple[int, ...]:
+    def _wheels(self) -> list[int]:
         """Return the description of all wheels, see `evaluator.WHEEL`."""
         layout, robot = self._layout, self._robot
         unheard = self._constant(-inf)  # of a wheel that no board reports
@@ -128,7 +151,7 @@ class _Compiler:
                 *(layout.out + wheel.place, self._constant(wheel.metres_per_rad)),
                 *(layout.force + wheel.slot, layout.latest + wheel.slot),
             )
-        return tuple(found)
+        return found
 
     def _board(self, board: BoardSpec) -> BoardRows:
         zeros, constant = dict(board.zeros), self._constant
@@ -136,8 +159,28 @@ class _Compiler:
             (op.SCALE, target, place, constant(scale), constant(zeros.get(target, 0.0)))
             for place, target, scale in board.channels
         ]
-        limits = tuple(self._limits(board.watched))
-        return BoardRows(tuple(measured), limits, tuple(self._derived(board)))
+        stuck, rest = [], []
+        for place in board.watched.moving:
+            watch, memory = board.watched.sensors[place], self._remembered
+            at, self._remembered = self._motion(watch), memory + len(op.UNMOVED)
+            if watch.load >= 0:
+                stuck.append((op.STUCK, watch.number, memory, at, place))
+            rest.append((op.REST, watch.number, memory, at, place))
+        limits, derived = self._limits(board.watched), tuple(self._derived(board))
+        whole = *measured, *limits, *stuck, *rest, *derived
+        return BoardRows(whole, tuple(measured), tuple(stuck), tuple(rest), derived)
+
+    def _motion(self, watch: WatchSpec) -> int:
+        """Return where it says by what a sensor is judged, see `evaluator.MOTION`."""
+        layout, spec, at = self._layout, self._robot.plausibility, len(self._lists)
+        limits = watch.least_duty, spec.unloaded, watch.full_load, spec.stuck_after_s
+        resting = watch.moved, spec.moved_readings, spec.settle_s
+        self._lists += (
+            *(layout.latest + watch.slot, max(watch.load, 0)),
+            *(self._constant(float(limit)) for limit in (*limits, *resting)),
+            *(layout.asked, layout.driving),
+        )
+        return at
 
     def _limits(self, watched: WatchedSpec) -> Iterable[Row]:
         for number, low, high in watched.ranges:

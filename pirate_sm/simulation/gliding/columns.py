@@ -8,27 +8,15 @@ from __future__ import annotations
 TOLERANCE_S = 2e-9
 """The engine is called this long before a deadline; its own tolerance of times is less."""
 
-# Columns of `boards`, a row per board by its position: where the rows of its table begin that
-# measure, that limit and that derive, and where they end; a range of rows of `sensors`; the first
-# row of its channels in the electronics, and how many values it reports.
-B_MEASURED, B_LIMITS, B_DERIVED, B_END, B_SENSORS, B_ROW, B_VALUES = (0, 1, 2, 3, 4, 6, 7)
-BOARD_COLUMNS = 8
-
-# Columns of `sensors`, those with limits of each board in turn; see `plausibility_spec.WatchSpec`.
-(
-    S_NUMBER, S_LOW, S_HIGH, S_RATE, S_SLACK, S_MOVED, S_SLOT, S_LEAST_DUTY, S_LOAD, S_FULL_LOAD,
-) = range(10)  # fmt: skip
-
-# Columns of the memory of sensors, a row per row of `sensors`; see `sensor_memory.SensorMemory`.
-M_SAME, M_SAME_S, M_REST, M_REST_OF_S, M_PROVEN, M_AWAY, M_CHANGED = range(7)
-MEMORY_COLUMNS = 7
+# Columns of `boards`, a row per board by its position: where its rows of the table begin, where
+# those end that measure, and where all end; the first row of its channels in the electronics, and
+# how many values it reports.
+B_BEGIN, B_MEASURED, B_END, B_ROW, B_VALUES = range(5)
+BOARD_COLUMNS = 5
 
 # Entries of `robot`; R_LOSS is the cell with the share of lost reports.
-(
-    R_PERIOD_S, R_SILENT_AFTER_S, R_SETTLE_S, R_UNLOADED, R_STUCK_AFTER_S, R_LOSS,
-    R_STALE_AFTER_S, R_LISTEN_EVERY_S,
-) = range(8)  # fmt: skip
-ROBOT_ENTRIES = 8
+R_PERIOD_S, R_SILENT_AFTER_S, R_LOSS, R_STALE_AFTER_S, R_LISTEN_EVERY_S = range(5)
+ROBOT_ENTRIES = 5
 
 # Columns of `conditions`: the first instruction, that after the last, whether it holds, the boards.
 K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
@@ -37,10 +25,8 @@ K_BEGIN, K_END, K_HOLDS, K_BOARDS = range(4)
 P_ANGLE, P_TARGET, P_THRESHOLD, P_GAIN, P_LEAST, P_LIMIT, P_RESOLUTION, P_SENT = range(8)
 
 # Entries of `watch`; see `watch.Watch`: when time stops, from when on no frame is quiet, when the
-# engine must be called; when the setpoints were asked for, whether they drive, whether there are
-# any.
-# Last, the next deadline without the detector's word.
-A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_ASKED_S, A_DRIVING, A_ASKED, A_DEADLINE_S = range(7)
+# engine must be called, and the next deadline without the detector's word.
+A_UNTIL_S, A_FRAMES_S, A_ALARM_S, A_DEADLINE_S = range(4)
 
 # Entries of `clock`: time, cycles, the time that the surroundings go by, when silent boards were
 # looked for, when they will be next, until when the detector's word is valid.

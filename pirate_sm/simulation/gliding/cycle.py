@@ -29,8 +29,8 @@ def _listens(
     taken: groups.Taken,
 ) -> bool:
     """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
-    boards, _, _, _, robot = rows
-    _, _, _, origin, _, watch = task
+    boards, _, _, robot = rows
+    _, _, origin, _, watch = task
     _, _, _, ticks, met = taken
     count = origin.shape[0]
     heard_s = signals[count : count + boards.shape[0]]
@@ -53,7 +53,7 @@ def _repeats(
     taken: groups.Taken,
 ) -> bool:
     """Let the detector repeat its word; return whether that prolongs the word and no more."""
-    _, _, _, origin, _, watch = task
+    _, _, origin, _, watch = task
     _, _, _, ticks, met = taken
     looker, _, _, _, _, _ = sees
     now_s, made = looker[col.L_DUE_S], looker[col.L_LOOKS]
@@ -82,7 +82,7 @@ def may_begin(
 
     Before, silent boards are looked for, and a detector looks, as often as that is due.
     """
-    _, _, _, _, _, watch = task
+    _, _, _, _, watch = task
     looker, _, _, _, _, _ = sees
     times_s, _, _, _, met = taken
     due_s = (clock[col.T_CYCLES] + 1.0) * around[col.G_CYCLE_S]
@@ -206,7 +206,7 @@ def goes_on(
     """
     sources, counts, rng, forced = electronics
     times_s, reporters, reports, ticks, met = taken
-    boards, _, _, _, _ = rows
+    boards, _, _, _ = rows
     turn = turns[int(clock[col.T_CYCLES]) % turns.shape[0]]
     stays = _measure(place, turns, int(clock[col.T_CYCLES]), sources, counts, rng)
     met[col.N_SURROUNDINGS] = 0 if stays else 1

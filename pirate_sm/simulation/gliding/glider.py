@@ -78,7 +78,7 @@ class Glider:
         self._ids = [each.id for each in sorted(robot.boards.values(), key=lambda b: b.position)]
         self._widths = {each.board: each.last - each.first for each in electronics.boards}
         self._signals = SignalTables(robot)
-        self._watch = WatchTables(self._signals.setpoints, len(robot.vocabulary.numbers))
+        self._watch = WatchTables(len(robot.vocabulary.numbers))
         self._survey = SurveyTables(robot)
         self._looks = LookTables(len(simulated.arcs))
         self._around: Floats = np.full(1 + len(simulated.leeway), cycle_s)
@@ -122,9 +122,9 @@ class Glider:
         ):
             return None
         asked = ask(self.robot, watch.sensing.asked, watch.asked, self._next_frame_s(cycles))
-        if not (self._watch.take(watch, asked, until_s) and self._looks.take(words, watch)):
+        if not (self._watch.take(watch, until_s) and self._looks.take(words, watch)):
             return None
-        self._signals.take(watch.sensing)
+        self._signals.take(watch, asked)
         self._survey.take(watch)
         self._force(now_s)
         sensing = watch.sensing

@@ -14,15 +14,14 @@ Electronics: TypeAlias = tuple[Floats, Floats, Words, Floats]
 """The channel table, see `digitizing.digitize`; the last count of every channel; the state of the
 generator of noise; the counts that defects show in place of those measured, NaN for the others."""
 
-RobotRows: TypeAlias = tuple[Ints, Ints, Ints, Floats, Floats]
-"""`boards`, the rows and the lists of the table of signals, `sensors`, `robot`."""
+RobotRows: TypeAlias = tuple[Ints, Ints, Ints, Floats]
+"""`boards`, the rows and the lists of the table of signals, `robot`."""
 
 Scratch: TypeAlias = tuple[Floats, Floats]
 """As long as the signals, and the stack of :mod:`~pirate_sm.simulation.gliding.machine`."""
 
-Task: TypeAlias = tuple[Floats, Ints, Floats, Floats, Floats, Floats]
-"""What the slots were asked for, `conditions`, their code, the signals when the wait began,
-`duties`, `watch`."""
+Task: TypeAlias = tuple[Ints, Floats, Floats, Floats, Floats]
+"""`conditions`, their code, the signals when the wait began, `duties`, `watch`."""
 
 Posture: TypeAlias = tuple[Floats, Floats, Floats, Ints, Floats]
 """`chain`, `parts`, `body`, a row of the parts that are held and two of memory, `surveyed`."""

@@ -10,7 +10,6 @@ from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Scratch, Task
 from pirate_sm.simulation.gliding.listening import listen, may_listen
 from pirate_sm.simulation.gliding.machine import value_of
-from pirate_sm.simulation.gliding.observing import moves_as_asked
 from pirate_sm.simulation.gliding.surveying import survey
 from pirate_sm.simulation.machine_code import compiled, compiled_module
 
@@ -106,8 +105,8 @@ def take_frame(
     `values` are the raw values of the frame of the board at `position`; the other arguments are
     those of :func:`~pirate_sm.simulation.gliding.cycle.goes_on`.
     """
-    boards, table, lists, sensors, robot = rows
-    asked, conditions, code, origin, duties, watch = task
+    boards, table, lists, robot = rows
+    conditions, code, origin, duties, watch = task
     fresh, stack = scratch
     now_s, count = clock[col.T_NOW_S], origin.shape[0]
     heard_end = count + boards.shape[0]
@@ -120,20 +119,11 @@ def take_frame(
     board = boards[position]
     _copy(signals, fresh)
     numbers = fresh[:count]
-    measured = table[board[col.B_MEASURED] : board[col.B_LIMITS]]
-    limits = table[board[col.B_LIMITS] : board[col.B_DERIVED]]
-    derived = table[board[col.B_DERIVED] : board[col.B_END]]
-    run(measured, lists, fresh, signals, values, now_s, elapsed_s)
-    if not (
-        _is_known(measured, numbers)
-        and run(limits, lists, fresh, signals, values, now_s, elapsed_s)
-    ):
+    own = table[board[col.B_BEGIN] : board[col.B_END]]
+    measured = table[board[col.B_BEGIN] : board[col.B_MEASURED]]
+    kept = run(own, lists, fresh, signals, values, now_s, elapsed_s)
+    if not (kept and _is_known(measured, numbers)):
         return False
-    remembered = sensors.shape[0] * col.MEMORY_COLUMNS
-    memory = fresh[fresh.shape[0] - remembered :].reshape(sensors.shape[0], col.MEMORY_COLUMNS)
-    if not moves_as_asked(board, now_s, sensors, robot, asked, watch, numbers, memory):
-        return False
-    run(derived, lists, fresh, signals, values, now_s, elapsed_s)
     quiet = asks_the_same(duties, numbers, fresh[int(robot[col.R_LOSS])])
     quiet = quiet and holds_as_before(position, conditions, code, numbers, origin, stack)
     if listens and not may_listen(now_s, fresh[count:heard_end], robot, watch, ticks, met):

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.plausibility_spec import WatchSpec
 from pirate_sm.engine.signals.table import Row, signal_table
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
@@ -21,7 +20,6 @@ class RobotTables(NamedTuple):
     boards: Ints
     rows: Ints
     lists: Ints
-    sensors: Floats
     robot: Floats
 
 
@@ -35,30 +33,16 @@ def robot_tables(robot: RobotSpec, reporting: Sequence[BoardChannels]) -> RobotT
         return None
     table = signal_table(robot)
     rows: list[Row] = []
-    sensors: list[tuple[float, ...]] = []
     boards = []
-    for board, sections in zip(specs, table.boards, strict=True):
-        ends = [len(rows)]
-        for section in sections:
-            rows += section
-            ends.append(len(rows))
-        own = [_sensor(each) for each in board.watched.sensors]
-        first, last = channels[board.id].first, channels[board.id].last
-        boards.append((*ends, len(sensors), len(sensors) + len(own), first, last - first))
-        sensors += own
+    for board, own in zip(specs, table.boards, strict=True):
+        begin, (first, last) = len(rows), channels[board.id][1:3]
+        rows += own.whole
+        boards.append((begin, begin + len(own.measured), len(rows), first, last - first))
     return RobotTables(
         np.array(boards, dtype=np.int64).reshape(-1, col.BOARD_COLUMNS),
         np.array(rows, dtype=np.int64).reshape(-1, 5),
         np.array(table.lists, dtype=np.int64),
-        np.array(sensors, dtype=np.float64).reshape(-1, 10),
         _constants(robot, table.layout.loss),
-    )
-
-
-def _sensor(watch: WatchSpec) -> tuple[float, ...]:
-    return (
-        *(watch.number, watch.low, watch.high, watch.rate, watch.slack, watch.moved),
-        *(watch.slot, watch.least_duty, watch.load, watch.full_load),
     )
 
 
@@ -66,9 +50,6 @@ def _constants(robot: RobotSpec, loss: int) -> Floats:
     found = np.zeros(col.ROBOT_ENTRIES)
     found[col.R_PERIOD_S] = robot.link.period_s
     found[col.R_SILENT_AFTER_S] = robot.link.silent_after_s
-    found[col.R_SETTLE_S] = robot.plausibility.settle_s
-    found[col.R_UNLOADED] = robot.plausibility.unloaded
-    found[col.R_STUCK_AFTER_S] = robot.plausibility.stuck_after_s
     found[col.R_LOSS] = loss
     found[col.R_STALE_AFTER_S] = robot.link.stale_after_s
     found[col.R_LISTEN_EVERY_S] = robot.link.listen_every_s

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
+from math import inf
+
 import numpy as np
 
 from pirate_sm.engine.gliding.glided import Glided, sensing_after
+from pirate_sm.engine.gliding.watch import Watch
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.environment import Surveyed
 from pirate_sm.engine.sensing.known_signals import MotorRequest, Sensing, nothing_known
-from pirate_sm.engine.sensing.sensor_memory import BoardMemory, SensorMemory
 from pirate_sm.engine.signals.table import signal_table
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.gliding import columns as col
 
 
 class SignalTables:
@@ -21,28 +22,26 @@ class SignalTables:
         robot: The robot.
 
     Attributes:
-        signals: The cells, see :class:`~pirate_sm.engine.signals.table.Layout`; then per watched
-            sensor what is remembered, see `columns.py`.
-        setpoints: Of these the setpoints in force and those last sent, a row each.
+        signals: The cells, see :class:`~pirate_sm.engine.signals.table.Layout`.
     """
 
     def __init__(self, robot: RobotSpec) -> None:
-        boards = sorted(robot.boards.values(), key=lambda each: each.position)
-        self._sensors = [len(board.watched.sensors) for board in boards]
-        table, memory = signal_table(robot), sum(self._sensors) * col.MEMORY_COLUMNS
-        cells = table.cells(nothing_known(robot))
-        self.signals: Floats = np.array([*cells, *[0.0] * memory])
+        table = signal_table(robot)
         at = self._layout = table.layout
-        self._numbers, self._heard_s, self._shares, self._angles, _, setpoints, _ = np.split(
-            self.signals, [at.heard, at.shares, at.angles, at.loss, at.force, at.out]
-        )
-        self.setpoints: Floats = setpoints.reshape(2, -1)
-        self._memory: Floats = self.signals[len(cells) :].reshape(-1, col.MEMORY_COLUMNS)
+        self.signals: Floats = np.array(table.cells(nothing_known(robot)))
+        ends = at.heard, at.shares, at.angles, at.motion, at.loss
+        parts = np.split(self.signals, ends)
+        self._numbers, self._heard_s, self._shares, self._angles, self._motion = parts[:5]
         self._of: Sensing | None = None
 
-    def take(self, sensing: Sensing) -> None:
-        """Take the signals in; what has come from here is there already."""
-        before = self._of
+    def take(self, watch: Watch, asked: MotorRequest) -> None:
+        """Take the signals in; what has come from here is there already.
+
+        Args:
+            watch: With the signals and the setpoints.
+            asked: What the motors have been asked when the next frame comes.
+        """
+        sensing, before, at = watch.sensing, self._of, self._layout
         if before is None or sensing.numbers is not before.numbers:
             self._numbers[:] = sensing.numbers
         if before is None or sensing.heard_s is not before.heard_s:
@@ -51,18 +50,13 @@ class SignalTables:
             self._shares[:] = sensing.shares
         if before is None or sensing.angles is not before.angles:
             self._angles[:] = sensing.angles
-        if before is None or sensing.records is not before.records:
-            self._take_records(sensing.records)
-        self.signals[self._layout.loss] = sensing.loss
+        if before is None or sensing.motion is not before.motion:
+            self._motion[:] = sensing.motion
+        self.signals[at.loss : at.out] = (
+            *(sensing.loss, *watch.setpoints, *watch.latest),
+            *(asked.since_s if asked.setpoints else inf, asked.driving),
+        )
         self._of = sensing
-
-    def _take_records(self, records: tuple[BoardMemory, ...]) -> None:
-        rows = [
-            (each.same, each.same_s, each.rest, each.rest_of_s, each.proven, each.away, 0.0)
-            for record in records
-            for each in record.channels
-        ]
-        self._memory[:] = np.array(rows, dtype=np.float64).reshape(self._memory.shape)
 
     def given(
         self,
@@ -87,38 +81,9 @@ class SignalTables:
             tuple(self._heard_s.tolist()),
             tuple(self._shares.tolist()),
             tuple(self._angles.tolist()),
-            self._records(self._of.records),
-            *(asked, float(self.signals[self._layout.loss])),
+            *(asked, float(self.signals[self._layout.loss]), tuple(self._motion.tolist())),
             *(checked_s, wake_s, word_s),
             surveyed,
         )
         self._of = sensing_after(self._of, after)
         return after
-
-    def _records(self, records: tuple[BoardMemory, ...]) -> tuple[BoardMemory, ...]:
-        if 1.0 not in self._memory[:, col.M_CHANGED].tolist():
-            return records
-        rows, found, begin = self._memory.tolist(), [], 0
-        for record, count in zip(records, self._sensors, strict=True):
-            own = rows[begin : begin + count]
-            begin += count
-            changed = any(row[col.M_CHANGED] for row in own)
-            found.append(_after(record, own) if changed else record)
-        self._memory[:, col.M_CHANGED] = 0.0
-        return tuple(found)
-
-
-def _after(before: BoardMemory, rows: list[list[float]]) -> BoardMemory:
-    """Return the memory of a board after quiet frames."""
-    return before._replace(channels=tuple(map(_remembered, before.channels, rows)))
-
-
-def _remembered(before: SensorMemory, row: list[float]) -> SensorMemory:
-    """Return the memory of a sensor after quiet frames."""
-    if not row[col.M_CHANGED]:
-        return before
-    same, same_s, rest, rest_of_s, proven, away, _ = row
-    unasked = before.unasked and rest_of_s == before.rest_of_s
-    now = same, same_s, rest, rest_of_s, bool(proven), int(away), unasked
-    # Faster than replacing seven fields by name; this runs for every glide.
-    return SensorMemory._make((*before[: -len(now)], *now))

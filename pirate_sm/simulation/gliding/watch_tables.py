@@ -7,7 +7,6 @@ from collections.abc import Iterable
 import numpy as np
 
 from pirate_sm.engine.gliding.watch import Condition, SameDuty, Watch
-from pirate_sm.engine.sensing.known_signals import MotorRequest
 from pirate_sm.expressions.bytecode import DEEPEST, Code, depth_of
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
@@ -52,42 +51,33 @@ class WatchTables:
     """The tables of a watch.
 
     Args:
-        setpoints: Cells of the setpoints in force and of those last sent, a row each; changed.
         numbers: How many signals the robot has.
 
     Attributes:
-        asked: What the slots were asked for.
         conditions: See `columns.py`; so for `duties` and `watch`.
         origin: Signals when the wait began.
     """
 
-    def __init__(self, setpoints: Floats, numbers: int) -> None:
+    def __init__(self, numbers: int) -> None:
         self.pool = CodePool()
-        self._setpoints = setpoints
-        self.asked: Floats = np.zeros(setpoints.shape[1])
         self.conditions: Ints = np.zeros((0, 4), dtype=np.int64)
         self.origin: Floats = np.full(numbers, np.nan)
         self.duties: Floats = np.zeros((0, 8))
-        self.watch: Floats = np.zeros(7)
+        self.watch: Floats = np.zeros(4)
         self._rules: dict[int, tuple[tuple[Condition, ...], Ints | None]] = {}
-        self._request: object = None
         self._of: Watch | None = None
         self._possible = False
 
     @property
     def arrays(self) -> Task:
         """Return the arrays, as compiled functions take them."""
-        return (
-            *(self.asked, self.conditions, self.pool.code),
-            *(self.origin, self.duties, self.watch),
-        )
+        return self.conditions, self.pool.code, self.origin, self.duties, self.watch
 
-    def take(self, watch: Watch, asked: MotorRequest, until_s: float) -> bool:
+    def take(self, watch: Watch, until_s: float) -> bool:
         """Take a watch in; return whether the machine can keep it.
 
         Args:
             watch: What is watched.
-            asked: What the motors have been asked when the next frame comes.
             until_s: When time stops.
         """
         before = self._of
@@ -105,25 +95,8 @@ class WatchTables:
             self._take_duties(watch.duties)
         if watch.origin and (before is None or watch.origin is not before.origin):
             self.origin[:] = watch.origin
-        if (
-            before is None
-            or asked is not self._request
-            or watch.setpoints is not before.setpoints
-            or watch.latest is not before.latest
-        ):
-            self._take_setpoints(watch, asked)
         self._of = watch
         return self._possible
-
-    def _take_setpoints(self, watch: Watch, asked: MotorRequest) -> None:
-        self._request = asked
-        self._setpoints[0] = watch.setpoints
-        self._setpoints[1] = watch.latest
-        self.watch[col.A_ASKED] = 1.0 if asked.setpoints else 0.0
-        if asked.setpoints:
-            self.asked[:] = asked.setpoints
-        self.watch[col.A_ASKED_S] = asked.since_s
-        self.watch[col.A_DRIVING] = asked.driving
 
     def _take_conditions(self, watch: Watch) -> None:
         key = id(watch.rules)

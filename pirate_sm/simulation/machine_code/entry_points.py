@@ -37,12 +37,12 @@ GROUPS = {
     "Looker": "Floats1 Floats2 Floats2 Floats2 Floats2 Floats1",
     "Place": "Floats1 Floats1 Floats1 Floats1",
     "Posture": "Floats2 Floats2 Floats1 Ints2 Floats2",
-    "RobotRows": "Ints2 Ints2 Ints1 Floats2 Floats1",
+    "RobotRows": "Ints2 Ints2 Ints1 Floats1",
     "Round": "Floats1 Floats1 Floats2 Floats2 Floats2 Floats2 Floats2 Floats1 Floats1"
     " Floats1 Ints1 int",
     "Scratch": "Floats1 Floats1",
     "Taken": "Floats1 Ints1 Floats2 Floats2 Ints1",
-    "Task": "Floats1 Ints2 Floats2 Floats1 Floats2 Floats1",
+    "Task": "Ints2 Floats2 Floats1 Floats2 Floats1",
 }
 """What each group of arguments that is passed as one tuple consists of, by the name of its type."""
 

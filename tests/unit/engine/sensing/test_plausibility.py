@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import isnan, nan
 from typing import Any
 
 import pytest
-from driving import BOTH_CLAMPED, IDLE, PIRATE
+from driving import BOTH_CLAMPED, IDLE, NEWT, PIRATE
 from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.engine.sensing import plausibility
+from pirate_sm.engine.sensing.board_spec import BoardSpec, LinkSpec
+from pirate_sm.engine.sensing.conversion import observe
+from pirate_sm.engine.sensing.known_signals import MotorRequest, nothing_known
 from pirate_sm.engine.sensing.plausibility import sift, unseen
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
-from pirate_sm.engine.sensing.sensor_memory import Reading
+from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading
+from pirate_sm.expressions import NumberType, Vocabulary
 from pirate_sm.loading.robot import load_robot
+from pirate_sm.model.events import SensorFrame
+from pirate_sm.units import DIMENSIONLESS
 
 EVERY_S = 0.125
 """So that times add up exactly."""
@@ -30,6 +37,7 @@ SPEC = PlausibilitySpec(
     repeats_s=0.25,
 )
 JOINT, LOAD, WHEEL, RATE = range(4)
+NUMBER = NumberType(DIMENSIONLESS)
 WATCHED = WatchedSpec(
     (
         WatchSpec(
@@ -54,36 +62,66 @@ WATCHED = WatchedSpec(
 )
 
 
+ROBOT = replace(
+    load_robot(NEWT).normal,
+    vocabulary=Vocabulary(dict.fromkeys(("joint", "load", "wheel", "rate"), NUMBER)),
+    boards={
+        1: BoardSpec(
+            *(1, "bench", 0, ((0, JOINT, 1.0), (1, LOAD, 1.0), (2, WHEEL, 1.0))),
+            *((), (), (), (), (), (), (), WATCHED),
+        )
+    },
+    slots=load_robot(NEWT).normal.slots[:2],
+    link=LinkSpec(1e-6, 10.0, 10.0, 0.2, 5),
+    plausibility=SPEC,
+    **{"wheels": (), "faults": (), "traction": None, "odometry": -1, "speed": -1},
+)
+
+
 class Bench:
     """One board with an elbow that has a motor, and a wheel."""
 
     def __init__(self) -> None:
-        self.record = unseen(WATCHED)
+        self.sensing = nothing_known(ROBOT)
         self.now_s = 0.0
         self.codes: list[str] = []
         self.messages: list[str] = []
-        self.shown = [nan] * 4
         self.setpoints: tuple[float, ...] = ()
-        self.since_s = 0.0
 
     def ask(self, joint: float, wheel: float) -> None:
         """Setpoints are sent now."""
-        self.setpoints, self.since_s = (joint, wheel), self.now_s
+        self.setpoints = joint, wheel
+        asked = MotorRequest(self.setpoints, self.now_s, bool(wheel))
+        self.sensing = self.sensing._replace(asked=asked)
 
     def say(
         self, angle: float, load: float = 250, wheel: float = 0, every_s: float = EVERY_S
     ) -> float:
         """The angle as it is shown."""
         self.now_s += every_s
-        numbers = [angle, load, wheel, 0.0]
-        driving = bool(self.setpoints and self.setpoints[1])
-        settled = not driving and self.now_s - self.since_s >= SPEC.settle_s
-        reading = Reading(self.shown, every_s, self.now_s, self.setpoints, self.since_s, settled)
-        self.record, reports = sift(SPEC, WATCHED, self.record, numbers, reading)
-        self.shown = numbers
+        frame, setpoints = SensorFrame(1, (angle, load, wheel)), self.setpoints or (0.5, 0.0)
+        self.sensing, reports = observe(
+            *(ROBOT, self.sensing, frame, setpoints, setpoints, self.now_s),
+            sent=bool(self.setpoints),
+        )
         self.codes += [report.code for report in reports]
         self.messages += [report.message for report in reports]
-        return numbers[JOINT]
+        return self.shown[JOINT]
+
+    def restart(self) -> None:
+        """The firmware starts again."""
+        fresh, records = nothing_known(ROBOT), (plausibility.begin_anew(self.record),)
+        self.sensing = self.sensing._replace(
+            numbers=fresh.numbers, motion=fresh.motion, records=records
+        )
+
+    @property
+    def record(self) -> BoardMemory:
+        return self.sensing.records[0]
+
+    @property
+    def shown(self) -> tuple[float, ...]:
+        return self.sensing.numbers
 
     @property
     def hidden(self) -> int:
@@ -676,8 +714,7 @@ def test_unasked_motion_is_reported_again_after_a_new_array(bench: Bench) -> Non
 
 def test_after_a_restart_counters_may_begin_anew(bench: Bench) -> None:
     bench.say(0, wheel=5000)
-    bench.record = plausibility.begin_anew(bench.record)
-    bench.shown = [nan] * 4
+    bench.restart()
 
     assert bench.say(900, wheel=3) == 900
     assert bench.shown[WHEEL] == 3
@@ -687,8 +724,7 @@ def test_a_restart_does_not_mend_a_sensor(bench: Bench) -> None:
     bench.ask(0.5, 0.0)
     for _ in range(13):
         bench.say(5, load=10)
-    bench.record = plausibility.begin_anew(bench.record)
-    bench.shown = [nan] * 4
+    bench.restart()
 
     assert isnan(bench.say(5))
     assert bench.record.doubted == {JOINT, RATE}
@@ -697,8 +733,7 @@ def test_a_restart_does_not_mend_a_sensor(bench: Bench) -> None:
 def test_a_restart_does_not_undo_a_jump(bench: Bench) -> None:
     for _ in range(3):
         bench.say(500)
-    bench.record = plausibility.begin_anew(bench.record)
-    bench.shown = [nan] * 4
+    bench.restart()
 
     assert isnan(bench.say(501))
     assert bench.record.doubted == {JOINT, RATE}
