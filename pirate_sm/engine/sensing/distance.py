@@ -233,7 +233,7 @@ def _late_m(
         age_s = now_s - sensing.heard_s[robot.wheel_boards[at]]
         late_s = (age_s if age_s > _MISSED * period_s else 0.0) + sensing.loss * period_s
         pace_m_s = max(abs(paces_m_s[at]), others_m_s)
-        if at in by.wheels and not isinf(by.odd_s[at]):
+        if not isinf(by.odd_s[at]):
             late_s = max(late_s, now_s - by.odd_s[at] + period_s)
             pace_m_s = abs(setpoints[robot.wheels[at].slot]) * robot.wheels[at].top_m_s
         late_m[at] = pace_m_s * late_s
