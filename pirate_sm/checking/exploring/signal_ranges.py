@@ -34,14 +34,20 @@ def ranges(profile: model.Profile, robot: RobotSpec) -> Mapping[str, Range]:
         for number, low, high in board.watched.ranges:  # what is beyond counts as unknown
             wire = found.get(names[number], ANYTHING)
             found[names[number]] = Range(max(low, wire.low), min(high, wire.high))
-        for source, _, scale, target in board.torques:
-            most = abs(scale) * found.get(names[source], ANYTHING).high
-            found[names[target]] = Range(-most, most)
-        for vector in board.vectors:
-            most = sqrt(sum(found.get(names[s], ANYTHING).high ** 2 for s in vector.sources))
-            found[names[vector.target]] = _VECTORS.get(vector.how, Range(0.0, most))
-        for _, length_m, wheels_m, target in board.diameters:  # eq. 3-2
-            found[names[target]] = Range(wheels_m, length_m + wheels_m)
+        for each in board.derived:
+            most = [found.get(names[source], ANYTHING).high for source in each.sources]
+            match each.how:
+                case "torque":
+                    limit = abs(each.factor) * most[0]
+                    found[names[each.target]] = Range(-limit, limit)
+                case "norm":
+                    found[names[each.target]] = Range(0.0, sqrt(sum(high**2 for high in most)))
+                case "roll" | "pitch":
+                    found[names[each.target]] = _VECTORS[each.how]
+                case "diameter":  # eq. 3-2
+                    found[names[each.target]] = Range(each.more, each.factor + each.more)
+                case "rate":
+                    pass
     found |= dict(_of_body(profile, robot))
     changes = {change_of(n): Range(r.low - r.high, r.high - r.low) for n, r in found.items()}
     return found | changes

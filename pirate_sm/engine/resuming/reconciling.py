@@ -306,9 +306,9 @@ def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
 def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
     """Return the angle between the recorded direction of gravity and that of now; NaN unknown."""
     for board in robot.boards.values():
-        for vector in board.vectors:
-            before = [was[source] for source in vector.sources]
-            after = [now[source] for source in vector.sources]
+        for sources in board.vectors:
+            before = [was[source] for source in sources]
+            after = [now[source] for source in sources]
             size = hypot(*before) * hypot(*after)
             if size > 0:
                 dot = sum(a * b for a, b in zip(before, after, strict=True)) / size

@@ -43,12 +43,23 @@ class WheelSpec(NamedTuple):
         return speed_m_s > abs(setpoints[self.slot]) * self.top_m_s
 
 
-class Vector(NamedTuple):
-    """A number derived from three others: their indexes, and its own index ``target``."""
+class DerivedSpec(NamedTuple):
+    """A number that is derived from others of its board, see :mod:`pirate_sm.engine.signals`.
 
-    how: Literal["roll", "pitch", "norm"]
-    sources: tuple[int, ...]
+    Attributes:
+        target: Its index.
+        sources: Theirs.
+        factor: The torque per current; the length of a V's leg (eq. 3-2).
+        more: What the wheels add to the height of a V.
+        slot: That of the motor of a torque.
+    """
+
+    how: Literal["rate", "torque", "roll", "pitch", "norm", "diameter"]
     target: int
+    sources: tuple[int, ...]
+    factor: float = 1.0
+    more: float = 0.0
+    slot: int = -1
 
 
 def board_name(id_: int) -> str:
@@ -63,10 +74,7 @@ class BoardSpec:
     Attributes:
         position: Index among the boards that report.
         channels: (place in the frame, number index, scale to SI).
-        rates: (number index, index of its rate).
-        torques: (number index of the current, slot, scale, number index of the torque).
-        vectors: Accelerometer numbers.
-        diameters: (number index of the apex angle, link length, 2r, target) of eq. 3-2.
+        derived: The numbers that are derived from these alone.
         wheels: Its wheels.
         faults: Indexes of the fault rules that its signals can change.
         zeros: (number index, reading at the zero position) of each calibrated sensor.
@@ -77,10 +85,7 @@ class BoardSpec:
     module: str
     position: int
     channels: tuple[tuple[int, int, float], ...]
-    rates: tuple[tuple[int, int], ...]
-    torques: tuple[tuple[int, int, float, int], ...]
-    vectors: tuple[Vector, ...]
-    diameters: tuple[tuple[int, float, float, int], ...]
+    derived: tuple[DerivedSpec, ...]
     wheels: tuple[WheelSpec, ...]
     faults: tuple[int, ...]
     zeros: tuple[tuple[int, float], ...] = ()
@@ -102,15 +107,15 @@ class BoardSpec:
         return frozenset(self.numbers)
 
     @property
+    def vectors(self) -> tuple[tuple[int, ...], ...]:
+        """Return the number indexes of each vector from which a number is derived."""
+        return tuple(each.sources for each in self.derived if len(each.sources) == 3)
+
+    @property
     def numbers(self) -> tuple[int, ...]:
         """Return the indexes of all numbers that depend on this board only."""
-        return (
-            *(target for _, target, _ in self.channels),
-            *(target for _, target in self.rates),
-            *(target for *_, target in self.torques),
-            *(vector.target for vector in self.vectors),
-            *(target for *_, target in self.diameters),
-        )
+        measured = (target for _, target, _ in self.channels)
+        return *measured, *(each.target for each in self.derived)
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,12 @@ Row: TypeAlias = tuple[int, int, int, int, int]
 Rows: TypeAlias = tuple[Row, ...]
 
 
+_OPERATIONS = {
+    **{"rate": op.RATE, "torque": op.TORQUE, "diameter": op.DIAMETER},
+    **{"norm": op.NORM, "roll": op.ROLL, "pitch": op.PITCH},
+}
+
+
 class BoardRows(NamedTuple):
     """The rows of a board's frame.
 
@@ -190,16 +196,13 @@ class _Compiler:
 
     def _derived(self, board: BoardSpec) -> Iterable[Row]:
         robot, layout, constant = self._robot, self._layout, self._constant
-        for source, target in board.rates:
-            yield op.RATE, target, source, 0, 0
-        for source, slot, scale, target in board.torques:
-            yield op.TORQUE, target, source, layout.force + slot, constant(scale)
-        for vector in board.vectors:
-            how = {"norm": op.NORM, "roll": op.ROLL, "pitch": op.PITCH}[vector.how]
-            x, y, z = vector.sources
-            yield how, vector.target, x, y, z
-        for apex, leg_m, wheels_m, target in board.diameters:
-            yield op.DIAMETER, target, apex, constant(leg_m), constant(wheels_m)
+        for each in board.derived:
+            a, b, c = (*each.sources, 0, 0)[:3]
+            if each.how == "torque":
+                b, c = layout.force + each.slot, constant(each.factor)
+            elif each.how == "diameter":
+                b, c = constant(each.factor), constant(each.more)
+            yield _OPERATIONS[each.how], each.target, a, b, c
         places = [wheel.place for wheel in robot.wheels]
         for wheel in board.wheels:
             at = 2 + places.index(wheel.place) * op.WHEEL

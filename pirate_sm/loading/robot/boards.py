@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Literal
 
 from pirate_sm.engine.robot.robot_spec import FaultSpec
-from pirate_sm.engine.sensing.board_spec import BoardSpec, Vector
+from pirate_sm.engine.sensing.board_spec import BoardSpec, DerivedSpec
 from pirate_sm.loading.robot.sensor_limits import watched
 from pirate_sm.loading.robot.signals import Signals
 from pirate_sm.model import derived as kinds
@@ -52,26 +52,24 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
         if channel.signal
     )
     told = {names[target] for _, target, _ in channels}
-    rates: list[tuple[int, int]] = []
-    torques: list[tuple[int, int, float, int]] = []
-    vectors: list[Vector] = []
-    diameters: list[tuple[int, float, float, int]] = []
+    computed: list[DerivedSpec] = []
     slots = [slot.name for slot in signals.profile.slots]
     for name, derived in signals.profile.derived.items():
         target = names.index(name)
         match derived:
             case kinds.RateOf(rate_of=source) if source in told:
-                rates.append((names.index(source), target))
+                computed.append(DerivedSpec("rate", target, (names.index(source),)))
             case kinds.TorqueOf(torque_of=source, slot=slot, scale=scale) if source in told:
                 factor = signals.constant(scale, ("derived", name, "scale"))[0]
                 if slot in slots:
-                    torques.append((names.index(source), slots.index(slot), factor, target))
+                    of, index = (names.index(source),), slots.index(slot)
+                    computed.append(DerivedSpec("torque", target, of, factor, slot=index))
             case kinds.RollOf() | kinds.PitchOf() | kinds.NormOf():
                 how, sources = _vector(derived)
                 if set(sources) <= told:
-                    vectors.append(Vector(how, tuple(map(names.index, sources)), target))
+                    computed.append(DerivedSpec(how, target, tuple(map(names.index, sources))))
             case kinds.DiameterOf(diameter_of=part):
-                diameters += _diameter(signals, part, told, target)
+                computed += _diameter(signals, part, told, target)
             case kinds.RateOf() | kinds.TorqueOf():
                 pass  # without its source
             case (
@@ -93,10 +91,7 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
         board.module,
         position,
         channels,
-        tuple(rates),
-        tuple(torques),
-        tuple(vectors),
-        tuple(diameters),
+        tuple(computed),
         wheels,
         (),
     )
@@ -106,16 +101,15 @@ def _scale(signals: Signals, channel: model.Channel) -> float:
     return signals.scales[channel.convert][0] if channel.convert else 1.0
 
 
-def _diameter(
-    signals: Signals, part: str, told: set[str], target: int
-) -> list[tuple[int, float, float, int]]:
+def _diameter(signals: Signals, part: str, told: set[str], target: int) -> list[DerivedSpec]:
     body = signals.profile.body
     apex = body.parts[part].apex if part in body.parts else ""
     if apex not in told:
         return []
     index = signals.vocabulary.numbers.index(apex)
     # Eq. 3-2 assumes two legs of equal length.
-    return [(index, body.legs_m(part)[0], 2 * body.wheel_radius, target)]
+    more = 2 * body.wheel_radius
+    return [DerivedSpec("diameter", target, (index,), body.legs_m(part)[0], more)]
 
 
 def _vector(

@@ -106,9 +106,4 @@ def _of_motor(
 
 def _resting_on(spec: BoardSpec, number: int) -> tuple[int, ...]:
     """Return the numbers of the board that depend on this one."""
-    return (
-        *(target for source, target in spec.rates if source == number),
-        *(target for source, _, _, target in spec.torques if source == number),
-        *(target for apex, _, _, target in spec.diameters if apex == number),
-        *(vector.target for vector in spec.vectors if number in vector.sources),
-    )
+    return tuple(each.target for each in spec.derived if number in each.sources)

@@ -176,7 +176,7 @@ def test_a_robot_that_lies_exactly_as_before_has_not_turned(clamped, sign):
     numbers = list(clamped.last.sensing.numbers)
     before, after = list(numbers), list(numbers)
     for board in clamped.robot.boards.values():
-        for source in (each for vector in board.vectors for each in vector.sources):
+        for source in (each for sources in board.vectors for each in sources):
             before[source], after[source] = 0.1, sign * 0.1
 
     found = tuple(changed(clamped.robot, tuple(before), frozenset(), tuple(after)))

@@ -68,7 +68,7 @@ ROBOT = replace(
     boards={
         1: BoardSpec(
             *(1, "bench", 0, ((0, JOINT, 1.0), (1, LOAD, 1.0), (2, WHEEL, 1.0))),
-            *((), (), (), (), (), (), (), WATCHED),
+            *((), (), (), (), WATCHED),
         )
     },
     slots=load_robot(NEWT).normal.slots[:2],

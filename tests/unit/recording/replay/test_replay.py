@@ -170,7 +170,9 @@ def test_after_a_gap_that_is_known_which_the_records_after_it_say(bend):
         assert isnan(shown[robot.odometry])
         for board in map(robot.boards.__getitem__, heard):
             assert not any(isnan(shown[at]) for _, at, _ in board.channels)
-            torques = {at for *_, at in board.torques}  # the echo of an array may be under way
+            torques = {
+                each.target for each in board.derived if each.how == "torque"
+            }  # the echo of an array may be under way
             for at in board.numbers:
                 true = right.sensing.numbers[at]
                 alike = shown[at] * true >= 0.0 if at in torques else same(shown[at], true)
