@@ -10,13 +10,14 @@ import tty
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from math import inf
-from typing import TYPE_CHECKING, Any, Protocol, Self
+from typing import TYPE_CHECKING, Any, Self
 
 from pirate_sm.model.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
 from pirate_sm.model.events import Answer, Event
 from pirate_sm.runtime.first_choice import Answered
 
 if TYPE_CHECKING:
+    from pirate_sm.detectors.operator_keys import Keys
     from pirate_sm.engine.state import EngineState
 
 _LOOK_EVERY_S = 0.05
@@ -30,13 +31,6 @@ def can_type() -> bool:
         return os.isatty(fd) and os.tcgetpgrp(fd) == os.getpgrp()
     except (AttributeError, OSError, ValueError):  # closed, or no terminal of ours
         return False
-
-
-class Keys(Protocol):
-    """Returns the keys pressed since the last call."""
-
-    def pressed(self) -> str:
-        """Return the keys, oldest first; empty if there were none."""
 
 
 class TerminalKeys:

@@ -6,7 +6,7 @@ import sys
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, NamedTuple
 
-from pirate_sm.cli.keyboard import AllKeys, Keys, Operator, SharedKeys, TerminalKeys, can_type
+from pirate_sm.cli.keyboard import AllKeys, Operator, SharedKeys, TerminalKeys, can_type
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.errors import UsageError
 from pirate_sm.runtime.outcome import INTERRUPTED
@@ -17,7 +17,7 @@ from pirate_sm.wiring import Prepared, answers
 if TYPE_CHECKING:
     from pirate_sm.control_panel.panel_companion import PanelCompanion
     from pirate_sm.control_panel.panel_reader import PanelReader
-    from pirate_sm.detectors.operator_keys import WordKeys
+    from pirate_sm.detectors.operator_keys import Keys, WordKeys
 
 
 class People(NamedTuple):

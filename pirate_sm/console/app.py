@@ -33,7 +33,7 @@ from pirate_sm.console.panel_actions import PanelActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
-from pirate_sm.console.widgets import EventLog, Lines, Picture, RobotApp, Row, panel
+from pirate_sm.console.widgets import EventLog, Lines, Picture, RequestRow, RobotApp, panel
 from pirate_sm.control_panel.panel_reader import PanelReader
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import Stop
@@ -126,9 +126,9 @@ class Console(PanelActions, RobotApp):
         scene = session.latest.scene
         names = list(scene.loaded.loaded_robot.profile.commands)
         self.letters = letters_for([*names, *scene.robot.detector_words])
-        self._rows = {name: Row(name, self.letters.get(name, "")) for name in names}
+        self._rows = {name: RequestRow(name, self.letters.get(name, "")) for name in names}
         self._controls = {
-            each.name: Row(each.name, each.key)
+            each.name: RequestRow(each.name, each.key)
             for each in availability.controls(session.latest, None)
         }
 

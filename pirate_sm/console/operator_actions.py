@@ -93,7 +93,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
 
     # --- commands and words -------------------------------------------------------------------
 
-    def on_row_asked(self, message: object) -> None:
+    def on_request_row_clicked(self, message: object) -> None:
         """Act on a clicked row."""
         name = str(getattr(message, "name", ""))
         known = name in self.session.latest.scene.robot.table.command_index

@@ -61,10 +61,10 @@ class Lines(Static):
             self.update(themed(text))
 
 
-class Row(Static):
+class RequestRow(Static):
     """A request: its key and name, with a sign if it is not available."""
 
-    class Asked(Message):
+    class Clicked(Message):
         """The row was clicked."""
 
         def __init__(self, name: str) -> None:
@@ -94,7 +94,7 @@ class Row(Static):
 
     def on_click(self, event: Click) -> None:
         """Post the request of the row."""
-        self.post_message(self.Asked(self.asks))
+        self.post_message(self.Clicked(self.asks))
 
 
 class Picture(Widget):
