@@ -29,7 +29,7 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 from benchmarks.dask_cluster import Cluster, Relay, kill
-from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.chunk import RunRow
 from pirate_sm.campaign.store import Store
 
 CAMPAIGN = """\
@@ -131,7 +131,7 @@ def _client(file: Path, folder: Path, relay: Relay) -> subprocess.Popen[str]:
     )
 
 
-def _rows(folder: Path) -> Iterator[Row]:
+def _rows(folder: Path) -> Iterator[RunRow]:
     for rows in Store(folder).read():
         yield from rows
 

@@ -37,10 +37,10 @@ from distributed import Client
 
 from benchmarks.dask_cluster import Cluster
 from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.chunk import Chunk, Row, Sent
+from pirate_sm.campaign.chunk import Chunk, RunRow, Sent
 from pirate_sm.campaign.conductor import Conductor
 from pirate_sm.campaign.crew import connected
-from pirate_sm.campaign.plan import Plan, mark_of
+from pirate_sm.campaign.plan import CampaignPlan, mark_of
 from pirate_sm.campaign.results import as_text, result_of
 from pirate_sm.campaign.store import Store
 
@@ -91,7 +91,7 @@ def main() -> int:
     return 0 if good else 1
 
 
-def _bends(runs: int) -> Plan:
+def _bends(runs: int) -> CampaignPlan:
     plan = read_campaign(BEND, range(runs), check=False)
     return replace(plan, cells=plan.cells[:1])
 
@@ -108,7 +108,7 @@ def _cluster(workers: int) -> Iterator[tuple[str, int]]:
         yield cluster.address, cluster.scheduler.pid
 
 
-def _measure(plan: Plan, workers: int) -> Measured:
+def _measure(plan: CampaignPlan, workers: int) -> Measured:
     """Run a campaign, with workers that are warm."""
     with _cluster(workers) as (address, scheduler), TemporaryDirectory() as folder:
         warm = replace(
@@ -132,7 +132,7 @@ def _measure(plan: Plan, workers: int) -> Measured:
         )
 
 
-def _conduct(plan: Plan, address: str, folder: Path) -> None:
+def _conduct(plan: CampaignPlan, address: str, folder: Path) -> None:
     store = Store(folder)
     store.begin(mark_of(plan))
     conductor = Conductor(plan, store)
@@ -165,7 +165,7 @@ def _said(measured: Measured) -> str:
     )
 
 
-def _ceiling_s(plan: Plan) -> float:
+def _ceiling_s(plan: CampaignPlan) -> float:
     """Return how long client, scheduler and store take for a mission that takes no time."""
     with _cluster(2) as (address, _), TemporaryDirectory() as folder:
         store = Store(Path(folder))
@@ -178,9 +178,9 @@ def _ceiling_s(plan: Plan) -> float:
         return (perf_counter() - began) / len(plan.cells[0].seeds)
 
 
-def _at_once(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
+def _at_once(chunk: Chunk, sent: Sent, version: str) -> list[RunRow]:
     values = (True, "", 30.0, 0.8, -0.03, 0.001)
-    return [Row(chunk.cell, seed, "succeeded", "passed", "", *values) for seed in chunk.seeds]
+    return [RunRow(chunk.cell, seed, "succeeded", "passed", "", *values) for seed in chunk.seeds]
 
 
 def _show(found: dict[int, list[Measured]], ceiling_s: float) -> bool:
@@ -213,7 +213,7 @@ def _extrapolate(one: Measured, ceiling_s: float) -> None:
             )
 
 
-def _many(plan: Plan) -> bool:
+def _many(plan: CampaignPlan) -> bool:
     """Run many bends on all processors of this machine and print the table."""
     began = perf_counter()
     with TemporaryDirectory() as folder:

@@ -29,7 +29,7 @@ from pirate_sm.console.app import Console
 from pirate_sm.console.check_process import CheckProcess
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import StopDriver
-from pirate_sm.console.widgets import Picture
+from pirate_sm.console.widgets import PipePicture
 from pirate_sm.model.events import OperatorCommand
 from pirate_sm.wiring import Order, load, prepare
 
@@ -92,7 +92,7 @@ async def _frames() -> float:
         await asyncio.sleep(1.0)
         await pilot.press("R")
         await asyncio.sleep(1.0)
-        picture = app.query_one(Picture)
+        picture = app.query_one(PipePicture)
         began, before = perf_counter(), picture.frames
         await asyncio.sleep(WATCHED_S)
         rate = (picture.frames - before) / (perf_counter() - began)

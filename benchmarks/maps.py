@@ -26,7 +26,7 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.campaign import options_of_rows
 from pirate_sm.api import run
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.route import Route
 from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import Problems
@@ -208,16 +208,16 @@ def missed(recording: Recording) -> Missed:
     )
 
 
-def _turns(joint: Joint) -> bool:
+def _turns(joint: RouteJoint) -> bool:
     return joint.kind == "reducer" or joint.turn_rad != 0.0
 
 
-def _radius(joint: Joint) -> float:
+def _radius(joint: RouteJoint) -> float:
     """Return the radius of an elbow, m; 0 of a corner."""
     return 2 * joint.behind_m / joint.turn_rad if joint.kind == "elbow" else 0.0
 
 
-def _straights(joints: Sequence[Joint], from_m: float, to_m: float) -> list[float]:
+def _straights(joints: Sequence[RouteJoint], from_m: float, to_m: float) -> list[float]:
     """Return the lengths between joints; a corner and a reducer count at one place."""
     ends = [(from_m, from_m)]
     for joint in joints:

@@ -25,11 +25,11 @@ from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
-from pirate_sm.simulation.mujoco.world import World as MujocoWorld
+from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics, Physics, QuantityLayout
 from pirate_sm.simulation.start_pose import stand
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World as KinematicWorld
+from pirate_sm.simulation.xpbd.world import MujocoWorld as KinematicWorld
 from pirate_sm.wiring import Order
 
 CYCLE_S = 0.016

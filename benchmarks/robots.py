@@ -21,7 +21,7 @@ import yaml
 
 from benchmarks.campaign import run_all
 from pirate_sm.campaign.plan import command_of
-from pirate_sm.campaign.verdict import Verdict, judge
+from pirate_sm.campaign.verdict import RunVerdict, judge
 from pirate_sm.model.campaign import TrueEnd
 from pirate_sm.wiring import Order
 
@@ -91,7 +91,7 @@ def main() -> int:
     return 0 if held and passed >= SHARE * len(verdicts) else 1
 
 
-def _lines(orders: Sequence[Order], verdicts: Sequence[Verdict]) -> Iterator[str]:
+def _lines(orders: Sequence[Order], verdicts: Sequence[RunVerdict]) -> Iterator[str]:
     for order, verdict in zip(orders, verdicts, strict=True):
         if verdict.what != "passed":
             what = "holds" if verdict.held else f"{verdict.what.upper()}, DOES NOT HOLD"

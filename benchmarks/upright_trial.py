@@ -12,7 +12,7 @@ from shutil import copytree
 from statistics import median
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.loading import library
 from pirate_sm.model.effects import Effect, Fault
 from pirate_sm.model.fault_codes import BuiltInFault
@@ -84,7 +84,7 @@ class Watch:
         self._look()
         state = self.run.state
         for loop in state.robot.loops:
-            if isinstance(loop, TorqueLoop) and loop.asked_nm and now_s > SETTLED_S:
+            if isinstance(loop, RunningTorqueLoop) and loop.asked_nm and now_s > SETTLED_S:
                 known = loop.gripping is not None and not isnan(loop.gripping.friction)
                 self.torques_nm[known].append(abs(state.sensing.numbers[loop.spec.torque]))
 

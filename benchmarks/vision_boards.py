@@ -9,7 +9,7 @@ import numpy as np
 from pirate_sm.model.camera import CameraPose, Lens
 from pirate_sm.model.camera_source import FrameSize
 from pirate_sm.vision.calibration import calibrate
-from pirate_sm.vision.chessboard import Board, find_board
+from pirate_sm.vision.chessboard import Chessboard, find_board
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats, Gray
@@ -26,7 +26,7 @@ _DARK, _BRIGHT, _ROOM = 35.0, 215.0, 90.0
 
 def calibrates() -> bool:
     """Print what is measured of a lens by 20 boards; whether the bars are kept."""
-    lens, board = LensModel(TRUE), Board()
+    lens, board = LensModel(TRUE), Chessboard()
     seen = _pictures(lens, board)
     good = False
     result = calibrate(seen, board, SIZE, "fisheye")
@@ -48,7 +48,7 @@ def calibrates() -> bool:
     return good
 
 
-def _pictures(lens: LensModel, board: Board) -> list[Floats]:
+def _pictures(lens: LensModel, board: Chessboard) -> list[Floats]:
     """The corners that are found in drawn pictures with blur and noise."""
     chance, found = np.random.default_rng(0), []
     for number in range(BOARDS):
@@ -82,7 +82,7 @@ def _in_one_place(seen: list[Floats]) -> list[Floats]:
     return [seen[0] + chance.normal(0, 0.05, seen[0].shape) for _ in range(BOARDS)]
 
 
-def _at_one_angle(lens: LensModel, board: Board) -> list[Floats]:
+def _at_one_angle(lens: LensModel, board: Chessboard) -> list[Floats]:
     """Boards all over the picture that lie in one plane, with the noise of finding them."""
     chance = np.random.default_rng(2)
     views = [
@@ -93,7 +93,7 @@ def _at_one_angle(lens: LensModel, board: Board) -> list[Floats]:
     return [view.project(board.points) + chance.normal(0, 0.05, (54, 2)) for view in views]
 
 
-def draw_board(view: View, board: Board, size: FrameSize) -> Gray:
+def draw_board(view: View, board: Chessboard, size: FrameSize) -> Gray:
     """Return a picture of a board that lies in the plane z = 0 of the view.
 
     The ray of each pixel is cut with the plane, so that there is no error of drawing: the value is

@@ -118,7 +118,7 @@ ALPHABETS = {
     ),
     "loop": Alphabet(
         "engine/control/loops.py",
-        "| VelocityLoop",
+        "| RunningVelocityLoop",
         "NewLoop",
         (
             "engine/control/loops.py",

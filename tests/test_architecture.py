@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import re
+from collections import Counter
 from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
@@ -135,6 +136,18 @@ def test_pirate_is_the_name_of_this_software_only() -> None:
         others += [f"{name}: {line}" for line in rest.splitlines() if "pirate" in line.lower()]
 
     assert others == []
+
+
+# The same idea in two forms: as a file has it, and as the program computes with it.
+_ONE_IDEA = {"Accepted", "Elbow", "Mitre", "Reducer", "Straight"}
+
+
+def test_a_class_name_stands_for_one_idea() -> None:
+    trees = map(ast.parse, TEXTS.values())
+    classes = (each for tree in trees for each in ast.walk(tree) if isinstance(each, ast.ClassDef))
+    counts = Counter(each.name for each in classes if not each.name.startswith("_"))
+
+    assert {name for name, count in counts.items() if count > 1} == _ONE_IDEA
 
 
 def test_files_and_functions_stay_small() -> None:

@@ -18,7 +18,7 @@ from pirate_sm.model.effects import Ended
 from pirate_sm.on_disk import is_file
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.read.steps import Gap, Step
+from pirate_sm.recording.read.steps import Gap, RecordedStep
 from pirate_sm.recording.replay.recorded_mission import recorded_mission
 from pirate_sm.recording.replay.replay import engine_of, rerun_steps
 from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
@@ -82,7 +82,7 @@ class Run:
 
     loaded: LoadedMission = field(repr=False)
     header: RunHeader = field(repr=False)
-    steps: Callable[[], Iterable[Step]] = field(repr=False)
+    steps: Callable[[], Iterable[RecordedStep]] = field(repr=False)
     poses: Callable[[], Poses | None] = field(repr=False)
     gaps: tuple[Gap, ...]
     notices: tuple[str, ...] = ()

@@ -20,7 +20,7 @@ from pirate_sm.model.effects import Effect
 from pirate_sm.model.events import Event
 from pirate_sm.model.trail import Trail
 from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import RecordedStep
 from pirate_sm.recording.write.recorder import Recorder
 from pirate_sm.report.poses import EVERY_S, Poses
 from pirate_sm.wiring import Prepared
@@ -55,7 +55,7 @@ class Notes:
         self._prepared = prepared
         self._header = header
         self._recorder = recorder
-        self._steps: list[Step] = []
+        self._steps: list[RecordedStep] = []
         self._poses = Poses(true=True)
         self._pose_s = 0.0
         self._trail: Trail | None = None
@@ -77,9 +77,11 @@ class Notes:
         if self._recorder is not None:
             self._recorder.start(seen, now_s, effects, begins)
         number = len(self._steps)
-        self._steps += [Step(number + n, now_s, event, (), "seen") for n, event in enumerate(seen)]
+        self._steps += [
+            RecordedStep(number + n, now_s, event, (), "seen") for n, event in enumerate(seen)
+        ]
         number = len(self._steps)
-        start = Step(number, now_s, None, tuple(effects), "start", **begins._asdict())
+        start = RecordedStep(number, now_s, None, tuple(effects), "start", **begins._asdict())
         self._steps.append(start)
         self._pose(now_s)
 
@@ -87,7 +89,7 @@ class Notes:
         """Note one step of the engine."""
         if self._recorder is not None:
             self._recorder.take(event, now_s, effects)
-        self._steps.append(Step(len(self._steps), now_s, event, tuple(effects), "engine"))
+        self._steps.append(RecordedStep(len(self._steps), now_s, event, tuple(effects), "engine"))
         self._pose(now_s)
 
     def secure(self) -> None:
@@ -101,14 +103,14 @@ class Notes:
             self._recorder.take_glide(glide)
         self._trail = glide.trail
         for number, (at_s, event, effects) in enumerate(glide.in_order(), len(self._steps)):
-            self._steps.append(Step(number, at_s, event, effects, "engine"))
+            self._steps.append(RecordedStep(number, at_s, event, effects, "engine"))
             self._pose(at_s)
 
     def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
         """Note what was done past the engine."""
         if self._recorder is not None:
             self._recorder.abandon(now_s, effects)
-        self._steps.append(Step(len(self._steps), now_s, None, tuple(effects), "runtime"))
+        self._steps.append(RecordedStep(len(self._steps), now_s, None, tuple(effects), "runtime"))
 
     def run(self, *notices: str) -> Run:
         """Return the run as far as it has come.

@@ -11,17 +11,17 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from pirate_sm.bay.line import Line
+from pirate_sm.bay.line import SerialLine
 from pirate_sm.bay.node_handle import NodeHandle
 from pirate_sm.bay.reception import Reception
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.wire import Wire
-from pirate_sm.rosserial.frames import Frame
+from pirate_sm.rosserial.frames import SerialFrame
 from pirate_sm.rosserial.messages import Array
 from pirate_sm.rosserial.topics import LOG, LogLine, log_payload
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
-_READY = Frame(LOG, log_payload(LogLine(1, "bay ready")))
+_READY = SerialFrame(LOG, log_payload(LogLine(1, "bay ready")))
 _CASES = 4
 
 
@@ -68,7 +68,7 @@ class Firmware:
     def __init__(
         self,
         wire: Wire,
-        line: Line,
+        line: SerialLine,
         robot: SimulatedRobot,
         switches: Switches,
         *,
@@ -93,7 +93,7 @@ class Firmware:
         self._free_s = now_s
         self._to_write: list[Array] = []
         self._echoes: deque[tuple[float, Array]] = deque()
-        self._state: Frame | None = None
+        self._state: SerialFrame | None = None
         self._stop_after_s = stop_after_s
         self._stop_s = math.inf  # before the first array there is nothing to stop
         self._in_force: Array | None = None
@@ -194,7 +194,7 @@ class Firmware:
             self._send(now_s, self._wire.echo(array))
             self._log(Record(now_s, "echoed", array.number, array.counts))
 
-    def _send(self, now_s: float, frame: Frame) -> None:
+    def _send(self, now_s: float, frame: SerialFrame) -> None:
         """Send the frame; the loop continues when the send ring has taken it."""
         self._free_s = self._line.write(frame, max(now_s, self._free_s))
 
@@ -211,7 +211,7 @@ class Firmware:
         if was and not self._node.configured:
             self._log(Record(now_s, "unconfigured", detail="no answer to its time requests"))
 
-    def _take(self, now_s: float, frame: Frame) -> None:
+    def _take(self, now_s: float, frame: SerialFrame) -> None:
         was = self._node.configured
         answer = self._node.take(frame, now_s)
         for due in answer.says:

@@ -6,14 +6,14 @@ import numpy as np
 
 from pirate_sm.bay.switches import Corruption, Switches
 from pirate_sm.bay.uart import Inlet, Outlet
-from pirate_sm.rosserial.frames import Frame, encode
+from pirate_sm.rosserial.frames import SerialFrame, encode
 from pirate_sm.simulation.loss import Loss
 
 _SEND_RING = 64
 _BITS_PER_BYTE = 10
 
 
-class Line:
+class SerialLine:
     """Both directions of the serial line, with loss, damage and delay.
 
     Args:
@@ -63,7 +63,7 @@ class Line:
         """Return whether a received frame gets past the emulated loss."""
         return self._loss_in.arrives(topic)
 
-    def write(self, frame: Frame, now_s: float) -> float:
+    def write(self, frame: SerialFrame, now_s: float) -> float:
         """Put the frame on the line; return when the firmware's write returns."""
         data = encode(*frame)
         start, done = self._outlet.write(len(data), now_s)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Frame
+from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, SerialFrame
 from pirate_sm.rosserial.topics import (
     LOG,
     PARAMETER,
@@ -27,7 +27,7 @@ _ASK_TIME_EVERY_S = 2.5
 _FORGET_AFTER_S = 11.0
 
 
-class Answer(NamedTuple):
+class NodeReply(NamedTuple):
     """The device's reaction to a frame.
 
     Attributes:
@@ -37,7 +37,7 @@ class Answer(NamedTuple):
         fault: What the host did wrong; empty if nothing.
     """
 
-    says: tuple[Frame, ...] = ()
+    says: tuple[SerialFrame, ...] = ()
     delivered: bytes | None = None
     fault: str = ""
 
@@ -63,37 +63,37 @@ class NodeHandle:
         self._asked_time_s = -math.inf
         self._heard_time_s = -math.inf
 
-    def take(self, frame: Frame, now_s: float) -> Answer:
+    def take(self, frame: SerialFrame, now_s: float) -> NodeReply:
         """Handle this frame and return the reaction."""
         if len(frame.payload) > LONGEST_PAYLOAD:
-            return Answer(fault=f"a payload of {len(frame.payload)} bytes overwrites memory")
+            return NodeReply(fault=f"a payload of {len(frame.payload)} bytes overwrites memory")
         self._buffer[: len(frame.payload)] = frame.payload
         if frame.topic == REQUEST_TOPICS:
             self.configured = True
             self._asked_time_s = self._heard_time_s = now_s
-            return Answer(self._introduction())
+            return NodeReply(self._introduction())
         if frame.topic == TIME:
             self._heard_time_s = now_s
         elif frame.topic == TX_STOP:
             self.configured = False
         elif frame.topic in self._listening:
-            return Answer(delivered=bytes(self._buffer))
+            return NodeReply(delivered=bytes(self._buffer))
         elif frame.topic not in (PARAMETER, LOG):
-            return Answer(fault=f"nobody listens to id {frame.topic}: memory is overwritten")
-        return Answer()
+            return NodeReply(fault=f"nobody listens to id {frame.topic}: memory is overwritten")
+        return NodeReply()
 
-    def tick(self, now_s: float) -> tuple[Frame, ...]:
+    def tick(self, now_s: float) -> tuple[SerialFrame, ...]:
         """Return the frames to send now; without answers to time requests stop publishing."""
         if now_s - self._heard_time_s > _FORGET_AFTER_S:
             self.configured = False
         if self.configured and now_s - self._asked_time_s >= _ASK_TIME_EVERY_S:
             self._asked_time_s = now_s
-            return (Frame(TIME, TIME_REQUEST),)
+            return (SerialFrame(TIME, TIME_REQUEST),)
         return ()
 
-    def _introduction(self) -> tuple[Frame, ...]:
+    def _introduction(self) -> tuple[SerialFrame, ...]:
         return (
-            Frame(TIME, TIME_REQUEST),
-            *(Frame(PUBLISHER, topic_payload(topic)) for topic in self._publishers),
-            *(Frame(SUBSCRIBER, topic_payload(topic)) for topic in self._subscribers),
+            SerialFrame(TIME, TIME_REQUEST),
+            *(SerialFrame(PUBLISHER, topic_payload(topic)) for topic in self._publishers),
+            *(SerialFrame(SUBSCRIBER, topic_payload(topic)) for topic in self._subscribers),
         )

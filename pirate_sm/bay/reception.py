@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from enum import Enum, auto
 
-from pirate_sm.rosserial.frames import SYNC, Frame
+from pirate_sm.rosserial.frames import SYNC, SerialFrame
 
 # A frame that is incomplete this long after its first byte is given up.
 _PATIENCE_S = 0.020
@@ -54,13 +54,13 @@ class Reception:
         self._topic = 0
         self._payload = bytearray()
 
-    def feed(self, arrivals: Iterable[tuple[int, float]]) -> list[Frame]:
+    def feed(self, arrivals: Iterable[tuple[int, float]]) -> list[SerialFrame]:
         """Return the frames that these bytes complete.
 
         Args:
             arrivals: Bytes with the time at which each arrived, s.
         """
-        found: list[Frame] = []
+        found: list[SerialFrame] = []
         for byte, at_s in arrivals:
             if self._at is not _At.SYNC and at_s > self._deadline_s:
                 self._give_up()
@@ -78,7 +78,7 @@ class Reception:
         self.dropped += self._at is not _At.REVISION
         self._at = _At.SYNC
 
-    def _take(self, byte: int) -> Frame | None:
+    def _take(self, byte: int) -> SerialFrame | None:
         match self._at:
             case _At.SYNC:
                 self._at = _At.REVISION if byte == _SYNC else _At.SYNC
@@ -117,9 +117,9 @@ class Reception:
             case _:
                 self._give_up()
 
-    def _end(self, byte: int) -> Frame | None:
+    def _end(self, byte: int) -> SerialFrame | None:
         if (self._sum + byte) % 256 != 255:
             self._give_up()
             return None
         self._at = _At.SYNC
-        return Frame(self._topic, bytes(self._payload))
+        return SerialFrame(self._topic, bytes(self._payload))

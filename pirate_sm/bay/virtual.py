@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from pirate_sm.bay.firmware import Firmware, Record
-from pirate_sm.bay.line import Line
+from pirate_sm.bay.line import SerialLine
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.wire import Wire
 from pirate_sm.model.pipe import Pipe
@@ -77,7 +77,7 @@ class VirtualBay:
             more_defects=switches.more_defects(seed, chances[2:]),
         )
         self._turns = self.robot.turns(self._wire.one_value)
-        self._line = Line(serial.baud, switches, chances[0])
+        self._line = SerialLine(serial.baud, switches, chances[0])
         self._boot = (serial.boot * _SHORTEST_BOOT, serial.boot, chances[1])
         self._cycle_s = profile.link.cycle
         self._echo_delay_s = profile.link.echo_delay

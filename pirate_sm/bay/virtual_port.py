@@ -9,7 +9,7 @@ from typing import Protocol
 
 from pirate_sm.backends.serial.guardian.guard import Guard
 from pirate_sm.backends.serial.guardian.guard_actions import Action, Reopen, ToPort, ToRunner
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import PortLostError
 
@@ -89,7 +89,7 @@ class VirtualPort:
     def write(self, data: bytes) -> None:
         """Put the bytes on the device's line, unless the guardian is acting."""
         self._need_cable()
-        self._do(self._guard.hear(Note(Kind.WRITE, data), self._now_s))
+        self._do(self._guard.hear(Note(NoteKind.WRITE, data), self._now_s))
 
     def read(self, until_s: float) -> bytes:
         """Return received bytes as soon as there are any."""
@@ -103,14 +103,14 @@ class VirtualPort:
 
     def beat(self, safe_frame: bytes) -> None:
         """Give the guardian a sign of life and the safe frame."""
-        self._do(self._guard.hear(Note(Kind.BEAT, safe_frame), self._now_s))
+        self._do(self._guard.hear(Note(NoteKind.BEAT, safe_frame), self._now_s))
         self._need_cable()  # a real guardian without a port reports this too
 
     def overruled(self) -> bool:
         """Return whether the guardian has acted; from now on it relays again."""
         overruled, self._overruled = self._overruled, False
         if overruled:
-            self._do(self._guard.hear(Note(Kind.HEED), self._now_s))
+            self._do(self._guard.hear(Note(NoteKind.HEED), self._now_s))
         return overruled
 
     def remark(self) -> str:
@@ -173,10 +173,10 @@ class VirtualPort:
             if isinstance(action, ToPort) and self.plugged:
                 self.written.append((self._now_s, action.data))
                 self.device.receive(action.data, self._now_s)
-            elif isinstance(action, ToRunner) and action.note.kind == Kind.DATA:
+            elif isinstance(action, ToRunner) and action.note.kind == NoteKind.DATA:
                 self._data.append(action.note.body)
             elif isinstance(action, ToRunner):
-                self._overruled |= action.note.kind == Kind.OVERRULED
+                self._overruled |= action.note.kind == NoteKind.OVERRULED
             elif isinstance(action, Reopen) and self.plugged:
                 self.device.open(self._now_s)
                 self._connected = True

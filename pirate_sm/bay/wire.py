@@ -8,7 +8,7 @@ from pirate_sm.bay.node_handle import MOST_SUBSCRIBERS
 from pirate_sm.bay.switches import Topic as TopicName
 from pirate_sm.errors import UsageError
 from pirate_sm.model.profile import Profile
-from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Frame
+from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, SerialFrame
 from pirate_sm.rosserial.message_types import Malformed, MessageType
 from pirate_sm.rosserial.messages import Array, link_messages, serial_of
 from pirate_sm.rosserial.state_messages import StateReading
@@ -72,7 +72,7 @@ class Wire:
                 "channels"
             )
 
-    def state(self, board: int, channel: int, counts: Sequence[float]) -> Frame:
+    def state(self, board: int, channel: int, counts: Sequence[float]) -> SerialFrame:
         """Return the frame with the values of a board.
 
         Args:
@@ -81,12 +81,12 @@ class Wire:
             counts: Raw counts of this channel, or of all.
         """
         reading = StateReading(board, channel, tuple(counts))
-        return Frame(self.publishers[0].number, self._messages.state.pack(reading))
+        return SerialFrame(self.publishers[0].number, self._messages.state.pack(reading))
 
-    def echo(self, array: Array) -> Frame:
+    def echo(self, array: Array) -> SerialFrame:
         """Return the frame that echoes this array."""
         payload = self._messages.echo.pack(array.number, array.counts, array.hold or 0)
-        return Frame(self.publishers[1].number, payload)
+        return SerialFrame(self.publishers[1].number, payload)
 
     def array(self, buffer: bytes) -> Array | None:
         """Return the array at the beginning of a receive buffer; None if there is none."""

@@ -20,13 +20,13 @@ from pirate_sm.campaign.choices import Choices, choices_of, faultless_choices, t
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.intervals import wilson
 from pirate_sm.campaign.named_parts import Named, NameReader
-from pirate_sm.campaign.plan import Cell, Plan
+from pirate_sm.campaign.plan import CampaignPlan, Cell
 from pirate_sm.checking.findings import Finding, finding_of
 from pirate_sm.checking.gate import CheckError, all_pass_or_raise, pass_or_raise
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.errors import PirateError, UsageError
 from pirate_sm.loading import library, references
-from pirate_sm.loading.file_kinds import Kind, kind_of_text
+from pirate_sm.loading.file_kinds import FileKind, kind_of_text
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import LoadError, Problems, Severity
@@ -48,7 +48,9 @@ def is_campaign(document: Document) -> bool:
     return isinstance(document.data, dict) and "campaign" in document.data
 
 
-def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool = True) -> Plan:
+def read_campaign(
+    path: Path, seeds: Sequence[int] | None = None, *, check: bool = True
+) -> CampaignPlan:
     """Return the plan of a campaign file, or of a mission, with some seeds.
 
     Args:
@@ -65,7 +67,7 @@ def read_campaign(path: Path, seeds: Sequence[int] | None = None, *, check: bool
     if is_campaign(document):
         return _Reading(document, path.parent, seeds).plan(check=check)
     kind = kind_of_text(document.text)
-    if kind is not Kind.MISSION:
+    if kind is not FileKind.MISSION:
         raise UsageError(f"{shown(path)} is neither a campaign nor a mission: {_what(kind)}")
     if seeds is None:
         raise UsageError(f"{shown(path)} is a mission: say how often it runs with --seeds N")
@@ -120,9 +122,9 @@ def _name(mission: Path) -> str:
     return (plain if plain[:1].isalpha() else f"mission_{plain}")[:LONGEST_NAME]
 
 
-def _what(kind: Kind) -> str:
+def _what(kind: FileKind) -> str:
     """Return what a file is that is no mission, or what it lacks."""
-    if kind is Kind.OTHER:
+    if kind is FileKind.OTHER:
         return "it has neither `campaign` and `missions` nor `mission`, `start` and `phases`"
     return f"it is {'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
@@ -145,7 +147,7 @@ class _Reading:
     places: dict[tuple[Any, ...], Keys] = field(default_factory=dict)
     blobs: dict[str, bytes] = field(default_factory=dict)
 
-    def plan(self, *, check: bool) -> Plan:
+    def plan(self, *, check: bool) -> CampaignPlan:
         self.problems = Problems(self.document)
         names = NameReader(self.folder, self.problems)
         campaign = try_validate(self.document, Campaign, self.problems)
@@ -168,7 +170,7 @@ class _Reading:
         stop = campaign.stop
         self._check_stop(stop, campaign.confidence, cells.values())
         version = code_version()
-        return Plan(
+        return CampaignPlan(
             campaign.campaign, version, tuple(cells.values()), campaign.confidence, stop, self.blobs
         )
 

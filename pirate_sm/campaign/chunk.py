@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from pirate_sm.campaign.code_version import code_version
 from pirate_sm.campaign.factors import drawn_factors
-from pirate_sm.campaign.verdict import Verdict, judge
+from pirate_sm.campaign.verdict import RunVerdict, judge
 from pirate_sm.campaign.watched_run import watched_run
 from pirate_sm.errors import BackendError, UsageError
 from pirate_sm.loading.mission import LoadedMission
@@ -36,13 +36,13 @@ class OtherVersionError(Exception):
     """Raised on a worker whose code is not that of the client."""
 
 
-class Row(NamedTuple):
+class RunRow(NamedTuple):
     """The result of one run.
 
     Attributes:
         cell: Key of its cell.
         outcome: As the mission says; ``bug``: this program raised an exception.
-        verdict: What it was in truth, see :class:`pirate_sm.campaign.verdict.Verdict`.
+        verdict: What it was in truth, see :class:`pirate_sm.campaign.verdict.RunVerdict`.
         why: Why it did not pass; empty if it did.
         held: Whether it passed, or failed with the robot held.
         unsafe: The rules of safety that it broke; empty for none.
@@ -99,7 +99,7 @@ class Chunk:
 _loaded: OrderedDict[str, LoadedMission] = OrderedDict()
 
 
-def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
+def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[RunRow]:
     """Run a chunk on this worker; return a row for each of its first seeds, in their order.
 
     These are all, unless the runs are so long that the others should be a chunk of their own.
@@ -115,7 +115,7 @@ def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Row]:
     if version != code_version():
         raise OtherVersionError(code_version())
     loaded = loaded_mission(sent)
-    rows, began_s = list[Row](), monotonic()
+    rows, began_s = list[RunRow](), monotonic()
     for seed in chunk.seeds:
         rows.append(run_seed(chunk, loaded, seed))
         if monotonic() - began_s >= _LONGEST_S:
@@ -133,19 +133,19 @@ def loaded_mission(sent: Sent) -> LoadedMission:
     return _loaded[sent.key]
 
 
-def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> Row:
+def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> RunRow:
     """Run a mission with one seed; whatever exception it raises is its outcome."""
     order, drawn = replace(chunk.order, seed=seed), dict[str, float]()
     try:
         drawn |= drawn_factors(order, loaded.loaded_robot.profile)
         outcome = watched_run(order, loaded, slides=False)
     except (UsageError, LoadError, BackendError) as error:
-        refused = Verdict("failed", str(error), False, "")
+        refused = RunVerdict("failed", str(error), False, "")
         return _without_end(chunk.cell, seed, "refused", refused, drawn)
     except Exception as error:
         return bug_row(chunk.cell, seed, _described(error), drawn)
     verdict = judge(outcome, chunk.end)
-    return Row(
+    return RunRow(
         chunk.cell,
         seed,
         outcome.outcome,
@@ -158,16 +158,16 @@ def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> Row:
     )
 
 
-def bug_row(cell: str, seed: int, why: str, drawn: Mapping[str, float]) -> Row:
+def bug_row(cell: str, seed: int, why: str, drawn: Mapping[str, float]) -> RunRow:
     """Return the result of a run that an internal error has ended."""
-    verdict = Verdict("bug", why, False, "did not end by itself")
+    verdict = RunVerdict("bug", why, False, "did not end by itself")
     return _without_end(cell, seed, "bug", verdict, drawn)
 
 
 def _without_end(
-    cell: str, seed: int, outcome: str, verdict: Verdict, drawn: Mapping[str, float]
-) -> Row:
-    return Row(cell, seed, outcome, *verdict, 0.0, 0.0, nan, nan, drawn)
+    cell: str, seed: int, outcome: str, verdict: RunVerdict, drawn: Mapping[str, float]
+) -> RunRow:
+    return RunRow(cell, seed, outcome, *verdict, 0.0, 0.0, nan, nan, drawn)
 
 
 def _described(error: Exception) -> str:

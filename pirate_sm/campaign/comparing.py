@@ -16,7 +16,7 @@ _MOST_SEEDS = 10
 
 
 @dataclass(frozen=True)
-class Difference:
+class CellDifference:
     """What differs between two cells of one name.
 
     Attributes:
@@ -48,7 +48,7 @@ class Difference:
 
 
 @dataclass(frozen=True)
-class Compared:
+class ComparedCampaigns:
     """Two campaigns.
 
     Attributes:
@@ -56,7 +56,7 @@ class Compared:
         only_first: Names of cells of the first alone; likewise ``only_second``.
     """
 
-    differences: tuple[Difference, ...]
+    differences: tuple[CellDifference, ...]
     only_first: tuple[str, ...]
     only_second: tuple[str, ...]
 
@@ -66,7 +66,7 @@ class Compared:
         return any(each.worse for each in self.differences)
 
 
-def compare(first: Sequence[Tally], second: Sequence[Tally]) -> Compared:
+def compare(first: Sequence[Tally], second: Sequence[Tally]) -> ComparedCampaigns:
     """Return how the cells of two campaigns differ, matched by their names."""
     others = {each.cell.name: each for each in second}
     pairs = [(each, others[each.cell.name]) for each in first if each.cell.name in others]
@@ -76,14 +76,14 @@ def compare(first: Sequence[Tally], second: Sequence[Tally]) -> Compared:
         replace(each, significant=number in significant) for number, each in enumerate(found)
     )
     names, both = {each.cell.name for each in first}, {each.name for each in differences}
-    return Compared(
+    return ComparedCampaigns(
         differences,
         tuple(each.cell.name for each in first if each.cell.name not in both),
         tuple(name for name in others if name not in names),
     )
 
 
-def _difference(first: Tally, second: Tally) -> Difference:
+def _difference(first: Tally, second: Tally) -> CellDifference:
     """Return how two cells differ; whether it is significant depends on the others, too.
 
     Runs are compared in pairs if one cell has all the seeds of the other: one of them may have been
@@ -95,9 +95,9 @@ def _difference(first: Tally, second: Tally) -> Difference:
     passed, then = (first.passed, first.runs), (second.passed, second.runs)
     if len(before.keys() & after.keys()) == min(len(before), len(after)) > 0:
         chance = mcnemar_exact(len(lost), len(gained))
-        return Difference(first.cell.name, passed, then, chance, "McNemar", lost, gained)
+        return CellDifference(first.cell.name, passed, then, chance, "McNemar", lost, gained)
     chance = fisher_exact(*passed, *then)
-    return Difference(first.cell.name, passed, then, chance, "Fisher", lost, gained)
+    return CellDifference(first.cell.name, passed, then, chance, "Fisher", lost, gained)
 
 
 def _passes(tally: Tally) -> dict[int, int]:
@@ -119,12 +119,12 @@ def _holm(chances: Sequence[float]) -> set[int]:
     return found
 
 
-def comparison_text(compared: Compared) -> str:
+def comparison_text(compared: ComparedCampaigns) -> str:
     """Return the comparison as lines for people."""
     return "\n".join(_lines(compared)) + "\n"
 
 
-def _lines(compared: Compared) -> Iterator[str]:
+def _lines(compared: ComparedCampaigns) -> Iterator[str]:
     width = max((len(each.name) for each in compared.differences), default=0)
     yield f"{'':{width}}  {'A passed':>22}  {'B passed':>22}  by chance  test"
     for each in compared.differences:

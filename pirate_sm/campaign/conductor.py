@@ -8,9 +8,9 @@ from operator import attrgetter
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.campaign.chunk import CHUNK, Chunk, Row, cut
-from pirate_sm.campaign.crew import Crew
-from pirate_sm.campaign.plan import FORMAT, Cell, Plan, plan_of
+from pirate_sm.campaign.chunk import CHUNK, Chunk, RunRow, cut
+from pirate_sm.campaign.crew import ChunkRunner
+from pirate_sm.campaign.plan import FORMAT, CampaignPlan, Cell, plan_of
 from pirate_sm.campaign.store import DamagedMarkError, Store
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.errors import UsageError
@@ -51,12 +51,12 @@ class Stored(NamedTuple):
         damaged: What is wrong with files of results that cannot be read, and what to do.
     """
 
-    plan: Plan
+    plan: CampaignPlan
     tallies: list[Tally]
     damaged: tuple[str, ...]
 
 
-def stored_plan(store: Store) -> Plan:
+def stored_plan(store: Store) -> CampaignPlan:
     """Return the plan of the campaign whose results are in a store.
 
     Raises:
@@ -105,7 +105,7 @@ class Conductor:
         tallies: The counts of each cell, in the order of the plan.
     """
 
-    def __init__(self, plan: Plan, store: Store) -> None:
+    def __init__(self, plan: CampaignPlan, store: Store) -> None:
         self._plan = plan
         self._store = store
         self.tallies = [Tally(cell, plan.confidence, plan.stop) for cell in plan.cells]
@@ -134,7 +134,9 @@ class Conductor:
         ends = [each.runs if each.decided else len(each.cell.seeds) for each in self.results]
         return Progress(sum(each.done for each in self.results), sum(ends))
 
-    def conduct(self, crew: Crew, show: Callable[[Progress], None] = lambda progress: None) -> None:
+    def conduct(
+        self, crew: ChunkRunner, show: Callable[[Progress], None] = lambda progress: None
+    ) -> None:
         """Run what has no result yet, until every cell has had enough runs.
 
         Args:
@@ -159,7 +161,7 @@ class Conductor:
                     crew.submit(cut(done.chunk, left))
             show(self.progress)
 
-    def _count(self, rows: Iterable[Row]) -> None:
+    def _count(self, rows: Iterable[RunRow]) -> None:
         """Count the rows of cells in the plan."""
         for key, mine in groupby(rows, key=attrgetter("cell")):
             if key in self._by_key:

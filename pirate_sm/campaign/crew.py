@@ -14,7 +14,7 @@ from uuid import uuid4
 
 from pirate_sm.campaign.chunk import Chunk, OtherVersionError, Sent, bug_row, cut, run_chunk
 from pirate_sm.campaign.code_version import code_version
-from pirate_sm.campaign.plan import Plan
+from pirate_sm.campaign.plan import CampaignPlan
 from pirate_sm.errors import BackendError, UsageError, not_installed
 
 if TYPE_CHECKING:
@@ -45,7 +45,7 @@ class Done(NamedTuple):
     rows: Sequence[Any]
 
 
-class Crew(Protocol):
+class ChunkRunner(Protocol):
     """Whoever runs chunks."""
 
     @property
@@ -71,7 +71,7 @@ class DaskCrew:
     def __init__(
         self,
         client: Client,
-        plan: Plan,
+        plan: CampaignPlan,
         work: Work = run_chunk,
     ) -> None:
         self._client = client
@@ -193,7 +193,7 @@ def most_workers() -> int:
 
 @contextmanager
 def connected(
-    plan: Plan, scheduler: str | None = None, workers: int | None = None
+    plan: CampaignPlan, scheduler: str | None = None, workers: int | None = None
 ) -> Iterator[DaskCrew]:
     """Yield the workers of a cluster, or of processes that are started here.
 

@@ -46,7 +46,7 @@ class Cell:
         end: What must be true when the mission has succeeded.
         expect: Least shares of its runs.
         key: Digest of all that its results depend on but the seed.
-        mission: Key of its loaded mission in :attr:`Plan.missions`.
+        mission: Key of its loaded mission in :attr:`CampaignPlan.missions`.
     """
 
     row: str
@@ -78,7 +78,7 @@ class Cell:
 
 
 @dataclass(frozen=True)
-class Plan:
+class CampaignPlan:
     """A campaign whose files have been read and checked.
 
     Attributes:
@@ -98,11 +98,11 @@ class Plan:
     missions: Mapping[str, bytes] = field(default_factory=dict)
 
 
-_PLAN = TypeAdapter(Plan)
+_PLAN = TypeAdapter(CampaignPlan)
 _UNMARKED: Any = {"missions": True, "cells": {"__all__": {"mission"}}}
 
 
-def mark_of(plan: Plan) -> dict[str, Any]:
+def mark_of(plan: CampaignPlan) -> dict[str, Any]:
     """Return what a reader of results needs of a plan, as plain data."""
     mark = _PLAN.dump_python(plan, mode="json", by_alias=True, exclude=_UNMARKED)
     cells = [
@@ -112,7 +112,7 @@ def mark_of(plan: Plan) -> dict[str, Any]:
     return {"format": FORMAT, **mark, "cells": cells}
 
 
-def plan_of(mark: Mapping[str, Any]) -> Plan:
+def plan_of(mark: Mapping[str, Any]) -> CampaignPlan:
     """Return the plan of a mark, without its missions: it cannot be run.
 
     Raises:

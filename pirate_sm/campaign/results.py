@@ -11,7 +11,7 @@ from statistics import median
 from typing import Any
 
 from pirate_sm.campaign.intervals import wilson
-from pirate_sm.campaign.plan import Plan, command_of
+from pirate_sm.campaign.plan import CampaignPlan, command_of
 from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.store import RECORDINGS
 from pirate_sm.campaign.tally import Cause, FactorCount, Tally
@@ -205,7 +205,7 @@ class CampaignResult:
         return {"good": self.good, **asdict(self)}
 
 
-def result_of(plan: Plan, tallies: Sequence[Tally], folder: Path) -> CampaignResult:
+def result_of(plan: CampaignPlan, tallies: Sequence[Tally], folder: Path) -> CampaignResult:
     """Return the result of a campaign.
 
     Args:

@@ -18,7 +18,7 @@ from pathlib import Path
 from time import monotonic
 from typing import TYPE_CHECKING, Any, TextIO, get_type_hints
 
-from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.chunk import RunRow
 from pirate_sm.errors import UsageError
 from pirate_sm.on_disk import PART, is_file, opened, replace_file
 
@@ -41,7 +41,7 @@ _MOST_FILES = 64
 
 _TYPES = {str: "string", int: "int64", float: "float64", bool: "bool_"}
 
-_PLAIN = tuple(name for name in Row._fields if name != "drawn")
+_PLAIN = tuple(name for name in RunRow._fields if name != "drawn")
 """The fields of a row that are a column of their own."""
 
 _DRAWN = "drawn_"
@@ -84,7 +84,7 @@ class Store:
     def __init__(self, folder: Path, clock: Callable[[], float] = monotonic) -> None:
         self.folder = folder
         self._clock = clock
-        self._rows: list[Row] = []
+        self._rows: list[RunRow] = []
         self._due_s = clock() + _FLUSH_S
         self._numbers: dict[int, int] = {}
         self._values: dict[str, dict[str, str]] = {}
@@ -166,7 +166,7 @@ class Store:
             raise DamagedMarkError(self.folder, "it describes no campaign")
         return found
 
-    def read(self) -> Iterator[list[Row]]:
+    def read(self) -> Iterator[list[RunRow]]:
         """Yield the rows of each file, in the order in which the files were written.
 
         Files that cannot be read are in :attr:`damaged` then.
@@ -195,7 +195,7 @@ class Store:
             self.damaged[file] = str(error)
             return None
 
-    def add(self, rows: Sequence[Row]) -> None:
+    def add(self, rows: Sequence[RunRow]) -> None:
         """Add rows; every two seconds they are written to a file.
 
         Raises:
@@ -264,11 +264,11 @@ def _writing(folder: Path) -> Iterator[None]:
         ) from None
 
 
-def _table(rows: Sequence[Row], values: Mapping[str, Mapping[str, str]]) -> ArrowTable:
+def _table(rows: Sequence[RunRow], values: Mapping[str, Mapping[str, str]]) -> ArrowTable:
     """Return rows as a table: their fields, what they have drawn, and the values of their cells."""
     import pyarrow
 
-    kinds = get_type_hints(Row)
+    kinds = get_type_hints(RunRow)
     columns = {name: (kinds[name], [getattr(row, name) for row in rows]) for name in _PLAIN}
     for name in dict.fromkeys(name for row in rows for name in row.drawn):
         columns[_DRAWN + name] = float, [row.drawn.get(name) for row in rows]
@@ -312,7 +312,7 @@ def _table_in(file: Path) -> ArrowTable:
     return table
 
 
-def _rows_in(table: ArrowTable) -> list[Row]:
+def _rows_in(table: ArrowTable) -> list[RunRow]:
     """Return the rows of a table; what they have drawn is unknown in older ones."""
     names = [name for name in table.column_names if name.startswith(_DRAWN)]
     columns = [table.column(name).to_pylist() for name in (*_PLAIN, *names)]
@@ -321,5 +321,5 @@ def _rows_in(table: ArrowTable) -> list[Row]:
     for row in zip(*columns, strict=True):
         drawn = zip(keys, row[len(_PLAIN) :], strict=True)
         known = {key: value for key, value in drawn if value is not None}
-        found.append(Row(*row[: len(_PLAIN)])._replace(drawn=known))
+        found.append(RunRow(*row[: len(_PLAIN)])._replace(drawn=known))
     return found

@@ -12,7 +12,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 from math import isnan
 
-from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.chunk import RunRow
 from pirate_sm.campaign.factors import Factor, factors_of
 from pirate_sm.campaign.intervals import Interval, wilson
 from pirate_sm.campaign.plan import Cell
@@ -115,7 +115,7 @@ class Tally:
     causes: dict[tuple[str, str], Cause] = field(default_factory=dict)
     unsafe_causes: dict[tuple[str, str], Cause] = field(default_factory=dict)
     decided: bool = False
-    _waiting: dict[int, Row] = field(default_factory=dict)
+    _waiting: dict[int, RunRow] = field(default_factory=dict)
     _positions: dict[int, int] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
@@ -151,7 +151,7 @@ class Tally:
             if share is not None and count + left < share * most - 1e-9
         )
 
-    def add(self, rows: Iterable[Row]) -> None:
+    def add(self, rows: Iterable[RunRow]) -> None:
         """Take in results, in any order; those that come twice or too late change nothing."""
         for row in rows:
             position = self._position(row.seed)
@@ -185,7 +185,7 @@ class Tally:
             return seeds.index(seed) if seed in seeds else None
         return self._positions.get(seed)
 
-    def _count(self, row: Row) -> None:
+    def _count(self, row: RunRow) -> None:
         self.runs += 1
         self.passed += row.verdict == "passed"
         self.passes.append(row.verdict == "passed")

@@ -25,7 +25,7 @@ FALSE = "said to have succeeded"
 What: TypeAlias = Literal["passed", "failed", "false", "bug"]
 
 
-class Verdict(NamedTuple):
+class RunVerdict(NamedTuple):
     """How a run ended, by the truth.
 
     Attributes:
@@ -42,7 +42,7 @@ class Verdict(NamedTuple):
     unsafe: str
 
 
-def judge(outcome: Outcome, end: TrueEnd) -> Verdict:
+def judge(outcome: Outcome, end: TrueEnd) -> RunVerdict:
     """Return how a run ended, by what is true of the robot.
 
     Args:
@@ -52,11 +52,11 @@ def judge(outcome: Outcome, end: TrueEnd) -> Verdict:
     unsafe = ", ".join(_broken(outcome))
     if outcome.outcome != "succeeded":
         held = holds(outcome)
-        return Verdict("failed", outcome.message, held, unsafe)
+        return RunVerdict("failed", outcome.message, held, unsafe)
     contradiction = _contradiction(outcome, end)
     if contradiction:
-        return Verdict("false", f"{FALSE}, {contradiction}", False, unsafe)
-    return Verdict("passed", "", True, unsafe)
+        return RunVerdict("false", f"{FALSE}, {contradiction}", False, unsafe)
+    return RunVerdict("passed", "", True, unsafe)
 
 
 def holds(outcome: Outcome) -> bool:

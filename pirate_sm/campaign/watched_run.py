@@ -32,7 +32,7 @@ WATCHED_AFTER_S = _SETTLING_S + _WATCHED_S
 
 
 @dataclass
-class Notes:
+class RunNotes:
     """What a run leaves behind.
 
     Attributes:
@@ -151,7 +151,7 @@ def finished(
         raise UsageError(f"the backend {prepared.order.backend} does not know the robot's truth")
     truth = cast("Callable[[], FullTruth]", prepared.truth)
     engine = prepared.engine
-    notes = Notes(
+    notes = RunNotes(
         engine.robot, lambda word, travel: -_short_m(prepared, word, travel, truth().arcs_m)
     )
     run = MissionRun(

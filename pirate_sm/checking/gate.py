@@ -8,10 +8,10 @@ from typing import ClassVar
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
-from pirate_sm.checking.reports.check_report import CheckedFile, Report
+from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import Hint, PirateError
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 from pirate_sm.loading.mission import LoadedMission
 
 
@@ -22,7 +22,7 @@ class CheckError(PirateError):
 
     def __init__(self, names: Sequence[str], findings: tuple[Finding, ...]) -> None:
         self.names, self.findings = names, findings
-        report = Report(findings, tuple(CheckedFile(name, Kind.MISSION) for name in names))
+        report = CheckReport(findings, tuple(CheckedFile(name, FileKind.MISSION) for name in names))
         said = text_report(report, lambda role, text: text)
         all_the_same = "runs the mission all the same"
         hint = Hint(f"; --no-check {all_the_same}", f"; check=False {all_the_same}")

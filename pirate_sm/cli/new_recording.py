@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.settings import BUILT_IN, Value, runs, unusable_runs
+from pirate_sm.cli.settings import BUILT_IN, SettingValue, runs, unusable_runs
 from pirate_sm.loading.file_names import shown
 from pirate_sm.wiring.run_recorder import new_recording, requested_recording
 
@@ -28,7 +28,7 @@ class RecordingPlace(NamedTuple):
     """
 
     path: Path
-    runs: Value | None = None
+    runs: SettingValue | None = None
     named: bool = False
 
     @property

@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pirate_sm.backends.serial.assembly import STAY_S, guarded_port, read_plan
 from pirate_sm.cli.stop_checks import stopper
-from pirate_sm.diagnosis.facts import Subject
+from pirate_sm.diagnosis.facts import ExpectedRobot
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import UsageError
@@ -37,17 +37,17 @@ def named_port(port: str | None) -> str:
     return port
 
 
-def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> Subject:
+def subject_of(loaded: LoadedRobot, robot: RobotSpec) -> ExpectedRobot:
     """Return the robot with its plan of the serial link.
 
     Raises:
         UsageError: The robot has no serial link, its messages do not fit, or a library is missing.
     """
-    return Subject(loaded.profile, robot, read_plan(loaded.folder, loaded.profile, robot))
+    return ExpectedRobot(loaded.profile, robot, read_plan(loaded.folder, loaded.profile, robot))
 
 
 def connection(
-    subject: Subject,
+    subject: ExpectedRobot,
     url: str,
     baud: int | None,
     requests: StopRequests,

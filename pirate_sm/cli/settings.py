@@ -66,7 +66,7 @@ def expanded(path: str) -> str:
         return path
 
 
-class Value(NamedTuple):
+class SettingValue(NamedTuple):
     """A setting in force.
 
     Attributes:
@@ -122,15 +122,15 @@ def project_file() -> Path | None:
     return next((file for file in files if is_there(file)), None)
 
 
-def values() -> dict[str, Value]:
+def values() -> dict[str, SettingValue]:
     """Return every setting with where it comes from: environment, project, person, built in.
 
     Raises:
         LoadError: A file has faults; it lists those of both.
     """
     user, project = user_file(), project_file()
-    found = {name: Value(each.usual, BUILT_IN) for name, each in SETTINGS.items()}
-    found["trusted"] = Value((), BUILT_IN)
+    found = {name: SettingValue(each.usual, BUILT_IN) for name, each in SETTINGS.items()}
+    found["trusted"] = SettingValue((), BUILT_IN)
     if is_there(user) or project is not None:
         from pirate_sm.cli.settings_file import read_settings
 
@@ -147,13 +147,13 @@ def values() -> dict[str, Value]:
     return found if runs is None else found | {"runs": runs}
 
 
-def _runs_of_environment() -> Value | None:
+def _runs_of_environment() -> SettingValue | None:
     """Return the folder for recordings that the environment names; None if it names none."""
     given = os.environ.get(RUNS_VARIABLE)
-    return None if given is None else Value(expanded(given), RUNS_VARIABLE)
+    return None if given is None else SettingValue(expanded(given), RUNS_VARIABLE)
 
 
-def _refused(name: str, value: str, project: Path, trusted: Value) -> str:
+def _refused(name: str, value: str, project: Path, trusted: SettingValue) -> str:
     """Return why a project's value must not be used; empty if it may be.
 
     What comes with files of others must not reach a robot, nor write outside of its folder.
@@ -176,7 +176,7 @@ def _is_shipped(robot: str) -> bool:
     return robot in {path.name for path in library.robots()} and not is_there(Path(robot))
 
 
-def used(names: Collection[str], found: Mapping[str, Value]) -> dict[str, str]:
+def used(names: Collection[str], found: Mapping[str, SettingValue]) -> dict[str, str]:
     """Return the values of settings for a command that uses them, and say what a project sets.
 
     Raises:
@@ -191,7 +191,7 @@ def used(names: Collection[str], found: Mapping[str, Value]) -> dict[str, str]:
     return {name: str(found[name].value) for name in names}
 
 
-def refuse(names: Collection[str], found: Mapping[str, Value]) -> None:
+def refuse(names: Collection[str], found: Mapping[str, SettingValue]) -> None:
     """Refuse settings that a project's file must not set.
 
     Raises:
@@ -203,7 +203,7 @@ def refuse(names: Collection[str], found: Mapping[str, Value]) -> None:
         raise LoadError(problems)
 
 
-def refused(names: Collection[str], found: Mapping[str, Value]) -> list[Problem]:
+def refused(names: Collection[str], found: Mapping[str, SettingValue]) -> list[Problem]:
     """Return the problems with settings that a project's file must not set."""
     return [
         found[name].problem(
@@ -217,7 +217,7 @@ def refused(names: Collection[str], found: Mapping[str, Value]) -> list[Problem]
     ]
 
 
-def runs() -> Value:
+def runs() -> SettingValue:
     """Return the folder for recordings, and say it if a project sets it; empty: none are kept.
 
     Raises:
@@ -231,7 +231,7 @@ def runs() -> Value:
     return found["runs"]
 
 
-def unusable_runs(found: Value, why: str, otherwise: str) -> PirateError:
+def unusable_runs(found: SettingValue, why: str, otherwise: str) -> PirateError:
     """Return the error for a folder that somebody has set and that cannot be written to.
 
     Args:

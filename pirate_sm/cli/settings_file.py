@@ -7,7 +7,7 @@ import tomllib
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.cli.settings import SETTINGS, Value, expanded
+from pirate_sm.cli.settings import SETTINGS, SettingValue, expanded
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.library import is_path
@@ -34,7 +34,9 @@ _PLAIN = {
 """What messages of the reader of TOML mean, by their beginnings; others are shown as they are."""
 
 
-def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], dict[str, Value]]:
+def read_settings(
+    user: Path, project: Path | None
+) -> tuple[dict[str, SettingValue], dict[str, SettingValue]]:
     """Return the settings of the person's file and of the project's.
 
     Raises:
@@ -48,7 +50,7 @@ def read_settings(user: Path, project: Path | None) -> tuple[dict[str, Value], d
     return of_user, of_project
 
 
-def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str, Value]:
+def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str, SettingValue]:
     name = shown(path)
     if is_project and not is_below(path, path.parent):
         message = "this link leads out of the project's folder, so nothing of its file is read"
@@ -81,7 +83,7 @@ def _read(path: Path, problems: list[Problem], *, is_project: bool) -> dict[str,
                 )
             )
         else:
-            values[key] = Value(
+            values[key] = SettingValue(
                 _placed(key, value, path.parent, is_project=is_project),
                 f"{name}:{line}" if line else name,
                 place=Place(name, line, at_value),

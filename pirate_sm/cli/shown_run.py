@@ -15,7 +15,7 @@ from typing import NamedTuple, Protocol, TextIO
 from pirate_sm.cli.errors import say, say_bug, show_traceback, silence_stdout
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.cli.output.encoding import shows_signs
-from pirate_sm.cli.output.event_lines import Lines, SaysWhyItWaits
+from pirate_sm.cli.output.event_lines import EventLines, SaysWhyItWaits
 from pirate_sm.cli.output.json_lines import JsonLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.people import People, open_panel, people_of
@@ -189,14 +189,14 @@ def _output(observed: ObservedRun, options: RunOptions, manner: Manner, people: 
     if manner.live:
         from rich.console import Console
 
-        from pirate_sm.cli.output.live_view import View
+        from pirate_sm.cli.output.live_view import LiveView
 
         speed = "max" if manner.factor == inf else f"{manner.factor:g} ×"
         if observed.prepared.backend.real_time:
             speed = "real time"
         console = Console(file=out, highlight=False)
-        return View(console, observed, speed, people.operator, people.words)
-    return Lines(out, observed, quiet=options.quiet)
+        return LiveView(console, observed, speed, people.operator, people.words)
+    return EventLines(out, observed, quiet=options.quiet)
 
 
 def _conclude(result: Result, options: RunOptions) -> int:

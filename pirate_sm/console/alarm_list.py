@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from textual.widgets import OptionList
 
 from pirate_sm.console.confirmed_actions import ConfirmedActions
-from pirate_sm.console.dialogs import Choice, Pick
+from pirate_sm.console.dialogs import Pick, PickLine
 from pirate_sm.showing.alarms import Alarm, alarms, pending
 
 _HEADING = "Alarms, the newest first; 1st: of its cascade"
@@ -24,7 +24,7 @@ class AlarmList(Pick):
         lines = self._lines()
         super().__init__(_HEADING, lines, max(len(each.label) for each in lines))
 
-    def _lines(self) -> list[Choice]:
+    def _lines(self) -> list[PickLine]:
         return [_line(each, seen=each.entry.number in self._seen) for each in self._alarms]
 
     def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
@@ -33,11 +33,11 @@ class AlarmList(Pick):
         self.replace(self._lines())
 
 
-def _line(alarm: Alarm, *, seen: bool) -> Choice:
+def _line(alarm: Alarm, *, seen: bool) -> PickLine:
     mark = "1st" if alarm.first else "   "
     state = "seen" if seen else "over" if alarm.over else "new "
     label = f"{mark} {state} {alarm.entry.now_s:8.1f} s"
-    return Choice(str(alarm.entry.number), label, alarm.text)
+    return PickLine(str(alarm.entry.number), label, alarm.text)
 
 
 class AlarmActions(ConfirmedActions):

@@ -15,9 +15,9 @@ from textual.screen import Screen
 from textual.widgets import Footer
 
 from pirate_sm.console import availability, hand_back_plan
-from pirate_sm.console.check_process import Ask, ask_here
+from pirate_sm.console.check_process import CheckCall, ask_here
 from pirate_sm.console.checklist import Checklist
-from pirate_sm.console.dialogs import Dialog, Help, Say
+from pirate_sm.console.dialogs import Dialog, Help, ObservationDialog
 from pirate_sm.console.hand_driving import is_still
 from pirate_sm.console.help_page import help_lines
 from pirate_sm.console.key_bindings import (
@@ -33,7 +33,7 @@ from pirate_sm.console.panel_actions import PanelActions
 from pirate_sm.console.reason_lines import Request, obstacles
 from pirate_sm.console.session import OperatorSession
 from pirate_sm.console.terminal_driver import STOP_KEY
-from pirate_sm.console.widgets import EventLog, Lines, Picture, RequestRow, RobotApp, panel
+from pirate_sm.console.widgets import EventLog, Lines, PipePicture, RequestRow, RobotApp, panel
 from pirate_sm.control_panel.panel_reader import PanelReader
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import Stop
@@ -109,7 +109,7 @@ class Console(PanelActions, RobotApp):
         session: OperatorSession,
         panel: PanelReader | None = None,
         *,
-        ask_check: Ask = ask_here,
+        ask_check: CheckCall = ask_here,
         frames_per_s: float = FRAMES_PER_S,
         theme: Theme = USUAL,
         **options: object,
@@ -152,7 +152,7 @@ class Console(PanelActions, RobotApp):
                 yield panel("link", "Link (#: checks)")
             with Vertical(id="rest"):
                 with Horizontal(id="top"):
-                    yield Picture(id="picture")
+                    yield PipePicture(id="picture")
                     with Vertical(id="right"):
                         yield panel("states", "States")
                         yield panel("phases", "Phases")
@@ -191,7 +191,7 @@ class Console(PanelActions, RobotApp):
             return
         self._frame += 1
         if self.is_visible("picture"):
-            self.on_base(Picture, "picture").show(snapshot)
+            self.on_base(PipePicture, "picture").show(snapshot)
         if self._frame % _WORDS_EVERY == 1 or snapshot.over:
             self.show_words(snapshot)
         self.heed_panel()
@@ -200,7 +200,7 @@ class Console(PanelActions, RobotApp):
             self.screen.dismiss(None)
         if isinstance(self.screen, Checklist) and snapshot.over:
             self.screen.dismiss(None)
-        if isinstance(self.screen, Say) and not is_still(snapshot):
+        if isinstance(self.screen, ObservationDialog) and not is_still(snapshot):
             self.screen.dismiss(None)
         if snapshot.over and self.session.quitting.stop is not None:
             self.exit()

@@ -36,7 +36,7 @@ Entries = Mapping[str, str]
 """Per checked phase, why the mission cannot be handed back there; empty if it can."""
 
 
-class Control(NamedTuple):
+class RunControl(NamedTuple):
     """A control of a mission; ``reason`` is empty if it is available."""
 
     name: str
@@ -45,7 +45,7 @@ class Control(NamedTuple):
     reason: str
 
 
-class Situation(NamedTuple):
+class HandBackSituation(NamedTuple):
     """Everything that decides where a mission can be handed back."""
 
     mission: int
@@ -53,7 +53,7 @@ class Situation(NamedTuple):
     unconfirmed: tuple[str, ...]
 
 
-def situation_of(snapshot: Snapshot) -> Situation | None:
+def situation_of(snapshot: Snapshot) -> HandBackSituation | None:
     """Return the situation while no command is under way; None if there can be no hand-back."""
     state = snapshot.state
     program = snapshot.scene.loaded.program
@@ -62,7 +62,7 @@ def situation_of(snapshot: Snapshot) -> Situation | None:
     if why_not_to(program, state, program.phase_of[program.start]):
         return None
     change = state_change(snapshot.scene.robot, state.robot)
-    return Situation(id(snapshot.scene), state.robot.configuration, change.unconfirmed)
+    return HandBackSituation(id(snapshot.scene), state.robot.configuration, change.unconfirmed)
 
 
 def look_at_entries(loaded: LoadedMission, body: RobotState) -> Entries:
@@ -161,7 +161,7 @@ def going_on(snapshot: Snapshot) -> GoTo | Resume:
     return Resume()
 
 
-def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]:
+def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[RunControl, ...]:
     """Return everything that can be done with a mission, in the order of its keys."""
     general, state = _general(snapshot), snapshot.state
     chooses = snapshot.stopped_in
@@ -178,7 +178,7 @@ def controls(snapshot: Snapshot, entries: Entries | None) -> tuple[Control, ...]
             "it has not begun" if snapshot.untouched else "",
         )
     labels = (start, "Pause", "Next step", "Skip the wait", "Hand back at …", "Abort")
-    return tuple(map(Control, CONTROLS, CONTROLS.values(), labels, reasons))
+    return tuple(map(RunControl, CONTROLS, CONTROLS.values(), labels, reasons))
 
 
 def _general(snapshot: Snapshot) -> str:

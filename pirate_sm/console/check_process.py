@@ -35,7 +35,7 @@ _TRIES: Final = 2
 _LOOK_EVERY_S = 0.05
 
 
-class Ask(Protocol):
+class CheckCall(Protocol):
     """Calls a function with its arguments, and returns its result."""
 
     def __call__(self, function: Callable[_P, _R], *arguments: _P.args, **named: _P.kwargs) -> _R:

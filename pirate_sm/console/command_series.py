@@ -20,7 +20,7 @@ BY_OPERATOR = "the operator has stopped it"
 RUN_OVER = "the run has ended"
 
 
-class Series(NamedTuple):
+class CommandSeries(NamedTuple):
     """A series of commands and its progress; immutable.
 
     Attributes:
@@ -63,7 +63,7 @@ class Giver:
     listening = False
 
     def __init__(self) -> None:
-        self.series: Series | None = None
+        self.series: CommandSeries | None = None
         self._lock = Lock()  # a request to stop must not be lost while the next command is given
         self._busy = True
         self._due_s = -inf
@@ -74,7 +74,7 @@ class Giver:
         """Begin a series; abandon the present one."""
         with self._lock:
             self._due_s = -inf
-            self.series = Series(tuple(commands), then)
+            self.series = CommandSeries(tuple(commands), then)
 
     def stop(self, why: str = BY_OPERATOR) -> None:
         """Give no further command; a command under way goes on until it is done."""

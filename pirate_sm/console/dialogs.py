@@ -105,7 +105,7 @@ class Confirm(Dialog[bool]):
         self.dismiss(yes)
 
 
-class Say(Dialog[Observation | None]):
+class ObservationDialog(Dialog[Observation | None]):
     """Asks where the robot is and what is seen there. The space bar types a space."""
 
     BINDINGS: ClassVar[list[BindingType]] = [Binding("escape", "dismiss(None)", "Cancel")]
@@ -130,7 +130,7 @@ class Say(Dialog[Observation | None]):
         self.dismiss(Observation(seen, place_m) if place or seen else None)
 
 
-class Choice(NamedTuple):
+class PickLine(NamedTuple):
     """A line of a list; a line with a reason cannot be chosen."""
 
     name: str
@@ -153,7 +153,9 @@ class Pick(Dialog[str | None]):
         Binding(f"escape,{both_cases(LEAVE)}", "dismiss(None)", "Cancel"),
     ]
 
-    def __init__(self, title: str, choices: Sequence[Choice], wide: int = 24, at: int = 0) -> None:
+    def __init__(
+        self, title: str, choices: Sequence[PickLine], wide: int = 24, at: int = 0
+    ) -> None:
         super().__init__()
         self._title = title
         self._wide = wide
@@ -180,7 +182,7 @@ class Pick(Dialog[str | None]):
         before, self._marked = self._marked, event.option_index
         self._draw({before, self._marked})
 
-    def _text(self, at: int, choice: Choice) -> Content:
+    def _text(self, at: int, choice: PickLine) -> Content:
         mark = "▸" if at == self._marked else " "
         label = f"{choice.label:<{self._wide}} "
         indent = len(label) + 3
@@ -197,7 +199,7 @@ class Pick(Dialog[str | None]):
         for index in indexes:
             listed.replace_option_prompt_at_index(index, self._text(index, self._choices[index]))
 
-    def replace(self, choices: Sequence[Choice]) -> None:
+    def replace(self, choices: Sequence[PickLine]) -> None:
         """Show new reasons."""
         pairs = enumerate(zip(self._choices, choices, strict=True))
         changed = [index for index, (old, new) in pairs if old != new]

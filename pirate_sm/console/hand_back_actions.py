@@ -5,12 +5,12 @@ from __future__ import annotations
 from functools import partial
 
 from pirate_sm.console import availability, hand_back_plan
-from pirate_sm.console.check_process import Ask
+from pirate_sm.console.check_process import CheckCall
 from pirate_sm.console.confirmed_actions import ConfirmedActions
-from pirate_sm.console.dialogs import Choice, Pick
+from pirate_sm.console.dialogs import Pick, PickLine
 from pirate_sm.console.hand_back_plan import not_passed
 from pirate_sm.engine.robot.planning import Plan
-from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.snapshot import MissionScene, Snapshot
 
 FAULT = "an internal error"
 
@@ -18,16 +18,16 @@ FAULT = "an internal error"
 class HandBackActions(ConfirmedActions):
     """The list of phases, with obstacles to each and commands against them."""
 
-    ask_check: Ask
+    ask_check: CheckCall
     """Asks the check; takes some tenths of a second, so only threads of their own call it."""
 
-    _situation: availability.Situation | None = None
+    _situation: availability.HandBackSituation | None = None
     _entries: availability.Entries | None = None
     _picking: Pick | None = None
     _ways: hand_back_plan.Ways | None = None
-    _searched: availability.Situation | None = None
-    _searched_scene: Scene | None = None
-    _search_failed_in: availability.Situation | None = None
+    _searched: availability.HandBackSituation | None = None
+    _searched_scene: MissionScene | None = None
+    _search_failed_in: availability.HandBackSituation | None = None
     _reported: object = None
 
     def _choose_phase(self, snapshot: Snapshot) -> None:
@@ -39,7 +39,7 @@ class HandBackActions(ConfirmedActions):
         self._picking = pick
         self._open(pick, self._hand_back)
 
-    def _phase_choices(self, snapshot: Snapshot) -> list[Choice]:
+    def _phase_choices(self, snapshot: Snapshot) -> list[PickLine]:
         entries, phases = self.entries(snapshot), snapshot.scene.loaded.mission.phases
         failed = self._search_failed_in == availability.situation_of(snapshot)
         found = []
@@ -51,7 +51,7 @@ class HandBackActions(ConfirmedActions):
                 reason = hand_back_plan.SEEKING
             elif blocked and failed and FAULT not in reason:
                 reason = f"{reason}; whether commands restore it is not known: {FAULT}"
-            choice = Choice(name, name, about, reason)
+            choice = PickLine(name, name, about, reason)
             plan = self._plan(snapshot, name) if reason else None
             found.append(hand_back_plan.with_way(snapshot.scene.robot, choice, plan))
         return found

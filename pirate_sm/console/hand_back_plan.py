@@ -8,9 +8,9 @@ from typing import NamedTuple
 from rich.text import Text
 
 from pirate_sm.checking.plans.restoring_commands import Beginnings, beginnings, restoring
-from pirate_sm.console.availability import Situation
-from pirate_sm.console.command_series import Series
-from pirate_sm.console.dialogs import Choice
+from pirate_sm.console.availability import HandBackSituation
+from pirate_sm.console.command_series import CommandSeries
+from pirate_sm.console.dialogs import PickLine
 from pirate_sm.engine.mission.program import Program, Wait
 from pirate_sm.engine.mission.successors import reached
 from pirate_sm.engine.robot.planning import Plan, RulePlaces
@@ -33,14 +33,14 @@ class Ways(NamedTuple):
         plans: Plans by phase.
     """
 
-    situation: Situation
+    situation: HandBackSituation
     begun_in: Beginnings
     plans: Mapping[str, Plan]
 
 
 def look_for_ways(
     loaded: LoadedMission,
-    situation: Situation,
+    situation: HandBackSituation,
     body: RobotState,
     places: RulePlaces | None,
     blocked: tuple[str, ...],
@@ -67,7 +67,7 @@ def names(robot: RobotSpec, plan: Plan) -> tuple[str, ...]:
     return tuple(robot.commands[step.command].name for step in plan.steps)
 
 
-def with_way(robot: RobotSpec, choice: Choice, plan: Plan | None) -> Choice:
+def with_way(robot: RobotSpec, choice: PickLine, plan: Plan | None) -> PickLine:
     """Return the list's line of a blocked phase, with the commands that would restore it."""
     if plan is None:
         return choice
@@ -130,7 +130,7 @@ def _needed(robot: RobotSpec, plan: Plan, body: RobotState) -> str:
     )
 
 
-def bar(series: Series | None) -> list[Text]:
+def bar(series: CommandSeries | None) -> list[Text]:
     """Return the progress of a series of commands; nothing without one."""
     if series is None or not series.active:
         return []

@@ -41,7 +41,7 @@ _OFF_STOP = 0.95
 """Below this share it has come off it again [decided]."""
 
 
-class Place(NamedTuple):
+class SaidPlace(NamedTuple):
     """Where somebody has said that the first wheel is, m along the route, and what it had come."""
 
     said_m: float = nan
@@ -67,7 +67,7 @@ class HandDriving:
     listening = False
 
     def __init__(self, latest: Callable[[], Snapshot], factor: float = 1.0) -> None:
-        self.speed, self.limit_m, self.place = 1.0, inf, Place()
+        self.speed, self.limit_m, self.place = 1.0, inf, SaidPlace()
         self._latest, self._factor = latest, factor
         self._pressed = self._held = ""
         self._until_s = self._deaf_s = -inf
@@ -207,7 +207,7 @@ class HandDriving:
         return [Log("warning", text) for text in new]
 
 
-def place_m(snapshot: Snapshot, place: Place) -> float:
+def place_m(snapshot: Snapshot, place: SaidPlace) -> float:
     """Return where the first wheel is by what somebody has said and odometry since, m; or NaN."""
     return place.said_m + came_m(snapshot) - place.came_m
 
@@ -225,7 +225,7 @@ def came_m(snapshot: Snapshot) -> float:
     return snapshot.before_m + snapshot.odometry_m
 
 
-def joint_ahead_m(snapshot: Snapshot, place: Place) -> float:
+def joint_ahead_m(snapshot: Snapshot, place: SaidPlace) -> float:
     """Return how far the next joint of the pipe is ahead of the first wheel, m; NaN if unknown."""
     state, route = snapshot.state, snapshot.scene.route
     reported_m = state.surveyed.reported.distance_m if state is not None else nan

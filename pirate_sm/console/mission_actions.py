@@ -7,7 +7,7 @@ from pathlib import Path
 
 from pirate_sm.console import availability
 from pirate_sm.console.confirmed_actions import ConfirmedActions
-from pirate_sm.console.dialogs import Choice, Pick
+from pirate_sm.console.dialogs import Pick, PickLine
 from pirate_sm.console.mission_list import ListedMission, listed_missions, load_listed
 from pirate_sm.loading.mission import LoadedMission
 
@@ -26,7 +26,7 @@ class MissionActions(ConfirmedActions):
     def _choose_mission(self, missions: list[ListedMission]) -> None:
         robot = self.session.latest.scene.loaded.loaded_robot.folder.name
         choices = [
-            Choice(
+            PickLine(
                 str(each.path),
                 each.name,
                 each.description,

@@ -15,12 +15,12 @@ from textual.worker import Worker, WorkerState
 from pirate_sm.console import availability
 from pirate_sm.console.alarm_list import AlarmActions
 from pirate_sm.console.checklist import Checklist
-from pirate_sm.console.dialogs import Say
+from pirate_sm.console.dialogs import ObservationDialog
 from pirate_sm.console.hand_back_actions import FAULT, HandBackActions
 from pirate_sm.console.hand_driving import (
     FIRST_REPEAT_S,
     NEXT_REPEAT_S,
-    Place,
+    SaidPlace,
     came_m,
     is_still,
     place_m,
@@ -164,12 +164,12 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
     @property
     def typing(self) -> bool:
         """Whether a text is being typed, so that the stop key is a letter; nothing moves then."""
-        return bool(self.screen_stack) and isinstance(self.screen_stack[-1], Say)
+        return bool(self.screen_stack) and isinstance(self.screen_stack[-1], ObservationDialog)
 
     def action_say(self) -> None:
         """Let the operator type where the robot is and what is seen."""
         if is_still(self.session.latest):
-            self.push_screen(Say(), self._say)
+            self.push_screen(ObservationDialog(), self._say)
         else:
             self._refuse("a place", "it can be typed while nothing moves and nothing runs")
 
@@ -180,7 +180,7 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         if isnan(said.place_m):
             said = said._replace(place_m=place_m(latest, driving.place))
         else:
-            driving.place = Place(said.place_m, came_m(latest))
+            driving.place = SaidPlace(said.place_m, came_m(latest))
         self.session.give_event(said)
         if said.text and not latest.scene.mission:
             self._refuse("not recorded", "the robot by hand is not; choose a mission first")

@@ -23,7 +23,7 @@ from pirate_sm.recording.replay.replay import engine_of, rerun
 from pirate_sm.showing.live_snapshots import Trends
 from pirate_sm.showing.robot_anatomy import anatomy_of
 from pirate_sm.showing.run_history import Memory
-from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.snapshot import MissionScene, Snapshot
 
 MOST_FRAMES = 4000
 """The most snapshots between two checkpoints. If checkpoints are far apart, or in old recordings
@@ -128,7 +128,7 @@ def _frames(
     robot = loaded.robot
     engine = engine_of(recording.header, loaded)
     anatomy = anatomy_of(loaded.loaded_robot.profile, robot)
-    scene = Scene(loaded, engine, anatomy, recording.header.backend)
+    scene = MissionScene(loaded, engine, anatomy, recording.header.backend)
     memory, gaps = begin.memory.twin(), _gaps(recording)
     places = _RecordedPlaces(recording, loaded)
     trends = Trends()

@@ -16,7 +16,7 @@ from pirate_sm.console.dialogs import HelpDialog
 from pirate_sm.console.help_page import recording_lines
 from pirate_sm.console.key_bindings import LEAVE, both_cases
 from pirate_sm.console.recorded_snapshots import RecordedSnapshots
-from pirate_sm.console.widgets import Lines, Picture, RobotApp, panel
+from pirate_sm.console.widgets import Lines, PipePicture, RobotApp, panel
 from pirate_sm.palette import USUAL, Theme
 from pirate_sm.runtime.stop_requests import BY_SIGNAL, StopRequests
 from pirate_sm.showing import panels
@@ -91,7 +91,7 @@ class RecordingViewer(RobotApp):
                 yield panel("phases", "Phases")
             with Vertical(id="rest"):
                 with Horizontal(id="top"):
-                    yield Picture(id="picture")
+                    yield PipePicture(id="picture")
                 yield panel("body")
         yield from self.below()
         yield Lines(id="slider")
@@ -111,7 +111,7 @@ class RecordingViewer(RobotApp):
         if not self.is_whole():
             return
         snapshot = self.reel.at(self.time_s)
-        self.on_base(Picture, "picture").show(snapshot)
+        self.on_base(PipePicture, "picture").show(snapshot)
         header = panels.header(snapshot, self.size.width, flag=_RECORDING)
         now = self.on_base(Lines, "now")
         now.show(panels.now(snapshot, now.content_size.width))

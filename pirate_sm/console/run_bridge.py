@@ -13,10 +13,10 @@ from pirate_sm.model.events import Answer, Event
 from pirate_sm.runtime.first_choice import Answered
 from pirate_sm.runtime.loop import MissionRun
 from pirate_sm.runtime.pacer import Clock
-from pirate_sm.showing.effect_lines import Line
+from pirate_sm.showing.effect_lines import EffectLine
 from pirate_sm.showing.live_snapshots import Trends, snapshot_of
 from pirate_sm.showing.run_history import Memory
-from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.snapshot import MissionScene, Snapshot
 from pirate_sm.wiring import Prepared
 
 QUIET = frozenset({"another mission was chosen", "the console was left"})
@@ -38,7 +38,7 @@ class RunBridge:
 
     listening = False
 
-    def __init__(self, scene: Scene, prepared: Prepared, clock: Clock) -> None:
+    def __init__(self, scene: MissionScene, prepared: Prepared, clock: Clock) -> None:
         self._clock = clock
         self._scene = scene
         self._prepared = prepared
@@ -69,7 +69,7 @@ class RunBridge:
 
     # --- from the run's thread ----------------------------------------------------------------
 
-    def begin(self, scene: Scene, prepared: Prepared, run: MissionRun) -> None:
+    def begin(self, scene: MissionScene, prepared: Prepared, run: MissionRun) -> None:
         """Follow another run; the log keeps its earlier lines."""
         self._waiting.clear()
         came_m = self._snapshot(self.latest.now_s).odometry_m
@@ -79,7 +79,7 @@ class RunBridge:
         self._scene, self._prepared, self._run = scene, prepared, run
         self._due_s, self.asked = -inf, 0
         for notice in prepared.notices:
-            self._memory.tell(Line("console", notice), self.latest.now_s)
+            self._memory.tell(EffectLine("console", notice), self.latest.now_s)
 
     def end(self, now_s: float) -> None:
         """Note that the last run is over."""

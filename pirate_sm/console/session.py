@@ -8,7 +8,7 @@ from threading import Thread
 
 from pirate_sm.companion import entered
 from pirate_sm.console.command_series import RUN_OVER, Giver
-from pirate_sm.console.hand_driving import HandDriving, Place
+from pirate_sm.console.hand_driving import HandDriving, SaidPlace
 from pirate_sm.console.quitting import Quitting
 from pirate_sm.console.run_bridge import RunBridge
 from pirate_sm.loading.mission import LoadedMission
@@ -85,7 +85,7 @@ class OperatorSession:
         self._bridge = RunBridge(scene_of(prepared), prepared, clock or WallClock())
         self.driving = HandDriving(lambda: self._bridge.latest, factor)
         if (place_m := prepared.order.start_at_m) is not None:
-            self.driving.place = Place(place_m, 0.0)
+            self.driving.place = SaidPlace(place_m, 0.0)
 
     @property
     def latest(self) -> Snapshot:

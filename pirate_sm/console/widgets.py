@@ -97,7 +97,7 @@ class RequestRow(Static):
         self.post_message(self.Clicked(self.asks))
 
 
-class Picture(Widget):
+class PipePicture(Widget):
     """The robot in its pipe."""
 
     def __init__(self, *, id: str) -> None:
@@ -208,7 +208,7 @@ class RobotApp(App[None]):
 
     def on_mount(self) -> None:
         """Draw the picture again in each theme that is chosen."""
-        picture = self.on_base(Picture, "picture")
+        picture = self.on_base(PipePicture, "picture")
         self.theme_changed_signal.subscribe(self, lambda _: picture.restyle())
 
     def on_resize(self, event: Resize) -> None:

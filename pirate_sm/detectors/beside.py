@@ -14,7 +14,7 @@ from pirate_sm.model.effects import Effect, Log
 from pirate_sm.model.events import DetectorWord, Event, FaultReport
 
 
-class Beside:
+class SecondDetector:
     """A companion that logs what another detector would report; a repeated word is logged once.
 
     Args:

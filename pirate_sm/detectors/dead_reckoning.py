@@ -62,7 +62,7 @@ _RIGID = -1
 Shape: TypeAlias = Literal["fits", "contradicts", "unknown"]
 
 
-class Spot(NamedTuple):
+class AnchorSpot(NamedTuple):
     """Place of an anchor.
 
     Attributes:
@@ -99,7 +99,7 @@ class Reckoned(NamedTuple):
     chain: ChainInSpace
     odometer_m: float
     anchor: int
-    spots: dict[int, Spot]
+    spots: dict[int, AnchorSpot]
     checked_m: float
     shape: Shape = "unknown"
 
@@ -154,7 +154,7 @@ class Reckoner:
         """
         counted = self._counted(numbers, 0.0)
         anchor = min(held, default=WHOLE)
-        spot = Spot(first_wheel_m + counted, 0.0 if self._flat else roll_rad)
+        spot = AnchorSpot(first_wheel_m + counted, 0.0 if self._flat else roll_rad)
         chain = self._lay(numbers, anchor, spot, (0,))
         places = self._places(chain, spot)
         stood = {each: self._stand(each, chain, places) for each in held or {WHOLE}}
@@ -213,9 +213,9 @@ class Reckoner:
 
     def _carried(
         self, before: Reckoned, anchors: frozenset[int], moved_m: float
-    ) -> dict[int, Spot]:
+    ) -> dict[int, AnchorSpot]:
         """Return the places of those anchors that are known, moved by the odometer."""
-        spots: dict[int, Spot] = {}
+        spots: dict[int, AnchorSpot] = {}
         known = not all(isnan(spot.roll_rad) for spot in before.spots.values())
         for anchor in anchors:
             spot = before.spots.get(anchor)
@@ -227,7 +227,7 @@ class Reckoner:
                 spots[anchor] = _moved(spot, moved_m)
         return spots
 
-    def _first_of(self, before: int, spots: dict[int, Spot], numbers: Sequence[float]) -> int:
+    def _first_of(self, before: int, spots: dict[int, AnchorSpot], numbers: Sequence[float]) -> int:
         """Return the anchor that gives the places: that of before, unless another one is surer."""
 
         def sure(anchor: int) -> tuple[bool, bool, bool]:
@@ -242,13 +242,13 @@ class Reckoner:
         shown, bore_m = self._body.parts[part].diameter, self._route.diameter_at(middle_m)
         return shown >= 0 and abs(numbers[shown] - bore_m) <= _AGREEING * bore_m
 
-    def straight(self, numbers: Sequence[float], spots: dict[int, Spot]) -> bool:
+    def straight(self, numbers: Sequence[float], spots: dict[int, AnchorSpot]) -> bool:
         """Return whether each anchor lies along its leg, and all along one axis."""
         headings = [self._body.heading_in_pipe(numbers, part, 0) for part in spots]
         lie = all(self.lies(numbers, part, spot.middle_m) for part, spot in spots.items())
         return lie and max(headings) - min(headings) <= _ONE_AXIS_RAD
 
-    def _levelled(self, spot: Spot, felt_rad: float) -> Spot:
+    def _levelled(self, spot: AnchorSpot, felt_rad: float) -> AnchorSpot:
         """Return a place with the roll that is felt against the horizontal."""
         frame, up = self._route.frame_at(spot.middle_m), self._route.up
         aside, above = dot(frame.side, up), -dot(frame.normal, up)
@@ -260,7 +260,7 @@ class Reckoner:
         self,
         numbers: Sequence[float],
         anchor: int,
-        spot: Spot,
+        spot: AnchorSpot,
         chain: ChainInSpace,
         most_m: float,
     ) -> tuple[float, Shape]:
@@ -283,7 +283,9 @@ class Reckoner:
         away_m = self._walls.away_m(chain.points, laid, most_m)
         return (inf, "contradicts") if isnan(away_m) else (away_m, "fits")
 
-    def _stand(self, anchor: int, chain: ChainInSpace, places_m: Sequence[float]) -> Spot | None:
+    def _stand(
+        self, anchor: int, chain: ChainInSpace, places_m: Sequence[float]
+    ) -> AnchorSpot | None:
         """Return an anchor's place from those of its wheels; None if one is unknown."""
         wheels = self._body.wheels_of(anchor)
         if any(isnan(places_m[wheel]) for wheel in wheels):
@@ -294,7 +296,7 @@ class Reckoner:
         middle_m = piece.arc_m + _mean(beyond)
         normal = (chain.front if wheels[0] <= self._body.roll_link else chain.rear).normal
         frame = self._route.frame_at(middle_m)
-        return Spot(middle_m, atan2(dot(normal, frame.side), dot(normal, frame.normal)))
+        return AnchorSpot(middle_m, atan2(dot(normal, frame.side), dot(normal, frame.normal)))
 
     def _counted(self, numbers: Sequence[float], before: float) -> float:
         counted = numbers[self._odometer] if self._odometer >= 0 else before
@@ -303,7 +305,7 @@ class Reckoner:
     # --- the chain ----------------------------------------------------------------------------
 
     def _lay(
-        self, numbers: Sequence[float], anchor: int, spot: Spot, at: tuple[int, ...] = ()
+        self, numbers: Sequence[float], anchor: int, spot: AnchorSpot, at: tuple[int, ...] = ()
     ) -> ChainInSpace:
         """Return the chain laid into the pipe, with the middle of the wheels ``at`` at the spot.
 
@@ -338,7 +340,7 @@ class Reckoner:
         """Return how far from the axis a wheel is that touches the wall."""
         return self._route.diameter_at(arc_m) / 2 - self._body.wheel_radius_m
 
-    def _places(self, chain: ChainInSpace, spot: Spot) -> tuple[float, ...]:
+    def _places(self, chain: ChainInSpace, spot: AnchorSpot) -> tuple[float, ...]:
         """Return the position of each wheel along the pipe; NaN where it is unknown."""
         places = (nan if isnan(sum(it)) else self._route.arc_of(it) for it in chain.points)
         if not isnan(spot.roll_rad):
@@ -361,7 +363,7 @@ class Reckoner:
         return Reckoned((nan,) * count, chain, counted_m, anchor, {}, counted_m)
 
 
-def _moved(spot: Spot, by_m: float) -> Spot:
+def _moved(spot: AnchorSpot, by_m: float) -> AnchorSpot:
     return spot._replace(middle_m=spot.middle_m + by_m)
 
 

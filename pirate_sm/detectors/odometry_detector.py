@@ -10,7 +10,7 @@ from math import inf, isnan, nan, radians
 from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Reckoner, Shape
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.detectors.route_report import RouteReport
-from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S, WordDetector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import confirmed_parts
 from pirate_sm.engine.sensing.body_spec import WHOLE
@@ -79,7 +79,7 @@ class Odometry:
         words = words_of(profile)
         errors = (0.0,) * len(words)
         valid_for_s = profile.detector.valid_for
-        self._detector = Detector(words, errors, route.bends, valid_for_s)
+        self._detector = WordDetector(words, errors, route.bends, valid_for_s)
         self._ahead = RouteReport(route, valid_for_s)
         self._said: tuple[Event | None, ...] = ()
         self._shapes: deque[Shape] = deque(["unknown"] * _SHAPES, _SHAPES)

@@ -22,7 +22,7 @@ from pirate_sm.detectors.signal_words import SignalWords
 from pirate_sm.detectors.sim_detector import TruePlaces
 from pirate_sm.detectors.socket_address import read_address
 from pirate_sm.detectors.socket_detector import OutsideWords
-from pirate_sm.detectors.socket_lines import Accepted
+from pirate_sm.detectors.socket_lines import AcceptedLines
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -218,13 +218,13 @@ def _signals(asked: Asked) -> Detecting:
     words = SignalWords(robot, settings.valid_for)
     if asked.argument is None:
         return Detecting("signals", (words,), tuple(notices))
-    numbers, how = _outside(asked, Accepted((), signals=_valid_for(asked.profile)))
+    numbers, how = _outside(asked, AcceptedLines((), signals=_valid_for(asked.profile)))
     return Detecting("signals", (numbers, words), (*notices, f"numbers from programs {how}"))
 
 
 def _socket(asked: Asked) -> Detecting:
     words, valid_for_s = asked.robot.detector_words, asked.profile.detector.valid_for
-    accepted = Accepted(words, valid_for_s, _valid_for(asked.profile))
+    accepted = AcceptedLines(words, valid_for_s, _valid_for(asked.profile))
     socket, how = _outside(asked, accepted)
     return Detecting("socket", (socket,), (f"detector: programs {how}",))
 
@@ -234,7 +234,7 @@ def _valid_for(profile: Profile) -> dict[str, float]:
     return {name: signal.valid_for for name, signal in profile.outside.items()}
 
 
-def _outside(asked: Asked, accepted: Accepted) -> tuple[OutsideWords, str]:
+def _outside(asked: Asked, accepted: AcceptedLines) -> tuple[OutsideWords, str]:
     """Return the door for other programs, and how they use it."""
     address = read_address(asked.argument)
     if address.path:

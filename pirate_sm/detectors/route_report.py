@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from math import isnan, nan, pi, remainder
 
 from pirate_sm.detectors.word_timing import REPEAT_SHARE
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.events import EnvironmentReport
 
@@ -27,7 +27,7 @@ class RouteReport:
     def __init__(self, route: Route, valid_for_s: float) -> None:
         self._route = route
         self._valid_for_s = valid_for_s
-        self._said: tuple[float, Joint | None, EnvironmentReport] | None = None
+        self._said: tuple[float, RouteJoint | None, EnvironmentReport] | None = None
 
     def look(
         self, now_s: float, places_m: Sequence[float], front_roll_rad: float
@@ -54,7 +54,7 @@ class RouteReport:
         return found
 
     def _report(
-        self, joint: Joint | None, first_m: float, front_roll_rad: float
+        self, joint: RouteJoint | None, first_m: float, front_roll_rad: float
     ) -> EnvironmentReport:
         route = self._route
         at_m = route.length_m if joint is None else joint.arc_m

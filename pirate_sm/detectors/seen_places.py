@@ -25,7 +25,7 @@ BRIDGED_S = 0.3
 _UNKNOWN: Place = (nan, nan)
 
 
-class Seen(NamedTuple):
+class SeenWheels(NamedTuple):
     """Where the wheels were at the time of a sighting; NaN is unknown.
 
     Attributes:
@@ -46,7 +46,7 @@ class Seen(NamedTuple):
 class Placing(Protocol):
     """A way to find the wheels from what was seen."""
 
-    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> SeenWheels:
         """Return where the wheels were; ``angles`` has the angle at each wheel, rad."""
 
 
@@ -66,7 +66,7 @@ class Tags:
         self._origin = inner_corner(route)
         self._seen_s = [-inf] * len(body.lengths_m)
 
-    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> SeenWheels:
         """Return where the wheels were."""
         chains = []
         for mark in sighting.marks:
@@ -117,7 +117,7 @@ class OneMarker:
         self._origin = inner_corner(route)
         self.reckoned: Reckoned | None = None
 
-    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> SeenWheels:
         """Return where the wheels were, with the shape in ``reckoned``."""
         if self.reckoned is None or not sighting.marks:
             return _nowhere(len(angles))
@@ -128,12 +128,12 @@ class OneMarker:
         return _along(self._route, [(x + dx, y + dy) for x, y in points])
 
 
-def _nowhere(wheels: int) -> Seen:
-    return Seen((nan,) * wheels, (_UNKNOWN,) * wheels)
+def _nowhere(wheels: int) -> SeenWheels:
+    return SeenWheels((nan,) * wheels, (_UNKNOWN,) * wheels)
 
 
-def _along(route: Route, points: Sequence[Place]) -> Seen:
-    return Seen(tuple(_arc(route, point) for point in points), tuple(points))
+def _along(route: Route, points: Sequence[Place]) -> SeenWheels:
+    return SeenWheels(tuple(_arc(route, point) for point in points), tuple(points))
 
 
 def _arc(route: Route, point: Place) -> float:

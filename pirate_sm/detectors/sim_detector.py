@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from random import Random
 
-from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S, WordDetector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.joints import Bend
@@ -41,7 +41,7 @@ class TruePlaces:
         self._places_m = places_m
         words, chance = words_of(profile), Random(seed)
         errors = [chance.gauss(0.0, profile.simulation.noise.detector) for _ in words]
-        self._detector = Detector(words, errors, bends, profile.detector.valid_for)
+        self._detector = WordDetector(words, errors, bends, profile.detector.valid_for)
         self._word: DetectorWord | None = None
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:

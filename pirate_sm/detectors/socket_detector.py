@@ -7,7 +7,7 @@ from math import inf
 from typing import Self
 
 from pirate_sm.detectors.socket_address import Address
-from pirate_sm.detectors.socket_lines import Accepted, read_line
+from pirate_sm.detectors.socket_lines import AcceptedLines, read_line
 from pirate_sm.detectors.socket_listener import Listener
 from pirate_sm.detectors.word_timing import LOOK_EVERY_S
 from pirate_sm.engine.state import EngineState
@@ -29,7 +29,7 @@ class OutsideWords:
         listening: True until the run ends, because other programs run in real time.
     """
 
-    def __init__(self, address: Address, accepted: Accepted, token: str = "") -> None:
+    def __init__(self, address: Address, accepted: AcceptedLines, token: str = "") -> None:
         self.due_s = 0.0
         self.listening = True
         self._listener = Listener(address, token)

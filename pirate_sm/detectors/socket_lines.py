@@ -25,7 +25,7 @@ class LineError(ValueError):
 
 
 @dataclass(frozen=True)
-class Accepted:
+class AcceptedLines:
     """What other programs may send.
 
     Attributes:
@@ -46,7 +46,7 @@ class Accepted:
         return f'{{"signal": "{next(iter(self.signals), "NAME")}", "value": 0.1}}'
 
 
-def read_line(line: bytes, accepted: Accepted) -> DetectorWord | OutsideNumber:
+def read_line(line: bytes, accepted: AcceptedLines) -> DetectorWord | OutsideNumber:
     """Return the word or number in a line.
 
     Args:

@@ -9,8 +9,8 @@ from typing import NamedTuple, Protocol, Self
 from pirate_sm.detectors.camera_watch import CameraWatch
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.place_filter import Tracker
-from pirate_sm.detectors.seen_places import OneMarker, Placing, Seen
-from pirate_sm.detectors.word_timing import LOOK_EVERY_S, Detector, words_of
+from pirate_sm.detectors.seen_places import OneMarker, Placing, SeenWheels
+from pirate_sm.detectors.word_timing import LOOK_EVERY_S, WordDetector, words_of
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.state import EngineState
 from pirate_sm.geometry.plane import walls
@@ -69,12 +69,12 @@ class CameraView(NamedTuple):
         jpeg: Its picture, at most twice a second and with each word; empty otherwise.
     """
 
-    seen: Seen
+    seen: SeenWheels
     sighting: Sighting
     jpeg: bytes
 
 
-class Sight:
+class CameraSight:
     """A companion that finds the wheels in a camera's sightings and reports detector words.
 
     No word is reported while the camera has a fault or the position of a word's wheel is unknown.
@@ -109,7 +109,7 @@ class Sight:
     ) -> None:
         self.due_s = 0.0
         self.listening = live
-        self.seen: Seen | None = None
+        self.seen: SeenWheels | None = None
         self.newest: Picture | None = None
         self._robot, self._placing, self._odometry = robot, placing, odometry
         self._opens = opens
@@ -120,7 +120,7 @@ class Sight:
         self._watch = CameraWatch(profile.detector.valid_for)
         words, valid_for_s = words_of(profile), profile.detector.valid_for
         self._tracker, errors = Tracker(), (0.0,) * len(words)
-        self._detector = Detector(words, errors, route.bends, valid_for_s, self._tracker)
+        self._detector = WordDetector(words, errors, route.bends, valid_for_s, self._tracker)
         self._believed_s, self._believed_m = nan, (nan,) * len(robot.body.joints)
         self._apart = False
         self._inside_s: float | None = None

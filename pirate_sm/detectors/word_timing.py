@@ -91,7 +91,7 @@ class Repeater:
         return (self.reported_s, REPEAT_SHARE * self.valid_for_s) if word else (0.0, math.inf)
 
 
-class Detector:
+class WordDetector:
     """Reports a word when it begins, and repeats it while it holds.
 
     Positions are filtered (:class:`~pirate_sm.detectors.place_filter.Tracker`). The direction of

@@ -22,7 +22,7 @@ _SHOWN_IN: Mapping[units.Dimension, tuple[str, int]] = {
 """The unit that people read a quantity in, and with how many decimals."""
 
 
-class Subject(NamedTuple):
+class ExpectedRobot(NamedTuple):
     """The robot that is expected at the port."""
 
     profile: Profile

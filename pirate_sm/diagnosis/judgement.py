@@ -12,9 +12,9 @@ from pirate_sm.diagnosis.facts import (
     BoardFact,
     ChannelFact,
     DoctorFinding,
+    ExpectedRobot,
     Facts,
     MoveFact,
-    Subject,
     TopicFact,
 )
 from pirate_sm.geometry.space import GRAVITY_M_S2
@@ -37,7 +37,7 @@ SLOW_MS = 150.0
 _ERROR = 3
 
 
-def judged(facts: Facts, subject: Subject) -> Facts:
+def judged(facts: Facts, subject: ExpectedRobot) -> Facts:
     """Return the facts with what is wrong with each sensor, and all findings, worst first."""
     boards = tuple(judge_board(board, subject) for board in facts.boards)
     facts = replace(facts, boards=boards)
@@ -48,7 +48,7 @@ def judged(facts: Facts, subject: Subject) -> Facts:
     return replace(facts, findings=tuple(findings))
 
 
-def _advice(subject: Subject) -> Advice:
+def _advice(subject: ExpectedRobot) -> Advice:
     return subject.plan.serial.advice
 
 
@@ -59,7 +59,7 @@ def _with(advice: str) -> str:
 # --- topics -------------------------------------------------------------------------------------
 
 
-def _about_topics(facts: Facts, _: Subject) -> Iterator[DoctorFinding]:
+def _about_topics(facts: Facts, _: ExpectedRobot) -> Iterator[DoctorFinding]:
     for refusal in facts.refused:
         yield DoctorFinding("no-go", refusal)
     reasons = " ".join(facts.refused)
@@ -86,7 +86,7 @@ def _missing(topic: TopicFact, facts: Facts) -> str:
 # --- boards -------------------------------------------------------------------------------------
 
 
-def _about_boards(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
+def _about_boards(facts: Facts, subject: ExpectedRobot) -> Iterator[DoctorFinding]:
     silent = [board.id for board in facts.boards if not board.frames]
     if silent and len(silent) == len(facts.boards):
         advice = _advice(subject).no_sensors
@@ -107,7 +107,7 @@ def _about_boards(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
         yield DoctorFinding("suspicious", message)
 
 
-def _about_rates(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
+def _about_rates(facts: Facts, subject: ExpectedRobot) -> Iterator[DoctorFinding]:
     most_s = min(subject.profile.link.silent_after, facts.listened_s / 2)
     if facts.boards and all(board.longest_gap_s > most_s for board in facts.boards):
         least_s = min(board.longest_gap_s for board in facts.boards)
@@ -136,7 +136,7 @@ def _about_rates(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
 # --- sensors ------------------------------------------------------------------------------------
 
 
-def _about_channels(facts: Facts, _: Subject) -> Iterator[DoctorFinding]:
+def _about_channels(facts: Facts, _: ExpectedRobot) -> Iterator[DoctorFinding]:
     for board in facts.boards:
         for channel in board.channels:
             name = channel.signal or f"{channel.name} of board {board.id}"
@@ -148,7 +148,7 @@ def _about_channels(facts: Facts, _: Subject) -> Iterator[DoctorFinding]:
 # --- link ---------------------------------------------------------------------------------------
 
 
-def _about_link(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
+def _about_link(facts: Facts, subject: ExpectedRobot) -> Iterator[DoctorFinding]:
     link, most_s = facts.link, subject.plan.serial.heartbeat_within
     if link.stood_still_s > STALLED_SHARE * most_s:
         yield DoctorFinding(
@@ -178,7 +178,7 @@ def _about_link(facts: Facts, subject: Subject) -> Iterator[DoctorFinding]:
             yield DoctorFinding("suspicious", f"the firmware says: {text}")
 
 
-Check = Callable[[Facts, Subject], Iterator[DoctorFinding]]
+Check = Callable[[Facts, ExpectedRobot], Iterator[DoctorFinding]]
 
 CHECKS: Mapping[str, tuple[str, Check]] = {
     "topics": ("names and types are those of the profile", _about_topics),
@@ -241,7 +241,7 @@ GRAVITY_WITHIN = 2.5
 """m/s²; a robot at rest measures gravity alone."""
 
 
-def judge_board(fact: BoardFact, subject: Subject) -> BoardFact:
+def judge_board(fact: BoardFact, subject: ExpectedRobot) -> BoardFact:
     """Return the fact with the problems of each of the board's sensors."""
     board = next(each for each in subject.profile.boards if each.id == fact.id)
     channels = [
@@ -253,7 +253,7 @@ def judge_board(fact: BoardFact, subject: Subject) -> BoardFact:
 
 
 def _trouble(
-    channel: ChannelFact, known: Channel, board: BoardFact, subject: Subject
+    channel: ChannelFact, known: Channel, board: BoardFact, subject: ExpectedRobot
 ) -> Iterator[str]:
     if channel.raw is None:
         if board.frames:

@@ -14,7 +14,7 @@ from pirate_sm.backends.serial.link.exchange import Exchange
 from pirate_sm.backends.serial.link.link_plan import STATE
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.backends.serial.ports.protocol import Port
-from pirate_sm.diagnosis.facts import Facts, LinkFact, Subject, TopicFact
+from pirate_sm.diagnosis.facts import ExpectedRobot, Facts, LinkFact, TopicFact
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.records import Records
 from pirate_sm.errors import BackendError
@@ -89,7 +89,11 @@ class Listening:
     """
 
     def __init__(
-        self, subject: Subject, port: Port, baud: int, check: Callable[[], None] = lambda: None
+        self,
+        subject: ExpectedRobot,
+        port: Port,
+        baud: int,
+        check: Callable[[], None] = lambda: None,
     ) -> None:
         self.subject = subject
         self.port = port
@@ -301,7 +305,7 @@ class OpenLink(Listening):
         found: What the last complete time of listening has shown, judged; None before.
     """
 
-    def __init__(self, subject: Subject, backend: SerialBackend) -> None:
+    def __init__(self, subject: ExpectedRobot, backend: SerialBackend) -> None:
         super().__init__(subject, backend.port, subject.plan.serial.baud)
         self._backend = backend
         self.found: Facts | None = None

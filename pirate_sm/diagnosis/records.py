@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from math import inf, isnan, nan
 
-from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, Subject, shown
+from pirate_sm.diagnosis.facts import BoardFact, ChannelFact, ExpectedRobot, shown
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.conversion import measured
 from pirate_sm.engine.sensing.known_signals import nothing_known
@@ -72,7 +72,7 @@ class ChannelRecord:
 class BoardRecord:
     """The reports of one board since ``began_s``."""
 
-    def __init__(self, subject: Subject, board: Board, began_s: float) -> None:
+    def __init__(self, subject: ExpectedRobot, board: Board, began_s: float) -> None:
         robot = subject.robot
         self.board = board
         self._spec = robot.boards.get(board.id)
@@ -117,7 +117,7 @@ class Records:
         now: Time at which counting begins.
     """
 
-    def __init__(self, subject: Subject, now: float) -> None:
+    def __init__(self, subject: ExpectedRobot, now: float) -> None:
         self._subject = subject
         self._began_s = now
         self.boards: Mapping[int, BoardRecord] = {
@@ -170,7 +170,7 @@ Meaning = tuple[float, float, Dimension]
 """SI per count, the zero that is subtracted, and the dimension."""
 
 
-def meanings(subject: Subject, board: int) -> dict[int, Meaning]:
+def meanings(subject: ExpectedRobot, board: int) -> dict[int, Meaning]:
     """Return the meaning of the board's channels, by index in its frame."""
     spec = subject.robot.boards.get(board)
     if spec is None:

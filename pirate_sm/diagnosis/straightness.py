@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from math import degrees, radians
 from typing import NamedTuple
 
-from pirate_sm.diagnosis.facts import Subject
+from pirate_sm.diagnosis.facts import ExpectedRobot
 from pirate_sm.diagnosis.records import Records, meanings
 
 STILL_RAD = radians(1)
@@ -30,7 +30,9 @@ class JointReading(NamedTuple):
     last: float
 
 
-def read_joints(subject: Subject, records: Records, joints: Sequence[str]) -> list[JointReading]:
+def read_joints(
+    subject: ExpectedRobot, records: Records, joints: Sequence[str]
+) -> list[JointReading]:
     """Return the readings of these joints since counting began."""
     found: list[JointReading] = []
     for number, record in records.boards.items():

@@ -6,7 +6,7 @@ from math import nan
 
 from pirate_sm.engine.control import sending
 from pirate_sm.engine.control.circumstances import Circumstances
-from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.engine.mission.diverting import meet
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.resuming import reconnection
@@ -69,7 +69,9 @@ def frame(moment: Moment, state: EngineState, event: SensorFrame) -> EngineState
 
 def _exhausted(moment: Moment, before: RobotState, after: RobotState) -> list[FoundFault]:
     """Return a fault for each joint whose grip has just become exhausted."""
-    known = {each.slot for each in before.loops if isinstance(each, TorqueLoop) and each.exhausted}
+    known = {
+        each.slot for each in before.loops if isinstance(each, RunningTorqueLoop) and each.exhausted
+    }
     slots = moment.robot.slots
     return [
         FoundFault.built_in(
@@ -78,7 +80,7 @@ def _exhausted(moment: Moment, before: RobotState, after: RobotState) -> list[Fo
             slots[each.slot].drives,
         )
         for each in after.loops
-        if isinstance(each, TorqueLoop) and each.exhausted and each.slot not in known
+        if isinstance(each, RunningTorqueLoop) and each.exhausted and each.slot not in known
     ]
 
 

@@ -57,7 +57,7 @@ class ThesisRow(Frozen):
 
 
 @dataclass(frozen=True)
-class Compared:
+class ComparedRow:
     """A row of the thesis with our value.
 
     Attributes:
@@ -81,7 +81,7 @@ class Compared:
         return f"{self.verdict}: {self.row.reason}" if self.row.reason else self.verdict
 
 
-def compared(rows: Iterable[ThesisRow], values: Mapping[str, float]) -> Iterator[Compared]:
+def compared(rows: Iterable[ThesisRow], values: Mapping[str, float]) -> Iterator[ComparedRow]:
     """Yield the rows for which there is a value, and those that need none.
 
     Args:
@@ -93,7 +93,7 @@ def compared(rows: Iterable[ThesisRow], values: Mapping[str, float]) -> Iterator
             continue
         scale = parse_unit(row.unit).value if row.unit else 1.0
         ours = values[row.ours] / scale if row.ours else float("nan")
-        yield Compared(row, ours, _verdict(row, ours))
+        yield ComparedRow(row, ours, _verdict(row, ours))
 
 
 def _verdict(row: ThesisRow, ours: float) -> Verdict:

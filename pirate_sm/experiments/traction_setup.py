@@ -51,7 +51,7 @@ class ReducedPhysics(Frozen):
     tick: Annotated[si.Duration, Field(gt=0)]
 
 
-class Control(Frozen):
+class TractionControl(Frozen):
     """The traction controller (thesis section 3-4-2).
 
     Attributes:
@@ -85,7 +85,7 @@ class Drive(Frozen):
     way: Literal["forward", "backward"]
 
 
-class Turn(Frozen):
+class GravityTurn(Frozen):
     """Gravity turns from across the pipe to along it.
 
     Attributes:
@@ -99,7 +99,7 @@ class Turn(Frozen):
     tilt: si.Angle
 
 
-class Timeline(Frozen):
+class TractionTimeline(Frozen):
     """What happens when, the same for every variant.
 
     Attributes:
@@ -114,7 +114,7 @@ class Timeline(Frozen):
     clamp: dict[Name, Moment]
     compensate: Moment
     drives: tuple[Drive, ...]
-    turn: Turn
+    turn: GravityTurn
     grip: Moment
     end: Annotated[si.Duration, Field(gt=0)]
 
@@ -187,8 +187,8 @@ class TractionSetup(ExperimentSetup):
     """
 
     physics: ReducedPhysics
-    control: Control
-    timeline: Timeline
+    control: TractionControl
+    timeline: TractionTimeline
     noise: dict[Name, NoiseLevel]
     variants: dict[str, Variant]
     curves: SlipCurves

@@ -9,7 +9,7 @@ from pirate_sm.units import Quantity
 
 
 @dataclass(frozen=True, slots=True)
-class Part:
+class SyntaxPart:
     """Any part of an expression, with the place of its first or its governing token."""
 
     offset: int
@@ -17,7 +17,7 @@ class Part:
 
 
 @dataclass(frozen=True, slots=True)
-class NumberPart(Part):
+class NumberPart(SyntaxPart):
     """A number with or without a unit, as written and in SI."""
 
     text: str
@@ -25,28 +25,28 @@ class NumberPart(Part):
 
 
 @dataclass(frozen=True, slots=True)
-class TruthPart(Part):
+class TruthPart(SyntaxPart):
     """The constant `true` or `false`."""
 
     value: bool
 
 
 @dataclass(frozen=True, slots=True)
-class NamePart(Part):
+class NamePart(SyntaxPart):
     """A signal, a state machine or a word; the analysis decides which."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class ParameterPart(Part):
+class ParameterPart(SyntaxPart):
     """A parameter, `$name`."""
 
     name: str
 
 
 @dataclass(frozen=True, slots=True)
-class UnaryPart(Part):
+class UnaryPart(SyntaxPart):
     """A negation, `-x` or `not x`."""
 
     operator: str
@@ -54,7 +54,7 @@ class UnaryPart(Part):
 
 
 @dataclass(frozen=True, slots=True)
-class ArithmeticPart(Part):
+class ArithmeticPart(SyntaxPart):
     """A sum, difference, product or quotient."""
 
     operator: str
@@ -63,7 +63,7 @@ class ArithmeticPart(Part):
 
 
 @dataclass(frozen=True, slots=True)
-class ComparisonPart(Part):
+class ComparisonPart(SyntaxPart):
     """A chain `first op second op third …`, which is true if every neighbouring pair is."""
 
     first: AnyPart
@@ -71,7 +71,7 @@ class ComparisonPart(Part):
 
 
 @dataclass(frozen=True, slots=True)
-class MembershipPart(Part):
+class MembershipPart(SyntaxPart):
     """A membership test, `x in (a, b)` or `x not in (a, b)`."""
 
     operand: AnyPart
@@ -80,7 +80,7 @@ class MembershipPart(Part):
 
 
 @dataclass(frozen=True, slots=True)
-class LogicPart(Part):
+class LogicPart(SyntaxPart):
     """A conjunction or disjunction, `a and b and …` or `a or b or …`."""
 
     operator: str
@@ -88,7 +88,7 @@ class LogicPart(Part):
 
 
 @dataclass(frozen=True, slots=True)
-class CallPart(Part):
+class CallPart(SyntaxPart):
     """A function with its arguments."""
 
     function: str

@@ -28,7 +28,7 @@ Columns = Mapping[str, Floats]
 """Columns of a table; all are of one length, and NaN stands where a value is unknown."""
 
 
-class Measured(NamedTuple):
+class MeasuredFile(NamedTuple):
     """What a file holds.
 
     Attributes:
@@ -44,7 +44,7 @@ class Measured(NamedTuple):
     recording: Path | None = None
 
 
-def read_measured(path: Path) -> Measured:
+def read_measured(path: Path) -> MeasuredFile:
     """Return the signals of a recording, or the columns of a table (``.csv``), in SI units.
 
     A recording's columns have the names of its signals, a table's those of its header.
@@ -53,7 +53,7 @@ def read_measured(path: Path) -> Measured:
         RecordingError: The recording cannot be read.
         UsageError: The table cannot be read.
     """
-    return Measured(_table(path)) if path.suffix == ".csv" else _recorded(path)
+    return MeasuredFile(_table(path)) if path.suffix == ".csv" else _recorded(path)
 
 
 def column(columns: Columns, name: str) -> Floats:
@@ -79,7 +79,7 @@ def has(columns: Columns, names: Iterable[str]) -> bool:
     )
 
 
-def _recorded(path: Path) -> Measured:
+def _recorded(path: Path) -> MeasuredFile:
     recording = read_recording(path)
     rows: list[tuple[float, ...]] = []
     sent: list[tuple[float, ...]] = []
@@ -98,7 +98,7 @@ def _recorded(path: Path) -> Measured:
     sent.sort(key=itemgetter(0))
     signals = _named((TIME, *robot.vocabulary.numbers), rows)
     slots = (TIME, *(slot.name for slot in robot.slots))
-    return Measured(signals, _named(slots, sent) if sent else {}, profile, path)
+    return MeasuredFile(signals, _named(slots, sent) if sent else {}, profile, path)
 
 
 def _named(names: Sequence[str], rows: Sequence[tuple[float, ...]]) -> Columns:

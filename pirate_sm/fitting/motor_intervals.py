@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from pirate_sm.fitting.columns import Columns, Measured, column
+from pirate_sm.fitting.columns import Columns, MeasuredFile, column
 from pirate_sm.model import derived as kinds
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile, Slot
@@ -48,14 +48,18 @@ class Intervals(NamedTuple):
         return float(np.median(np.abs(self.change))) * _DEVIATIONS / 2**0.5
 
 
-def intervals_of(measured: Measured, profile: Profile, name: str, motor: Motor) -> list[Intervals]:
+def intervals_of(
+    measured: MeasuredFile, profile: Profile, name: str, motor: Motor
+) -> list[Intervals]:
     """Return the intervals of every slot with this kind of motor that reports."""
     slots = [slot for slot in profile.slots if slot.motor == name]
     found = (_of_slot(measured, profile, slot, motor) for slot in slots)
     return [each for each in found if each is not None]
 
 
-def _of_slot(measured: Measured, profile: Profile, slot: Slot, motor: Motor) -> Intervals | None:
+def _of_slot(
+    measured: MeasuredFile, profile: Profile, slot: Slot, motor: Motor
+) -> Intervals | None:
     signals = _signals(profile, slot)
     if signals is None or slot.name not in measured.setpoints:
         return None

@@ -11,11 +11,11 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from pirate_sm.fitting.columns import Columns, Measured, column, has
+from pirate_sm.fitting.columns import Columns, MeasuredFile, column, has
 from pirate_sm.fitting.estimate import Estimate, estimate_of
 from pirate_sm.fitting.friction_anew import signals_with
 from pirate_sm.fitting.motor_intervals import Intervals, intervals_of
-from pirate_sm.fitting.slip_columns import SlipSignals
+from pirate_sm.fitting.slip_columns import SlipSignalNames
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Profile
 from pirate_sm.simulation.arrays import Floats
@@ -62,7 +62,7 @@ class RobotNumber:
     estimate: Estimate
 
 
-def robot_numbers(measured: Sequence[Measured]) -> list[RobotNumber]:
+def robot_numbers(measured: Sequence[MeasuredFile]) -> list[RobotNumber]:
     """Return what the recordings say of the motors and of friction, with what they cannot say."""
     profile = next(each.profile for each in measured if each.profile is not None)
     found: list[RobotNumber] = []
@@ -74,7 +74,9 @@ def robot_numbers(measured: Sequence[Measured]) -> list[RobotNumber]:
     return [*found, *_frictions(shown, profile)]
 
 
-def _with_motors(measured: Measured, profile: Profile, found: Sequence[RobotNumber]) -> Measured:
+def _with_motors(
+    measured: MeasuredFile, profile: Profile, found: Sequence[RobotNumber]
+) -> MeasuredFile:
     """Return what was measured, with friction by the motors as they were found."""
     known = [each for each in found if each.estimate.known]
     if measured.recording is None or not known or not _shows_friction(measured.columns):
@@ -91,7 +93,7 @@ def _with_motors(measured: Measured, profile: Profile, found: Sequence[RobotNumb
 
 def _shows_friction(columns: Columns) -> bool:
     """Return whether the friction of a wheel is known anywhere."""
-    prefix = SlipSignals().known.format("")
+    prefix = SlipSignalNames().known.format("")
     known = (values for name, values in columns.items() if name.startswith(prefix))
     return any(bool(np.isfinite(values).any()) for values in known)
 
@@ -191,10 +193,10 @@ def _estimate(rows: Floats, statistic: Callable[[Floats], float], reason: str) -
     return found
 
 
-def _frictions(measured: Sequence[Measured], profile: Profile) -> Iterator[RobotNumber]:
+def _frictions(measured: Sequence[MeasuredFile], profile: Profile) -> Iterator[RobotNumber]:
     """Yield kinetic friction of each part, where the profile derives it for its wheels."""
     names = [wheel.name for wheel in profile.body.wheels]
-    signals = SlipSignals(radius_m=profile.body.wheel_radius)
+    signals = SlipSignalNames(radius_m=profile.body.wheel_radius)
     for part in profile.body.parts:
         numbers = [
             str(names.index(wheel.name) + 1) for wheel in profile.body.wheels if wheel.part == part
@@ -208,7 +210,7 @@ def _frictions(measured: Sequence[Measured], profile: Profile) -> Iterator[Robot
         yield RobotNumber("", f"kinetic friction, {part}", "", _kinetic(rows))
 
 
-def _known_friction(columns: Columns, number: str, signals: SlipSignals) -> Floats:
+def _known_friction(columns: Columns, number: str, signals: SlipSignalNames) -> Floats:
     """Return rows of friction and the torque with which a wheel slipped, where it is known."""
     friction = column(columns, signals.known.format(number))
     torque = np.abs(column(columns, signals.torque.format(number)))

@@ -19,7 +19,7 @@ _SHARE, _SLIP_PLAY_M_S, _FRICTION_PLAY = 0.33, 0.002, 0.01
 
 
 @dataclass(frozen=True)
-class SlipSignals:
+class SlipSignalNames:
     """Names of signals, with ``{}`` for the number of a wheel.
 
     Attributes:
@@ -39,7 +39,7 @@ class SlipSignals:
     known: str = "mu_{}"
 
 
-def wheels_in(columns: Columns, signals: SlipSignals) -> list[str]:
+def wheels_in(columns: Columns, signals: SlipSignalNames) -> list[str]:
     """Return the numbers of the wheels whose slip is in the columns, in their order.
 
     Raises:
@@ -83,7 +83,9 @@ def _keeps(values: Floats, play: float) -> bool:
     return bool(np.ptp(values) <= max(_SHARE * abs(float(np.median(values))), play))
 
 
-def slip_and_friction(columns: Columns, wheel: str, signals: SlipSignals) -> tuple[Floats, Floats]:
+def slip_and_friction(
+    columns: Columns, wheel: str, signals: SlipSignalNames
+) -> tuple[Floats, Floats]:
     """Return slip speeds and friction coefficients of a wheel, in the order of time.
 
     Raises:

@@ -16,7 +16,7 @@ JointOrEnd: TypeAlias = Literal["mitre", "elbow", "tee", "reducer", "end"]
 """What may be ahead of a robot on its route: a joint, or where the pipe ends."""
 
 
-class Joint(NamedTuple):
+class RouteJoint(NamedTuple):
     """A fitting or a junction on a route.
 
     Attributes:
@@ -52,7 +52,7 @@ class Bend(NamedTuple):
     reach_m: float = 0.0
 
 
-def bend_at(joint: Joint, diameter_m: float) -> Bend:
+def bend_at(joint: RouteJoint, diameter_m: float) -> Bend:
     """Return a joint that turns as detectors count it, in a pipe of this diameter."""
     if joint.kind != "elbow":
         return Bend(joint.arc_m)
@@ -78,7 +78,7 @@ class Passage(NamedTuple):
 
 def joints_of(
     pieces: Sequence[Piece], passages: Sequence[Passage], tees: Mapping[str, Frame]
-) -> Iterator[Joint]:
+) -> Iterator[RouteJoint]:
     """Yield the joints of a route in order.
 
     Args:
@@ -99,35 +99,37 @@ def joints_of(
         if before.bend is not None:
             yield _mitre(before, after)
         elif after.diameter_m != before.ends_with_m:
-            yield Joint("reducer", after.arc_m, 0.0, 0.0)
+            yield RouteJoint("reducer", after.arc_m, 0.0, 0.0)
         yield from _fitting(after)
 
 
-def _fitting(piece: Piece) -> Iterator[Joint]:
+def _fitting(piece: Piece) -> Iterator[RouteJoint]:
     """Yield the joint that a piece is, if it is one."""
     if piece.arc is not None:
         half, towards = piece.length_m / 2, piece.frame.roll_of(piece.arc.towards)
-        yield Joint("elbow", piece.arc_m + half, half, half, piece.arc.angle_rad, towards)
+        yield RouteJoint("elbow", piece.arc_m + half, half, half, piece.arc.angle_rad, towards)
     elif piece.ends_with_m != piece.diameter_m:
-        yield Joint("reducer", piece.arc_m, 0.0, piece.length_m)
+        yield RouteJoint("reducer", piece.arc_m, 0.0, piece.length_m)
 
 
-def _mitre(before: Piece, after: Piece) -> Joint:
+def _mitre(before: Piece, after: Piece) -> RouteJoint:
     assert before.bend is not None  # as joints_of has seen
     towards = _towards(before, after.frame.ahead)
     taken = before.taken_m[1]
-    return Joint("mitre", before.ends_m, taken, taken, abs(before.bend.angle_rad), towards)
+    return RouteJoint("mitre", before.ends_m, taken, taken, abs(before.bend.angle_rad), towards)
 
 
-def _tee(before: Piece, after: Piece, ports: tuple[str, str], frame: Frame, junction: str) -> Joint:
+def _tee(
+    before: Piece, after: Piece, ports: tuple[str, str], frame: Frame, junction: str
+) -> RouteJoint:
     """Return the joint of a tee that a route passes from one port to another."""
     before_m, behind_m = after.diameter_m / 2, before.ends_with_m / 2
     if BRANCH not in ports:
-        return Joint(
+        return RouteJoint(
             "tee", before.ends_m, before_m, behind_m, 0.0, _towards(before, frame.side), junction
         )
     towards = _towards(before, after.frame.ahead)
-    return Joint("tee", before.ends_m, before_m, behind_m, pi / 2, towards, junction)
+    return RouteJoint("tee", before.ends_m, before_m, behind_m, pi / 2, towards, junction)
 
 
 def _towards(piece: Piece, direction: Vector) -> float:

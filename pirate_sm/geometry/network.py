@@ -96,7 +96,7 @@ Section: TypeAlias = Literal["bars", "round"]
 
 
 @dataclass(frozen=True)
-class Run:
+class NetworkRun:
     """A pipe without branches between two junctions or ends.
 
     Attributes:
@@ -152,7 +152,7 @@ class Network:
         closed: The ends that are closed; all others are open.
     """
 
-    runs: Mapping[str, Run]
+    runs: Mapping[str, NetworkRun]
     routes: Mapping[str, tuple[str, ...]]
     up: Vector = field(default=(0.0, 0.0, -1.0))
     tees: Mapping[str, Tee] = field(default_factory=dict)
@@ -185,7 +185,7 @@ def planar(
             0: the first straight goes up. 90 deg: the leg behind a mitre of 90 deg goes up.
         section: What the walls of the run are.
     """
-    run = Run(diameter_m, segments, section=section)
+    run = NetworkRun(diameter_m, segments, section=section)
     return Network({"main": run}, {"main": ("main",)}, tilted_up(tilt_rad, uphill_rad))
 
 

@@ -18,8 +18,8 @@ from pirate_sm.geometry.network import (
     Elbow,
     Mitre,
     Network,
+    NetworkRun,
     Reducer,
-    Run,
     Straight,
     Tee,
     port_of,
@@ -194,7 +194,7 @@ class _Placer:
                 self._doors[f"{name}.{other}" if other else name] = door
 
 
-def _laid(name: str, run: Run, door: _Door) -> tuple[tuple[Piece, ...], _Door]:
+def _laid(name: str, run: NetworkRun, door: _Door) -> tuple[tuple[Piece, ...], _Door]:
     """Return the pieces of a run that begins at a door, and the door at its end."""
     heading, origin = door
     found: list[Piece] = []

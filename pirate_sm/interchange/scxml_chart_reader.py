@@ -14,7 +14,7 @@ from pirate_sm.interchange.xml_elements import (
     OURS,
     SCXML,
     Attribute,
-    Element,
+    XmlElement,
     lines_of,
     read_elements,
 )
@@ -22,7 +22,7 @@ from pirate_sm.loading.chart.outline import ChartOutline
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Place, Problem, Problems
 from pirate_sm.loading.yaml.document import Document
-from pirate_sm.loading.yaml.nodes import Node
+from pirate_sm.loading.yaml.nodes import YamlNode
 from pirate_sm.spelling import nearest, one_of
 
 _DATAMODELS: Final = ("null", "ecmascript", "python")
@@ -88,7 +88,7 @@ class _Reader:
         self.lines = lines
         self.problems: list[Problem] = []
         self._name = name
-        self._elements: dict[str, Element] = {}
+        self._elements: dict[str, XmlElement] = {}
         """Regions and states by id."""
         self._names: dict[str, str] = {}
         """The name in the chart of the state with each id."""
@@ -96,7 +96,7 @@ class _Reader:
         self._refused: set[str] = set()
         """The ids of elements that are refused, so that references to them are no second fault."""
 
-    def chart(self, root: Element, called: str) -> Node:
+    def chart(self, root: XmlElement, called: str) -> YamlNode:
         """Return the data of the chart; without `states` where there are none to be checked."""
         if root.name != "scxml" or root.namespace not in {SCXML, ""}:
             message = f'<{root.name}> is not SCXML: <scxml xmlns="{SCXML}"> is expected'
@@ -123,7 +123,7 @@ class _Reader:
             self._fault("scxml.shape", tops[-1] if tops else root, message)
         return _mapping(root, content)
 
-    def _top(self, top: Element) -> dict[str, Node]:
+    def _top(self, top: XmlElement) -> dict[str, YamlNode]:
         regions = {}
         for region in top.children:
             name = self._noted(region)
@@ -142,7 +142,7 @@ class _Reader:
         whole = _mapping(top, {self._id(top) or "chart": _mapping(top, body)})
         return {"states": whole}
 
-    def _collect(self, region: str, around: Element) -> None:
+    def _collect(self, region: str, around: XmlElement) -> None:
         """Give the states inside a region or state their names in the chart."""
         for state in around.children:
             if state.name != "state":
@@ -156,7 +156,7 @@ class _Reader:
                 self._names[id_] = name
             self._collect(region, state)
 
-    def _noted(self, element: Element) -> str:
+    def _noted(self, element: XmlElement) -> str:
         """Return the id of a region or state; nothing after reporting that it has none."""
         id_ = self._id(element)
         before = self._elements.setdefault(id_, element) if id_ else None
@@ -166,7 +166,7 @@ class _Reader:
         self._fault("scxml.id", element, given or f"<{element.name}> needs an id")
         return ""
 
-    def _region(self, name: str, region: Element) -> Node:
+    def _region(self, name: str, region: XmlElement) -> YamlNode:
         for move in region.children:
             if move.name == "transition":
                 message = f"a transition of the whole region '{name}' is not supported"
@@ -174,7 +174,7 @@ class _Reader:
                 self._fault("scxml.transition", move, message, expected)
         return _mapping(region, {"states": self._inside(region)})
 
-    def _inside(self, around: Element) -> Node:
+    def _inside(self, around: XmlElement) -> YamlNode:
         """Return the states inside a region or a state."""
         states = [each for each in around.children if each.name == "state"]
         first = self._begins_with(around, states)
@@ -185,7 +185,7 @@ class _Reader:
                 found[name] = self._state(state, state is first)
         return _mapping(around, found)
 
-    def _state(self, state: Element, first: bool) -> Node:
+    def _state(self, state: XmlElement, first: bool) -> YamlNode:
         content = {"initial": _leaf(True, state)} if first else {}
         moves = [each for each in state.children if each.name == "transition"]
         if found := [move for each in moves if (move := self._move(each)) is not None]:
@@ -196,7 +196,7 @@ class _Reader:
             self._begins_with(state, [])
         return _mapping(state, content)
 
-    def _begins_with(self, around: Element, inside: Sequence[Element]) -> Element | None:
+    def _begins_with(self, around: XmlElement, inside: Sequence[XmlElement]) -> XmlElement | None:
         """Return the child that an element begins with: the one that it names, else the first."""
         given: list[Attribute] = []
         if "initial" in around.attributes:
@@ -219,7 +219,7 @@ class _Reader:
                 self._fault("scxml.initial", attribute, message, one_of(known) if known else "")
         return inside[0] if inside else None
 
-    def _move(self, move: Element) -> Node | None:
+    def _move(self, move: XmlElement) -> YamlNode | None:
         """Return a transition, or None if it is refused."""
         given = move.attributes
         needed = [given[key] for key in ("event", "target") if key in given]
@@ -254,7 +254,7 @@ class _Reader:
             return ""
         return guard if len(self.problems) == before else ""
 
-    def _sift(self, element: Element) -> None:
+    def _sift(self, element: XmlElement) -> None:
         """Report what is not supported in an element, and leave it out."""
         known = _ATTRIBUTES[element.name]
         for name, attribute in element.attributes.items():
@@ -280,11 +280,11 @@ class _Reader:
             self._fault("scxml.element", child, message, expected)
         element.children = kept
 
-    def _id(self, element: Element) -> str:
+    def _id(self, element: XmlElement) -> str:
         found = element.attributes.get("id")
         return found.value if found is not None else ""
 
-    def _named(self, id_: str, at: Element | Attribute) -> str:
+    def _named(self, id_: str, at: XmlElement | Attribute) -> str:
         """Return the name in the chart of the state with an id, or report that there is none."""
         if id_ not in self._names and id_ not in self._refused:
             hints = self._names if len(self.problems) < _MOST_HINTS else ()
@@ -295,7 +295,7 @@ class _Reader:
     def _fault(
         self,
         code: str,
-        at: Element | Attribute,
+        at: XmlElement | Attribute,
         message: str,
         expected: str = "",
         suggestion: str = "",
@@ -305,7 +305,7 @@ class _Reader:
         self.problems.append(Problem(code, place, message, expected, suggestion, excerpt))
 
 
-def _ids(element: Element) -> Iterator[str]:
+def _ids(element: XmlElement) -> Iterator[str]:
     """Yield the ids of an element and of all inside it."""
     if "id" in element.attributes:
         yield element.attributes["id"].value
@@ -313,15 +313,17 @@ def _ids(element: Element) -> Iterator[str]:
         yield from _ids(child)
 
 
-def _leaf(value: object, at: Element | Attribute) -> Node:
-    return Node(at.line, at.column, 0, 0, value)
+def _leaf(value: object, at: XmlElement | Attribute) -> YamlNode:
+    return YamlNode(at.line, at.column, 0, 0, value)
 
 
-def _list(at: Element, items: list[Node]) -> Node:
-    return Node(at.line, at.column, 0, 0, [each.value for each in items], items)
+def _list(at: XmlElement, items: list[YamlNode]) -> YamlNode:
+    return YamlNode(at.line, at.column, 0, 0, [each.value for each in items], items)
 
 
-def _mapping(at: Element, content: Mapping[str, Node]) -> Node:
+def _mapping(at: XmlElement, content: Mapping[str, YamlNode]) -> YamlNode:
     """Return a mapping whose keys stand where their values begin."""
     children = {key: (node, node.line, node.column) for key, node in content.items()}
-    return Node(at.line, at.column, 0, 0, {key: it.value for key, it in content.items()}, children)
+    return YamlNode(
+        at.line, at.column, 0, 0, {key: it.value for key, it in content.items()}, children
+    )

@@ -39,7 +39,7 @@ class Attribute:
 
 
 @dataclass(slots=True)
-class Element:
+class XmlElement:
     """An element of an XML document with the line and column of its tag.
 
     Attributes:
@@ -55,7 +55,7 @@ class Element:
     column: int
     attributes: dict[str, Attribute] = field(default_factory=dict)
     others: dict[tuple[str, str], str] = field(default_factory=dict)
-    children: list[Element] = field(default_factory=list)
+    children: list[XmlElement] = field(default_factory=list)
 
 
 def lines_of(text: str) -> tuple[str, ...]:
@@ -63,7 +63,7 @@ def lines_of(text: str) -> tuple[str, ...]:
     return tuple(_LINE_END.split(text))
 
 
-def read_elements(text: str, name: str) -> Element:
+def read_elements(text: str, name: str) -> XmlElement:
     """Return the root element of an XML text.
 
     Args:
@@ -100,8 +100,8 @@ class _Builder:
 
     def __init__(self, content: bytes) -> None:
         self._content = content
-        self._stack: list[Element] = []
-        self._root: Element | None = None
+        self._stack: list[XmlElement] = []
+        self._root: XmlElement | None = None
         self._count = 0
         # The text is UTF-8 now, whatever it was before.
         self._parser = expat.ParserCreate("utf-8", _BETWEEN)
@@ -110,7 +110,7 @@ class _Builder:
         self._parser.StartElementHandler = self._start
         self._parser.EndElementHandler = self._end
 
-    def build(self) -> Element:
+    def build(self) -> XmlElement:
         self._parser.Parse(self._content, True)
         if self._root is None:
             raise AssertionError("expat refuses a text without an element")
@@ -131,7 +131,7 @@ class _Builder:
             self._refuse(f"elements are nested more than {DEEPEST_NESTING} deep")
         namespace, _, local = name.rpartition(_BETWEEN)
         line, column = self._parser.CurrentLineNumber, self._parser.CurrentColumnNumber + 1
-        element = Element(local, namespace, line, column)
+        element = XmlElement(local, namespace, line, column)
         places = self._places(line, column)
         for key, value in zip(attributes[::2], attributes[1::2], strict=True):
             outside, _, own = key.rpartition(_BETWEEN)

@@ -11,8 +11,8 @@ from pirate_sm.errors import UsageError
 from pirate_sm.learning.rewards import Reward, reward_of
 from pirate_sm.learning.scenario import OPTIONAL, Scenario
 from pirate_sm.learning.spaces import Mask, Observation, Spaces
-from pirate_sm.learning.transition import Moment, Transition
-from pirate_sm.learning.trial import Course, Trial
+from pirate_sm.learning.transition import StepMoment, Transition
+from pirate_sm.learning.trial import StepOutcome, Trial
 from pirate_sm.model.run_options import Options
 from pirate_sm.spelling import unknown
 
@@ -116,7 +116,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
             self._trial.close()
             self._trial = None
 
-    def _transition(self, command: str, course: Course, before: Moment) -> Transition:
+    def _transition(self, command: str, course: StepOutcome, before: StepMoment) -> Transition:
         trial, after = self._trial, self._moment
         assert trial is not None  # as step has seen
         ended = trial.ended is not None or trial.gone
@@ -130,7 +130,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
     def _observation(self, trial: Trial) -> Observation:
         return self.spaces.observation_of(trial.words, trial.numbers, self._mask)
 
-    def _info(self, moment: Moment) -> dict[str, Any]:
+    def _info(self, moment: StepMoment) -> dict[str, Any]:
         mask, place_m = self._mask.copy(), moment.last_wheel_m
         return {"action_mask": mask, "now_s": moment.now_s, "place_m": place_m}
 

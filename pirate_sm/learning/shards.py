@@ -25,7 +25,7 @@ class Row(NamedTuple):
     info: dict[str, Any]
 
 
-class Share:
+class EnvironmentShare:
     """Environments of one process, which begin a new episode in the step after an end.
 
     What is asked for with ``send`` is returned by ``receive``, as of a :class:`RemoteShard`.
@@ -144,14 +144,14 @@ class RemoteShard:
 
 def _serve(pipe: Connection, count: int, options: dict[str, Any]) -> None:
     """Do what the other end of the pipe asks for, until it is closed."""
-    share: Share | None = None
+    share: EnvironmentShare | None = None
     while True:
         try:
             method, arguments = pipe.recv()
         except (EOFError, KeyboardInterrupt):
             break
         try:
-            share = share or Share(count, options)
+            share = share or EnvironmentShare(count, options)
             result = getattr(share, method)(*arguments)
         except Exception as error:
             result = error

@@ -9,7 +9,7 @@ Outcome: TypeAlias = Literal["waited", "done", "failed", "refused", "fault"]
 """How a step ended: ``fault`` is a new fault, with the run going on or not."""
 
 
-class Moment(NamedTuple):
+class StepMoment(NamedTuple):
     """Where a robot is between two steps.
 
     Attributes:
@@ -49,8 +49,8 @@ class Transition(NamedTuple):
 
     command: str
     outcome: Outcome
-    before: Moment
-    after: Moment
+    before: StepMoment
+    after: StepMoment
     reached: bool
     ended: bool
     reach_m: float

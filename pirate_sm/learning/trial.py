@@ -13,7 +13,7 @@ from pirate_sm.engine.mission.operator import why_not_command
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing.known_signals import Numbers
 from pirate_sm.engine.state import EngineState
-from pirate_sm.learning.transition import Moment, Outcome
+from pirate_sm.learning.transition import Outcome, StepMoment
 from pirate_sm.model.effects import CommandStatus, Effect, Ended, Fault
 from pirate_sm.model.events import OperatorCommand
 from pirate_sm.runtime.pump import Pump
@@ -24,7 +24,7 @@ WAIT_S = 0.5
 """How long a wait is at most [D]: half the time for which a word of the detector is valid."""
 
 
-class Course(NamedTuple):
+class StepOutcome(NamedTuple):
     """How a step went: its outcome, the reason, and the codes of new faults."""
 
     outcome: Outcome
@@ -97,11 +97,11 @@ class Trial:
         return (*state.words[: len(self.robot.regions)], state.outside("detector"))
 
     @property
-    def moment(self) -> Moment:
+    def moment(self) -> StepMoment:
         """Where the robot is now."""
         *states, word = self.words
         rolled = zip(self._metres, self._turned.tolist(), strict=True)
-        return Moment(
+        return StepMoment(
             self.now_s,
             dict(zip(self.robot.regions, (state or "" for state in states), strict=True)),
             word or "",
@@ -115,7 +115,7 @@ class Trial:
         state = self._state
         return [why_not_command(self.robot, state, i) for i in range(len(self.robot.commands))]
 
-    def command(self, index: int) -> Course:
+    def command(self, index: int) -> StepOutcome:
         """Give a command and let time pass until it is done or has failed, or there is a fault.
 
         A refused command costs the time of a wait, so that an episode ends in any case.
@@ -128,11 +128,11 @@ class Trial:
         if status is not None and status.status == "refused":
             reason = status.reason
             self._pass()
-            return Course("refused", reason, tuple(self._faults))
+            return StepOutcome("refused", reason, tuple(self._faults))
         self._advance(lambda state: bool(self._faults) or not self._busy(state), self._limit_s)
         return self._course("failed")
 
-    def wait(self) -> Course:
+    def wait(self) -> StepOutcome:
         """Let time pass until the detector's word changes or there is a fault; 0.5 s at most."""
         self._begin()
         self._pass()
@@ -149,15 +149,15 @@ class Trial:
 
         self._advance(come, min(self.now_s + WAIT_S, self._limit_s))
 
-    def _course(self, otherwise: Outcome) -> Course:
+    def _course(self, otherwise: Outcome) -> StepOutcome:
         """Return how the step went; a command that time has cut short has the other outcome."""
         status, faults = self._status, tuple(self._faults)
         reason = status.reason if status is not None else ""
         if faults or self.ended is not None:
-            return Course("fault", self.ended.message if self.ended else reason, faults)
+            return StepOutcome("fault", self.ended.message if self.ended else reason, faults)
         if status is None or otherwise == "waited":
-            return Course(otherwise, reason, faults)
-        return Course("done" if status.status == "done" else otherwise, reason, faults)
+            return StepOutcome(otherwise, reason, faults)
+        return StepOutcome("done" if status.status == "done" else otherwise, reason, faults)
 
     def _advance(self, come: Callable[[EngineState], bool], limit_s: float) -> None:
         pump = self._pump

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from pirate_sm.api.arguments import whole
 from pirate_sm.errors import UsageError
 from pirate_sm.learning.environment import InPipe
-from pirate_sm.learning.shards import RemoteShard, Row, Share
+from pirate_sm.learning.shards import EnvironmentShare, RemoteShard, Row
 from pirate_sm.learning.spaces import Mask, Observation
 
 Flags = NDArray[np.bool_]
@@ -45,7 +45,7 @@ class InPipes(gymnasium.vector.VectorEnv[Observation, NDArray[np.int64], NDArray
     }
 
     def __init__(self, num_envs: int = 1, *, workers: int | None = None, **options: Any) -> None:
-        self._shards: list[Share | RemoteShard] = []
+        self._shards: list[EnvironmentShare | RemoteShard] = []
         self.num_envs = whole(num_envs, "num_envs", 1)
         count = cpu_count() or 1 if workers is None else whole(workers, "workers", 1)
         one = InPipe(**options)  # shows what is wrong before a process begins
@@ -57,7 +57,7 @@ class InPipes(gymnasium.vector.VectorEnv[Observation, NDArray[np.int64], NDArray
         count = min(count, self.num_envs)
         bounds = [self.num_envs * i // count for i in range(count + 1)]
         self._parts = [slice(*ends) for ends in pairwise(bounds)]
-        make = Share if count == 1 else RemoteShard
+        make = EnvironmentShare if count == 1 else RemoteShard
         self._shards = [make(part.stop - part.start, options) for part in self._parts]
         self._masks: Mask = np.zeros((self.num_envs, len(self.spaces.actions)), dtype=np.int8)
         self._observations: Observation = cast(

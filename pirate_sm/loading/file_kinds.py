@@ -12,7 +12,7 @@ from pirate_sm.loading.yaml.document import LARGEST_FILE, Document
 from pirate_sm.on_disk import opened
 
 
-class Kind(StrEnum):
+class FileKind(StrEnum):
     """The known kinds of files."""
 
     ROBOT = "robot"
@@ -32,31 +32,31 @@ class Kind(StrEnum):
 
 
 _TELLING = (
-    (Kind.CAMPAIGN, {"campaign"}),
-    (Kind.SCENE, {"scene", "steps"}),
-    (Kind.SCENE, {"scene", "title"}),
-    (Kind.MISSION, {"phases"}),
-    (Kind.MISSION, {"mission", "start"}),
-    (Kind.MISSION, {"mission", "robot"}),
-    (Kind.MISSION, {"mission", "ends"}),
-    (Kind.ROBOT, {"boards"}),
-    (Kind.ROBOT, {"body", "chart"}),
-    (Kind.ROBOT, {"robot", "chart"}),
-    (Kind.ROBOT, {"actuation"}),
-    (Kind.PIPE, {"segments"}),
-    (Kind.PIPE, {"pipe", "diameter"}),
-    (Kind.PIPE, {"pipe", "runs"}),
-    (Kind.PIPE, {"diameter", "runs"}),
-    (Kind.PIPE, {"runs", "junctions"}),
-    (Kind.CALIBRATION, {"robot", "zeros"}),
-    (Kind.EXPERIMENT, {"experiment"}),
-    (Kind.TWIN, {"robot", "motors"}),
-    (Kind.TWIN, {"robot", "friction"}),
-    (Kind.TWIN, {"robot", "joints"}),
-    (Kind.CAMERA, {"camera", "source"}),
-    (Kind.CAMERA, {"camera", "setup"}),
-    (Kind.PANEL, {"buttons"}),
-    (Kind.PANEL, {"panel", "controls"}),
+    (FileKind.CAMPAIGN, {"campaign"}),
+    (FileKind.SCENE, {"scene", "steps"}),
+    (FileKind.SCENE, {"scene", "title"}),
+    (FileKind.MISSION, {"phases"}),
+    (FileKind.MISSION, {"mission", "start"}),
+    (FileKind.MISSION, {"mission", "robot"}),
+    (FileKind.MISSION, {"mission", "ends"}),
+    (FileKind.ROBOT, {"boards"}),
+    (FileKind.ROBOT, {"body", "chart"}),
+    (FileKind.ROBOT, {"robot", "chart"}),
+    (FileKind.ROBOT, {"actuation"}),
+    (FileKind.PIPE, {"segments"}),
+    (FileKind.PIPE, {"pipe", "diameter"}),
+    (FileKind.PIPE, {"pipe", "runs"}),
+    (FileKind.PIPE, {"diameter", "runs"}),
+    (FileKind.PIPE, {"runs", "junctions"}),
+    (FileKind.CALIBRATION, {"robot", "zeros"}),
+    (FileKind.EXPERIMENT, {"experiment"}),
+    (FileKind.TWIN, {"robot", "motors"}),
+    (FileKind.TWIN, {"robot", "friction"}),
+    (FileKind.TWIN, {"robot", "joints"}),
+    (FileKind.CAMERA, {"camera", "source"}),
+    (FileKind.CAMERA, {"camera", "setup"}),
+    (FileKind.PANEL, {"buttons"}),
+    (FileKind.PANEL, {"panel", "controls"}),
 )
 """Combinations of top-level keys that identify a kind of file; the first match decides."""
 
@@ -70,50 +70,50 @@ _WORD = r"""["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:(?=\s|$)"""
 _IN_BRACES = re.compile(r"""[\s{,]["']?([A-Za-z_][A-Za-z0-9_]*)["']?[ \t]*:""")
 
 
-def kind_of(path: Path) -> Kind:
+def kind_of(path: Path) -> FileKind:
     """Return the kind of the file."""
     text = _beginning(path)
-    kind = Kind.UNREADABLE if text is None else kind_of_text(text)
-    extends = kind is Kind.OTHER and path.name == PROFILE_FILE and _EXTENDS.search(text or "")
-    return Kind.ROBOT if extends else kind
+    kind = FileKind.UNREADABLE if text is None else kind_of_text(text)
+    extends = kind is FileKind.OTHER and path.name == PROFILE_FILE and _EXTENDS.search(text or "")
+    return FileKind.ROBOT if extends else kind
 
 
-def kind_of_text(text: str) -> Kind:
+def kind_of_text(text: str) -> FileKind:
     """Return the kind of a file with this text."""
     text = "\n".join(text.splitlines())  # a line may end in CR alone, which `^` does not know
     first = next((each for each in _CONTENT.finditer(text) if each[2].rstrip() != "---"), None)
     if first is None:
-        return Kind.OTHER
+        return FileKind.OTHER
     if first[2].startswith(("-", "[")):
-        return Kind.SCRIPT if _lists_triggers(text) else Kind.OTHER
+        return FileKind.SCRIPT if _lists_triggers(text) else FileKind.OTHER
     if first[2].startswith("{"):
         keys = set(_IN_BRACES.findall(text))
     else:
         keys = set(re.findall(f"^{first[1]}{_WORD}", text, re.MULTILINE))
     if "states" in keys and re.search(r"\bparallel\b", text):
-        return Kind.CHART
+        return FileKind.CHART
     if "trigger" in keys and keys <= _ENTRY:
-        return Kind.SCRIPT  # one entry, and the list is forgotten
+        return FileKind.SCRIPT  # one entry, and the list is forgotten
     if "course" in keys and ("format" in keys or re.search(r"\bhappens\b", text)):
-        return Kind.SCRIPT
-    return next((kind for kind, needed in _TELLING if needed <= keys), Kind.OTHER)
+        return FileKind.SCRIPT
+    return next((kind for kind, needed in _TELLING if needed <= keys), FileKind.OTHER)
 
 
-def refuse_other(document: Document, wanted: Kind) -> None:
+def refuse_other(document: Document, wanted: FileKind) -> None:
     """Refuse a file of another known kind in one sentence, instead of all its unknown keys.
 
     Raises:
         LoadError: The file is of another kind.
     """
     kind = kind_of_text(document.text)
-    if kind in (wanted, Kind.OTHER, Kind.UNREADABLE):
+    if kind in (wanted, FileKind.OTHER, FileKind.UNREADABLE):
         return
     problems = Problems(document)
     problems.add("kind", (), f"expected a {wanted}, and this is {_with_article(kind)}")
     raise LoadError(problems.all)
 
 
-def _with_article(kind: Kind) -> str:
+def _with_article(kind: FileKind) -> str:
     return f"{'an' if kind[0] in 'aeiou' else 'a'} {kind}"
 
 

@@ -7,7 +7,7 @@ from math import degrees, pi, radians
 from pathlib import Path
 
 from pirate_sm.geometry.clamping import height_m
-from pirate_sm.loading.file_kinds import Kind, refuse_other
+from pirate_sm.loading.file_kinds import FileKind, refuse_other
 from pirate_sm.loading.pipe_shape import check_pipe, check_section, mm, part_of
 from pirate_sm.loading.problems import Path as At
 from pirate_sm.loading.problems import Problems
@@ -36,7 +36,7 @@ def load_pipe(path: Path) -> tuple[Pipe, Document]:
     problems = Problems(document)
     pipe = try_validate(document, PipeFile, problems)
     if pipe is None:
-        refuse_other(document, Kind.PIPE)
+        refuse_other(document, FileKind.PIPE)
         check_section(document, problems)
     problems.raise_errors()
     assert pipe is not None

@@ -7,7 +7,7 @@ from itertools import pairwise
 from math import floor
 
 from pirate_sm.geometry.clearance import crossings
-from pirate_sm.geometry.network import Network, Run
+from pirate_sm.geometry.network import Network, NetworkRun
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.placement import place
 from pirate_sm.geometry.plane import crossing
@@ -88,7 +88,7 @@ def _leaves(what: str, path: At, document: Document, problems: Problems) -> None
     problems.about(document).add("pipe.section", place, message)
 
 
-def _check_shape(run: Run, written: Written, at: At, problems: Problems) -> None:
+def _check_shape(run: NetworkRun, written: Written, at: At, problems: Problems) -> None:
     """Report fittings without a straight beside them, and fittings that cannot be built."""
     segments, path = written.run.segments, (*at, *written.at)
     if isinstance(written.at[-1], int):  # a stub, whose length is in its tee
@@ -114,7 +114,7 @@ def _check_shape(run: Run, written: Written, at: At, problems: Problems) -> None
             problems.add("pipe.segment", where, message, expected=expected)
 
 
-def _check_stub(run: Run, written: Written, path: At, problems: Problems) -> None:
+def _check_stub(run: NetworkRun, written: Written, path: At, problems: Problems) -> None:
     """Report an arm of a tee that ends inside of the tee."""
     stub, least_m = written.run.segments[0], run.diameters_m[0] / 2
     if isinstance(stub, Straight) and stub.straight <= least_m:

@@ -9,8 +9,8 @@ from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.engine.sensing.part_axes import axis_at, wheel_at
 from pirate_sm.geometry.space import Frame, between, combined, dot
 from pirate_sm.mapping.leg_meetings import angle_between, outermost
-from pirate_sm.mapping.legs import Bend
-from pirate_sm.mapping.looks import Look
+from pirate_sm.mapping.legs import MappedBend
+from pirate_sm.mapping.looks import RobotLook
 
 _BESIDE_RAD = radians(4)
 """The slope of a link and its direction from the corner agree up to this angle, unless the part
@@ -57,7 +57,7 @@ def angle_of_corner(
 def angle_of_elbow(
     body: BodySpec,
     numbers: Sequence[float],
-    elbow: Bend,
+    elbow: MappedBend,
     parts: tuple[int, int],
     into_m: float,
     diameter_m: float,
@@ -82,11 +82,11 @@ def angle_of_elbow(
     for _ in range(_ROUNDS):
         share = (into_m + found.wall_m(diameter_m)) / found.arc_m(diameter_m)
         ahead = 1.0 - min(max(share, 0.0), _MOST_SHARE)
-        found = Bend(angle_between(first, last) / ahead, 0.0, extent_m=elbow.extent_m)
+        found = MappedBend(angle_between(first, last) / ahead, 0.0, extent_m=elbow.extent_m)
     return found.angle_rad
 
 
-def apart_rad(body: BodySpec, look: Look) -> float:
+def apart_rad(body: BodySpec, look: RobotLook) -> float:
     """Return by how much the axes of the held parts differ; 0 if fewer than two are known."""
     axes = [axis_at(body, look.numbers, part) for part in sorted(look.held)]
     known = [axis for axis in axes if axis is not None]

@@ -18,7 +18,7 @@ BEND_RAD = radians(20)
 """The least angle of a bend; a smaller one may be a slanting part [decided]."""
 
 
-class Reached(NamedTuple):
+class ReachedBend(NamedTuple):
     """A bend, as the part shows it that has gone first into the other leg.
 
     Attributes:
@@ -42,7 +42,7 @@ def outermost(body: BodySpec, part: int, leads: int) -> tuple[int, ...]:
 
 def reached(
     body: BodySpec, numbers: Sequence[float], axis: Frame, part: int, leads: int, diameter_m: float
-) -> Reached | None:
+) -> ReachedBend | None:
     """Return the bend ahead of a part that lies along its leg; None if there is none.
 
     Args:
@@ -59,10 +59,10 @@ def reached(
     if leads > 0:
         met = meeting(axis, own)
         towards = axis.roll_of(_across(own.ahead, axis.ahead))
-        return Reached(met.angle_rad, towards, met.behind_m, met.ahead_m)
+        return ReachedBend(met.angle_rad, towards, met.behind_m, met.ahead_m)
     met = meeting(own, axis)
     towards = axis.roll_of(scaled(-1.0, _across(own.ahead, axis.ahead)))
-    return Reached(met.angle_rad, towards, met.ahead_m, met.behind_m)
+    return ReachedBend(met.angle_rad, towards, met.ahead_m, met.behind_m)
 
 
 def away_by_last_wheel(
@@ -70,7 +70,7 @@ def away_by_last_wheel(
     numbers: Sequence[float],
     axis: Frame,
     last: int,
-    bend: Reached,
+    bend: ReachedBend,
     leads: int,
     diameter_m: float,
 ) -> float:

@@ -74,7 +74,7 @@ class Leg:
 
 
 @dataclass
-class Bend:
+class MappedBend:
     """A bend between two legs.
 
     Attributes:
@@ -125,7 +125,7 @@ class Map:
     """
 
     legs: list[Leg] = field(default_factory=lambda: [Leg()])
-    bends: list[Bend] = field(default_factory=list)
+    bends: list[MappedBend] = field(default_factory=list)
     start: tuple[int, float] = (0, 0.0)
     pitch_rad: float = nan
     roll_rad: float = nan
@@ -139,7 +139,7 @@ class Map:
         roll = 0.0 if isnan(self.roll_rad) else self.roll_rad
         return sin(pitch), cos(pitch) * sin(roll), -cos(pitch) * cos(roll)
 
-    def beyond(self, leg: int, leads: int, bend: Bend) -> tuple[int, bool]:
+    def beyond(self, leg: int, leads: int, bend: MappedBend) -> tuple[int, bool]:
         """Return the leg ahead of a leg, or behind it, and whether it is new, as is the bend then.
 
         Args:

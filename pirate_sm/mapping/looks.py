@@ -19,10 +19,10 @@ from pirate_sm.engine.sensing.known_signals import nothing_known
 from pirate_sm.engine.state import EngineState, MissionState
 from pirate_sm.model.effects import Environment, Setpoints, StateChange
 from pirate_sm.model.events import DetectorWord, SensorFrame, SubmitResult
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import RecordedStep
 
 
-class Look(NamedTuple):
+class RobotLook(NamedTuple):
     """What is known of the robot at one time.
 
     Attributes:
@@ -54,7 +54,9 @@ class Look(NamedTuple):
         return odometer.look(self.state, self.at_s, tuple(wheels))
 
 
-def looks(robot: RobotSpec, steps: Iterable[Step], origin_s: float = 0.0) -> Iterator[Look]:
+def looks(
+    robot: RobotSpec, steps: Iterable[RecordedStep], origin_s: float = 0.0
+) -> Iterator[RobotLook]:
     """Yield what is known of the robot after each step that reports on it or commands it.
 
     Args:
@@ -88,7 +90,7 @@ class _Listener:
         self._travel = 0
         self._sent: dict[int, tuple[float, ...]] = {}
 
-    def hear(self, step: Step, now_s: float) -> Look:
+    def hear(self, step: RecordedStep, now_s: float) -> RobotLook:
         """Return what is known after a step."""
         match step.event:
             case SensorFrame() as frame:
@@ -142,7 +144,7 @@ class _Listener:
         body = before._replace(configuration=here, marks=marks)
         self._state = self._state._replace(robot=body)
 
-    def _look(self, now_s: float) -> Look:
+    def _look(self, now_s: float) -> RobotLook:
         robot, state = self._robot, self._state
         word = self._word if now_s < self._until_s else None
         if now_s >= self._surveyed.due_s:
@@ -152,7 +154,7 @@ class _Listener:
             )
         driven = any(state.robot.values[wheel.slot] for wheel in robot.wheels)
         self._travel = robot.travel(state.robot.values) or self._travel
-        return Look(
+        return RobotLook(
             now_s,
             state.sensing.numbers,
             confirmed_parts(robot, state.robot),

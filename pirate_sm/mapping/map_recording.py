@@ -13,7 +13,7 @@ from pirate_sm.mapping.looks import looks
 from pirate_sm.mapping.mapper import Mapper
 from pirate_sm.model.events import Observation
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import RecordedStep
 from pirate_sm.recording.replay.recorded_mission import recorded_robot_files, robot_as_recorded
 
 
@@ -47,7 +47,7 @@ def mapped(recording: Recording) -> Map:
     return found
 
 
-def _overheard(recording: Recording, seen: list[str]) -> Iterator[Step]:
+def _overheard(recording: Recording, seen: list[str]) -> Iterator[RecordedStep]:
     """Yield the steps of the recording up to a gap; note what a person says in them."""
     after = min((gap.step for gap in recording.gaps), default=inf)
     for step in takewhile(lambda each: each.number < after, recording.steps()):

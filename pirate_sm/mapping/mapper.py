@@ -31,20 +31,20 @@ from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.bend_angles import angle_of_corner, angle_of_elbow, apart_rad
 from pirate_sm.mapping.bores import STEP
 from pirate_sm.mapping.leg_meetings import (
-    Reached,
+    ReachedBend,
     angle_between,
     away_by_last_wheel,
     outermost,
     reached,
 )
-from pirate_sm.mapping.legs import Bend, Bore, Leg, Map
-from pirate_sm.mapping.looks import Look
-from pirate_sm.mapping.places import ALONG_RAD, Places
+from pirate_sm.mapping.legs import Bore, Leg, Map, MappedBend
+from pirate_sm.mapping.looks import RobotLook
+from pirate_sm.mapping.places import ALONG_RAD, PartPlaces
 from pirate_sm.mapping.rolls import Rolls
 from pirate_sm.mapping.settling import feel_angles, round_elbows
 from pirate_sm.mapping.shape import Shape
-from pirate_sm.mapping.spots import Anchor, Approach, Passage, Spot
-from pirate_sm.mapping.word_places import End, WordPlace, WordReader
+from pirate_sm.mapping.spots import Anchor, Approach, BendPassage, Spot
+from pirate_sm.mapping.word_places import JointEnd, WordPlace, WordReader
 
 _PARALLEL_RAD = radians(2)
 """Two parts whose axes differ by less show the diameters of plain pipes [decided]."""
@@ -86,17 +86,17 @@ class Mapper:
         self.lost = False
         self.robot, self._body = robot, robot.body
         self._shape, self._reader = Shape(robot.body), WordReader(words)
-        self._places, self._rolls = Places(robot, self._shape), Rolls(self.map, robot.body)
+        self._places, self._rolls = PartPlaces(robot, self._shape), Rolls(self.map, robot.body)
         self._approach: Approach | None = None
         self._started: tuple[float, ...] = ()
-        self._looks: deque[Look] = deque()
-        self._passage: Passage | None = None
-        self._newest: Passage | None = None
+        self._looks: deque[RobotLook] = deque()
+        self._passage: BendPassage | None = None
+        self._newest: BendPassage | None = None
         self._announced = ""
         self._waits, self._apart_m = waits, nan
         """Where the parts did not yet lie along one axis after the newest bend, as a way."""
 
-    def look(self, look: Look) -> None:
+    def look(self, look: RobotLook) -> None:
         """Take what is known at another time into the map."""
         if self.lost:
             return
@@ -140,7 +140,7 @@ class Mapper:
     def _spots(self) -> dict[int, Spot]:
         return self._places.spots
 
-    def _begin(self, look: Look) -> None:
+    def _begin(self, look: RobotLook) -> None:
         """Begin once all joints are known; the middle of the robot is the origin of its leg."""
         frame = self._shape.whole(look)
         if frame is None:
@@ -151,7 +151,7 @@ class Mapper:
         if look.held:
             self._release(look)
 
-    def _start_at(self, look: Look, frame: Frame, along_m: float) -> None:
+    def _start_at(self, look: RobotLook, frame: Frame, along_m: float) -> None:
         """Take the wheels' present places as those at the start."""
         wheels = self._body.wheels_of(WHOLE)
         places = [along_m + self._shape.ahead_of(look, wheel, frame) for wheel in wheels]
@@ -159,7 +159,7 @@ class Mapper:
         leg.reach(*places)
         self.map.start = (0, places[0])
 
-    def _release(self, look: Look) -> None:
+    def _release(self, look: RobotLook) -> None:
         """Forget parts that hold no more; a robot that nothing holds lies where it was."""
         before = dict(self._spots)
         for part in self._spots.keys() - look.held:
@@ -183,7 +183,7 @@ class Mapper:
             self.lost = True
             self.map.notes.append(f"the robot's place was lost at {look.at_s:.1f} s")
 
-    def _as_started(self, look: Look) -> bool:
+    def _as_started(self, look: RobotLook) -> bool:
         """Return whether the robot has neither moved nor changed its shape since the start."""
         pairs = zip(self._started, self._body.angles(look.numbers), strict=True)
         return not any(self._places.ways_m) and all(
@@ -192,7 +192,7 @@ class Mapper:
 
     # --- another part clamps ------------------------------------------------------------------
 
-    def _along(self, look: Look, part: int, anchor: Anchor) -> bool:
+    def _along(self, look: RobotLook, part: int, anchor: Anchor) -> bool:
         """Place a part in the anchor's leg if it lies along it; return whether it does."""
         own, axis = axis_at(self._body, look.numbers, part), anchor.axis
         lies = self._shape.lies(look, part) or self._shape.lies(look, part, anchor.part)
@@ -208,12 +208,12 @@ class Mapper:
             self._passage = None
         return True
 
-    def _is_behind(self, look: Look) -> bool:
+    def _is_behind(self, look: RobotLook) -> bool:
         """Return whether a word says that the whole robot is behind a bend, in one leg."""
         newest = self._newest
         return newest is not None and newest.passed and newest.leads == look.travel
 
-    def _reach_into(self, look: Look, part: int, anchor: Anchor) -> None:
+    def _reach_into(self, look: RobotLook, part: int, anchor: Anchor) -> None:
         """Find the bend between the anchor and a part that has gone first into another leg."""
         leads = 1 if self._body.wheels_of(part) < self._body.wheels_of(anchor.part) else -1
         numbers, bore_m = look.numbers, self._shape.bore(part)
@@ -226,7 +226,7 @@ class Mapper:
         spot = self._spots[anchor.part]
         rolled, was_m = self._rolls.of_part(look, anchor.part, spot.leg), spot.along_m
         roll_rad = remainder(found.towards_rad + rolled, 2 * pi)
-        bend = Bend(found.angle_rad, roll_rad, self._announced)
+        bend = MappedBend(found.angle_rad, roll_rad, self._announced)
         self._announced = ""
         into, new = self.map.beyond(self._spots[anchor.part].leg, leads, bend)
         if new and leads < 0:  # the new leg is the first one
@@ -235,7 +235,7 @@ class Mapper:
             }
             if self._approach is not None:
                 self._approach.leg += 1
-        passage = Passage(into - 1 if leads > 0 else into, leads, part, anchor, numbers, new)
+        passage = BendPassage(into - 1 if leads > 0 else into, leads, part, anchor, numbers, new)
         self._passage = self._newest = passage
         approach = self._approach
         at_m = anchor.along_m + leads * found.away_m
@@ -258,7 +258,7 @@ class Mapper:
         wheels = outermost(self._body, part, leads)
         self._spots[part] = Spot(into, begins_m + leads * found.beyond_m, wheels)
 
-    def _meet(self, passage: Passage, at_m: float) -> None:
+    def _meet(self, passage: BendPassage, at_m: float) -> None:
         """Fix the place of a new bend in the leg behind, or places in that leg by a known bend."""
         leads = passage.leads
         leg = passage.bend if leads > 0 else passage.bend + 1
@@ -272,21 +272,21 @@ class Mapper:
 
     # --- words --------------------------------------------------------------------------------
 
-    def _tell(self, look: Look) -> None:
+    def _tell(self, look: RobotLook) -> None:
         """Take a word that has begun for the place of its joint."""
         told = self._reader.look(look, self._places.ways_m[0])
         if told is None:
             return
         leads, approach, passage = told.leads, self._approach, self._newest
-        if told.end is End.BEGINS:
+        if told.end is JointEnd.BEGINS:
             found = self._place_of_word(look, told, {spot.leg for spot in self._spots.values()})
             self._approach = Approach(found[0], leads, found[1]) if found else None
             self._newest = None
-        elif told.end is End.INSIDE and approach is not None and approach.leads == leads:
+        elif told.end is JointEnd.INSIDE and approach is not None and approach.leads == leads:
             found = self._place_of_word(look, told, {approach.leg})
             if found is not None and isnan(approach.ends_m):
                 approach.ends_m = found[1]
-        elif told.end is End.PASSED and passage is not None and passage.leads == leads:
+        elif told.end is JointEnd.PASSED and passage is not None and passage.leads == leads:
             passage.passed = True
             into = passage.bend + 1 if leads > 0 else passage.bend
             found, leg = self._place_of_word(look, told, {into}), self.map.legs[into]
@@ -303,11 +303,11 @@ class Mapper:
             else:
                 leg.ends_m = found[1]
 
-    def _before(self, look: Look, by_s: float) -> Look:
+    def _before(self, look: RobotLook, by_s: float) -> RobotLook:
         """Return the look that came so long before another one."""
         return next(each for each in self._looks if each.at_s >= look.at_s - by_s)
 
-    def _waited(self, look: Look, told: WordPlace, bend: Bend) -> bool:
+    def _waited(self, look: RobotLook, told: WordPlace, bend: MappedBend) -> bool:
         """Return whether a word that a bend is passed may have waited for the robot's shape.
 
         A detector may say it only once the parts lie along one axis, or once its wheel has rolled
@@ -320,7 +320,7 @@ class Mapper:
         return late and apart_rad(self._body, look) <= _ONE_AXIS_RAD
 
     def _place_of_word(
-        self, look: Look, told: WordPlace, legs: Collection[int]
+        self, look: RobotLook, told: WordPlace, legs: Collection[int]
     ) -> tuple[int, float] | None:
         """Return where a word's joint is, as an index of a leg and a place in it.
 
@@ -337,7 +337,7 @@ class Mapper:
                 return spot.leg, at_m - told.leads * told.passed_m
         return None
 
-    def _correct(self, look: Look, passage: Passage) -> None:
+    def _correct(self, look: RobotLook, passage: BendPassage) -> None:
         """Correct the place in the new leg when the part that comes last clamps there."""
         passage.placed = True
         first, leads = passage.first, passage.leads
@@ -356,7 +356,7 @@ class Mapper:
             look.numbers,
             axis,
             passage.anchor.part,
-            Reached(bend.angle_rad, towards, 0.0, 0.0),
+            ReachedBend(bend.angle_rad, towards, 0.0, 0.0),
             leads,
             self._shape.bore(passage.anchor.part),
         )
@@ -365,7 +365,7 @@ class Mapper:
         if abs(at_m - spot.along_m) <= _MOST_MOVED_M:
             self._spots[first] = Spot(spot.leg, at_m, self._body.wheels_of(first))
 
-    def _refine(self, passage: Passage) -> None:
+    def _refine(self, passage: BendPassage) -> None:
         """Find a bend anew, once the diameter behind it is known."""
         bore_m, axis = self._shape.bore(passage.first), passage.anchor.axis
         found = reached(self._body, passage.numbers, axis, passage.first, passage.leads, bore_m)
@@ -375,7 +375,7 @@ class Mapper:
 
     # --- what the legs are like ---------------------------------------------------------------
 
-    def _measure(self, look: Look) -> None:
+    def _measure(self, look: RobotLook) -> None:
         """Take note of the diameters that parts along one axis show, and of how far they are."""
         axes = {
             part: axis_at(self._body, look.numbers, part) for part in self._spots if part != WHOLE

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.geometry.space import dot
 from pirate_sm.mapping.bores import STEP, diameter_of, narrowings
-from pirate_sm.mapping.legs import LEAST_ACROSS, Bend, Leg, Map
+from pirate_sm.mapping.legs import LEAST_ACROSS, Leg, Map, MappedBend
 
 _IN_PLANE_RAD = radians(3)
 """Bends whose planes differ by less lie in one plane [decided]."""
@@ -121,7 +121,7 @@ def _segments(made: Map, flat: bool, longer_m: float) -> Iterator[_Segment]:
             yield _bend(made.bends[number], flat)
 
 
-def _bend(bend: Bend, flat: bool) -> _Segment:
+def _bend(bend: MappedBend, flat: bool) -> _Segment:
     roll_rad = remainder(bend.roll_rad, 2 * pi)
     if bend.kind == "tee":
         text = f"{{tee: 90 deg, roll: {_deg(roll_rad)}, take: branch}}"

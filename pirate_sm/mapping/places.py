@@ -9,7 +9,7 @@ from pirate_sm.engine.sensing.body_spec import WHOLE
 from pirate_sm.engine.sensing.part_axes import axis_at, axis_of
 from pirate_sm.geometry.space import between, dot
 from pirate_sm.mapping.leg_meetings import angle_between, outermost
-from pirate_sm.mapping.looks import Look
+from pirate_sm.mapping.looks import RobotLook
 from pirate_sm.mapping.shape import Shape
 from pirate_sm.mapping.spots import Anchor, Spot
 from pirate_sm.mapping.way import Way
@@ -18,7 +18,7 @@ ALONG_RAD = radians(10)
 """Two parts whose axes differ by less are in one leg [decided]."""
 
 
-class Places:
+class PartPlaces:
     """Follows the parts whose places are known.
 
     Args:
@@ -36,7 +36,7 @@ class Places:
         self._body, self._shape, self._way = robot.body, shape, Way(robot)
         self._links: dict[int, tuple[tuple[int, ...], float]] = {}
 
-    def move(self, look: Look) -> None:
+    def move(self, look: RobotLook) -> None:
         """Move what is known by what the odometer has counted since the last look."""
         parts = [part for part in self.spots if part != WHOLE]
         bent = [part for part in parts if not self._shape.lies(look, part)]
@@ -52,7 +52,7 @@ class Places:
             if spot.leg == leg:
                 self.spots[part] = spot._replace(along_m=spot.along_m + by_m)
 
-    def laid(self, look: Look, part: int, spot: Spot) -> Spot:
+    def laid(self, look: RobotLook, part: int, spot: Spot) -> Spot:
         """Return the place of the whole robot from that of a part."""
         frame, whole = self._shape.frame(look, part, spot), self._shape.whole(look)
         away_m = 0.0
@@ -60,7 +60,7 @@ class Places:
             away_m = dot(between(frame.origin, whole.origin), frame.ahead)
         return Spot(spot.leg, spot.along_m + away_m, self._body.wheels_of(WHOLE))
 
-    def anchor(self, look: Look) -> Anchor | None:
+    def anchor(self, look: RobotLook) -> Anchor | None:
         """Return a part that lies along its leg, or whose outermost link does; None without one."""
         for part, spot in self.spots.items():
             if part == WHOLE or not self._shape.lies(look, part):
@@ -81,7 +81,7 @@ class Places:
             return Anchor(part, frame, self.spots[part].along_m, whole=True)
         return self._pulled(look)
 
-    def _pulled(self, look: Look) -> Anchor | None:
+    def _pulled(self, look: RobotLook) -> Anchor | None:
         """Return a part that another one has pulled out of shape, by its outermost link."""
         for part, spot in self.spots.items():
             if part in self._links and spot.wheels == self._body.wheels_of(part):
@@ -91,7 +91,7 @@ class Places:
                     return Anchor(part, frame, spot.along_m + away_m, whole=False)
         return None
 
-    def _apart(self, look: Look) -> dict[int, float]:
+    def _apart(self, look: RobotLook) -> dict[int, float]:
         """Return where parts along one leg are against each other, m."""
         axes = {
             part: axis

@@ -7,7 +7,7 @@ from math import isnan, pi, radians, remainder
 
 from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.mapping.legs import Map, middle
-from pirate_sm.mapping.looks import Look
+from pirate_sm.mapping.looks import RobotLook
 from pirate_sm.mapping.spots import Spot
 
 _STEEP_RAD = radians(60)
@@ -32,7 +32,7 @@ class Rolls:
         self._rho_rad = 0.0
         self._felt_s = -1.0
 
-    def feel(self, look: Look, spots: Mapping[int, Spot]) -> None:
+    def feel(self, look: RobotLook, spots: Mapping[int, Spot]) -> None:
         """Take note of gravity in the leg of the part that feels it."""
         around, spot, made = look.around, spots.get(look.part), self._map
         if spot is None or look.at_s < self._felt_s + _FELT_EVERY_S or isnan(around.pitch_rad):
@@ -48,14 +48,14 @@ class Rolls:
             if len(leg.rolls_rad) <= _FELT:
                 made.roll_rad = middle(leg.rolls_rad)
 
-    def of_part(self, look: Look, part: int, leg: int) -> float:
+    def of_part(self, look: RobotLook, part: int, leg: int) -> float:
         """Return the roll of a part's plane in a leg against the frame carried along, rad."""
         felt_rad, frame_rad = self._map.legs[leg].rolls_rad[-_FELT:], self._map.roll_of(leg)
         if felt_rad and not isnan(frame_rad):
             self._rho_rad = remainder(middle(felt_rad) - frame_rad, 2 * pi)
         return self._rho_rad + self._twist(look, part)
 
-    def _twist(self, look: Look, part: int) -> float:
+    def _twist(self, look: RobotLook, part: int) -> float:
         """Return the roll of a part's plane against that of the rear half, rad."""
         roll, ahead = (
             self._body.roll,

@@ -9,7 +9,7 @@ from pirate_sm.engine.sensing.body_spec import WHOLE, BodySpec
 from pirate_sm.engine.sensing.part_axes import axis_of, wheel_at
 from pirate_sm.geometry.space import Frame, between, dot
 from pirate_sm.mapping.legs import middle
-from pirate_sm.mapping.looks import Look
+from pirate_sm.mapping.looks import RobotLook
 from pirate_sm.mapping.spots import Spot
 
 _AGREEING = 0.05
@@ -35,7 +35,7 @@ class Shape:
         self._bores: dict[int, deque[float]] = {}
         self._bored_m: dict[int, float] = {}
 
-    def shown(self, look: Look, part: int) -> float:
+    def shown(self, look: RobotLook, part: int) -> float:
         """Return the diameter that a part shows now, m; NaN if it is unknown."""
         index = self._body.parts[part].diameter
         return look.numbers[index] if index >= 0 else nan
@@ -45,7 +45,7 @@ class Shape:
         shown = self._bores.get(part) or next(iter(self._bores.values()), ())
         return middle(list(shown))
 
-    def note_bore(self, look: Look, part: int, way_m: float, *, parallel: bool) -> None:
+    def note_bore(self, look: RobotLook, part: int, way_m: float, *, parallel: bool) -> None:
         """Take note of what a part shows, once it is farther.
 
         Args:
@@ -59,27 +59,27 @@ class Shape:
             self._bored_m[part] = way_m
             self._bores.setdefault(part, deque(maxlen=_LAST)).append(self.shown(look, part))
 
-    def begin_anew(self, look: Look, part: int) -> None:
+    def begin_anew(self, look: RobotLook, part: int) -> None:
         """Take what a part shows for the diameter of a new leg."""
         self._bores[part] = deque([self.shown(look, part)], maxlen=_LAST)
 
-    def lies(self, look: Look, part: int, like: int | None = None) -> bool:
+    def lies(self, look: RobotLook, part: int, like: int | None = None) -> bool:
         """Return whether the V of a part shows the diameter of its leg, or of another part's."""
         shown, known = self.shown(look, part), self.bore(part if like is None else like)
         return isnan(known) or abs(shown - known) <= _AGREEING * known
 
-    def whole(self, look: Look) -> Frame | None:
+    def whole(self, look: RobotLook) -> Frame | None:
         """Return the axis of the whole robot; None if a joint is unknown."""
         wheels = self._body.wheels_of(WHOLE)
         return axis_of(self._body, look.numbers, wheels, 2 * self._body.wheel_radius_m)
 
-    def frame(self, look: Look, part: int, spot: Spot) -> Frame | None:
+    def frame(self, look: RobotLook, part: int, spot: Spot) -> Frame | None:
         """Return the axis at the wheels of a spot."""
         if part == WHOLE:
             return self.whole(look)
         return axis_of(self._body, look.numbers, spot.wheels, self.bore(part))
 
-    def ahead_of(self, look: Look, wheel: int, frame: Frame) -> float:
+    def ahead_of(self, look: RobotLook, wheel: int, frame: Frame) -> float:
         """Return how far a wheel is ahead of the origin of a frame, m."""
         place = wheel_at(self._body, look.numbers, wheel)
         return dot(between(frame.origin, place), frame.ahead)

@@ -57,7 +57,7 @@ class Approach:
 
 
 @dataclass
-class Passage:
+class BendPassage:
     """A bend that the robot is in.
 
     Attributes:

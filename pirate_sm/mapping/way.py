@@ -13,7 +13,7 @@ from collections.abc import Collection, Mapping
 
 from pirate_sm.detectors.odometer import Odometer
 from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.mapping.looks import Look
+from pirate_sm.mapping.looks import RobotLook
 
 _PIECE_S = 5.0
 """Parts are compared over this time, or until they disagree [decided]."""
@@ -48,7 +48,7 @@ class Way:
 
     def until(
         self,
-        look: Look,
+        look: RobotLook,
         held: Collection[int],
         places_m: Mapping[int, float],
         bent: Collection[int] = (),
@@ -95,7 +95,7 @@ class _Rolled:
         self._groups = [(Odometer(robot), tuple(group)) for group in groups if group]
         self._last_m = 0.0
 
-    def since_last(self, look: Look) -> float:
+    def since_last(self, look: RobotLook) -> float:
         """Return what they have rolled since it was asked last, m."""
         counts = [look.travelled(odometer, wheels) for odometer, wheels in self._groups]
         before_m, self._last_m = self._last_m, sum(counts) / len(counts)

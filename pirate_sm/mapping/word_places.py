@@ -12,14 +12,14 @@ from enum import Enum
 from typing import NamedTuple
 
 from pirate_sm.detectors.word_timing import Word
-from pirate_sm.mapping.looks import Look
+from pirate_sm.mapping.looks import RobotLook
 
 _SURELY_M = 0.02
 """When the direction changes, a detector repeats its word; words count after this distance
 [decided]."""
 
 
-class End(Enum):
+class JointEnd(Enum):
     """Which end of a joint a word counts from, and whether the whole robot is behind it."""
 
     BEGINS = "begins"
@@ -37,7 +37,7 @@ class WordPlace(NamedTuple):
         leads: The direction of travel: 1 forward, -1 backward.
     """
 
-    end: End
+    end: JointEnd
     wheel: int
     passed_m: float
     leads: int
@@ -57,7 +57,7 @@ class WordReader:
         self._travel = 0
         self._since_m = 0.0
 
-    def look(self, look: Look, way_m: float) -> WordPlace | None:
+    def look(self, look: RobotLook, way_m: float) -> WordPlace | None:
         """Return the word that has begun with this look.
 
         Args:
@@ -79,6 +79,6 @@ class WordReader:
             return None
         word = self._words[look.word]
         point = word.forward if look.travel > 0 else word.backward
-        ends = {0: End.BEGINS, len(self._names) - 1: End.PASSED}
-        end = ends.get(number, End.INSIDE)
+        ends = {0: JointEnd.BEGINS, len(self._names) - 1: JointEnd.PASSED}
+        end = ends.get(number, JointEnd.INSIDE)
         return WordPlace(end, point.wheel, point.passed_m, look.travel)

@@ -10,7 +10,7 @@ from typing import Annotated, Literal, NamedTuple, Self
 from pydantic import BeforeValidator, Field, model_validator
 
 from pirate_sm.geometry import network as space
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Vector
@@ -89,7 +89,7 @@ class Attitude(Frozen):
         return sin(pitch), cos(pitch) * sin(roll), -cos(pitch) * cos(roll)
 
 
-class Stretch(NamedTuple):
+class FrictionStretch(NamedTuple):
     """A stretch of a route with friction of its own.
 
     Attributes:
@@ -238,14 +238,14 @@ class Pipe(Frozen):
             frozenset(closed),
         )
 
-    def _in_space(self, run: PipeRun, wider_m: float) -> space.Run:
+    def _in_space(self, run: PipeRun, wider_m: float) -> space.NetworkRun:
         segments = tuple(each.in_space() for each in run.segments)
         wider = tuple(
             replace(each, to_m=each.to_m + wider_m) if isinstance(each, space.Reducer) else each
             for each in segments
         )
         diameter_m = (run.diameter or self.diameter) + wider_m
-        return space.Run(diameter_m, wider, run.from_port, run.to, self.section)
+        return space.NetworkRun(diameter_m, wider, run.from_port, run.to, self.section)
 
     def route(self) -> Route:
         """Return the first route through the pipe."""
@@ -258,7 +258,7 @@ class Pipe(Frozen):
             return written.at
         return (*written.at, written.first + piece.segment)
 
-    def path_of_joint(self, route: Route, joint: Joint) -> KeyPath:
+    def path_of_joint(self, route: Route, joint: RouteJoint) -> KeyPath:
         """Return the path in the file of a joint of a route: of its tee, or of its fitting."""
         if joint.junction and self.runs is not None:
             return ("junctions", joint.junction)
@@ -269,7 +269,7 @@ class Pipe(Frozen):
         *at, number = max(map(self.path_of, own), key=lambda path: int(path[-1]))
         return (*at, int(number) - 1) if joint.kind in ("mitre", "tee") else (*at, number)
 
-    def stretches(self, route: Route) -> tuple[Stretch, ...]:
+    def stretches(self, route: Route) -> tuple[FrictionStretch, ...]:
         """Return the stretches of a route whose friction is not that of the pipe, in order."""
         return tuple(_stretches(self, route))
 
@@ -284,7 +284,7 @@ class Pipe(Frozen):
         return self.route().arc_in(self.start.run, self.start.at)
 
 
-def _stretches(pipe: Pipe, route: Route) -> Iterator[Stretch]:
+def _stretches(pipe: Pipe, route: Route) -> Iterator[FrictionStretch]:
     """Yield the patches and the segments with friction of their own, in arc lengths of a route."""
     for name, (run, _, _) in pipe.written.items():
         if not any(piece.run == name for piece in route.pieces):
@@ -299,7 +299,7 @@ def _stretches(pipe: Pipe, route: Route) -> Iterator[Stretch]:
             at += length_m
         for from_m, to_m, friction in own:
             one, other = sorted((route.arc_in(name, from_m), route.arc_in(name, to_m)))
-            yield Stretch(one, other, friction)
+            yield FrictionStretch(one, other, friction)
 
 
 class PipeFile(Pipe):

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 
 @dataclass(frozen=True)
-class Mark:
+class SeenMark:
     """A tag or marker of the robot, found in a frame.
 
     Attributes:
@@ -37,7 +37,7 @@ class Sighting:
     """
 
     captured_s: float
-    marks: tuple[Mark, ...]
+    marks: tuple[SeenMark, ...]
     rms_px: float | None
     gray_spread: float
     digest: int

@@ -20,7 +20,7 @@ _BESIDE_S = 0.25
 
 
 @dataclass(frozen=True)
-class Travel:
+class TravelChart:
     """The distance travelled by the robot, true or reckoned.
 
     Attributes:
@@ -43,7 +43,7 @@ class Measured:
     signals: Samples
     setpoints: Samples
     until_s: float
-    travel: Travel | None
+    travel: TravelChart | None
 
     def named(self, names: Iterable[str], scale: float = 1.0) -> tuple[Series, ...]:
         """Return signals by their names, without those that no board of the robot measures."""

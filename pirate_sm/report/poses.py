@@ -16,8 +16,8 @@ from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.profile import Profile
 from pirate_sm.model.true_position import InSpace
 from pirate_sm.recording.thinning import add_evenly
-from pirate_sm.recording.viewers.wheel_places import Placing
-from pirate_sm.report.charts import Travel
+from pirate_sm.recording.viewers.wheel_places import WheelPlacing
+from pirate_sm.report.charts import TravelChart
 from pirate_sm.report.contents import DrawnWheel, Lane, Light, RobotScene, Series, Span
 from pirate_sm.report.sampling import Samples
 from pirate_sm.report.space_scene import space_scene
@@ -30,7 +30,7 @@ EVERY_S = 0.05
 """Interval of the poses: the page interpolates between them."""
 
 
-class Pose(NamedTuple):
+class SampledPose(NamedTuple):
     """The robot at one time.
 
     Attributes:
@@ -54,7 +54,7 @@ class Poses:
 
     true: bool
     times_s: list[float] = field(default_factory=list)
-    kept: list[Pose] = field(default_factory=list)
+    kept: list[SampledPose] = field(default_factory=list)
     _apart_s: float = field(default=0.0, repr=False)
 
     @property
@@ -73,7 +73,7 @@ class Poses:
 
         Of a large number some are dropped, evenly, but not the newest.
         """
-        new = at_s, Pose(tuple(points), space)
+        new = at_s, SampledPose(tuple(points), space)
         self._apart_s = add_evenly(self.times_s, self.kept, new, self._apart_s, _MOST_KEPT)
 
     def thinned(self, most: int = MOST_POSES) -> Poses:
@@ -90,7 +90,7 @@ class ReckonedPath:
         placing: Returns the positions of the wheels.
     """
 
-    def __init__(self, placing: Placing) -> None:
+    def __init__(self, placing: WheelPlacing) -> None:
         self.poses = Poses(true=False)
         self._placing = placing
         self._due_s = 0.0
@@ -104,7 +104,7 @@ class ReckonedPath:
                 self.poses.add(now_s, points)
 
 
-def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
+def travel_of(poses: Poses, pipe: Pipe | None) -> TravelChart | None:
     """Return the distances of the wheels and their middle along the pipe; None if unknown."""
     if pipe is None or not poses.times_s:
         return None
@@ -120,7 +120,7 @@ def travel_of(poses: Poses, pipe: Pipe | None) -> Travel | None:
     distance = [middle - middles[0] for middle in middles]
     name = "really" if poses.true else "reckoned"
     wheels = tuple(Series("", times, list(each)) for each in zip(*places, strict=True))
-    return Travel(poses.true, Series(name, times, distance, main=True), wheels)
+    return TravelChart(poses.true, Series(name, times, distance, main=True), wheels)
 
 
 def scene_of(

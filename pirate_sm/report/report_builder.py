@@ -19,8 +19,8 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model import effects as fx
 from pirate_sm.model.events import Event, SensorFrame
 from pirate_sm.recording.replay.replay import Rerun, same
-from pirate_sm.recording.viewers.wheel_places import Placing
-from pirate_sm.report.charts import Measured, Travel, charts
+from pirate_sm.recording.viewers.wheel_places import WheelPlacing
+from pirate_sm.report.charts import Measured, TravelChart, charts
 from pirate_sm.report.contents import Fact, Report, Sentence
 from pirate_sm.report.poses import Holding, Poses, ReckonedPath, scene_of, travel_of
 from pirate_sm.report.sampling import Samples
@@ -84,7 +84,7 @@ class _Run:
         self._story = Story(descriptions, nominal=about.nominal)
         self._way = RunPath()
         self._holding = Holding(robot)
-        placing = Placing(profile, robot, loaded.pipe, about.first_wheel_m)
+        placing = WheelPlacing(profile, robot, loaded.pipe, about.first_wheel_m)
         self._following = ReckonedPath(placing)
         # Dead reckoning stays in the plane of the drawing.
         flat = loaded.pipe is None or bool(drawn_walls(loaded.pipe.route()))
@@ -182,7 +182,7 @@ class _Run:
             return (Sentence(self._at_s, self._ended.message, "end"),)
         return tuple(self._causes[-_MOST_CAUSES:])
 
-    def _run_facts(self, ending: RunEnding, travel: Travel | None) -> RunFacts:
+    def _run_facts(self, ending: RunEnding, travel: TravelChart | None) -> RunFacts:
         loaded, story, robot = self._loaded, self._story, self._loaded.robot
         odometer = nan
         if self._state is not None and robot.odometry >= 0 and not self._about.nominal:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from math import degrees
 
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.part_planes import part_normals
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Frame, Place
@@ -94,7 +94,7 @@ def _names(route: Route, frame: Frame) -> Iterator[NamedPoint]:
     yield NamedPoint("ends", seen_in(frame, route.frame_at(route.length_m).origin))
 
 
-def joint_name(joint: Joint) -> str:
+def joint_name(joint: RouteJoint) -> str:
     """Return the label of a joint: ``mitre 90°``, or a tee by its name."""
     if joint.junction:
         return joint.junction

@@ -20,7 +20,7 @@ _TOPIC = struct.Struct("<H")
 _BEFORE_PAYLOAD = _HEAD.size + _TOPIC.size
 
 
-class Frame(NamedTuple):
+class SerialFrame(NamedTuple):
     """A payload on a topic; the topic is a number of this connection."""
 
     topic: int
@@ -61,11 +61,11 @@ class Decoder:
         self.dropped = 0
         self.longest = LONGEST_PAYLOAD
 
-    def feed(self, data: bytes) -> list[Frame]:
+    def feed(self, data: bytes) -> list[SerialFrame]:
         """Return the frames that these bytes complete, oldest first."""
         pending = self._pending
         pending += data
-        frames: list[Frame] = []
+        frames: list[SerialFrame] = []
         at = 0
         while True:
             start = pending.find(SYNC, at)
@@ -82,7 +82,7 @@ class Decoder:
                 break
             if end:
                 topic = _TOPIC.unpack_from(pending, at + _HEAD.size)[0]
-                frames.append(Frame(topic, bytes(pending[at + _BEFORE_PAYLOAD : end - 1])))
+                frames.append(SerialFrame(topic, bytes(pending[at + _BEFORE_PAYLOAD : end - 1])))
                 at = end
             else:
                 self.dropped += 1

@@ -10,7 +10,7 @@ from typing import NamedTuple
 from rich.text import Text
 
 from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.showing.effect_lines import UNCONFIRMED, Line, away
+from pirate_sm.showing.effect_lines import UNCONFIRMED, EffectLine, away
 from pirate_sm.showing.run_history import ENDED, NumberedLine
 from pirate_sm.showing.snapshot import Snapshot
 from pirate_sm.showing.text_styles import line
@@ -108,7 +108,7 @@ def _gravity(cascade: Sequence[Alarm]) -> int:
     return max(grave, default=0)
 
 
-def _succeeded(line: Line) -> bool:
+def _succeeded(line: EffectLine) -> bool:
     return line.topic == ENDED and line.text.startswith("succeeded")
 
 

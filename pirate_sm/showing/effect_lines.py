@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
 
 
-class Line(NamedTuple):
+class EffectLine(NamedTuple):
     """One line: what it is about in a word, and what there is to say."""
 
     topic: str
@@ -44,7 +44,7 @@ class Teller:
         self._states: tuple[str, ...] = ()
         self._unconfirmed: tuple[str, ...] = ()
 
-    def lines(self, effect: fx.Effect) -> list[Line]:
+    def lines(self, effect: fx.Effect) -> list[EffectLine]:
         """Return the lines about one effect; none where nothing has changed for a person."""
         if isinstance(effect, fx.StateChange):
             return self._state(effect)
@@ -54,9 +54,9 @@ class Teller:
         if not said.text or isinstance(effect, fx.Ended):
             return []
         where = f" ({place})" if place and said.level == "warning" else ""
-        return [Line(said.about, f"{said.text}{where}")]
+        return [EffectLine(said.about, f"{said.text}{where}")]
 
-    def _state(self, it: fx.StateChange) -> list[Line]:
+    def _state(self, it: fx.StateChange) -> list[EffectLine]:
         before = self._states or it.states
         first = not self._states
         changes = []
@@ -71,14 +71,14 @@ class Teller:
             elif doubtful != (region in self._unconfirmed):
                 changes.append(f"{label} {new} {'unconfirmed' if doubtful else 'confirmed'}")
         self._states, self._unconfirmed = it.states, it.unconfirmed
-        return [Line("state", ", ".join(changes))] if changes else []
+        return [EffectLine("state", ", ".join(changes))] if changes else []
 
-    def _setpoints(self, it: fx.Setpoints) -> list[Line]:
+    def _setpoints(self, it: fx.Setpoints) -> list[EffectLine]:
         if not self._with_setpoints:
             return []
         changes = changed_setpoints(self._robot.slots, self._values, it.values)
         self._values = it.values
-        return [Line("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
+        return [EffectLine("setpoints", f"#{it.setpoint_id} {', '.join(changes) or 'unchanged'}")]
 
 
 def changed_setpoints(

@@ -7,8 +7,8 @@ from math import inf
 
 from pirate_sm.engine.state import EngineState
 from pirate_sm.showing.robot_anatomy import anatomy_of
-from pirate_sm.showing.run_history import Story
-from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.run_history import RunStory
+from pirate_sm.showing.snapshot import MissionScene, Snapshot
 from pirate_sm.wiring import Prepared
 
 TREND_EVERY_S = 0.5
@@ -31,7 +31,7 @@ class Trends:
         self._due_s = -inf
         self.latest: Mapping[str, tuple[float, ...]] = {}
 
-    def look(self, scene: Scene, state: EngineState, now_s: float) -> None:
+    def look(self, scene: MissionScene, state: EngineState, now_s: float) -> None:
         """Note another value of each, when it is time."""
         if now_s < self._due_s:
             return
@@ -45,19 +45,19 @@ class Trends:
         }
 
 
-def scene_of(prepared: Prepared) -> Scene:
+def scene_of(prepared: Prepared) -> MissionScene:
     """Return what stays the same in a run."""
     loaded = prepared.loaded
     anatomy = anatomy_of(loaded.loaded_robot.profile, loaded.robot)
-    return Scene(loaded, prepared.engine, anatomy, prepared.order.backend)
+    return MissionScene(loaded, prepared.engine, anatomy, prepared.order.backend)
 
 
 def snapshot_of(
-    scene: Scene,
+    scene: MissionScene,
     prepared: Prepared,
     state: EngineState | None,
     now_s: float,
-    story: Story,
+    story: RunStory,
     trends: Trends,
     *,
     over: bool = False,

@@ -8,13 +8,13 @@ from math import degrees, inf, isnan, pi
 from typing import NamedTuple
 
 from pirate_sm.engine.robot.robot_state import confirmed_parts
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.plane import Walls, nearest_on
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Place, Vector
 from pirate_sm.geometry.views import clock_rad, unrolled, unrolled_walls
 from pirate_sm.model.true_position import Truth
-from pirate_sm.showing.snapshot import Scene, Snapshot
+from pirate_sm.showing.snapshot import MissionScene, Snapshot
 from pirate_sm.showing.text_styles import ago
 
 SIDES = "AB~"
@@ -201,7 +201,7 @@ def arrow(angle_rad: float) -> str:
     return ARROWS[round(angle_rad / (pi / 4)) % len(ARROWS)]
 
 
-def unroll(scene: Scene, truth: Truth) -> Unrolled | None:
+def unroll(scene: MissionScene, truth: Truth) -> Unrolled | None:
     """Return a robot on its unrolled route; None where its place in space is not known."""
     route = scene.route
     if route is None or route.section == "bars" or not truth.z_m or not truth.rolls_rad:
@@ -236,7 +236,7 @@ def _marks(route: Route) -> Iterator[JointMark]:
         yield JointMark(_told(route, joint), joint.arc_m, *ends, half_m)
 
 
-def _told(route: Route, joint: Joint) -> str:
+def _told(route: Route, joint: RouteJoint) -> str:
     """Return what a joint is and where it leads; for a tee straight on, where its opening is."""
     if isnan(joint.towards_rad):
         return joint.kind

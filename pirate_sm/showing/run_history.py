@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.mission.wait_writer import TIME_LIMIT
 from pirate_sm.model import effects as fx
-from pirate_sm.showing.effect_lines import Line, Teller
+from pirate_sm.showing.effect_lines import EffectLine, Teller
 
 _KEPT = 300
 
@@ -31,10 +31,10 @@ class NumberedLine(NamedTuple):
 
     number: int
     now_s: float
-    line: Line
+    line: EffectLine
 
 
-class Story(NamedTuple):
+class RunStory(NamedTuple):
     """What had happened by some moment.
 
     Attributes:
@@ -88,7 +88,7 @@ class Memory:
         self._nominal = nominal
         self._quiet = quiet
         self._teller = Teller(robot, with_setpoints=False, short=True, nominal=nominal)
-        self.story = Story()
+        self.story = RunStory()
 
     def begin(self, robot: RobotSpec, *, same_mission: bool = False) -> None:
         """Begin another mission; the lines and alarms so far stay, and how the last one ended.
@@ -114,9 +114,9 @@ class Memory:
                 quiet = effect.outcome == "interrupted" and effect.message in self._quiet
                 topic = "console" if quiet else ENDED
                 self._note(stopped=not quiet and effect.outcome != "succeeded")
-                self.tell(Line(topic, f"{effect.outcome}: {effect.message}"), now_s)
+                self.tell(EffectLine(topic, f"{effect.outcome}: {effect.message}"), now_s)
 
-    def tell(self, line: Line, now_s: float) -> None:
+    def tell(self, line: EffectLine, now_s: float) -> None:
         """Add a line to those that were shown."""
         story = self.story
         shown = NumberedLine(story.lines + 1, now_s, line)
@@ -128,7 +128,9 @@ class Memory:
 
     def lose(self, from_s: float, until_s: float) -> None:
         """Forget where the mission is: nothing is known of it between these times."""
-        self.tell(Line("recording", f"damaged: nothing is known until {until_s:.1f} s"), from_s)
+        self.tell(
+            EffectLine("recording", f"damaged: nothing is known until {until_s:.1f} s"), from_s
+        )
         self._leave(from_s)
         self._note(phase=Visit("", until_s))
 

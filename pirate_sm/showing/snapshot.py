@@ -17,14 +17,14 @@ from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.mission.manual_mission import BY_HAND
 from pirate_sm.model.true_position import Truth
 from pirate_sm.showing.robot_anatomy import Anatomy
-from pirate_sm.showing.run_history import Story
+from pirate_sm.showing.run_history import RunStory
 
 if TYPE_CHECKING:
     from pirate_sm.backends.serial.health import LinkHealth
 
 
 @dataclass(frozen=True)
-class Scene:
+class MissionScene:
     """What stays the same while one mission is at hand.
 
     Attributes:
@@ -74,10 +74,10 @@ class Snapshot:
         ahead_s: How much more than ``now_s`` the clock showed that the engine was given.
     """
 
-    scene: Scene
+    scene: MissionScene
     now_s: float
     state: EngineState | None
-    story: Story
+    story: RunStory
     truth: Truth | None = None
     reckoned: bool = False
     link: LinkHealth | None = None

@@ -21,7 +21,7 @@ from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.crew import Crew
 from pirate_sm.simulation.gliding.protocol import GlidingPhysics
 from pirate_sm.simulation.physics import QuantityLayout
-from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
+from pirate_sm.simulation.simulated_robot import CycleReading, SimulatedRobot
 
 
 class Batch:
@@ -154,7 +154,7 @@ class _Course:
         self.robot.meet_obstacles()
 
 
-def _turn_table(turns: Sequence[Turn]) -> Ints:
+def _turn_table(turns: Sequence[CycleReading]) -> Ints:
     """Return which channels each cycle reads, see `columns.py`."""
     rows = [(0, turn.first, turn.last, 0) for turn in turns]
     return np.array(rows, dtype=np.int64).reshape(-1, 4)

@@ -45,7 +45,7 @@ _GONE_M = 0.4
 _NEAR_M = -1e-9
 
 
-class Turn(NamedTuple):
+class CycleReading(NamedTuple):
     """The channels that one cycle reads.
 
     Attributes:
@@ -162,16 +162,18 @@ class SimulatedRobot:
         for motor, duty in self._start_duties.items():
             self.physics.duties[motor] = duty
 
-    def turns(self, one_value: bool) -> tuple[Turn, ...]:
+    def turns(self, one_value: bool) -> tuple[CycleReading, ...]:
         """Return the turns of the cycles: a board each, or one value each."""
         boards = self.electronics.boards
         if not one_value:
-            return tuple(Turn(each, each.first, each.last) for each in boards)
+            return tuple(CycleReading(each, each.first, each.last) for each in boards)
         return tuple(
-            Turn(each, row, row + 1) for each in boards for row in range(each.first, each.last)
+            CycleReading(each, row, row + 1)
+            for each in boards
+            for row in range(each.first, each.last)
         )
 
-    def step(self, now_s: float, turn: Turn) -> Sequence[Incident]:
+    def step(self, now_s: float, turn: CycleReading) -> Sequence[Incident]:
         """Simulate a cycle and read the turn's channels; return incidents on the boards."""
         self.cycles += 1
         self._time_s += self._cycle_s
@@ -245,7 +247,7 @@ class SimulatedRobot:
         self.cycles += cycles
         self._time_s = time_s
 
-    def read(self, now_s: float, turn: Turn) -> list[float] | None:
+    def read(self, now_s: float, turn: CycleReading) -> list[float] | None:
         """Return the counts of the turn's channels; None if a defect loses them."""
         first = turn.board.first
         counts = self.frame(now_s, turn.board)

@@ -6,7 +6,7 @@ from math import cos, sin
 
 import numpy as np
 
-from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.sighting import SeenMark, Sighting
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats, Frame
 from pirate_sm.vision.plane import raised
@@ -33,7 +33,7 @@ def annotated(eye: Eye, frame: Frame, sighting: Sighting) -> Frame:
     return drawn
 
 
-def _mark(frame: Frame, eye: Eye, mark: Mark) -> None:
+def _mark(frame: Frame, eye: Eye, mark: SeenMark) -> None:
     """Draw a ring around a mark, and an arrow ahead."""
     robot = eye.camera.robot
     height_m = robot.height if hasattr(robot, "height") else robot.marker.height

@@ -11,7 +11,7 @@ import numpy as np
 from pirate_sm.model.camera import Lens
 from pirate_sm.model.camera_source import FrameSize
 from pirate_sm.vision.bundle import adjust, guess_lens
-from pirate_sm.vision.chessboard import Board
+from pirate_sm.vision.chessboard import Chessboard
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.picture_arrays import Floats
 from pirate_sm.vision.plane import find_pose, pose_errors, rms, rotation_of
@@ -36,7 +36,7 @@ the largest rms: pictures in which the board was moved or bent, or its corners w
 
 
 @dataclass(frozen=True)
-class Calibration:
+class LensCalibration:
     """A measured lens.
 
     Attributes:
@@ -58,8 +58,11 @@ class _Placed(NamedTuple):
 
 
 def calibrate(
-    named: Mapping[str, Floats], board: Board, size: FrameSize, model: Literal["fisheye", "brown"]
-) -> Calibration | str:
+    named: Mapping[str, Floats],
+    board: Chessboard,
+    size: FrameSize,
+    model: Literal["fisheye", "brown"],
+) -> LensCalibration | str:
     """Return the lens that fits the boards best, or why these boards are not enough.
 
     Args:
@@ -97,11 +100,11 @@ def calibrate(
             f"all boards lie at nearly the same angle, within {tilt_deg:.0f} deg: tilt the board by"
             " 30 deg to each side, else focal length and distance cannot be separated"
         )
-    return Calibration(lens.lens, rms_px, left_out)
+    return LensCalibration(lens.lens, rms_px, left_out)
 
 
 def _fitted(
-    boards: Sequence[Floats], board: Board, size: FrameSize, model: Literal["fisheye", "brown"]
+    boards: Sequence[Floats], board: Chessboard, size: FrameSize, model: Literal["fisheye", "brown"]
 ) -> tuple[LensModel, list[_Placed], list[int]]:
     """Return the lens, each board's place in it, and the numbers of the boards that were used."""
     lens = guess_lens(model, boards, board.points, size)
@@ -118,7 +121,7 @@ def _fitted(
 
 
 def _adjusted(
-    lens: LensModel, boards: Sequence[Floats], board: Board, used: Sequence[int]
+    lens: LensModel, boards: Sequence[Floats], board: Chessboard, used: Sequence[int]
 ) -> tuple[LensModel, list[_Placed]]:
     """Return a better lens, and the place of each board in it."""
     placed = _placed(lens, boards, board)
@@ -130,7 +133,7 @@ def _adjusted(
     return better, _placed(better, boards, board)
 
 
-def _placed(lens: LensModel, boards: Sequence[Floats], board: Board) -> list[_Placed]:
+def _placed(lens: LensModel, boards: Sequence[Floats], board: Chessboard) -> list[_Placed]:
     found = []
     for pixels in boards:
         pose = find_pose(lens, board.points, pixels)
@@ -142,7 +145,7 @@ def _placed(lens: LensModel, boards: Sequence[Floats], board: Board) -> list[_Pl
     return found
 
 
-def _refusal(boards: Sequence[Floats], board: Board, size: FrameSize) -> str:
+def _refusal(boards: Sequence[Floats], board: Chessboard, size: FrameSize) -> str:
     """Return why boards are not enough, before anything is computed; empty if they may be."""
     if len(boards) < FEWEST_BOARDS:
         return (

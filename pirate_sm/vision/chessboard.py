@@ -17,7 +17,7 @@ _STEP = 0.03
 
 
 @dataclass(frozen=True)
-class Board:
+class Chessboard:
     """A chessboard as it is printed.
 
     Attributes:
@@ -36,7 +36,7 @@ class Board:
         return np.array(grid) * self.square_m
 
 
-def find_board(gray: Gray, board: Board) -> Floats | None:
+def find_board(gray: Gray, board: Chessboard) -> Floats | None:
     """Return the corners of a board in a picture, (N, 2) in px; None if there is none."""
     found, corners = cv2.findChessboardCornersSB(
         gray, board.inside, flags=cv2.CALIB_CB_NORMALIZE_IMAGE | cv2.CALIB_CB_ACCURACY
@@ -44,7 +44,7 @@ def find_board(gray: Gray, board: Board) -> Floats | None:
     return corners.reshape(-1, 2).astype(np.float64) if found else None
 
 
-def is_sharp(gray: Gray, corners: Floats, board: Board) -> bool:
+def is_sharp(gray: Gray, corners: Floats, board: Chessboard) -> bool:
     """Return whether the edges of a found board are sharp."""
     width = cv2.estimateChessboardSharpness(
         gray, board.inside, corners.astype(np.float32).reshape(-1, 1, 2)

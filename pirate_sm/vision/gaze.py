@@ -13,7 +13,7 @@ _JPEG_QUALITY = 70
 
 
 @dataclass(frozen=True)
-class Seen:
+class SeenPicture:
     """A sighting and its picture.
 
     Attributes:
@@ -45,7 +45,7 @@ class Gaze:
         self._eye = eye
         self._last: tuple[float, tuple[float, float]] | None = None
 
-    def see(self, frame: Frame, captured_s: float) -> Seen:
+    def see(self, frame: Frame, captured_s: float) -> SeenPicture:
         """Return what a picture shows."""
         near = None
         if self._last is not None and 0 <= captured_s - self._last[0] <= self._REMEMBERED_S:
@@ -53,4 +53,4 @@ class Gaze:
         sighting = self._eye.see(frame, captured_s, near)
         if sighting.marks:
             self._last = captured_s, sighting.marks[0].place_m
-        return Seen(sighting, frame)
+        return SeenPicture(sighting, frame)

@@ -10,7 +10,7 @@ from threading import Event, Lock, Thread
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera_source import CameraSource
 from pirate_sm.vision.captures import Capture, first_frame
-from pirate_sm.vision.gaze import Gaze, Seen
+from pirate_sm.vision.gaze import Gaze, SeenPicture
 from pirate_sm.vision.seeing import Eye
 
 REOPEN_S = 1.0
@@ -57,14 +57,14 @@ class LiveSightings:
         self._opened = opened
         self._gaze = Gaze(eye)
         self._lock = Lock()
-        self._newest: Seen | None = None
+        self._newest: SeenPicture | None = None
         self._closed = Event()
         self._wait = wait or self._closed.wait
         capture = self._open()
         self._thread = Thread(target=self._run, args=(capture,), name="camera", daemon=True)
         self._thread.start()
 
-    def look(self, now_s: float) -> Sequence[Seen]:
+    def look(self, now_s: float) -> Sequence[SeenPicture]:
         """Return the newest sighting if it has not been handed out yet."""
         self.due_s, self._ahead_s = now_s + _LOOK_S, now_s - self._clock()
         with self._lock:

@@ -13,7 +13,7 @@ from random import Random
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera_source import CameraSource
 from pirate_sm.vision.captures import Capture, first_frame
-from pirate_sm.vision.gaze import Gaze, Seen
+from pirate_sm.vision.gaze import Gaze, SeenPicture
 from pirate_sm.vision.picture_arrays import Frame
 from pirate_sm.vision.seeing import Eye
 from pirate_sm.vision.synthetic.picture import SyntheticPictures
@@ -45,7 +45,7 @@ class RecordedSightings:
         self._next: Frame | None = first_frame(capture, source)
         self.due_s = latency_s
 
-    def look(self, now_s: float) -> Sequence[Seen]:
+    def look(self, now_s: float) -> Sequence[SeenPicture]:
         """Return what the pictures show that have arrived until now."""
         found = []
         while self._next is not None and self.due_s <= now_s + _EARLY_S:
@@ -94,9 +94,9 @@ class SyntheticSightings:
         self._chance = Random(f"synthetic camera {seed}")
         self._number = 0
         self._before: tuple[float, ShownScene] | None = None
-        self._under_way: deque[tuple[float, Seen]] = deque()
+        self._under_way: deque[tuple[float, SeenPicture]] = deque()
 
-    def look(self, now_s: float) -> Sequence[Seen]:
+    def look(self, now_s: float) -> Sequence[SeenPicture]:
         """Take the picture that is due now, and return what has arrived."""
         period_s = 1 / self._eye.camera.source.rate
         if self._number * period_s <= now_s + _EARLY_S:

@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from html import escape
 
 from pirate_sm.model.camera import TagFamily
-from pirate_sm.vision.chessboard import Board
+from pirate_sm.vision.chessboard import Chessboard
 from pirate_sm.vision.tags import tag_cells
 
 _PAGE_MM = (297.0, 210.0)
@@ -15,7 +15,7 @@ _PAGE_MM = (297.0, 210.0)
 _EDGE_MM, _RULER_MM, _GAP_MM = 10.0, 12.0, 8.0
 
 
-def board_sheet(board: Board) -> str:
+def board_sheet(board: Chessboard) -> str:
     """Return the sheet of a chessboard; a larger one than A4 becomes a larger sheet."""
     columns, rows = (each + 1 for each in board.inside)
     side = 1000 * board.square_m

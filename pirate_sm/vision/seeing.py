@@ -12,7 +12,7 @@ import numpy as np
 
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import Camera, MarkedRobot, RobotTags
-from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.sighting import SeenMark, Sighting
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.marker import MarkerFinder
 from pirate_sm.vision.picture_arrays import Floats, Frame
@@ -76,11 +76,11 @@ class Eye:
         families |= {setup.tags} if setup.tags else set()
         return {family: find_tags(gray, family) for family in sorted(families)}
 
-    def _marks(self, tags: dict[str, list[FoundTag]]) -> tuple[Mark, ...]:
+    def _marks(self, tags: dict[str, list[FoundTag]]) -> tuple[SeenMark, ...]:
         """Return the tags of the robot, each where it fits its size best."""
         robot = self.camera.robot
         assert isinstance(robot, RobotTags)
-        best: dict[str, tuple[float, Mark]] = {}
+        best: dict[str, tuple[float, SeenMark]] = {}
         for tag in tags[robot.tags]:
             number = str(tag.number)
             if number not in robot.on:
@@ -146,12 +146,12 @@ def setup_tag_points(camera: Camera, number: str) -> Floats:
 
 def _marker(
     finder: MarkerFinder, frame: Frame, near: tuple[float, float] | None
-) -> tuple[Mark, ...]:
+) -> tuple[SeenMark, ...]:
     """Return the marker: near its last place, else where it fits its size best."""
     found = finder.places(frame, near)
     if near is not None and not len(found):
         found = finder.places(frame)
-    return tuple(Mark(finder.marker.on, (float(x), float(y))) for x, y in found[:1])
+    return tuple(SeenMark(finder.marker.on, (float(x), float(y))) for x, y in found[:1])
 
 
 def _size_error(corners: Floats, size_m: float) -> float:
@@ -161,8 +161,8 @@ def _size_error(corners: Floats, size_m: float) -> float:
     return float(error) if np.isfinite(error) else float("inf")
 
 
-def _mark(on: str, corners: Floats) -> Mark:
+def _mark(on: str, corners: Floats) -> SeenMark:
     """Return the mark of a tag whose corners are at these places."""
     x, y = corners.mean(axis=0)
     ahead_x, ahead_y = corners[:2].mean(axis=0) - corners[2:].mean(axis=0)
-    return Mark(on, (float(x), float(y)), atan2(ahead_y, ahead_x))
+    return SeenMark(on, (float(x), float(y)), atan2(ahead_y, ahead_x))

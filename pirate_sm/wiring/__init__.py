@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import fields, replace
 
 from pirate_sm.backends import known
-from pirate_sm.detectors.beside import Beside
+from pirate_sm.detectors.beside import SecondDetector
 from pirate_sm.detectors.registry import (
     NOBODY,
     Asked,
@@ -182,7 +182,7 @@ def _with_another(found: Detecting, also: str, asked: Asked) -> Detecting:
     other = detecting(also, also, replace(asked, first_wheel_m=start_m))
     if other.kind == "operator":
         raise UsageError("the operator's keys are for the mission; name another second detector")
-    beside = tuple(Beside(other.kind, each) for each in other.companions)
+    beside = tuple(SecondDetector(other.kind, each) for each in other.companions)
     notices = tuple(f"also {notice}" for notice in other.notices)
     return found._replace(
         companions=(*found.companions, *beside), notices=(*found.notices, *notices)

@@ -67,7 +67,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         start_values(loaded),
         jitter=Jitter(**order.jitter),
     )
-    from pirate_sm.diagnosis.facts import Subject
+    from pirate_sm.diagnosis.facts import ExpectedRobot
     from pirate_sm.diagnosis.listening import OpenLink
 
     backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))
@@ -83,7 +83,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         wheels=lambda: bay.robot.wheels,
         in_space=None if loaded.pipe.section == "bars" else lambda: bay.robot.in_space,
         link=lambda: backend.health,
-        open_link=OpenLink(Subject(robot.profile, loaded.robot, plan), backend),
+        open_link=OpenLink(ExpectedRobot(robot.profile, loaded.robot, plan), backend),
     )
 
 

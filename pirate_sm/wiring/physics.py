@@ -20,15 +20,15 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """
     check_order(order, loaded)
     try:
-        from pirate_sm.simulation.mujoco.world import World
+        from pirate_sm.simulation.mujoco.world import MujocoWorld
 
         if order.view:
-            from pirate_sm.simulation.mujoco.viewer import WatchedWorld as World
+            from pirate_sm.simulation.mujoco.viewer import WatchedWorld as MujocoWorld
     except ModuleNotFoundError as error:
         if error.name != "mujoco":
             raise
         raise not_installed("the backend physics", "mujoco", "physics") from None
-    return simulated(order, loaded, World)
+    return simulated(order, loaded, MujocoWorld)
 
 
 BACKEND: Plugin[MakeBackend] = Plugin(known.ABOUT["physics"], make)

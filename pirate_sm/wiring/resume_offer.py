@@ -51,7 +51,7 @@ class Said:
         return (*states, f"the first wheel is at {self.start_at_m:.3f} m")
 
 
-class Seen(NamedTuple):
+class SeenRobot(NamedTuple):
     """A look at the robot, and what it shows.
 
     Attributes:
@@ -125,9 +125,9 @@ def see(
     prepared: Prepared,
     end: EndOfRun,
     driven_s: float,
-    before: Seen | None = None,
+    before: SeenRobot | None = None,
     check: Say = lambda text: None,
-) -> Seen:
+) -> SeenRobot:
     """Look at the robot, and open the backend first unless that was done.
 
     Nothing is written but the stop if a wheel turns; the robot is looked at again after it.
@@ -151,14 +151,14 @@ def see(
         first, now_s = (), found.now_s
         shows = reconcile(robot, program, end.last, found.frames, now_s, driven_s, end.maybe)
         if not shows.turning:
-            return Seen(found, shows, next_id)
+            return SeenRobot(found, shows, next_id)
         check("a wheel turns: the stop is sent, then the robot is looked at again")
         backend.submit(next_id, shows.tables[0].hypothesis.body.values)
         next_id += 1
     raise BackendError("a wheel turns although the stop was sent: look at the robot")
 
 
-def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
+def offer(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Offer:
     """Return with what the run would go on, or why it cannot.
 
     Raises:
@@ -197,7 +197,7 @@ def offer(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Offer:
     return Offer(table, (), unknown, it, expected, changed, unplaced)
 
 
-def counting_from(prepared: Prepared, end: EndOfRun, seen: Seen, said: Said) -> Prepared:
+def counting_from(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Prepared:
     """Return the run with its detector counting from where the robot is now."""
     was_m, way = first_wheel_m(end), said_way(end, seen.shows.way, said.start_at_m)
     now_m = said.start_at_m
@@ -224,7 +224,7 @@ def _named(table: VerdictTable) -> str:
 
 
 def _said_table(
-    prepared: Prepared, end: EndOfRun, seen: Seen, states: Mapping[str, str]
+    prepared: Prepared, end: EndOfRun, seen: SeenRobot, states: Mapping[str, str]
 ) -> VerdictTable:
     """Return the verdicts about the states that the operator has said.
 

@@ -43,7 +43,7 @@ def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
 def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pictured]:
     """Return a function that takes samples of what the run's inputs do not give again."""
     from pirate_sm.recording.format.samples import PlacesSample, places_sample
-    from pirate_sm.recording.viewers.wheel_places import Placing
+    from pirate_sm.recording.viewers.wheel_places import WheelPlacing
     from pirate_sm.recording.write.gathered import Pictured
 
     true, camera = prepared.wheels, prepared.camera
@@ -56,7 +56,7 @@ def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pic
         )
     loaded = prepared.loaded
     robot = loaded.loaded_robot.profile, loaded.robot
-    placing = Placing(*robot, loaded.pipe, prepared.order.start_at_m)
+    placing = WheelPlacing(*robot, loaded.pipe, prepared.order.start_at_m)
 
     def look(now_s: float, stood: Stood | None) -> PlacesSample | Pictured | None:
         now = state()

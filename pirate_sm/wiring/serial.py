@@ -24,7 +24,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         hint = Hint(f": --port /dev/ttyACM0, {or_url}", f": port='/dev/ttyACM0', {or_url}")
         raise UsageError("the backend serial needs a port", hint=hint)
     from pirate_sm.backends.serial.assembly import STAY_S, read_plan, serial_backend
-    from pirate_sm.diagnosis.facts import Subject
+    from pirate_sm.diagnosis.facts import ExpectedRobot
     from pirate_sm.diagnosis.listening import OpenLink
 
     loaded, notices = calibrated(order, loaded)
@@ -39,7 +39,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
         notices=notices,
         usual_detector="odometry",
         link=lambda: backend.health,
-        open_link=OpenLink(Subject(profile, loaded.robot, plan), backend),
+        open_link=OpenLink(ExpectedRobot(profile, loaded.robot, plan), backend),
         parting=backend.parting,
         confirmation=f"{profile.robot} on {order.port} is about to move",
         adapted=lambda other: calibrated(order, other)[0],

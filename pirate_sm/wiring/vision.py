@@ -10,7 +10,7 @@ from pirate_sm.detectors import known
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
 from pirate_sm.detectors.seen_places import OneMarker, Placing, Tags
-from pirate_sm.detectors.vision_detector import Sight, SightingSource
+from pirate_sm.detectors.vision_detector import CameraSight, SightingSource
 from pirate_sm.errors import Hint, UsageError, not_installed
 from pirate_sm.loading import library
 from pirate_sm.loading.camera_file import load_camera
@@ -54,7 +54,7 @@ def make(asked: Asked) -> Detecting:
     else:
         placing = OneMarker(route, next(iter(links.values())))
     opens = _opening(camera, path.parent, asked, asked.pipe)
-    sight = Sight(
+    sight = CameraSight(
         asked.profile,
         asked.robot,
         route,

@@ -20,7 +20,7 @@ from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.model.events import Event, SubmitResult
-from pirate_sm.simulation.mujoco.world import World as MujocoWorld
+from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.xpbd.kinematic import kinematic
 from pirate_sm.simulation.xpbd.world import World

@@ -17,7 +17,7 @@ from pirate_sm.console.hand_driving import (
     LIMITS_M,
     NEXT_REPEAT_S,
     HandDriving,
-    Place,
+    SaidPlace,
     came_m,
     joint_ahead_m,
     on_stops,
@@ -269,7 +269,7 @@ def test_a_drive_stops_before_the_joint_of_the_pipe_which_is_a_warning_before() 
             driving, route = me.session.driving, me.latest.scene.route
             assert route is not None
             begins_m = route.joints[0].arc_m - route.joints[0].before_m
-            driving.place = Place(begins_m - 0.2, came_m(me.latest))
+            driving.place = SaidPlace(begins_m - 0.2, came_m(me.latest))
             driving.limit_m = nan
             assert joint_ahead_m(me.latest, driving.place) == pytest.approx(0.2)
             await me.press(me.app.letters["DriveForward"])
@@ -300,4 +300,4 @@ def test_a_joint_of_the_pipe_that_is_passed_is_not_ahead() -> None:
     reported = SimpleNamespace(reported=SimpleNamespace(distance_m=-0.007))
     scene = SimpleNamespace(route=None)
     snapshot = SimpleNamespace(state=SimpleNamespace(surveyed=reported), scene=scene)
-    assert isnan(joint_ahead_m(snapshot, Place()))  # type: ignore[arg-type]
+    assert isnan(joint_ahead_m(snapshot, SaidPlace()))  # type: ignore[arg-type]

@@ -11,7 +11,7 @@ import pytest
 from textual.events import Key
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.console.dialogs import Say
+from pirate_sm.console.dialogs import ObservationDialog
 from pirate_sm.console.hand_driving import place_m
 from pirate_sm.console.terminal_driver import StopDriver
 from pirate_sm.mapping.map_recording import mapped
@@ -29,7 +29,7 @@ KEYS = {" ": "space", ".": "full_stop", ",": "comma", "'": "apostrophe"}
 
 async def typed(me: Operator, place: str, seen: str) -> None:
     await me.press("at")
-    assert isinstance(me.app.screen, Say)
+    assert isinstance(me.app.screen, ObservationDialog)
     await me.pilot.press(*(KEYS.get(each, each) for each in place), "tab")
     await me.pilot.press(*(KEYS.get(each, each) for each in seen), "enter")
     await me.look()
@@ -89,15 +89,15 @@ def test_a_place_cannot_be_typed_while_anything_moves() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
             await me.press(me.app.letters["ClampFront"])
             await me.press("at")
-            assert not isinstance(me.app.screen, Say)
+            assert not isinstance(me.app.screen, ObservationDialog)
 
             me.until(lambda: me.latest.state.robot.motion is None)
             await me.press("at")
-            assert isinstance(me.app.screen, Say)
+            assert isinstance(me.app.screen, ObservationDialog)
             me.session.give_event(OperatorCommand("ClampRear"))  # as somebody at a panel would
             me.wait(0.1)
             await me.look()
-            assert not isinstance(me.app.screen, Say)
+            assert not isinstance(me.app.screen, ObservationDialog)
             StopDriver(me.app).process_message(Key("space", " "))
             assert me.session.quitting.run.stop is not None
 
@@ -109,10 +109,10 @@ def test_what_is_no_place_is_asked_for_again() -> None:
     async def story() -> None:
         async with operator(by_hand(Order("by_hand", backend="trace")), size=(80, 24)) as me:
             await typed(me, "over there", "")
-            assert isinstance(me.app.screen, Say)
+            assert isinstance(me.app.screen, ObservationDialog)
             assert any("over there" in each.message for each in me.app._notifications)
             await me.press("escape")
-            assert not isinstance(me.app.screen, Say)
+            assert not isinstance(me.app.screen, ObservationDialog)
 
     played(story)
 

@@ -13,7 +13,7 @@ from benchmarks.campaign import run, run_all
 from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.chunk import Sent, loaded_mission, run_seed
 from pirate_sm.campaign.conductor import chunk_of
-from pirate_sm.campaign.plan import Plan
+from pirate_sm.campaign.plan import CampaignPlan
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.wiring import Order
@@ -23,7 +23,7 @@ PROFILE = load_robot(library.find_robot("pirate_ii")).profile
 
 
 @cache
-def plan_of(name: str) -> Plan:
+def plan_of(name: str) -> CampaignPlan:
     return read_campaign(CAMPAIGNS / f"{name}.yaml", check=False)
 
 

@@ -33,7 +33,7 @@ _FILES = (
 )
 
 
-class Entry(Frozen):
+class CodeEntry(Frozen):
     """The description of one code.
 
     Attributes:
@@ -70,7 +70,7 @@ class Group(Frozen):
     about: str
     decided_by: str
     not_decided: str
-    codes: dict[str, Entry]
+    codes: dict[str, CodeEntry]
     allowable: bool = False
 
 
@@ -82,14 +82,14 @@ def groups() -> tuple[Group, ...]:
 
 
 @cache
-def entries() -> Mapping[str, Entry]:
+def entries() -> Mapping[str, CodeEntry]:
     """Return all entries by their codes."""
     return {code: entry for group in groups() for code, entry in group.codes.items()}
 
 
-def entry_of(code: str) -> Entry:
+def entry_of(code: str) -> CodeEntry:
     """Return the entry of a code; for an unknown code, one that only contains the code."""
-    return entries().get(code) or Entry(
+    return entries().get(code) or CodeEntry(
         severity="error", title=code, why="", fix="", wrong="", right=""
     )
 

@@ -11,7 +11,7 @@ from pirate_sm.checking.diff.mission_behaviour import (
     IGNORED,
     STOPPED,
     Abilities,
-    Outcome,
+    PossibleEnd,
     Success,
     Trigger,
     in_new_names,
@@ -265,7 +265,7 @@ def _cause(name: str, trigger: Trigger) -> str:
     return f"its limit of {trigger.text}" if name == WITHIN else f"'{trigger.text}'"
 
 
-def _outcome_words(outcome: Outcome) -> str:
+def _outcome_words(outcome: PossibleEnd) -> str:
     """Return whether an end succeeds, with its message."""
     said = f": {outcome.message}" if outcome.message else ""
     return ("succeeds" if outcome.succeeds else "fails") + said

@@ -30,7 +30,7 @@ class Trigger(NamedTuple):
     go: tuple[str, ...]
 
 
-class Outcome(NamedTuple):
+class PossibleEnd(NamedTuple):
     """A possible end of a mission."""
 
     succeeds: bool
@@ -71,7 +71,7 @@ class Abilities:
     phases: Mapping[str, Hashable]
     commands: Mapping[Given, str]
     triggers: Mapping[tuple[str, str], Trigger]
-    outcomes: Mapping[str, Outcome]
+    outcomes: Mapping[str, PossibleEnd]
     failures: Mapping[Given, frozenset[str]]
     faults: Mapping[tuple[str, str], str]
     broken: frozenset[str]

@@ -12,7 +12,7 @@ from pirate_sm.checking.diff.mission_behaviour import (
     STOPPED,
     Abilities,
     Given,
-    Outcome,
+    PossibleEnd,
     Success,
     Trigger,
 )
@@ -213,10 +213,10 @@ def _target(program: Program, index: int, name: str) -> str:
             return name
 
 
-def _outcomes(book: Explored, program: Program) -> dict[str, Outcome]:
+def _outcomes(book: Explored, program: Program) -> dict[str, PossibleEnd]:
     messages = {it.end: it.message for it in program.instructions if isinstance(it, steps.Finish)}
     return {
-        end or STOPPED: Outcome(outcome == "succeeded", messages.get(end, ""))
+        end or STOPPED: PossibleEnd(outcome == "succeeded", messages.get(end, ""))
         for outcome, end in book.ends
     }
 

@@ -9,7 +9,7 @@ from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.driving import within_reach
-from pirate_sm.checking.mission.mission_view import MissionView, Places
+from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.engine.mission.program import Branch
 from pirate_sm.expressions import Expression
 from pirate_sm.loading.mission import LoadedMission
@@ -34,7 +34,9 @@ def branches(view: MissionView) -> Iterator[Finding]:
         yield from (each for each in found if each.place not in reported)
 
 
-def _decided(seen: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+def _decided(
+    seen: Sequence[Explored], loaded: LoadedMission, places: MissionPlaces
+) -> Iterator[Finding]:
     """Yield conditions that had the same value each time they were tested."""
     truths: dict[str, set[bool]] = defaultdict(set)
     guards = set[str]()

@@ -24,7 +24,7 @@ from pirate_sm.checking.mission.flow import (
     rises_while_loose,
 )
 from pirate_sm.checking.mission.mission_parameters import parameter_limits, unused_parameters
-from pirate_sm.checking.mission.mission_view import MissionView, Places
+from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.checking.mission.out_of_reach import out_of_reach
 from pirate_sm.checking.mission.reachability import reachability
 from pirate_sm.checking.mission.refused_steps import refused_steps
@@ -88,7 +88,7 @@ def check_loaded(loaded: LoadedMission, told: tuple[Finding, ...] = ()) -> Missi
     conditions = conditions_of(loaded)
     explored = explore_mission(loaded, conditions)
     in_pipe = view_in_pipe(loaded)
-    view = MissionView(loaded, Places(loaded), conditions, explored, explored, in_pipe)
+    view = MissionView(loaded, MissionPlaces(loaded), conditions, explored, explored, in_pipe)
     found = _judge(view)
     if any(each.code in _NEVER for each in found):
         corrected = explore_corrected(explored, loaded, conditions)

@@ -10,7 +10,7 @@ from math import asin, atan, inf, isinf
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.checking.exploring.explore import MOST_WORK
 from pirate_sm.checking.findings import Finding, at
-from pirate_sm.checking.mission.mission_view import MissionView, Places
+from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.checking.plans.phase_entry import refused_from
 from pirate_sm.engine.mission.program import Do, Program, Question, Wait
 from pirate_sm.engine.mission.successors import successors
@@ -51,7 +51,7 @@ def beyond_the_limit(view: MissionView) -> Iterator[Finding]:
                 yield places.finding(place, "limit.beyond", message)
 
 
-def _withins(mission: Mission, places: Places) -> dict[str, Place]:
+def _withins(mission: Mission, places: MissionPlaces) -> dict[str, Place]:
     """Return the place of each `within` by that of its wait, of each `timeout` by its step's."""
     found = {}
     for name, phase in mission.phases.items():

@@ -19,7 +19,7 @@ _LONGEST_STEP = 10
 """Pattern for the line of a step that names the command."""
 
 
-class Places:
+class MissionPlaces:
     """Finds places in a mission's files.
 
     Args:
@@ -109,7 +109,7 @@ class MissionView:
     """
 
     loaded: LoadedMission
-    places: Places
+    places: MissionPlaces
     conditions: Conditions
     explored: Sequence[Explored]
     seen: Sequence[Explored]

@@ -9,7 +9,7 @@ from math import isfinite
 from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, ExploredState
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_view import MissionView, Places
+from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.effects import PhaseChange
 
@@ -36,7 +36,7 @@ def reachability(view: MissionView) -> Iterator[Finding]:
 
 
 def _unreachable(
-    seen: Sequence[Explored], loaded: LoadedMission, places: Places
+    seen: Sequence[Explored], loaded: LoadedMission, places: MissionPlaces
 ) -> Iterator[Finding]:
     phases = {phase for book in seen for phase in book.phases}
     ends = {end for book in seen for _, end in book.ends}
@@ -50,7 +50,9 @@ def _unreachable(
                 yield places.finding(place, code, f"nothing leads to the {kind} '{name}'")
 
 
-def _endless(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+def _endless(
+    books: Sequence[Explored], loaded: LoadedMission, places: MissionPlaces
+) -> Iterator[Finding]:
     """Yield phases from which no end can be reached without a failure, a fault or the operator."""
     found = books[-1].found
     if isfinite(loaded.program.time_limit_s):
@@ -112,7 +114,7 @@ def _leading_to(targets: set[int], before: Mapping[int, Sequence[int]]) -> set[i
 
 
 def _round_and_round(
-    books: Sequence[Explored], loaded: LoadedMission, places: Places
+    books: Sequence[Explored], loaded: LoadedMission, places: MissionPlaces
 ) -> Iterator[Finding]:
     for book in books:
         if not book.round_and_round:
@@ -130,7 +132,7 @@ def _round_and_round(
         return
 
 
-def _rules(books: Sequence[Explored], places: Places) -> Iterator[Finding]:
+def _rules(books: Sequence[Explored], places: MissionPlaces) -> Iterator[Finding]:
     reported: set[str] = set()
     for book in books:
         for message, number in book.broken.items():

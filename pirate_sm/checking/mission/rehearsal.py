@@ -10,7 +10,7 @@ from typing import TypeAlias
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
-from pirate_sm.checking.mission.mission_view import Places
+from pirate_sm.checking.mission.mission_view import MissionPlaces
 from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.mission import LoadedMission
 
@@ -90,7 +90,7 @@ def rehearsed(
     if check.loaded is None or wrong:
         return Rehearsal(shown(path), skipped="the check has found errors in it"), ()
     done = rehearse(check.loaded, path)
-    places = Places(check.loaded)
+    places = MissionPlaces(check.loaded)
     found = [
         places.finding(
             places.read(place),

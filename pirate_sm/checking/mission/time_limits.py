@@ -10,7 +10,7 @@ from pirate_sm.checking.actuation_in_force import Actuated, InForce, too_slow, t
 from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.mission_view import MissionView, Places
+from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.engine.mission.program import Do, Question, SwitchControl
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.model.mission import CONTROL_WITHIN_S
@@ -96,7 +96,9 @@ def _led(it: Do, view: MissionView) -> set[Actuated]:
     return found
 
 
-def _limit(books: Sequence[Explored], loaded: LoadedMission, places: Places) -> Iterator[Finding]:
+def _limit(
+    books: Sequence[Explored], loaded: LoadedMission, places: MissionPlaces
+) -> Iterator[Finding]:
     """Yield a finding if the mission cannot succeed in time with nominal durations."""
     limit_s = loaded.program.time_limit_s
     if isinf(limit_s) or not books[-1].found.complete:

@@ -17,10 +17,10 @@ from pirate_sm.engine.mission.program import Wait
 from pirate_sm.engine.mission.successors import failures
 from pirate_sm.expressions import tree
 from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.model.profile import DetectorPoint
 
-_JOINT, _OUT = "Joint", "Out"
+_JOINT, _OUT = "RouteJoint", "Out"
 
 
 class Silent(NamedTuple):
@@ -221,7 +221,7 @@ class AtWaits:
         return "waits for a bend, and the route has no other bend in that direction"
 
 
-def _stops(joint: Joint) -> bool:
+def _stops(joint: RouteJoint) -> bool:
     """Return whether a robot that does not bend stops at a joint: a mitre, or the wall of a tee."""
     return joint.kind in ("mitre", "tee", "elbow") and joint.turn_rad > _LEAST_TURN_RAD
 
@@ -242,7 +242,7 @@ def _capped(view: PipeView, way: int) -> bool:
     return route.ends[way > 0] in route.network.closed
 
 
-def _described(view: PipeView, joint: Joint | None, way: int) -> str:
+def _described(view: PipeView, joint: RouteJoint | None, way: int) -> str:
     if joint is not None:
         where = f"the {joint.kind} at {mm(joint.arc_m)} of the route"
         return f"the robot comes to {where} before, and does not bend into it"

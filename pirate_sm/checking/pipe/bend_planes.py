@@ -15,7 +15,7 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.course_points import Bending
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 
 MOST_ROLL_RAD = pi / 18
 """Smallest roll of a part relative to a bend that it cannot pass (docs/simulator.md)."""
@@ -31,7 +31,7 @@ class _Missed(NamedTuple):
     """
 
     bending: Bending
-    joint: Joint
+    joint: RouteJoint
     off_rad: float
 
     @property
@@ -147,6 +147,6 @@ def _name(view: PipeView, missed: _Missed) -> str:
     return view.fit.robot.parts[missed.bending.bend.part]
 
 
-def _described(joint: Joint) -> str:
+def _described(joint: RouteJoint) -> str:
     turns = f"of {degrees(joint.turn_rad):.4g} deg at {joint.arc_m * 1000:.4g} mm"
     return f"tee '{joint.junction}'" if joint.junction else f"{joint.kind} {turns}"

@@ -10,7 +10,7 @@ from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
 from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.engine.mission.program import Do
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.loading.problems import Place
 
 
@@ -43,7 +43,7 @@ def _in_the_plane(view: PipeView) -> Iterator[Finding]:
         yield _wrong_side(view, wrong[0].bend.part, places)
 
 
-def side_of(joint: Joint) -> int:
+def side_of(joint: RouteJoint) -> int:
     """Return to which side a bend in the plane of the drawing turns: 1 is side A, -1 side B."""
     return 1 if cos(joint.towards_rad) > 0 else -1
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
 
 
-class Bend(NamedTuple):
+class BentPart(NamedTuple):
     """A part that is bent while another one holds.
 
     Attributes:
@@ -30,10 +30,10 @@ class Bends:
 
     def __init__(self, force: InForce) -> None:
         self._force, self._robot = force, force.robot
-        self._found: dict[int, Bend | None] = {}
+        self._found: dict[int, BentPart | None] = {}
         self._always: dict[int, frozenset[int]] = {}
 
-    def of(self, configuration: int) -> Bend | None:
+    def of(self, configuration: int) -> BentPart | None:
         """Return the bend of a configuration; None without one."""
         if configuration not in self._found:
             self._found[configuration] = self._look(configuration)
@@ -49,10 +49,10 @@ class Bends:
             self._always[command] = parts if None not in made else frozenset()
         return self._always[command]
 
-    def _look(self, configuration: int) -> Bend | None:
+    def _look(self, configuration: int) -> BentPart | None:
         held, parts = self._robot.held[configuration], self._force.part_of
         sought = {
-            Bend(parts[write.slot], -int(copysign(1, write.value)))
+            BentPart(parts[write.slot], -int(copysign(1, write.value)))
             for write in self._force.writes(Actuated(configuration))
             if write.how == "seek" and write.value and parts.get(write.slot) not in held
         }

@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated
-from pirate_sm.checking.pipe.bends import Bend
-from pirate_sm.checking.pipe.roll_joint import Rolls
+from pirate_sm.checking.pipe.bends import BentPart
+from pirate_sm.checking.pipe.roll_joint import PartRolls
 
 
 class CoursePoint(NamedTuple):
@@ -36,7 +36,7 @@ class CoursePoint(NamedTuple):
     driven: bool = False
     way: int = 0
     passed: int = 0
-    rolls: Rolls | None = Rolls()
+    rolls: PartRolls | None = PartRolls()
     wound: frozenset[int] = frozenset()
     place: str = ""
 
@@ -71,7 +71,7 @@ class Bending(NamedTuple):
         roll: Roll of the part in quarter turns; None if unknown.
     """
 
-    bend: Bend
+    bend: BentPart
     point: CoursePoint
     joint: int
     roll: float | None

@@ -10,9 +10,9 @@ from typing import Any
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import CoursePoint, UsualCourse
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
+from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
 from pirate_sm.engine.mission.program import Do, Require
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.loading.mission import LoadedMission
 from pirate_sm.loading.problems import Path, Place
@@ -48,7 +48,7 @@ class PipeView:
         return (start.roll if start is not None else 0.0) - self.pipe.roll
 
     @cached_property
-    def bends(self) -> tuple[Joint, ...]:
+    def bends(self) -> tuple[RouteJoint, ...]:
         """Return the joints in which the route turns."""
         return tuple(joint for joint in self.fit.route.joints if joint.turn_rad)
 
@@ -57,7 +57,7 @@ class PipeView:
         """Return how many bends are behind the robot as it starts."""
         return sum(bend.arc_m < self._middle_m for bend in self.bends)
 
-    def bend(self, number: int) -> Joint | None:
+    def bend(self, number: int) -> RouteJoint | None:
         """Return a bend, counted from the robot's start as the course counts them."""
         index = self.bends_behind_start + number
         return self.bends[index] if 0 <= index < len(self.bends) else None
@@ -125,7 +125,7 @@ class PipeView:
         document, prefix = self.pipe_document
         return document.place_of((*prefix, *path))
 
-    def path_of(self, joint: Joint) -> Path:
+    def path_of(self, joint: RouteJoint) -> Path:
         """Return the path of a joint in the pipe: of its tee, or of its fitting."""
         return self.pipe.path_of_joint(self.fit.route, joint)
 
@@ -211,7 +211,7 @@ def _sentences(view: PipeView, point: CoursePoint, steps: dict[str, str]) -> Ite
         rolls = each.rolls
 
 
-def _turned(view: PipeView, before: Rolls | None, after: Rolls | None) -> str:
+def _turned(view: PipeView, before: PartRolls | None, after: PartRolls | None) -> str:
     """Return which part a command has turned, with its angle; empty if none."""
     if before is None or after is None or before == after:
         return ""

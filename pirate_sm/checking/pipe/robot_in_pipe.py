@@ -13,13 +13,13 @@ from pirate_sm.engine.control.grip import torque_nm
 from pirate_sm.engine.robot.command_spec import Write
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.geometry.clamping import WHEELS_SHARE, press_n, span_m
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.network import BRANCH, port_of, tilted_up
 from pirate_sm.geometry.piece import Piece
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
 from pirate_sm.model.body import Link
-from pirate_sm.model.pipe import Pipe, Stretch
+from pirate_sm.model.pipe import FrictionStretch, Pipe
 from pirate_sm.model.profile import Profile
 
 _NEAR_M = 1e-6
@@ -50,7 +50,7 @@ class Fit:
         """Return the route through the pipe."""
         return self.pipe.route()
 
-    def mouth_m(self, tee: Joint) -> float:
+    def mouth_m(self, tee: RouteJoint) -> float:
         """Return the inner diameter of the branch of a tee, m."""
         for run in self.route.network.runs.values():
             for port, diameter_m in zip(
@@ -60,7 +60,7 @@ class Fit:
                     return diameter_m
         return 0.0
 
-    def walls_end(self, joint: Joint) -> tuple[float, float]:
+    def walls_end(self, joint: RouteJoint) -> tuple[float, float]:
         """Return between which arc lengths a joint leaves a robot no plain walls, m."""
         before_m, behind_m = joint.before_m, joint.behind_m
         if joint.kind == "tee" and not joint.turn_rad:
@@ -183,7 +183,7 @@ class Fit:
         return [[self._mean_friction(place, behind, apex) for apex in apexes] for place in places]
 
     @cached_property
-    def _patches(self) -> tuple[Stretch, ...]:
+    def _patches(self) -> tuple[FrictionStretch, ...]:
         return self.pipe.stretches(self.route)
 
     @property

@@ -12,7 +12,7 @@ QUARTER_RAD = pi / 2
 _DIGITS = 6
 
 
-class Rolls(NamedTuple):
+class PartRolls(NamedTuple):
     """By how many quarter turns the parts are rolled against the robot as it starts.
 
     The sense is that of rolls in a pipe: a positive one turns side A up where the pipe is flat.
@@ -30,7 +30,7 @@ class Rolls(NamedTuple):
         """Return the angle of the roll joint in quarter turns, within ±2."""
         return remainder(self.ahead - self.behind, 4.0)
 
-    def turned(self, quarters: float, *, ahead: bool) -> Rolls:
+    def turned(self, quarters: float, *, ahead: bool) -> PartRolls:
         """Return the rolls after the joint has turned, and with it the parts ahead or behind."""
         if ahead:
             return self._replace(ahead=round(remainder(self.ahead + quarters, 4.0), _DIGITS))
@@ -64,7 +64,7 @@ class RollJoint:
         """Return whether a part is ahead of the joint."""
         return part in self._ahead
 
-    def roll(self, rolls: Rolls, part: int) -> float:
+    def roll(self, rolls: PartRolls, part: int) -> float:
         """Return the roll of a part in quarter turns."""
         return rolls.ahead if self.is_ahead(part) else rolls.behind
 
@@ -117,7 +117,7 @@ class RollJoint:
             return ahead
         return behind if held & ahead and not held & behind else frozenset()
 
-    def after(self, rolls: Rolls | None, before: int, after: int) -> Rolls | None:
+    def after(self, rolls: PartRolls | None, before: int, after: int) -> PartRolls | None:
         """Return the rolls after a command; None if they are unknown.
 
         Args:

@@ -9,7 +9,7 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.loading.problems import Problems, Severity
 
 
@@ -52,7 +52,7 @@ def _not_clear(fit: Fit, *, clamped: bool) -> str:
     return ""
 
 
-def _described(joint: Joint, begins_m: float, ends_m: float) -> str:
+def _described(joint: RouteJoint, begins_m: float, ends_m: float) -> str:
     """Return a joint with its place."""
     place = mm(joint.arc_m)
     match joint.kind:

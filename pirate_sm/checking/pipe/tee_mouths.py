@@ -8,8 +8,8 @@ from math import pi, remainder
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
-from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, Rolls
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, PartRolls
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.mouth import sink_m
 
 MOST_SINK_M = 0.01
@@ -31,7 +31,7 @@ def keeps_off_the_mouths(view: PipeView) -> Iterator[Finding]:
             yield _finding(view, joint, driven[0], sinks[0], number)
 
 
-def _drives_at(view: PipeView, point: CoursePoint, joint: Joint, number: int) -> bool:
+def _drives_at(view: PipeView, point: CoursePoint, joint: RouteJoint, number: int) -> bool:
     """Return whether the robot drives towards a tee in the stretch with this number."""
     if not view.fit.robot.driven[point.configuration]:
         return False
@@ -45,7 +45,7 @@ def _drives_at(view: PipeView, point: CoursePoint, joint: Joint, number: int) ->
     return ahead or number != 0
 
 
-def _sinks_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
+def _sinks_m(view: PipeView, joint: RouteJoint, rolls: PartRolls) -> list[float]:
     """Return for each part how far its wheels sink into the mouth as they pass it, m."""
     run_m = view.fit.route.diameter_at(joint.arc_m) / 2
     branch_m, wheel_m = view.fit.mouth_m(joint) / 2, view.fit.profile.body.wheel_radius
@@ -58,7 +58,7 @@ def _sinks_m(view: PipeView, joint: Joint, rolls: Rolls) -> list[float]:
 
 
 def _finding(
-    view: PipeView, joint: Joint, point: CoursePoint, sinks_m: list[float], number: int
+    view: PipeView, joint: RouteJoint, point: CoursePoint, sinks_m: list[float], number: int
 ) -> Finding:
     name = view.fit.robot.parts[sinks_m.index(max(sinks_m))]
     diameter_m = view.fit.mouth_m(joint)

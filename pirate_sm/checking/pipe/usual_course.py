@@ -12,9 +12,9 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
-from pirate_sm.checking.pipe.bends import Bend, Bends
+from pirate_sm.checking.pipe.bends import Bends, BentPart
 from pirate_sm.checking.pipe.course_points import Bending, Change, CoursePoint, UsualCourse
-from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
+from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
 from pirate_sm.engine.mission import program as steps
 from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.mission.successors import failures, successes
@@ -44,7 +44,7 @@ class _Follower:
     joints: int
     failing: bool = False
     ways: dict[int, int] = field(default_factory=dict)
-    made: dict[tuple[Bend, int, int, float | None], Bending] = field(default_factory=dict)
+    made: dict[tuple[BentPart, int, int, float | None], Bending] = field(default_factory=dict)
     turned: list[Change] = field(default_factory=list)
 
     @property
@@ -190,6 +190,6 @@ def _first(follower: _Follower) -> CoursePoint:
         (),
         driven=bool(robot.driven[configuration]),
         way=follower.way(configuration),
-        rolls=None if follower.roll_joint.aim(configuration) else Rolls(),
+        rolls=None if follower.roll_joint.aim(configuration) else PartRolls(),
     )
     return point._replace(bent=follower.bent(point, configuration)[0])

@@ -17,7 +17,7 @@ Wanted = Mapping[int, str]
 """The target state by the index of its region; other regions may have any state."""
 
 
-class Way(NamedTuple):
+class WayToStates(NamedTuple):
     """The result of a search.
 
     Attributes:
@@ -29,7 +29,7 @@ class Way(NamedTuple):
     reason: str = ""
 
 
-def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted) -> Way:
+def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted) -> WayToStates:
     """Return the fewest commands that lead to the states.
 
     Args:
@@ -40,13 +40,13 @@ def way_to(robot: RobotSpec, program: Program, body: RobotState, wanted: Wanted)
     """
     conflict = _conflict(robot.table, wanted)
     if conflict:
-        return Way(None, conflict)
+        return WayToStates(None, conflict)
     seen: set[int] = set()
     for plan in plans(robot, program, body):
         seen.add(plan.body.configuration)
         if _has(robot.table.configurations[plan.body.configuration], wanted):
-            return Way(None, hindered(robot, plan)) if plan.hindered else Way(plan)
-    return Way(None, _unreached(robot, body, wanted, seen))
+            return WayToStates(None, hindered(robot, plan)) if plan.hindered else WayToStates(plan)
+    return WayToStates(None, _unreached(robot, body, wanted, seen))
 
 
 def hindered(robot: RobotSpec, plan: Plan) -> str:

@@ -10,7 +10,7 @@ from typing import TypeAlias
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.rehearsal import Rehearse
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 from pirate_sm.loading.yaml.document import Document
 
 CheckOther: TypeAlias = Callable[[Path], tuple[Sequence[Document], Iterable[Finding]]]
@@ -44,7 +44,7 @@ class Wishes:
     counterexamples: Path | None = None
     rehearse: Rehearse | None = None
     outside: bool = False
-    others: Mapping[Kind, CheckOther] = field(default_factory=dict)
+    others: Mapping[FileKind, CheckOther] = field(default_factory=dict)
     other_findings: tuple[Finding, ...] = ()
 
 

@@ -16,14 +16,14 @@ from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.room import check_alone
 from pirate_sm.checking.project.check_options import Progress, Wishes, run_options
 from pirate_sm.checking.project.find_files import CheckTarget, find_targets, robots_around
-from pirate_sm.checking.reports.check_report import CheckedFile, Report
+from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library, references
 from pirate_sm.loading.camera_file import check_robot_seen, load_camera
 from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
 from pirate_sm.loading.pipe_file import check_reach, load_pipe
@@ -43,7 +43,7 @@ from pirate_sm.on_disk import is_file
 
 def check_paths(
     paths: Iterable[str] = (), wishes: Wishes | None = None, progress: Progress | None = None
-) -> Report:
+) -> CheckReport:
     """Return a report on files and on all files in folders.
 
     Args:
@@ -90,12 +90,12 @@ class _Check:
     def take(self, target: CheckTarget) -> None:
         """Check one file, and add its findings."""
         name = shown(target.path)
-        if target.kind is Kind.CHART and name in self._texts:
+        if target.kind is FileKind.CHART and name in self._texts:
             return  # checked with its robot
         known_here = _CHECKS[target.kind] is not _Check.above
         if not (known_here or target.named or target.kind in self._wishes.others):
             return
-        if target.kind not in {Kind.OTHER, Kind.UNREADABLE}:
+        if target.kind not in {FileKind.OTHER, FileKind.UNREADABLE}:
             self._files.append(CheckedFile(name, target.kind))
         try:
             _CHECKS[target.kind](self, target)
@@ -109,7 +109,7 @@ class _Check:
             message = f"the check has failed on this file: {type(error).__name__}: {error}"
             self._add("check.failed", name, message)
 
-    def report(self) -> Report:
+    def report(self) -> CheckReport:
         """Return the report with distinct findings, in which allowed ones are marked."""
         unused = self._wishes.settings.keys() - self._set
         if unused:
@@ -132,7 +132,7 @@ class _Check:
         ordered = sorted(settled, key=lambda each: each.order)
         if self._examples:
             ordered = self._examples.write(ordered)
-        return Report(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
+        return CheckReport(tuple(ordered), tuple(self._files), tuple(self._rehearsals))
 
     def robot(self, target: CheckTarget) -> None:
         """Check a robot: its profile and its chart."""
@@ -142,7 +142,7 @@ class _Check:
             return
         checked = check_robot(_folder(target.path))
         self._keep(checked.documents)
-        self._files += [CheckedFile(each.name, Kind.CHART) for each in checked.documents[1:]]
+        self._files += [CheckedFile(each.name, FileKind.CHART) for each in checked.documents[1:]]
         self.findings += checked.findings
 
     def chart(self, target: CheckTarget) -> None:
@@ -296,7 +296,7 @@ class _Check:
 
     def other(self, target: CheckTarget) -> None:
         """Report a file of no known kind, if it was named explicitly."""
-        if target.kind is Kind.UNREADABLE or target.path.suffix in library.SUFFIXES:
+        if target.kind is FileKind.UNREADABLE or target.path.suffix in library.SUFFIXES:
             self._document(target)
         message = (
             "this is not a robot (`robot` and `boards`), mission (`mission` and `phases`), pipe"
@@ -340,21 +340,21 @@ class _Check:
         self.findings.append(Finding(code, Severity.ERROR, Place(name), message))
 
 
-_CHECKS: Mapping[Kind, Callable[[_Check, CheckTarget], None]] = {
-    Kind.ROBOT: _Check.robot,
-    Kind.CHART: _Check.chart,
-    Kind.PIPE: _Check.pipe,
-    Kind.MISSION: _Check.mission,
-    Kind.CALIBRATION: _Check.calibration,
-    Kind.CAMERA: _Check.camera,
-    Kind.PANEL: _Check.panel,
-    Kind.SCRIPT: _Check.script,
-    Kind.EXPERIMENT: _Check.above,
-    Kind.TWIN: _Check.twin,
-    Kind.CAMPAIGN: _Check.above,
-    Kind.SCENE: _Check.above,
-    Kind.UNREADABLE: _Check.other,
-    Kind.OTHER: _Check.other,
+_CHECKS: Mapping[FileKind, Callable[[_Check, CheckTarget], None]] = {
+    FileKind.ROBOT: _Check.robot,
+    FileKind.CHART: _Check.chart,
+    FileKind.PIPE: _Check.pipe,
+    FileKind.MISSION: _Check.mission,
+    FileKind.CALIBRATION: _Check.calibration,
+    FileKind.CAMERA: _Check.camera,
+    FileKind.PANEL: _Check.panel,
+    FileKind.SCRIPT: _Check.script,
+    FileKind.EXPERIMENT: _Check.above,
+    FileKind.TWIN: _Check.twin,
+    FileKind.CAMPAIGN: _Check.above,
+    FileKind.SCENE: _Check.above,
+    FileKind.UNREADABLE: _Check.other,
+    FileKind.OTHER: _Check.other,
 }
 
 

@@ -10,7 +10,7 @@ from pathlib import Path
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.file_kinds import Kind, kind_of
+from pirate_sm.loading.file_kinds import FileKind, kind_of
 from pirate_sm.loading.file_names import PROFILE_FILE, shown
 from pirate_sm.loading.problems import Place
 from pirate_sm.loading.references import project_of
@@ -35,7 +35,7 @@ class CheckTarget:
         named: Whether it was named explicitly; otherwise it was found in a folder.
     """
 
-    kind: Kind
+    kind: FileKind
     path: Path
     named: bool
 
@@ -71,7 +71,7 @@ def find_targets(paths: Iterable[str]) -> FoundFiles:
             found.setdefault(_real(target.path), target)
     if not (given or found or findings):
         findings.append(_nothing(Path()))
-    order = list(Kind)
+    order = list(FileKind)
     targets = sorted(found.values(), key=lambda each: (order.index(each.kind), each.path))
     return FoundFiles(tuple(targets), tuple(findings), tuple(map(shown, searched)))
 
@@ -88,7 +88,7 @@ def _project(findings: list[Finding]) -> list[Path]:
     folders = (ROBOTS, MISSIONS, CAMERAS, PANELS, CAMPAIGNS)
     own = [Path(folder) for folder in folders if is_folder(Path(folder))]
     beside, _ = _listing(Path(), findings)
-    return [*own, *(file for file in beside if kind_of(file) is not Kind.OTHER)]
+    return [*own, *(file for file in beside if kind_of(file) is not FileKind.OTHER)]
 
 
 def robots_around(path: Path) -> set[Path]:
@@ -127,14 +127,14 @@ def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[Ch
     if not is_folder(path):
         kind = kind_of(path)
         beside = path.parent / PROFILE_FILE
-        if kind is Kind.CHART and kind_of(beside) is Kind.ROBOT:
-            yield CheckTarget(Kind.ROBOT, beside, named)  # a chart is checked with its robot
+        if kind is FileKind.CHART and kind_of(beside) is FileKind.ROBOT:
+            yield CheckTarget(FileKind.ROBOT, beside, named)  # a chart is checked with its robot
         yield CheckTarget(kind, path, named)
         return
     before, empty = len(findings), True
     for file in _files(path, findings):
         kind = kind_of(file)
-        if kind is not Kind.OTHER:
+        if kind is not FileKind.OTHER:
             yield CheckTarget(kind, file, named=False)
             empty = False
     if empty and named and len(findings) == before:

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.problems import Edit
@@ -53,7 +53,7 @@ class FileChange:
             raise UsageError(f"{self.name} cannot be changed: {error.strerror}") from None
 
 
-def changes_of(report: Report, paths: Iterable[str], *, unsafe: bool) -> list[FileChange]:
+def changes_of(report: CheckReport, paths: Iterable[str], *, unsafe: bool) -> list[FileChange]:
     """Return what fixing makes of the checked files.
 
     Files that they use are left alone, and links out of the folders that were checked, unless

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 
 
 @dataclass(frozen=True)
@@ -16,11 +16,11 @@ class CheckedFile:
     """A checked file, with its name in messages."""
 
     name: str
-    kind: Kind
+    kind: FileKind
 
 
 @dataclass(frozen=True)
-class Report:
+class CheckReport:
     """The result of a check.
 
     Attributes:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report, end_column
+from pirate_sm.checking.reports.check_report import CheckReport, end_column
 from pirate_sm.checking.reports.text import summary
 
 _COMMANDS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIBLE: "notice"}
 
 
-def github_report(report: Report) -> str:
+def github_report(report: CheckReport) -> str:
     """Return one command for each finding that is not allowed, followed by the summary."""
     return "\n".join([*map(_command, report.open), _data(summary(report))])
 

@@ -10,13 +10,13 @@ from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
-from pirate_sm.checking.reports.check_report import Report, end_column, excerpt
+from pirate_sm.checking.reports.check_report import CheckReport, end_column, excerpt
 from pirate_sm.loading.problems import Edit, Place
 
 FORMAT = 1
 
 
-def json_report(report: Report) -> str:
+def json_report(report: CheckReport) -> str:
     """Return the report as one JSON object, in ASCII."""
     counts = {
         each.word: sum(found.severity is each for found in report.open)

@@ -7,11 +7,11 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report, excerpt
+from pirate_sm.checking.reports.check_report import CheckReport, excerpt
 from pirate_sm.visible import visible
 
 
-def junit_report(report: Report, fail_on: Severity) -> str:
+def junit_report(report: CheckReport, fail_on: Severity) -> str:
     """Return the report as suites that fail if the check fails.
 
     Args:

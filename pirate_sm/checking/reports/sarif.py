@@ -12,7 +12,7 @@ from urllib.parse import quote
 from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report, end_column, excerpt
+from pirate_sm.checking.reports.check_report import CheckReport, end_column, excerpt
 from pirate_sm.loading.problems import Edit, Place
 
 _ROOT = "%SRCROOT%"
@@ -25,7 +25,7 @@ _INFORMATION = f"pkg:pypi/pirate-sm@{__version__}"
 _LEVELS = {Severity.ERROR: "error", Severity.WARNING: "warning", Severity.POSSIBLE: "note"}
 
 
-def sarif_report(report: Report) -> str:
+def sarif_report(report: CheckReport) -> str:
     """Return one run with its rules, results and checked files, in ASCII."""
     codes = list(dict.fromkeys(finding.code for finding in report.findings))
     seen: Counter[str] = Counter()

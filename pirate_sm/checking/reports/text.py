@@ -9,7 +9,7 @@ from textwrap import wrap
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal, RehearsedRun
-from pirate_sm.checking.reports.check_report import Report, marked
+from pirate_sm.checking.reports.check_report import CheckReport, marked
 from pirate_sm.model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100
@@ -24,7 +24,7 @@ Paint = Callable[[str, str], str]
 """Returns text that is safe for a terminal, in the colour of a role."""
 
 
-def text_report(report: Report, paint: Paint, columns: int = _WIDTH) -> str:
+def text_report(report: CheckReport, paint: Paint, columns: int = _WIDTH) -> str:
     """Return the findings by place, the allowed findings, and the summary.
 
     Args:
@@ -119,7 +119,7 @@ def _fix(finding: Finding, default: str) -> str:
     return f"did you mean '{finding.suggestion}'? {'' if names else finding.fix}".rstrip()
 
 
-def summary(report: Report) -> str:
+def summary(report: CheckReport) -> str:
     """Return the number of checked files and of findings, in one line."""
     kinds = Counter(file.kind.value for file in report.files)
     looked = ", ".join(count(number, kind) for kind, number in kinds.items())
@@ -127,7 +127,7 @@ def summary(report: Report) -> str:
     return f"{looked or 'nothing'} checked{where}: {_counted(report)}"
 
 
-def _fixes(report: Report) -> Iterator[str]:
+def _fixes(report: CheckReport) -> Iterator[str]:
     """Yield how many findings were removed by --fix, and how many can be."""
     if report.fixed:
         yield f"{count(report.fixed, 'finding')} fixed"
@@ -136,7 +136,7 @@ def _fixes(report: Report) -> Iterator[str]:
             yield f"{count(number, 'finding')} can be fixed {how}"
 
 
-def _counted(report: Report) -> str:
+def _counted(report: CheckReport) -> str:
     by_severity = Counter(each.severity for each in report.open)
     parts = [_some(by_severity[each], each) for each in sorted(Severity, reverse=True)]
     if report.allowed:

@@ -11,7 +11,7 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.chart_view import ChartView
 from pirate_sm.checking.robot.guard_logic import constant, constant_parts, offset_of, regions_of
 from pirate_sm.loading.chart.guards import conjuncts, holds
-from pirate_sm.loading.chart.outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, ChartTransition
 from pirate_sm.loading.problems import Path, Place
 
 
@@ -22,16 +22,16 @@ class _Verdict(NamedTuple):
         silent: Whether it is never taken in this state, although the state is reached.
     """
 
-    transition: Transition
+    transition: ChartTransition
     finding: Finding | None
     reached: bool
     silent: bool
 
 
-def _rivals(outline: ChartOutline) -> Iterator[list[Transition]]:
+def _rivals(outline: ChartOutline) -> Iterator[list[ChartTransition]]:
     """Yield the transitions of each state and event, in the order of precedence."""
 
-    def key(each: Transition) -> tuple[str, str]:
+    def key(each: ChartTransition) -> tuple[str, str]:
         return each.source, each.event
 
     for _, group in groupby(sorted(outline.transitions, key=key), key):
@@ -49,7 +49,7 @@ class TransitionRules:
     def __init__(self, chart: ChartView) -> None:
         self._chart = chart
         self.found: dict[Path, Finding] = {}
-        self.silent: list[Transition] = []
+        self.silent: list[ChartTransition] = []
         verdicts: dict[tuple[Path, str], list[_Verdict]] = {}
         for group in _rivals(chart.outline):
             for number, transition in enumerate(group):
@@ -58,7 +58,7 @@ class TransitionRules:
         for alike in verdicts.values():
             self._settle(alike)
 
-    def _judge(self, transition: Transition, earlier: Sequence[Transition]) -> _Verdict:
+    def _judge(self, transition: ChartTransition, earlier: Sequence[ChartTransition]) -> _Verdict:
         """Return the verdict on a transition in one state.
 
         Args:
@@ -83,7 +83,7 @@ class TransitionRules:
         if all(each.silent for each in seen):
             self.silent += [each.transition for each in seen]
 
-    def _guard(self, transition: Transition) -> Finding | None:
+    def _guard(self, transition: ChartTransition) -> Finding | None:
         """Return a finding about a guard, or a part of it, that is constant in every state."""
         guard = transition.tree
         assert guard is not None
@@ -98,12 +98,12 @@ class TransitionRules:
         return self._constant(transition, guard, alone, message)
 
     def _constant(
-        self, transition: Transition, part: ast.expr, value: bool, message: str
+        self, transition: ChartTransition, part: ast.expr, value: bool, message: str
     ) -> Finding:
         code = "chart.guard_always" if value else "chart.guard_never"
         return self._chart.at(self._place(transition, part), code, message)
 
-    def _never(self, transition: Transition) -> Finding | None:
+    def _never(self, transition: ChartTransition) -> Finding | None:
         """Return a finding about a transition whose guard is false in all reached states."""
         if not self._is_reached(transition) or transition.tree is None:
             return None  # reported for its state
@@ -118,7 +118,7 @@ class TransitionRules:
         return self._chart.at(self._place(transition, blocking), "chart.transition_never", message)
 
     def _rivalry(
-        self, transition: Transition, earlier: Sequence[Transition]
+        self, transition: ChartTransition, earlier: Sequence[ChartTransition]
     ) -> tuple[Finding | None, bool]:
         """Return a finding if another transition of its event precedes it, and whether always.
 
@@ -127,9 +127,9 @@ class TransitionRules:
         regions = frozenset({transition.region}).union(
             *(regions_of(each.tree) for each in (transition, *earlier) if each.tree)
         )
-        first: Transition | None = None
+        first: ChartTransition | None = None
         shadowed = True
-        winner: Transition | None = None
+        winner: ChartTransition | None = None
         for states in self._chart.reached.through(regions):
             if not _can(transition, states):
                 continue
@@ -156,7 +156,9 @@ class TransitionRules:
         )
         return finding, True
 
-    def _ambiguous(self, transition: Transition, winner: Transition, always: bool) -> Finding:
+    def _ambiguous(
+        self, transition: ChartTransition, winner: ChartTransition, always: bool
+    ) -> Finding:
         place = self._chart.document.place_of((*winner.path, "event"))
         when = "always" if always else "also"
         message = (
@@ -170,7 +172,7 @@ class TransitionRules:
             related=((place, "this is taken"),),
         )
 
-    def _chances(self, transition: Transition, part: ast.expr | None = None) -> bool:
+    def _chances(self, transition: ChartTransition, part: ast.expr | None = None) -> bool:
         """Return whether its state and (a part of) its guard are true in a reached combination."""
         node = transition.tree if part is None else part
         if node is None:
@@ -178,11 +180,11 @@ class TransitionRules:
         seen = self._chart.reached.through(regions_of(node) | {transition.region})
         return any(_is_in(transition, states) and holds(node, states) for states in seen)
 
-    def _is_reached(self, transition: Transition) -> bool:
+    def _is_reached(self, transition: ChartTransition) -> bool:
         seen = self._chart.reached.through(frozenset({transition.region}))
         return any(_is_in(transition, states) for states in seen)
 
-    def _place(self, transition: Transition, part: ast.expr) -> Place:
+    def _place(self, transition: ChartTransition, part: ast.expr) -> Place:
         """Return the place of a part of a transition's guard."""
         path = (*transition.path, "cond")
         offset = offset_of(transition.guard, part)
@@ -193,11 +195,11 @@ class TransitionRules:
         return self._chart.document.place_of(path, offset=offset)
 
 
-def _is_in(transition: Transition, states: dict[str, str]) -> bool:
+def _is_in(transition: ChartTransition, states: dict[str, str]) -> bool:
     return f"{transition.region}.{states[transition.region]}" == transition.source
 
 
-def _can(transition: Transition, states: dict[str, str]) -> bool:
+def _can(transition: ChartTransition, states: dict[str, str]) -> bool:
     if not _is_in(transition, states):
         return False
     return transition.tree is None or holds(transition.tree, states)

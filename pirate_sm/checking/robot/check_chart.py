@@ -26,7 +26,7 @@ from pirate_sm.checking.robot.chart_transitions import TransitionRules
 from pirate_sm.checking.robot.chart_view import ChartView
 from pirate_sm.checking.robot.dead_ends import idle_commands, traps
 from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.loading.chart.outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, ChartTransition
 from pirate_sm.loading.chart.outline_reader import outline_chart
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.robot import LoadedRobot
@@ -42,7 +42,7 @@ class ChartCheck(NamedTuple):
     """
 
     findings: tuple[Finding, ...]
-    silent: tuple[Transition, ...]
+    silent: tuple[ChartTransition, ...]
 
 
 def check_chart(loaded: LoadedRobot) -> tuple[Finding, ...]:
@@ -67,7 +67,7 @@ def examine(document: Document, outline: ChartOutline, table: ChartTable) -> Cha
     return ChartCheck(tuple(sorted(found, key=lambda each: each.order)), tuple(rules.silent))
 
 
-def cut_off(outline: ChartOutline, silent: Sequence[Transition]) -> frozenset[tuple[str, str]]:
+def cut_off(outline: ChartOutline, silent: Sequence[ChartTransition]) -> frozenset[tuple[str, str]]:
     """Return the states, by region, that are unreachable because of transitions never taken.
 
     It applies only to states that are not reached, because it follows transitions without guards.

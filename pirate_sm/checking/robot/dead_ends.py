@@ -6,11 +6,11 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.chart_view import ChartView
-from pirate_sm.loading.chart.outline import Transition
+from pirate_sm.loading.chart.outline import ChartTransition
 from pirate_sm.loading.problems import Path
 
 
-def traps(chart: ChartView, silent: Iterable[Transition]) -> Iterator[Finding]:
+def traps(chart: ChartView, silent: Iterable[ChartTransition]) -> Iterator[Finding]:
     """Yield states that no transition leaves, and combinations in which all commands are refused.
 
     Args:

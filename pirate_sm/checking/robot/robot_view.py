@@ -17,7 +17,7 @@ from pirate_sm.model.motor import Motor
 from pirate_sm.model.profile import Channel, Profile, Slot
 
 
-class Written(NamedTuple):
+class StateWrite(NamedTuple):
     """A write of a state to a slot, with its path in the profile.
 
     Attributes:
@@ -78,10 +78,10 @@ class RobotView:
         return InForce(self.profile, self.loaded.normal)
 
     @cached_property
-    def written(self) -> tuple[Written, ...]:
+    def written(self) -> tuple[StateWrite, ...]:
         """Return all writes of all states, those of each control after the usual ones."""
         robot = self.loaded.normal
-        found: list[Written] = []
+        found: list[StateWrite] = []
         for control, spec in enumerate(robot.controls):
             own = self.profile.controls[spec.name].actuation if control else None
             at: Path = ("controls", spec.name, "actuation") if control else ("actuation",)
@@ -146,10 +146,10 @@ def _written(
     state: str,
     stages: tuple[StageSpec, ...],
     control: int,
-) -> Iterator[Written]:
+) -> Iterator[StateWrite]:
     """Yield what the stages of one state write; ``at`` is the path of the state."""
     for number, stage in enumerate(stages):
         path = (*at, number) if len(stages) > 1 else at
         for write in stage:
             here = (*path, robot.slots[write.slot].name)
-            yield Written(region, state, number, write, here, control)
+            yield StateWrite(region, state, number, write, here, control)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from math import copysign
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.robot.robot_view import RobotView, Written
+from pirate_sm.checking.robot.robot_view import RobotView, StateWrite
 from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
 
 
@@ -66,7 +66,7 @@ def mirrored_slots(view: RobotView) -> Iterator[Finding]:
             )
 
 
-def _holding(view: RobotView, part: int, each: Written) -> bool:
+def _holding(view: RobotView, part: int, each: StateWrite) -> bool:
     """Return whether the part is held whenever the state of this write is active."""
     robot = view.loaded.normal
     seen = [
@@ -107,7 +107,7 @@ def _slack(view: RobotView) -> Iterator[Finding]:
     One stage is enough: a part may settle before it is pressed, and a worm keeps what it has wound.
     """
     for part, slot, apex in _apexes(view):
-        stages: dict[tuple[int, str], list[Written]] = {}
+        stages: dict[tuple[int, str], list[StateWrite]] = {}
         for each in view.written:
             if each.write.slot == slot and not each.control:
                 stages.setdefault((each.region, each.state), []).append(each)
@@ -131,7 +131,7 @@ def _slack(view: RobotView) -> Iterator[Finding]:
 def _fights(view: RobotView) -> Iterator[Finding]:
     """Yield states that drive wheels against each other."""
     wheels = {wheel.name: wheel for wheel in view.profile.body.wheels}
-    driven: dict[tuple[int, str, int], list[tuple[int, Written]]] = {}
+    driven: dict[tuple[int, str, int], list[tuple[int, StateWrite]]] = {}
     for each in view.written:
         wheel = wheels.get(view.profile.slots[each.write.slot].wheel or "")
         # A control turns the same wheels the same way.

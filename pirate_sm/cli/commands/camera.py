@@ -31,7 +31,7 @@ from pirate_sm.visible import visible
 from pirate_sm.vision.annotating import annotated
 from pirate_sm.vision.calibration import calibrate
 from pirate_sm.vision.captures import Capture, ImageCapture, first_frame, open_capture
-from pirate_sm.vision.chessboard import Board, find_board, is_another, is_sharp
+from pirate_sm.vision.chessboard import Chessboard, find_board, is_another, is_sharp
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats, Frame
@@ -124,7 +124,7 @@ def print_sheets(options: PrintOptions) -> int:
         UsageError: A file cannot be written, or would overwrite somebody's work.
     """
     camera, _ = find_camera(options.camera)
-    board = Board(*read_board(options.board, options.square))
+    board = Chessboard(*read_board(options.board, options.square))
     sheets = {
         options.output / f"{camera.camera}_{name}.svg": sheet
         for name, sheet in _sheets(camera, board)
@@ -140,7 +140,7 @@ def print_sheets(options: PrintOptions) -> int:
     return 0
 
 
-def _sheets(camera: Camera, board: Board) -> Iterator[tuple[str, str]]:
+def _sheets(camera: Camera, board: Chessboard) -> Iterator[tuple[str, str]]:
     yield "board", board_sheet(board)
     setup, robot = camera.setup, camera.robot
     if setup.tags is not None and setup.size is not None:
@@ -172,7 +172,7 @@ def calibrate_camera(options: CalibrateCameraOptions) -> int:
         refuse_shipped(path)
     if isinstance(camera.source, SyntheticSource) and options.images is None:
         raise UsageError("a synthetic camera has no lens to measure: give pictures with --images")
-    board = Board(*read_board(options.board, options.square))
+    board = Chessboard(*read_board(options.board, options.square))
     found = _collect(camera, path, board, options)
     model = options.model or (camera.lens.model if camera.lens else "fisheye")
     result = calibrate(found, board, camera.source.size, model)
@@ -191,7 +191,7 @@ def calibrate_camera(options: CalibrateCameraOptions) -> int:
 
 
 def _collect(
-    camera: Camera, path: Path, board: Board, options: CalibrateCameraOptions
+    camera: Camera, path: Path, board: Chessboard, options: CalibrateCameraOptions
 ) -> dict[str, Floats]:
     """Return the corners of boards at different places, by name, as many as are wanted or found."""
     width = camera.source.size[0]

@@ -15,7 +15,7 @@ from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.conductor import Conductor, Progress, stored_plan
 from pirate_sm.campaign.crew import MOST_EACH, connected, most_workers
 from pirate_sm.campaign.junit import as_junit
-from pirate_sm.campaign.plan import Plan, mark_of
+from pirate_sm.campaign.plan import CampaignPlan, mark_of
 from pirate_sm.campaign.recording_failures import failures, record_failures
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.campaign.store import DamagedMarkError, Store, is_store
@@ -81,7 +81,7 @@ def _file(name: str) -> Path:
     return Path(name) if library.is_path(name) else library.find_mission(name)
 
 
-def _chosen(plan: Plan, options: CampaignOptions) -> Plan:
+def _chosen(plan: CampaignPlan, options: CampaignOptions) -> CampaignPlan:
     """Return the plan with the requested cells only."""
     wanted = options.cells or ()
     known = list(dict.fromkeys(each for cell in plan.cells for each in (cell.row, cell.name)))
@@ -104,7 +104,7 @@ def _is_empty(folder: Path) -> bool:
 
 
 @contextmanager
-def _results(plan: Plan, options: CampaignOptions) -> Iterator[Store]:
+def _results(plan: CampaignPlan, options: CampaignOptions) -> Iterator[Store]:
     """Yield the store of the results, which is closed when the block ends."""
     folder = options.output or _usual_folder(plan.name)
     store, described = Store(folder), plan
@@ -151,14 +151,14 @@ def _terminated_as_by_ctrl_c(note: Callable[[Stop], None]) -> Iterator[None]:
         signal.signal(signal.SIGTERM, before)
 
 
-def _with_others(plan: Plan, before: Plan) -> Plan:
+def _with_others(plan: CampaignPlan, before: CampaignPlan) -> CampaignPlan:
     """Return the plan with the cells besides that a folder has results of."""
     chosen = {cell.name: cell for cell in plan.cells}
     cells = [chosen.pop(cell.name, cell) for cell in before.cells]
     return replace(plan, cells=(*cells, *chosen.values()))
 
 
-def _refuse_another(plan: Plan, store: Store) -> Plan | None:
+def _refuse_another(plan: CampaignPlan, store: Store) -> CampaignPlan | None:
     """Refuse a folder with the results of another campaign, and say which of them do not count.
 
     Returns:
@@ -199,7 +199,7 @@ def _another(store: Store, before: str, now: str) -> UsageError:
     )
 
 
-def _described(plan: Plan) -> str:
+def _described(plan: CampaignPlan) -> str:
     return f"'{plan.name}' ({_named([cell.name for cell in plan.cells])})"
 
 
@@ -226,7 +226,7 @@ def _usual_folder(name: str) -> Path:
     return folder
 
 
-def _run(plan: Plan, store: Store, options: CampaignOptions) -> CampaignResult:
+def _run(plan: CampaignPlan, store: Store, options: CampaignOptions) -> CampaignResult:
     """Run what has no result yet, record what failed, and return the result."""
     conductor = Conductor(plan, store)
     for file, why in store.damaged.items():
@@ -243,7 +243,7 @@ def _run(plan: Plan, store: Store, options: CampaignOptions) -> CampaignResult:
 
 
 @contextmanager
-def _progress(plan: Plan, done_before: int) -> Iterator[Callable[[Progress], None]]:
+def _progress(plan: CampaignPlan, done_before: int) -> Iterator[Callable[[Progress], None]]:
     """Yield a function that shows on a terminal how far the campaign is."""
     began_s = monotonic()
     with progress(f"campaign {plan.name}") as line:

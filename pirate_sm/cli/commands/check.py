@@ -12,7 +12,7 @@ from pirate_sm.checking.mission.rehearsal import Rehearse
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.project.fix_files import FileChange, changes_of
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli import settings
 from pirate_sm.cli.options.checks import CheckOptions
@@ -23,7 +23,7 @@ from pirate_sm.cli.output.terminal import columns_of, shows_colour, wrapped
 from pirate_sm.errors import UsageError
 from pirate_sm.experiments.check_experiment import check_experiment
 from pirate_sm.gallery.scene_file import HERE, OUT, check_scene
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 from pirate_sm.loading.foreign import is_below
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document
@@ -64,9 +64,9 @@ def run_check(options: CheckOptions) -> int:
         rehearse=_rehearse(options),
         outside=options.outside,
         others={
-            Kind.EXPERIMENT: lambda path: _form(*check_experiment(path)),
-            Kind.CAMPAIGN: _check_campaign,
-            Kind.SCENE: _check_scene,
+            FileKind.EXPERIMENT: lambda path: _form(*check_experiment(path)),
+            FileKind.CAMPAIGN: _check_campaign,
+            FileKind.SCENE: _check_scene,
         },
         other_findings=tuple(_refused_settings(options.paths)),
     )
@@ -99,7 +99,7 @@ def run_check(options: CheckOptions) -> int:
     return FOUND if report.fails(fail_on) else CLEAN
 
 
-def _checked(options: CheckOptions, asked: Wishes) -> Report:
+def _checked(options: CheckOptions, asked: Wishes) -> CheckReport:
     with progress("checking") as watch:
 
         def show(done: int, total: int, name: str) -> None:
@@ -144,7 +144,7 @@ def _rehearse(options: CheckOptions) -> Rehearse | None:
     return rehearsing(options.seeds)
 
 
-def _written(report: Report, wanted: str, fail_on: Severity) -> str:
+def _written(report: CheckReport, wanted: str, fail_on: Severity) -> str:
     """Return the report in the format that is wanted."""
     match wanted:
         case "json":

@@ -8,7 +8,7 @@ from typing import Any
 from pirate_sm.cli import settings
 from pirate_sm.cli.commands.list import print_table
 from pirate_sm.cli.options.files import ConfigOptions
-from pirate_sm.cli.settings import SETTINGS, Value
+from pirate_sm.cli.settings import SETTINGS, SettingValue
 from pirate_sm.visible import visible
 
 FORMAT = 1
@@ -41,7 +41,7 @@ def show_settings(options: ConfigOptions) -> int:
     return 0
 
 
-def _for_programs(each: Value) -> dict[str, Any]:
+def _for_programs(each: SettingValue) -> dict[str, Any]:
     return {"value": each.value or None, "source": each.source, "refused": each.refused or None}
 
 
@@ -49,10 +49,10 @@ def _print_json(content: dict[str, Any]) -> None:
     print(json.dumps({"format": FORMAT, **content}, ensure_ascii=True))
 
 
-def _text(value: Value) -> str:
+def _text(value: SettingValue) -> str:
     listed = value.value if isinstance(value.value, tuple) else (value.value,)
     return ", ".join(map(str, listed)) or "-"
 
 
-def _source(value: Value) -> str:
+def _source(value: SettingValue) -> str:
     return f"{value.source} (not used: it {value.refused})" if value.refused else value.source

@@ -50,7 +50,7 @@ _PATIENCE_S = 120.0
 """Longest time until the phase of a power cut is reached."""
 
 
-class StoppedError(Exception):
+class DemoStoppedError(Exception):
     """Somebody has pressed Ctrl-C or ended the demo; the run under way has ended.
 
     Attributes:
@@ -79,7 +79,7 @@ def play_demo(options: DemoOptions) -> int:
             return _play_all(options)
         if options.scene is not None:
             return _play_one(library.find_scene(options.scene), options)
-    except StoppedError as stopped:
+    except DemoStoppedError as stopped:
         say("interrupted" if stopped.number == signal.SIGINT else "stopped")
         return 128 + stopped.number
     _list()
@@ -293,7 +293,7 @@ def _started(words: list[str], **pipes: Any) -> Iterator[subprocess.Popen[str]]:
     if process.returncode in (-signal.SIGINT, 128 + signal.SIGINT):
         asked.append(signal.SIGINT)
     if asked:
-        raise StoppedError(asked[0])
+        raise DemoStoppedError(asked[0])
 
 
 def _report(recording: Path, folder: Path) -> str:

@@ -14,7 +14,7 @@ from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.robot_connection import connection, find_loaded, named_port, subject_of
 from pirate_sm.cli.stop_checks import StoppedError
-from pirate_sm.diagnosis.facts import DoctorFinding, Facts, Subject
+from pirate_sm.diagnosis.facts import DoctorFinding, ExpectedRobot, Facts
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
@@ -61,7 +61,7 @@ def run_doctor(options: DoctorOptions) -> int:
     return GO if facts.go else NO_GO
 
 
-def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> Facts:
+def _look(subject: ExpectedRobot, options: DoctorOptions, requests: StopRequests) -> Facts:
     """Connect, collect all facts and judge them; release the port."""
     say(f"connecting to {named_port(options.port)} ...")
     stay_s = read_duration("--guard-for", options.guard_for)
@@ -74,7 +74,7 @@ def _look(subject: Subject, options: DoctorOptions, requests: StopRequests) -> F
             say(parting)
 
 
-def _look_around(listening: Listening, subject: Subject, options: DoctorOptions) -> Facts:
+def _look_around(listening: Listening, subject: ExpectedRobot, options: DoctorOptions) -> Facts:
     if left := listening.port.remark():
         say(left)
     say(f"listening for {options.seconds:g} s ...")

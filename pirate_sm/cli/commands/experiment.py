@@ -16,7 +16,7 @@ from pirate_sm.visible import visible
 if TYPE_CHECKING:
     from pirate_sm.experiments.experiment_files import Setup
     from pirate_sm.experiments.experiment_result import ExperimentResult
-    from pirate_sm.experiments.thesis_rows import Compared
+    from pirate_sm.experiments.thesis_rows import ComparedRow
     from pirate_sm.model.profile import Profile
 
 NOT_REPRODUCED = 1
@@ -40,7 +40,7 @@ def run_experiment(options: ExperimentOptions) -> int:
 
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
     profile = load_robot(folder).profile
-    every: list[Compared] = []
+    every: list[ComparedRow] = []
     sections = []
     for setup, parts in chosen(load_experiments(folder), options.which):
         began = perf_counter()
@@ -86,12 +86,12 @@ def _repeated(
 _HEADER = ("part", "what", "thesis", "ours", "verdict", "place in the thesis")
 
 
-def _cells(each: Compared) -> tuple[str, ...]:
+def _cells(each: ComparedRow) -> tuple[str, ...]:
     row = each.row
     return (row.of, row.what, row.thesis, each.ours_text, each.verdict_text, row.place)
 
 
-def _lines(rows: list[Compared]) -> Iterator[str]:
+def _lines(rows: list[ComparedRow]) -> Iterator[str]:
     """Yield the table: values side by side, then the verdict with its reason."""
     wide = max((len(each.row.what) for each in rows), default=0)
     for each in rows:
@@ -102,7 +102,7 @@ def _lines(rows: list[Compared]) -> Iterator[str]:
         yield from wrap(each.verdict_text, _WIDE, initial_indent=indent, subsequent_indent=indent)
 
 
-def _summary(rows: list[Compared]) -> str:
+def _summary(rows: list[ComparedRow]) -> str:
     counts: dict[str, int] = {}
     for each in rows:
         counts[each.verdict] = counts.get(each.verdict, 0) + 1

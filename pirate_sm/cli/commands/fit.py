@@ -15,9 +15,9 @@ from pirate_sm.errors import UsageError
 from pirate_sm.visible import visible
 
 if TYPE_CHECKING:
-    from pirate_sm.fitting.columns import Measured
+    from pirate_sm.fitting.columns import MeasuredFile
     from pirate_sm.fitting.estimate import Estimate
-    from pirate_sm.fitting.slip_columns import SlipSignals
+    from pirate_sm.fitting.slip_columns import SlipSignalNames
     from pirate_sm.fitting.slip_curve import SlipCurve
     from pirate_sm.model.profile import Profile
     from pirate_sm.simulation.arrays import Floats
@@ -54,7 +54,7 @@ def run_fit(options: FitOptions) -> int:
     )
 
 
-def _measured(runs: Sequence[str]) -> list[Measured]:
+def _measured(runs: Sequence[str]) -> list[MeasuredFile]:
     from pirate_sm.fitting.columns import read_measured
 
     with progress("reading") as watch:
@@ -78,13 +78,13 @@ def _refuse_losses(options: FitOptions) -> None:
     refuse_losses(places, inputs=runs, tables=tables, overwrite=options.overwrite)
 
 
-def _signals(options: FitOptions, measured: Measured) -> SlipSignals:
-    from pirate_sm.fitting.slip_columns import SlipSignals
+def _signals(options: FitOptions, measured: MeasuredFile) -> SlipSignalNames:
+    from pirate_sm.fitting.slip_columns import SlipSignalNames
 
     radius_m = read_length("--radius", options.radius)
     if radius_m is None and measured.profile is not None:
         radius_m = measured.profile.body.wheel_radius
-    return SlipSignals(
+    return SlipSignalNames(
         options.slip, options.friction, options.torque, options.normal, radius_m or 0.0
     )
 
@@ -109,7 +109,7 @@ def _curves(options: FitOptions) -> dict[str, SlipCurve]:
     return curves
 
 
-def _points(measured: Measured, wheel: str, options: FitOptions) -> tuple[Floats, Floats]:
+def _points(measured: MeasuredFile, wheel: str, options: FitOptions) -> tuple[Floats, Floats]:
     """Return slip and friction of a wheel; of a recording where they are steady."""
     from pirate_sm.fitting.slip_columns import slip_and_friction, steady
 
@@ -193,7 +193,7 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
     print(visible(f"{place}: {friction_line(static, kinetic)}"))
 
 
-def _fit_robot(measured: Sequence[Measured], options: FitOptions) -> int:
+def _fit_robot(measured: Sequence[MeasuredFile], options: FitOptions) -> int:
     """Print the robot's numbers and write them for its simulator; return the exit code.
 
     Raises:

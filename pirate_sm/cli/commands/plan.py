@@ -14,7 +14,7 @@ from textwrap import wrap
 from typing import Any
 
 from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
-from pirate_sm.checking.plans.ways_to_states import Way, hindered, way_to
+from pirate_sm.checking.plans.ways_to_states import WayToStates, hindered, way_to
 from pirate_sm.cli.options.files import PlanOptions
 from pirate_sm.cli.options.values import read_pairs
 from pirate_sm.engine.robot.planning import Plan
@@ -39,7 +39,7 @@ _TOGETHER = "\N{NO-BREAK SPACE}"
 
 
 @dataclass(frozen=True)
-class Found:
+class FoundPlan:
     """The result, with the request.
 
     Attributes:
@@ -49,7 +49,7 @@ class Found:
 
     robot: RobotSpec
     body: RobotState
-    way: Way
+    way: WayToStates
     states: dict[str, str] = field(default_factory=dict)
     phase: str | None = None
 
@@ -93,16 +93,16 @@ def _begin(loaded: LoadedRobot, states: dict[str, str]) -> RobotState:
     return at_rest_in(loaded.normal, way.plan.body.configuration)
 
 
-def _way(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) -> Way:
+def _way(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) -> WayToStates:
     program = replace(by_hand(loaded).program, rules=loaded.rules)
     return way_to(loaded.normal, program, body, read_states(loaded.table, states))
 
 
-def _to_states(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) -> Found:
-    return Found(loaded.normal, body, _way(loaded, body, states), states=states)
+def _to_states(loaded: LoadedRobot, body: RobotState, states: dict[str, str]) -> FoundPlan:
+    return FoundPlan(loaded.normal, body, _way(loaded, body, states), states=states)
 
 
-def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
+def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> FoundPlan:
     name, colon, phase = text.rpartition(":")
     if not colon or not name or not phase:
         raise UsageError(f"--to-phase '{text}': expected MISSION:PHASE")
@@ -115,16 +115,18 @@ def _to_phase(loaded: LoadedRobot, body: RobotState, text: str) -> Found:
     body = at_rest_in(mission.robot, body.configuration)
     plan = restoring(mission, [phase], body, beginnings(mission)).get(phase)
     if plan is None:
-        way = Way(
+        way = WayToStates(
             None,
             f"no commands lead to states from which {name} can continue with {phase} and succeed",
         )
     else:
-        way = Way(None, hindered(loaded.normal, plan)) if plan.hindered else Way(plan)
-    return Found(mission.robot, body, way, phase=text)
+        way = (
+            WayToStates(None, hindered(loaded.normal, plan)) if plan.hindered else WayToStates(plan)
+        )
+    return FoundPlan(mission.robot, body, way, phase=text)
 
 
-def _lines(found: Found) -> Iterator[str]:
+def _lines(found: FoundPlan) -> Iterator[str]:
     robot, width = found.robot, min(max(get_terminal_size().columns, _NARROWEST), _WIDEST)
     target = f"where {found.phase} can begin" if found.phase else _pairs(found.states)
     yield from _wrapped(f"from  {_pairs(_states(robot, found.body))}", width, 6)
@@ -139,7 +141,7 @@ def _lines(found: Found) -> Iterator[str]:
         yield from _table(found, plan, width)
 
 
-def _table(found: Found, plan: Plan, width: int) -> Iterator[str]:
+def _table(found: FoundPlan, plan: Plan, width: int) -> Iterator[str]:
     robot = found.robot
     rows = [("", "command", "held by", "what changes")]
     rows += [
@@ -160,7 +162,7 @@ def _table(found: Found, plan: Plan, width: int) -> Iterator[str]:
     yield f"{count} command{'s' if count > 1 else ''}, nominally {plan.nominal_s(robot):g} s"
 
 
-def _data(found: Found) -> dict[str, Any]:
+def _data(found: FoundPlan) -> dict[str, Any]:
     plan = found.way.plan
     return {
         "format": FORMAT,
@@ -175,7 +177,7 @@ def _data(found: Found) -> dict[str, Any]:
     }
 
 
-def _steps(found: Found, plan: Plan) -> Iterator[dict[str, Any]]:
+def _steps(found: FoundPlan, plan: Plan) -> Iterator[dict[str, Any]]:
     robot, before = found.robot, _states(found.robot, found.body)
     for step in plan.steps:
         spec, after = robot.commands[step.command], _states(robot, step.body)

@@ -29,7 +29,7 @@ LONG_S = 900.0
 """From this mission time on, several processes are worth while."""
 
 
-class Stretch(NamedTuple):
+class ReplayStretch(NamedTuple):
     """The requested part of a run.
 
     Attributes:
@@ -75,13 +75,13 @@ def run_replay(options: ReplayOptions) -> int:
     return SAME
 
 
-def _stretch(begin: str | None, until: str | None) -> Stretch:
+def _stretch(begin: str | None, until: str | None) -> ReplayStretch:
     """Return the stretch between two times as text, such as ``3 h``.
 
     Raises:
         UsageError: They are not times, or the end is before the beginning.
     """
-    found = Stretch(_time("--from", begin, 0.0), _time("--until", until, inf))
+    found = ReplayStretch(_time("--from", begin, 0.0), _time("--until", until, inf))
     if found.until_s <= 0:
         raise UsageError("--until must be later than the start of the run: nothing is left")
     if found.until_s <= found.from_s:
@@ -107,7 +107,7 @@ def _changed(options: ReplayOptions) -> bool:
 
 
 def _replayed(
-    recording: Recording, loaded: LoadedMission, options: ReplayOptions, stretch: Stretch
+    recording: Recording, loaded: LoadedMission, options: ReplayOptions, stretch: ReplayStretch
 ) -> Replayed:
     """Replay the stretch, in several processes if it is long."""
     other = _changed(options)
@@ -135,7 +135,7 @@ def _print_difference(result: Replayed, loaded: LoadedMission, changed: RunHeade
         print_visible(line if changed is None else _renamed(line, loaded, changed))
 
 
-def _jobs(recording: Recording, stretch: Stretch) -> int:
+def _jobs(recording: Recording, stretch: ReplayStretch) -> int:
     """Return the number of processors, 1 if several processes do not pay."""
     if min(stretch.until_s, recording.until_s) - stretch.from_s < LONG_S:
         return 1

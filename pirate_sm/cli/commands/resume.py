@@ -10,7 +10,7 @@ from typing import NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.cli.output.resume_report import Facts, report_lines
+from pirate_sm.cli.output.resume_report import ResumeFacts, report_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.cli.stop_checks import StoppedError, stopper
@@ -25,7 +25,15 @@ from pirate_sm.runtime.pump import Resuming
 from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.visible import visible
 from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.resume_offer import Offer, Said, Seen, check_said, counting_from, offer, see
+from pirate_sm.wiring.resume_offer import (
+    Offer,
+    Said,
+    SeenRobot,
+    check_said,
+    counting_from,
+    offer,
+    see,
+)
 from pirate_sm.wiring.resumed_run import driven_s, prepare_again, with_resumption
 
 CAN, CANNOT, LEFT = 0, 1, 2
@@ -128,7 +136,7 @@ class ResumeDialog:
         self.prepared = prepared
         self._end, self._said, self._wishes = end, said, wishes
         self._stopper = stopper(requests)
-        self._seen: Seen | None = None
+        self._seen: SeenRobot | None = None
         self._asked = False
         # A simulated robot that is put back has not been in the dark at all.
         self._dark_s = _dark_s(end) if prepared.backend.real_time else 0.0
@@ -184,7 +192,9 @@ class ResumeDialog:
                 self.code = LEFT
                 return None
 
-    def _agreed(self, seen: Seen, it: Resumption, said: Said) -> tuple[Prepared, Resuming] | None:
+    def _agreed(
+        self, seen: SeenRobot, it: Resumption, said: Said
+    ) -> tuple[Prepared, Resuming] | None:
         """Return with what it goes on; None if the robot has changed since it was looked at."""
         prepared, end = self.prepared, self._end
         now = self._see() if self._asked and prepared.backend.real_time else seen
@@ -195,7 +205,7 @@ class ResumeDialog:
         resumed = with_resumption(counting_from(prepared, end, now, said), end, it, said.words)
         return resumed, Resuming(it, now.look.now_s, now.look.newest)
 
-    def _see(self) -> Seen:
+    def _see(self) -> SeenRobot:
         end, driven = self._end, driven_s(self._end, self._dark_s)
         self._seen = see(self.prepared, end, driven, self._seen, self._check)
         return self._seen
@@ -210,9 +220,9 @@ class ResumeDialog:
         if text:
             say(text)
 
-    def _print(self, seen: Seen, found: Offer, said: Said) -> None:
+    def _print(self, seen: SeenRobot, found: Offer, said: Said) -> None:
         out = sys.stderr if self._wishes.json else sys.stdout
-        facts = Facts(self._end, self.prepared.loaded, self._dark_s, seen.shows, found, said)
+        facts = ResumeFacts(self._end, self.prepared.loaded, self._dark_s, seen.shows, found, said)
         for line in report_lines(facts):
             print(visible(line), file=out)
         out.flush()

@@ -25,7 +25,7 @@ _INDENT = 22
 """Where the text of a line begins, behind its time and its topic."""
 
 
-class Lines:
+class EventLines:
     """Writes a line for each event; if quiet, only how it ended and left the robot."""
 
     def __init__(self, out: TextIO, observed: ObservedRun, *, quiet: bool = False) -> None:

@@ -37,7 +37,7 @@ _WITH_SENSORS = 20
 _LEAST_PICTURE = 10, 4
 
 
-class View:
+class LiveView:
     """Shows a run in place while it is entered; its last frame remains."""
 
     def __init__(

@@ -18,7 +18,7 @@ from pirate_sm.wiring.resumed_run import first_wheel_m
 _NEXT = 3
 
 
-class Facts(NamedTuple):
+class ResumeFacts(NamedTuple):
     """What is known when a person is asked; ``dark_s`` is how long nobody has recorded, s."""
 
     end: EndOfRun
@@ -29,7 +29,7 @@ class Facts(NamedTuple):
     said: Said
 
 
-def report_lines(facts: Facts) -> Iterator[str]:
+def report_lines(facts: ResumeFacts) -> Iterator[str]:
     """Yield the lines: where it was, what is seen, where the robot is, what comes next."""
     end, header, offer = facts.end, facts.end.recording.header, facts.offer
     phase = end.loaded.program.phase_of[end.last.mission.pc]
@@ -68,7 +68,7 @@ def verdict_lines(table: VerdictTable) -> Iterator[str]:
             yield f"                 {shown.signal} {shown.seen}, {before}limit {shown.limit}"
 
 
-def _position(facts: Facts) -> str:
+def _position(facts: ResumeFacts) -> str:
     way, was_m = facts.shows.way, first_wheel_m(facts.end)
     was = "not recorded" if was_m is None else f"first wheel at {was_m:.3f} m at the end"
     if facts.said.start_at_m is not None:

@@ -6,8 +6,8 @@ import re
 from collections import deque
 from collections.abc import Iterator
 
-from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind, Note
-from pirate_sm.loading.chart.outline import ChartOutline, Transition
+from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, GraphNote, Node, NodeKind
+from pirate_sm.loading.chart.outline import ChartOutline, ChartTransition
 
 START = "(start)"
 LONGEST_GUARD = 24
@@ -22,7 +22,7 @@ def chart_graph(outline: ChartOutline, title: str) -> Graph:
     Guards are written without their ``In('…')``. Long ones are numbered, each different one once:
     the label has the number, the graph's notes the text.
     """
-    marks: dict[str, Note] = {}
+    marks: dict[str, GraphNote] = {}
     clusters = tuple(Cluster(region, region) for region in outline.regions)
     nodes = tuple(node for place in range(len(outline.regions)) for node in _nodes(outline, place))
     starts = tuple(
@@ -59,13 +59,13 @@ def _by_distance(outline: ChartOutline, place: int) -> list[str]:
     return sorted(states, key=lambda state: distance.get(f"{region}.{state}", len(states)))
 
 
-def _edge(transition: Transition, marks: dict[str, Note]) -> Edge:
+def _edge(transition: ChartTransition, marks: dict[str, GraphNote]) -> Edge:
     guard = " ".join(_IN.sub(r"\2", transition.guard).split())
     label, tooltip = transition.event, ""
     if guard:
         tooltip = f"{transition.event} [{guard}]"
         short = guard
         if len(guard) > LONGEST_GUARD:
-            short = marks.setdefault(guard, Note(f"guard {len(marks) + 1}", guard)).mark
+            short = marks.setdefault(guard, GraphNote(f"guard {len(marks) + 1}", guard)).mark
         label = f"{transition.event} [{short}]"
     return Edge(transition.source, transition.target, EdgeKind.TRIGGER, label, tooltip)

@@ -93,7 +93,7 @@ class Cluster:
 
 
 @dataclass(frozen=True, slots=True)
-class Note:
+class GraphNote:
     """The full text for a label that refers to it by its mark."""
 
     mark: str
@@ -113,7 +113,7 @@ class Graph:
     nodes: tuple[Node, ...]
     edges: tuple[Edge, ...]
     description: str = ""
-    notes: tuple[Note, ...] = ()
+    notes: tuple[GraphNote, ...] = ()
 
     def note_lines(self, columns: int) -> tuple[str, ...]:
         """Return the notes, each after its mark, in lines of so many columns."""

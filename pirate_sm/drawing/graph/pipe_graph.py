@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees
 
-from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind, Note
+from pirate_sm.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, GraphNote, Node, NodeKind
 from pirate_sm.geometry.network import BRANCH, ON, port_of
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_runs import PipeRun
@@ -20,7 +20,7 @@ def pipe_graph(pipe: Pipe, title: str) -> Graph:
     runs = {name: each.run for name, each in pipe.written.items()}
     edges = tuple(_edge(name, run, pipe.diameter) for name, run in runs.items())
     ways = tuple(
-        Note(f"route {name}", ", ".join(way)) for name, way in pipe.ways.items() if pipe.runs
+        GraphNote(f"route {name}", ", ".join(way)) for name, way in pipe.ways.items() if pipe.runs
     )
     nodes = tuple(_nodes(pipe, runs))
     return Graph(title, (Cluster(_PIPE),), nodes, edges, pipe.description, ways)

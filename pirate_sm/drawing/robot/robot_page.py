@@ -14,9 +14,9 @@ from pirate_sm.drawing.robot.written_page import (
     Block,
     Drawing,
     Heading,
+    PagePicture,
+    PageTable,
     Paragraph,
-    Picture,
-    Table,
 )
 from pirate_sm.engine.robot.command_needs import Need, RegionChange, changes, needs
 from pirate_sm.loading.chart.outline import ChartOutline
@@ -44,7 +44,7 @@ def robot_page(robot: LoadedRobot, faults: Faults | None = None) -> list[Block]:
         Heading(1, robot.profile.robot),
         Paragraph(robot.profile.description),
         *_body(robot.profile),
-        Picture(side_svg(view), side_text(view)),
+        PagePicture(side_svg(view), side_text(view)),
         Heading(2, "Commands"),
         *_overview(robot.profile),
         *(block for name in robot.profile.commands for block in _command(robot, name)),
@@ -74,7 +74,7 @@ def _body(profile: Profile) -> Iterator[Block]:
     rows.append(
         ("length", f"{sum(link.length for link in body.links) * 1e3:.0f} mm, wheel to wheel")
     )
-    yield Table(("", ""), rows)
+    yield PageTable(("", ""), rows)
 
 
 def _safety(profile: Profile) -> Iterator[Block]:
@@ -98,14 +98,14 @@ def _other_names(profile: Profile) -> Iterator[Block]:
         yield Heading(2, "Other names")
         rows = [(alias, name) for alias, name in profile.aliases.items()]
         rows += [(name, f"none: {why}") for name, why in profile.not_commands.items()]
-        yield Table(("name", "command"), rows)
+        yield PageTable(("name", "command"), rows)
 
 
 # --- its commands ------------------------------------------------------------------------------
 
 
 def _overview(profile: Profile) -> Iterator[Block]:
-    yield Table(
+    yield PageTable(
         ("command", "what it does", "at most"),
         [
             (name, each.description or NOTHING, seconds(each.timeout))
@@ -123,7 +123,7 @@ def _command(robot: LoadedRobot, name: str) -> Iterator[Block]:
         yield Paragraph(command.description)
     yield from _needed(robot, index)
     found = changes(robot.normal, index)
-    yield Table(("region", "from", "to", "motors"), [_change(robot, each) for each in found])
+    yield PageTable(("region", "from", "to", "motors"), [_change(robot, each) for each in found])
     if command.posture:
         yield from _posture(profile, command.posture)
     yield Paragraph(f"when {done_when(profile, command.done)}.", "Done")
@@ -173,7 +173,7 @@ def _change(robot: LoadedRobot, change: RegionChange) -> tuple[str, str, str, st
 def _posture(profile: Profile, name: str) -> Iterator[Block]:
     cases = profile.postures[name]
     yield Paragraph(f"the joints take the posture {name}, where one of these holds:", "First")
-    yield Table(
+    yield PageTable(
         ("where", "motors"),
         [
             (case.when, given(profile, [case.set_]) if case.set_ else f"refused: {case.refuse}")
@@ -194,7 +194,7 @@ def _region(robot: LoadedRobot, place: int) -> Iterator[Block]:
         (name, given(robot.profile, states[name]), _holding(robot, place, name))
         for name in robot.table.states[place]
     ]
-    yield Table(("state", "motors", "holds"), rows)
+    yield PageTable(("state", "motors", "holds"), rows)
 
 
 def _controls(profile: Profile) -> Iterator[Block]:
@@ -218,7 +218,7 @@ def _controls(profile: Profile) -> Iterator[Block]:
             up_to = most(control.grip)
             yield Paragraph(f"Clamps press as hard as tilt and friction ask for, up to {up_to}.")
         if rows:
-            yield Table(("region", "state", "motors"), rows)
+            yield PageTable(("region", "state", "motors"), rows)
 
 
 def most(grip: Grip) -> str:

@@ -58,7 +58,7 @@ class SlotPlace(NamedTuple):
         return [*name, f"board {self.board.id} slot {self.number}", *missing]
 
 
-class Row(NamedTuple):
+class StageRow(NamedTuple):
     """What a stage of a state writes, by columns; a row without cells is a heading."""
 
     name: str
@@ -84,7 +84,7 @@ class SideView(NamedTuple):
     places: tuple[Place, ...]
     slots: tuple[SlotPlace, ...]
     pressed: Mapping[float, str]
-    rows: tuple[Row, ...]
+    rows: tuple[StageRow, ...]
     bad_wheels: frozenset[int]
     notes: tuple[str, ...]
 
@@ -157,20 +157,20 @@ class _Reader(NamedTuple):
             if self.is_wrong(each.path, list(Slot.model_fields)):
                 yield floor(each.column)
 
-    def rows(self) -> Iterator[Row]:
+    def rows(self) -> Iterator[StageRow]:
         slots = sorted(self.slots, key=lambda each: not each.slot.wheel)
         ones = ((each, Duty(1.0) if each.slot.unit == "duty" else None) for each in slots)
         positive = _joined((each.column, self._text(each, value)) for each, value in ones)
-        yield Row("positive setpoint", positive)
+        yield StageRow("positive setpoint", positive)
         for region, states in self.robot.profile.actuation.items():
             rows = [
-                Row("  " + (f"{state}, stage {n + 1}" if n else state), cells)
+                StageRow("  " + (f"{state}, stage {n + 1}" if n else state), cells)
                 for state, stages in states.items()
                 for n in range(len(stages))
                 if (cells := self._cells(region, state, n)) and set(cells.values()) != {"0"}
             ]
             if rows:
-                yield Row(region, {})
+                yield StageRow(region, {})
                 yield from rows
 
     def pressed(self) -> Mapping[float, str]:

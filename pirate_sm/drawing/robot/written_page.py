@@ -27,7 +27,7 @@ class Paragraph(NamedTuple):
     lead: str = ""
 
 
-class Table(NamedTuple):
+class PageTable(NamedTuple):
     """Rows with as many cells as the header; an empty header is not shown."""
 
     header: Sequence[str]
@@ -40,14 +40,14 @@ class Drawing(NamedTuple):
     graph: Graph
 
 
-class Picture(NamedTuple):
+class PagePicture(NamedTuple):
     """A picture as SVG, and as lines of text for pages that cannot show it."""
 
     svg: str
     text: str
 
 
-Block: TypeAlias = Heading | Paragraph | Table | Drawing | Picture
+Block: TypeAlias = Heading | Paragraph | PageTable | Drawing | PagePicture
 
 _STYLE = """
 :root { color-scheme: light dark; }
@@ -78,7 +78,7 @@ def _markdown(block: Block) -> str:
         case Paragraph():
             lead = f"**{_marked(block.lead)}** " if block.lead else ""
             return lead + _marked(block.text)
-        case Table():
+        case PageTable():
             lines = [block.header, ["---"] * len(block.header), *block.rows]
             return "\n".join(
                 f"| {' | '.join(cell if row == 1 else _marked(cell) for cell in cells)} |"
@@ -86,7 +86,7 @@ def _markdown(block: Block) -> str:
             )
         case Drawing():
             return f"```mermaid\n{mermaid(block.graph)}```"
-        case Picture():
+        case PagePicture():
             return f"```text\n{block.text}\n```"
     assert_never(block)
 
@@ -115,16 +115,16 @@ def _html(block: Block) -> str:
         case Paragraph():
             lead = f"<b>{_text(block.lead)}</b> " if block.lead else ""
             return f"<p>{lead}{_text(block.text)}</p>"
-        case Table():
+        case PageTable():
             return "\n".join(["<table>", *_rows(block), "</table>"])
         case Drawing():
             return f"<figure>{svg(block.graph)}</figure>"
-        case Picture():
+        case PagePicture():
             return f"<figure>{block.svg}</figure>"
     assert_never(block)
 
 
-def _rows(table: Table) -> Iterator[str]:
+def _rows(table: PageTable) -> Iterator[str]:
     if any(table.header):
         yield f"<tr>{''.join(f'<th>{_text(cell)}</th>' for cell in table.header)}</tr>"
     for row in table.rows:

@@ -9,15 +9,15 @@ from __future__ import annotations
 from typing import TypeAlias
 
 from pirate_sm.engine.control.circumstances import Circumstances
-from pirate_sm.engine.control.position_loop import PositionLoop
-from pirate_sm.engine.control.torque_loop import TorqueLoop
-from pirate_sm.engine.control.velocity_loop import VelocityLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.engine.robot.command_spec import SlotSpec, Write
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 
 Numbers = tuple[float, ...]
-Loop: TypeAlias = PositionLoop | VelocityLoop | TorqueLoop | WheelTorqueLoop
+Loop: TypeAlias = RunningPositionLoop | RunningVelocityLoop | RunningTorqueLoop | WheelTorqueLoop
 Loops: TypeAlias = tuple[Loop, ...]
 
 
@@ -37,8 +37,8 @@ def begun(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) 
         case "turn":
             if slot.velocity is None:
                 return None
-            new = VelocityLoop(write.slot, slot.velocity, write.value, write.assist_nm)
-            same = isinstance(running, VelocityLoop) and running[:4] == new[:4]
+            new = RunningVelocityLoop(write.slot, slot.velocity, write.value, write.assist_nm)
+            same = isinstance(running, RunningVelocityLoop) and running[:4] == new[:4]
             return running if same else new
         case "bear":
             return _bearing(write, slot, numbers, running)
@@ -57,8 +57,10 @@ def _seeking(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | Non
         return None
     share = 1.0 if write.share_of < 0 else numbers[write.share_of]
     target_rad = write.value * share
-    new = PositionLoop(write.slot, slot.angle, slot.rate, slot.torque, slot.position, target_rad)
-    if not isinstance(running, PositionLoop):
+    new = RunningPositionLoop(
+        write.slot, slot.angle, slot.rate, slot.torque, slot.position, target_rad
+    )
+    if not isinstance(running, RunningPositionLoop):
         return new
     away_rad = abs(target_rad - running.target_rad)
     moves = away_rad > new.spec.threshold_rad
@@ -67,8 +69,8 @@ def _seeking(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | Non
 
 def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | None) -> Loop | None:
     if slot.held_torque is not None:
-        loop = TorqueLoop(write.slot, slot.held_torque, write.value, write.grip)
-        same = isinstance(running, TorqueLoop) and running.asks == loop.asks
+        loop = RunningTorqueLoop(write.slot, slot.held_torque, write.value, write.grip)
+        same = isinstance(running, RunningTorqueLoop) and running.asks == loop.asks
         return running if same else loop.heard(Circumstances(numbers))
     if slot.wheel_torque is not None:
         wheel = WheelTorqueLoop(write.slot, slot.wheel_torque, write.value, write.assist_nm)
@@ -79,17 +81,17 @@ def _bearing(write: Write, slot: SlotSpec, numbers: Numbers, running: Loop | Non
 def signal_of(loop: Loop) -> int:
     """Return the number index of the signal by which the loop controls its slot."""
     match loop:
-        case PositionLoop():
+        case RunningPositionLoop():
             return loop.angle
-        case TorqueLoop():
+        case RunningTorqueLoop():
             return loop.spec.torque
-        case VelocityLoop() | WheelTorqueLoop():
+        case RunningVelocityLoop() | WheelTorqueLoop():
             return loop.spec.speed
 
 
 def ends_with_command(loop: Loop) -> bool:
     """Return whether the loop ends with its command; others run until a state writes the slot."""
-    return isinstance(loop, PositionLoop)
+    return isinstance(loop, RunningPositionLoop)
 
 
 def after_frame(board: BoardSpec, loops: Loops, seen: Circumstances) -> Loops:

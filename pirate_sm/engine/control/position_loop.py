@@ -10,7 +10,7 @@ from pirate_sm.engine.robot.command_spec import PositionSpec
 Numbers = tuple[float, ...]
 
 
-class PositionLoop(NamedTuple):
+class RunningPositionLoop(NamedTuple):
     """A running position loop.
 
     Attributes:
@@ -27,7 +27,7 @@ class PositionLoop(NamedTuple):
     spec: PositionSpec
     target_rad: float
 
-    def heard(self, seen: Circumstances) -> PositionLoop:
+    def heard(self, seen: Circumstances) -> RunningPositionLoop:
         """Return the loop after a fresh frame: it remembers nothing."""
         return self
 
@@ -40,7 +40,7 @@ class PositionLoop(NamedTuple):
         moved = bool(origin) and abs(numbers[self.angle] - origin[self.angle]) >= moved_rad
         return moved_rad > 0 and not moved and not self.arrived(numbers)
 
-    def harder(self) -> PositionLoop:
+    def harder(self) -> RunningPositionLoop:
         """Return the loop with the limit for a joint that has not moved."""
         limit = max(self.spec.limit, self.spec.unmoved_limit)
         return self._replace(spec=self.spec._replace(limit=limit))

@@ -10,9 +10,9 @@ from collections.abc import Mapping, Sequence
 from math import isnan
 
 from pirate_sm.engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
-from pirate_sm.engine.control.position_loop import PositionLoop
-from pirate_sm.engine.control.torque_loop import TorqueLoop
-from pirate_sm.engine.control.velocity_loop import VelocityLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.engine.robot.command_spec import StageSpec
 from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
@@ -122,7 +122,7 @@ def _share_in_force(
 def _asked(loop: Loop | None, value: float) -> float:
     """Return what a wheel is asked for: the target of its loop, else its value."""
     match loop:
-        case VelocityLoop(target_rad_s=target) | WheelTorqueLoop(target_nm=target):
+        case RunningVelocityLoop(target_rad_s=target) | WheelTorqueLoop(target_nm=target):
             return target
         case _:
             return value
@@ -135,7 +135,7 @@ def _let_go(robot: RobotSpec, slot: int, loops: Mapping[int, Loop]) -> bool:
 
 def unsettled(state: RobotState, sensing: Sensing) -> list[int]:
     """Return the slots whose joint does not bear the torque that its torque loop asks for."""
-    loops = [each for each in state.loops if isinstance(each, TorqueLoop)]
+    loops = [each for each in state.loops if isinstance(each, RunningTorqueLoop)]
     return [each.slot for each in loops if not each.settled(sensing.numbers)]
 
 
@@ -174,7 +174,7 @@ def _known_origin(state: RobotState, motion: Motion, sensing: Sensing) -> Motion
 
 def unmoved_loops(
     state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
-) -> tuple[PositionLoop, ...]:
+) -> tuple[RunningPositionLoop, ...]:
     """Return the position loops if none of their joints has moved: no wall has stopped them.
 
     A command that restores what a run had before it was cut off, and one that repeats a stage
@@ -191,7 +191,7 @@ def unmoved_loops(
 def pushed_harder(state: RobotState, unmoved: Loops) -> Loops:
     """Return the running loops, of which these push with all that they may."""
     return tuple(
-        each.harder() if isinstance(each, PositionLoop) and each in unmoved else each
+        each.harder() if isinstance(each, RunningPositionLoop) and each in unmoved else each
         for each in state.loops
     )
 

@@ -16,7 +16,7 @@ from pirate_sm.engine.robot.command_spec import GripSpec, TorqueSpec
 Numbers = tuple[float, ...]
 
 
-class TorqueLoop(NamedTuple):
+class RunningTorqueLoop(NamedTuple):
     """A running torque loop.
 
     Attributes:
@@ -53,7 +53,7 @@ class TorqueLoop(NamedTuple):
         """Return whether friction may not bear the robot although the part presses all it may."""
         return self.gripping is not None and self.gripping.exhausted
 
-    def heard(self, seen: Circumstances) -> TorqueLoop:
+    def heard(self, seen: Circumstances) -> RunningTorqueLoop:
         """Return the loop after a fresh frame of the joint's board.
 
         The duty is ``gain * error``, and ``torque / stall torque`` more while the motor winds the
@@ -69,7 +69,7 @@ class TorqueLoop(NamedTuple):
             return self._replace(gripping=now)._driven(seen.numbers)
         return self._driven(seen.numbers)
 
-    def _driven(self, numbers: Numbers) -> TorqueLoop:
+    def _driven(self, numbers: Numbers) -> RunningTorqueLoop:
         spec, torque = self.spec, numbers[self.spec.torque]
         error = self.target_nm - torque
         if isnan(error) or abs(error) <= spec.dead_nm or self.pushing:

@@ -11,7 +11,7 @@ from pirate_sm.engine.robot.command_spec import VelocitySpec
 Numbers = tuple[float, ...]
 
 
-class VelocityLoop(NamedTuple):
+class RunningVelocityLoop(NamedTuple):
     """A running velocity loop: u = target / no-load speed + integral.
 
     The speed of a geared motor follows its duty within one frame, so the plant is nearly static.
@@ -33,7 +33,7 @@ class VelocityLoop(NamedTuple):
     integral: float = 0.0
     weight: float = 0.0
 
-    def heard(self, seen: Circumstances) -> VelocityLoop:
+    def heard(self, seen: Circumstances) -> RunningVelocityLoop:
         """Return the loop after a fresh frame of the wheel's board.
 
         The integral grows by ``gain`` times the error. It does not change while the speed is
@@ -45,7 +45,7 @@ class VelocityLoop(NamedTuple):
             loop = self._replace(weight=weight_nm / self.spec.stall_nm)
         return loop._corrected(seen.numbers[self.spec.speed])
 
-    def _corrected(self, speed: float) -> VelocityLoop:
+    def _corrected(self, speed: float) -> RunningVelocityLoop:
         if isnan(speed):
             return self
         error = (self.target_rad_s - speed) / self.spec.no_load_rad_s

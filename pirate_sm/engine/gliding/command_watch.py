@@ -5,7 +5,7 @@ from __future__ import annotations
 from functools import lru_cache
 from math import isnan
 
-from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
 from pirate_sm.engine.gliding.conditions import ANY_BOARD
 from pirate_sm.engine.gliding.watch import Condition, SameDuty
 from pirate_sm.engine.robot.criteria import CriterionSpec, ReachedSpec
@@ -86,7 +86,7 @@ def same_duties(robot: RobotSpec, body: RobotState) -> tuple[SameDuty, ...]:
 def _done(
     done: CriterionSpec,
     setpoints: Numbers,
-    seekers: tuple[PositionLoop, ...],
+    seekers: tuple[RunningPositionLoop, ...],
     there: tuple[Bound, ...],
 ) -> Code:
     """Return the code of a criterion; in a posture every joint must be at its angle too."""
@@ -99,7 +99,7 @@ def _followed(robot: RobotSpec, body: RobotState, motion: Motion) -> list[Condit
     posture = posture_of(robot, motion) if motion.stage == POSTURE else None
     if posture is None:
         return []
-    loops = {loop.slot: loop for loop in body.loops if isinstance(loop, PositionLoop)}
+    loops = {loop.slot: loop for loop in body.loops if isinstance(loop, RunningPositionLoop)}
     return [
         _condition(_has_moved(loops[write.slot], write.share_of, write.value), False)
         for write in posture.writes
@@ -107,7 +107,7 @@ def _followed(robot: RobotSpec, body: RobotState, motion: Motion) -> list[Condit
     ]
 
 
-def _has_moved(loop: PositionLoop, share_of: int, value: float) -> tree.Node:
+def _has_moved(loop: RunningPositionLoop, share_of: int, value: float) -> tree.Node:
     """Return whether the loop would be begun anew for an angle that is a share of another."""
     target = tree.Arithmetic("*", tree.Number(value), tree.Signal("", "number", share_of))
     off = tree.Arithmetic("-", target, tree.Number(loop.target_rad))

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from math import inf, isnan, nan
 
-from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
 from pirate_sm.engine.gliding.command_watch import command_conditions, same_duties
 from pirate_sm.engine.gliding.conditions import codes_of
 from pirate_sm.engine.gliding.watch import Condition, Watch
@@ -217,4 +217,4 @@ def _is_covered(body: RobotState) -> bool:
     """Return whether no loop remembers anything, and no array of a stream is on its way."""
     if body.overtaken or (body.flight is not None and body.flight.purpose == "stream"):
         return False
-    return all(isinstance(loop, PositionLoop) for loop in body.loops)
+    return all(isinstance(loop, RunningPositionLoop) for loop in body.loops)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from math import nan
 
-from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.engine.mission.program import Program, SwitchControl
 from pirate_sm.engine.moment import Moment
 from pirate_sm.engine.robot import commands
@@ -60,5 +60,5 @@ def awaits_torques(program: Program, state: EngineState) -> bool:
         mission.begun
         and mission.result is None
         and isinstance(program.instructions[mission.pc], SwitchControl)
-        and any(isinstance(each, TorqueLoop) for each in body.loops)
+        and any(isinstance(each, RunningTorqueLoop) for each in body.loops)
     )

@@ -8,8 +8,8 @@ from math import copysign, inf, isnan
 from typing import Literal, NamedTuple
 
 from pirate_sm.engine.control.loops import Loops
-from pirate_sm.engine.control.position_loop import PositionLoop
-from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
     AlignedSpec,
@@ -125,7 +125,7 @@ def near(signal: int, target: float, within: float) -> Bound:
     return Bound(signal, "<=", within, target)
 
 
-def arrived(loop: PositionLoop) -> Bound:
+def arrived(loop: RunningPositionLoop) -> Bound:
     """Return the bound that the loop's joint is at its angle."""
     return near(loop.angle, loop.target_rad, loop.spec.threshold_rad)
 
@@ -156,7 +156,7 @@ def _needs(  # noqa: C901 - one case for each criterion
                     yield _only(near(load.torque, loop.target_nm, loop.spec.within_nm))
         case ReachedSpec():
             for seeker in loops:
-                if isinstance(seeker, PositionLoop):
+                if isinstance(seeker, RunningPositionLoop):
                     yield _reached(criterion, setpoints[seeker.slot], seeker)
         case TurningSpec():
             ways = [(speed, setpoints[slot]) for slot, speed in criterion.wheels if setpoints[slot]]
@@ -179,7 +179,7 @@ def _needs(  # noqa: C901 - one case for each criterion
                 yield _only(Bound(signal, "<", criterion.limit))
 
 
-def _reached(criterion: ReachedSpec, duty: float, loop: PositionLoop) -> Need:
+def _reached(criterion: ReachedSpec, duty: float, loop: RunningPositionLoop) -> Need:
     """Return that a joint is at its angle, or pushed and standing still."""
     there = arrived(loop)
     if duty == 0:
@@ -209,16 +209,16 @@ def unmet_limits(
             yield from (bound.shown for bound in need.lacking)
 
 
-def _torque_loop(torque: int, loops: Loops) -> TorqueLoop | None:
+def _torque_loop(torque: int, loops: Loops) -> RunningTorqueLoop | None:
     """Return the loop that keeps the torque with this number index; None without one."""
     for loop in loops:
-        if isinstance(loop, TorqueLoop) and loop.spec.torque == torque:
+        if isinstance(loop, RunningTorqueLoop) and loop.spec.torque == torque:
             return loop
     return None
 
 
 def must_hold_s(
-    criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
+    criterion: CriterionSpec, numbers: Numbers, loops: tuple[RunningPositionLoop, ...]
 ) -> float:
     """Return for how long the criterion must have been true."""
     if isinstance(criterion, ReachedSpec):
@@ -245,7 +245,10 @@ _IN_WORDS: Mapping[type[CriterionSpec], tuple[str, str]] = {
 
 
 def in_words(
-    robot: RobotSpec, criterion: CriterionSpec, numbers: Numbers, loops: tuple[PositionLoop, ...]
+    robot: RobotSpec,
+    criterion: CriterionSpec,
+    numbers: Numbers,
+    loops: tuple[RunningPositionLoop, ...],
 ) -> str:
     """Return what shows that the command is done, with the joints that a wall has stopped."""
     names = robot.vocabulary.numbers

@@ -7,7 +7,7 @@ from math import inf, isnan, nan
 from typing import Literal, NamedTuple
 
 from pirate_sm.engine.control.loops import Loops
-from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
 from pirate_sm.engine.records import often_replaced
 from pirate_sm.engine.robot.chart_table import Configuration
 from pirate_sm.engine.robot.command_spec import PostureSpec, StageSpec
@@ -186,11 +186,11 @@ class RobotState(NamedTuple):
         return None if flight is None or flight.purpose == "stream" else flight
 
     @property
-    def seekers(self) -> tuple[PositionLoop, ...]:
+    def seekers(self) -> tuple[RunningPositionLoop, ...]:
         """Return the running position loops."""
         if not self.loops:  # runs at every frame; usually there are none
             return ()
-        return tuple([each for each in self.loops if isinstance(each, PositionLoop)])
+        return tuple([each for each in self.loops if isinstance(each, RunningPositionLoop)])
 
     def at_rest(self) -> RobotState:
         """Return the robot between two missions: nothing is under way, no loop runs.

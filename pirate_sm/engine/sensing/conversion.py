@@ -9,7 +9,7 @@ from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.sensing import plausibility
 from pirate_sm.engine.sensing.board_spec import BoardSpec
 from pirate_sm.engine.sensing.known_signals import MotorRequest, Numbers, Sensing
-from pirate_sm.engine.sensing.motion_plausibility import Motion, Rows
+from pirate_sm.engine.sensing.motion_plausibility import MotionRows, Rows
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading
 from pirate_sm.engine.signals.evaluator import run
 from pirate_sm.engine.signals.table import signal_table
@@ -84,7 +84,10 @@ def _judged(
         return run(some, lists, cells, sensing.numbers, frame.values, now, elapsed_s)
 
     kept(rows.measured)
-    reading, motion = Reading(sensing.numbers, elapsed_s, now), Motion(rows.stuck, rows.rest, kept)
+    reading, motion = (
+        Reading(sensing.numbers, elapsed_s, now),
+        MotionRows(rows.stuck, rows.rest, kept),
+    )
     record, reports = plausibility.sift(
         *(robot.plausibility, board.watched, sensing.records[board.position], cells, reading),
         motion,
@@ -175,7 +178,7 @@ def forget_stale(robot: RobotSpec, sensing: Sensing, now: float) -> Sensing:
             # The first reading after the silence may be damaged: it is judged by the last one.
             at, spec = board.position, robot.plausibility
             rows, elapsed_s = table.boards[at], now - sensing.heard_s[at]
-            reading, motion = Reading(sensing.numbers, elapsed_s, now), Motion(rows.stuck)
+            reading, motion = Reading(sensing.numbers, elapsed_s, now), MotionRows(rows.stuck)
             records[at], _ = plausibility.sift(
                 spec, board.watched, records[at], numbers, reading, motion
             )

@@ -16,7 +16,7 @@ from pirate_sm.model.fault_codes import BuiltInFault
 Rows: TypeAlias = Sequence[Sequence[int]]
 
 
-class Motion(NamedTuple):
+class MotionRows(NamedTuple):
     """The rows of a board's motions, see :mod:`pirate_sm.engine.signals.evaluator`.
 
     Attributes:
@@ -32,14 +32,14 @@ class Motion(NamedTuple):
         return {place: (cells[at], cells[at + 1]) for _, _, at, _, place in self.stuck}
 
 
-NOTHING_COMPARED = Motion()
+NOTHING_COMPARED = MotionRows()
 
 
 def after_motion(
     spec: PlausibilitySpec,
     watched: WatchedSpec,
     channels: Sequence[SensorMemory],
-    motion: Motion,
+    motion: MotionRows,
     cells: list[float],
     now_s: float,
 ) -> tuple[Sequence[SensorMemory], list[FaultReport]]:

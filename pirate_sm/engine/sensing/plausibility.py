@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import isnan, nan
 
-from pirate_sm.engine.sensing.motion_plausibility import NOTHING_COMPARED, Motion, after_motion
+from pirate_sm.engine.sensing.motion_plausibility import NOTHING_COMPARED, MotionRows, after_motion
 from pirate_sm.engine.sensing.plausibility_spec import PlausibilitySpec, WatchedSpec, WatchSpec
 from pirate_sm.engine.sensing.sensor_memory import BoardMemory, Reading, SensorMemory
 from pirate_sm.engine.sensing.value_plausibility import torque, weigh, weigh_jumped
@@ -51,7 +51,7 @@ def sift(
     record: BoardMemory,
     numbers: list[float],
     reading: Reading,
-    motion: Motion = NOTHING_COMPARED,
+    motion: MotionRows = NOTHING_COMPARED,
 ) -> tuple[BoardMemory, list[FaultReport]]:
     """Replace implausible numbers, and report faulty sensors.
 

@@ -45,7 +45,7 @@ _FEW = 3
 """So many wheels press differently, so that they do not turn alike while they slip."""
 
 
-class Grip(NamedTuple):
+class WheelGrip(NamedTuple):
     """Whether wheels may slip.
 
     Attributes:
@@ -63,7 +63,7 @@ class Grip(NamedTuple):
 
 def judge_grip(
     robot: RobotSpec, sensing: Sensing, setpoints: Numbers, by: Believed, pitch_rad: float
-) -> Grip:
+) -> WheelGrip:
     """Return whether the wheels may slip, by what they have shown in a round."""
     numbers, weight_n = sensing.numbers, robot.body.weight_n
     driven = [wheel for wheel in robot.wheels if setpoints[wheel.slot]]
@@ -81,7 +81,7 @@ def judge_grip(
         and by.odd_s[wheel.place] == sensing.distance.odd_s[wheel.place] == inf
     ]
     if not driven:
-        return Grip()
+        return WheelGrip()
     speeds = [numbers[wheel.speed] * wheel.metres_per_rad for wheel in turning]
     bearing = turning + [w for w in _along(numbers, heard, speeds) if w not in turning]
     drag_n = sum(wheel.drag_n for wheel in driven if wheel not in bearing)
@@ -102,15 +102,15 @@ def judge_grip(
     lacks = excess_n < -slack_n and not isnan(pitch_rad)
     slips = excess_n > slack_n or lacks or (steep and (unalike or len(turning) < _FEW))
     if not slips and not unalike:
-        return Grip()
+        return WheelGrip()
     gripping = _gripping(robot, numbers, turning, setpoints)
     if not gripping and excess_n > slack_n and felt and not steep:
         gripping = _carried(numbers, setpoints, turning)
     if gripping or not slips:
-        return Grip(speeds=gripping or ends)
+        return WheelGrip(speeds=gripping or ends)
     pull_n = min(asked_n, slack_n - excess_n) if steep and weight_n else 0.0
     vague = len(turning) < _FEW <= len(by.wheels)
-    return Grip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)
+    return WheelGrip(True, ends, pull_n / weight_n * GRAVITY_M_S2 if pull_n else 0.0, vague)
 
 
 def _carried(numbers: Numbers, setpoints: Numbers, turning: Sequence[WheelSpec]) -> list[float]:

@@ -63,7 +63,7 @@ class StateNode:
 
 
 @dataclass(frozen=True)
-class Transition:
+class ChartTransition:
     """A transition of one leaf state on one event.
 
     Attributes:
@@ -101,7 +101,7 @@ class ChartOutline:
     regions: tuple[str, ...]
     states: tuple[tuple[str, ...], ...]
     initial: tuple[str, ...]
-    transitions: tuple[Transition, ...]
+    transitions: tuple[ChartTransition, ...]
     commands: tuple[str, ...]
     nodes: tuple[tuple[StateNode, ...], ...]
 

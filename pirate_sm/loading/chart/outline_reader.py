@@ -13,7 +13,12 @@ from typing import TYPE_CHECKING, Any
 from pirate_sm.engine.state import OUTSIDE
 from pirate_sm.expressions import EnumType, Vocabulary
 from pirate_sm.loading.chart.guards import check_guard, guard_on_leaves
-from pirate_sm.loading.chart.outline import ChartOutline, StateNode, Transition, WrittenTransition
+from pirate_sm.loading.chart.outline import (
+    ChartOutline,
+    ChartTransition,
+    StateNode,
+    WrittenTransition,
+)
 from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.spelling import nearest, one_of
 
@@ -106,7 +111,7 @@ def _outline(top: str, regions: Mapping[str, Any], problems: Problems) -> ChartO
     )
 
 
-def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterator[Transition]:
+def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterator[ChartTransition]:
     """Yield the transitions of each leaf, its own before those of its enclosing states."""
     for node in found:
         for chain in node.chains():
@@ -116,7 +121,7 @@ def _flat(found: Iterable[StateNode], every: Mapping[str, StateNode]) -> Iterato
                     tree = guard_on_leaves(move.guard, every)
                     target = every[move.target].first.name if move.target in every else move.target
                     for event in move.events:
-                        yield Transition(
+                        yield ChartTransition(
                             leaf.partition(".")[0],
                             leaf,
                             event,

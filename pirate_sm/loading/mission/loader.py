@@ -14,7 +14,7 @@ from pirate_sm.engine.mission.program import Program
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.errors import Hint, UsageError
 from pirate_sm.loading import library, pickling, references
-from pirate_sm.loading.file_kinds import Kind, refuse_other
+from pirate_sm.loading.file_kinds import FileKind, refuse_other
 from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.mission import parameter_values as parameters
 from pirate_sm.loading.mission.holding import holding_in
@@ -150,7 +150,7 @@ def _shape(document: Document, problems: Problems, *, spare: bool) -> Mission:
     """Return the mission of the document, without its faulty parts if `spare`."""
     mission = try_validate(document, Mission, problems)
     if mission is None:
-        refuse_other(document, Kind.MISSION)
+        refuse_other(document, FileKind.MISSION)
         if part_of(document):
             check_section(document, problems)
     if mission is None and spare:

@@ -8,7 +8,7 @@ from math import degrees, isnan, pi, remainder
 from typing import NamedTuple
 
 from pirate_sm.errors import UsageError
-from pirate_sm.geometry.joints import Joint
+from pirate_sm.geometry.joints import RouteJoint
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_runs import KeyPath
@@ -37,7 +37,7 @@ class UndrivableError(UsageError):
         super().__init__(f"{message}: {needed}")
 
 
-class Step(NamedTuple):
+class RouteStep(NamedTuple):
     """A call of a mission.
 
     Attributes:
@@ -49,7 +49,7 @@ class Step(NamedTuple):
     way_m: float | None = None
 
 
-class Course(NamedTuple):
+class RouteCourse(NamedTuple):
     """What a mission along a route is made of.
 
     Attributes:
@@ -60,7 +60,7 @@ class Course(NamedTuple):
     """
 
     polarity: str
-    calls: tuple[tuple[Joint, tuple[Step, ...]], ...]
+    calls: tuple[tuple[RouteJoint, tuple[RouteStep, ...]], ...]
     last_m: float
 
 
@@ -79,7 +79,7 @@ class _Reached(NamedTuple):
     first_m: float
     clear_m: float
     turns: int = 0
-    calls: tuple[tuple[Joint, tuple[Step, ...]], ...] = ()
+    calls: tuple[tuple[RouteJoint, tuple[RouteStep, ...]], ...] = ()
 
 
 class _Composer:
@@ -109,7 +109,7 @@ class _Composer:
             found = list(best.values())
         return found, len(self.joints)
 
-    def _past(self, now: _Reached, joint: Joint) -> Iterator[_Reached]:
+    def _past(self, now: _Reached, joint: RouteJoint) -> Iterator[_Reached]:
         """Yield how the robot comes behind a joint."""
         for count in range(_MOST_TURNS + 1):
             for turns in product(self.travel.turns, repeat=count):
@@ -119,7 +119,7 @@ class _Composer:
                 if by is not None and steps is not None:
                     yield self._after(now, joint, steps, turned_rad, by, count)
 
-    def _by(self, joint: Joint, roll_rad: float) -> PassedBy | None:
+    def _by(self, joint: RouteJoint, roll_rad: float) -> PassedBy | None:
         """Return what passes a joint in a robot with this roll."""
         turn_rad, towards_rad = joint.turn_rad, joint.towards_rad - roll_rad
         passages = self.travel.passages
@@ -128,8 +128,8 @@ class _Composer:
         )
 
     def _turned(
-        self, now: _Reached, joint: Joint, turns: Sequence[Turn]
-    ) -> tuple[Step, ...] | None:
+        self, now: _Reached, joint: RouteJoint, turns: Sequence[Turn]
+    ) -> tuple[RouteStep, ...] | None:
         """Return the steps that turn the robot before a joint; None if they cannot."""
         if not turns:
             return ()
@@ -143,10 +143,10 @@ class _Composer:
                 return None
             roll_rad += turn.rolls
         ahead_m = now.clear_m - now.first_m
-        drive = (Step(self.travel.last, ahead_m),) if ahead_m > 0 else ()
-        return (*drive, *(Step(turn.call) for turn in turns))
+        drive = (RouteStep(self.travel.last, ahead_m),) if ahead_m > 0 else ()
+        return (*drive, *(RouteStep(turn.call) for turn in turns))
 
-    def room_m(self, now: _Reached, joint: Joint) -> float:
+    def room_m(self, now: _Reached, joint: RouteJoint) -> float:
         """Return how far a joint begins ahead of a robot at the place where it may turn."""
         return joint.arc_m - joint.before_m - max(now.first_m, now.clear_m)
 
@@ -157,15 +157,15 @@ class _Composer:
     def _after(
         self,
         now: _Reached,
-        joint: Joint,
-        steps: tuple[Step, ...],
+        joint: RouteJoint,
+        steps: tuple[RouteStep, ...],
         turned_rad: float,
         by: PassedBy,
         turns: int,
     ) -> _Reached:
         """Return where the robot is after it has turned and has passed a joint."""
         at_m = max(now.first_m, now.clear_m) if turns else now.first_m
-        steps = (*steps, *map(Step, by.calls))
+        steps = (*steps, *map(RouteStep, by.calls))
         behind_m, opens = joint.arc_m + self.length_m, joint.kind == "tee"
         return _Reached(
             now.roll_rad + turned_rad,
@@ -222,7 +222,7 @@ def _deg(angle_rad: float) -> str:
     return f"{round(degrees(remainder(angle_rad, 2 * pi))):d} deg"
 
 
-def course_along(pipe: Pipe, profile: Profile) -> Course:
+def course_along(pipe: Pipe, profile: Profile) -> RouteCourse:
     """Return what passes the joints of a pipe's first route, in order, with the fewest turns.
 
     Raises:
@@ -251,11 +251,11 @@ def course_along(pipe: Pipe, profile: Profile) -> Course:
     if last_m <= 0:
         what = "behind the last joint" if best.calls else "before its end"
         raise UsageError(f"the robot has no room {what}: the route ends too early")
-    return Course(polarity, best.calls, last_m)
+    return RouteCourse(polarity, best.calls, last_m)
 
 
 def mission_along(
-    name: str, route: str, pipe_name: str, robot_name: str, course: Course, travel: Travel
+    name: str, route: str, pipe_name: str, robot_name: str, course: RouteCourse, travel: Travel
 ) -> str:
     """Return the text of a mission along a route.
 
@@ -307,7 +307,7 @@ def mission_along(
     return "\n".join(lines) + "\n"
 
 
-def _written(step: Step) -> str:
+def _written(step: RouteStep) -> str:
     """Return a step of a mission."""
     if step.way_m is None:
         return f"{{call: {step.call}}}"

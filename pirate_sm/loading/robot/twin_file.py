@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pirate_sm.loading.file_kinds import Kind, refuse_other
+from pirate_sm.loading.file_kinds import FileKind, refuse_other
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import Document, read_document
 from pirate_sm.loading.yaml.validation import try_validate
@@ -43,7 +43,7 @@ def twin_in(document: Document, profile: Profile) -> Twin:
     problems = Problems(document)
     twin = try_validate(document, Twin, problems)
     if twin is None:
-        refuse_other(document, Kind.TWIN)
+        refuse_other(document, FileKind.TWIN)
     else:
         check_twin(twin, profile, problems)
     problems.raise_errors()

@@ -8,7 +8,7 @@ from typing import Any, Final, cast
 
 import yaml
 
-from pirate_sm.loading.yaml.nodes import Node, YamlFault
+from pirate_sm.loading.yaml.nodes import YamlFault, YamlNode
 from pirate_sm.loading.yaml.scalars import CORE_PREFIX, ScalarError, resolve_plain, resolve_tagged
 from pirate_sm.loading.yaml.syntax_faults import key_fault, syntax_fault
 
@@ -33,13 +33,13 @@ class _FatalError(Exception):
 class _Open:
     """A mapping or list that is still being read."""
 
-    node: Node
+    node: YamlNode
     anchor: str | None
     # The key of the next value; None in a list, and where a key comes next.
-    key: Node | None = None
+    key: YamlNode | None = None
 
 
-def compose(text: str) -> tuple[Node | None, tuple[YamlFault, ...]]:
+def compose(text: str) -> tuple[YamlNode | None, tuple[YamlFault, ...]]:
     """Return the tree of a YAML text, None if it is empty, and all faults found."""
     composer = _Composer()
     try:
@@ -81,15 +81,15 @@ class _Composer:
     """Builds the tree with its own stack, so that deep nesting cannot exhaust Python's."""
 
     def __init__(self) -> None:
-        self.root: Node | None = None
+        self.root: YamlNode | None = None
         self.faults: list[YamlFault] = []
         self._stack: list[_Open] = []
-        self._anchors: dict[str, Node | None] = {}  # None while the node is still being read
+        self._anchors: dict[str, YamlNode | None] = {}  # None while the node is still being read
         self._aliases = 0
         self._documents = 0
 
     @property
-    def innermost(self) -> Node | None:
+    def innermost(self) -> YamlNode | None:
         """Return the innermost mapping or list that is still open, None if there is none."""
         return self._stack[-1].node if self._stack else None
 
@@ -116,7 +116,7 @@ class _Composer:
                     _fault("documents", event, "a second document ('---') in one file")
                 )
 
-    def _scalar(self, event: yaml.ScalarEvent) -> Node:
+    def _scalar(self, event: yaml.ScalarEvent) -> YamlNode:
         node = _node(event)
         try:
             if event.tag is not None and event.tag != "!":
@@ -143,7 +143,7 @@ class _Composer:
             self._anchors[event.anchor] = None
         self._stack.append(_Open(node, event.anchor))
 
-    def _alias(self, event: yaml.AliasEvent) -> Node:
+    def _alias(self, event: yaml.AliasEvent) -> YamlNode:
         self._aliases += 1
         if self._aliases > MOST_ALIASES:
             raise _FatalError(
@@ -163,7 +163,7 @@ class _Composer:
         node.size, node.height = target.size, target.height
         return node
 
-    def _add(self, node: Node, anchor: str | None) -> None:
+    def _add(self, node: YamlNode, anchor: str | None) -> None:
         """Add a finished node to the tree."""
         if anchor is not None:
             self._anchors[anchor] = node
@@ -186,7 +186,7 @@ class _Composer:
             self._add_entry(parent, opened.key, node)
             opened.key = None
 
-    def _add_entry(self, parent: Node, key: Node, node: Node) -> None:
+    def _add_entry(self, parent: YamlNode, key: YamlNode, node: YamlNode) -> None:
         assert isinstance(parent.children, dict)
         name = key.value
         if not isinstance(name, str):
@@ -205,9 +205,9 @@ class _Composer:
         parent.value[name] = node.value
 
 
-def _node(event: yaml.Event) -> Node:
+def _node(event: yaml.Event) -> YamlNode:
     start, end = _marks(event)
-    return Node(start.line + 1, start.column + 1, start.index, end.index)
+    return YamlNode(start.line + 1, start.column + 1, start.index, end.index)
 
 
 def _fault(code: str, event: yaml.Event, message: str) -> YamlFault:

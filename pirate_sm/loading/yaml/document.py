@@ -19,7 +19,7 @@ from pirate_sm.loading.file_names import shown
 from pirate_sm.loading.idioms import meant_key
 from pirate_sm.loading.problems import Edit, LoadError, Place, Problem
 from pirate_sm.loading.yaml.composer import compose
-from pirate_sm.loading.yaml.nodes import Node, from_file, overlaid
+from pirate_sm.loading.yaml.nodes import YamlNode, from_file, overlaid
 from pirate_sm.on_disk import opened
 
 LARGEST_FILE: Final = 1 << 20  # bytes
@@ -43,7 +43,7 @@ class Document:
 
     name: str
     text: str = field(repr=False)
-    _root: Node = field(repr=False)
+    _root: YamlNode = field(repr=False)
     lines: tuple[str, ...] = field(repr=False)
     bases: tuple[Document, ...] = field(default=(), repr=False)
 
@@ -154,7 +154,7 @@ class Document:
         """Return the document of a file: this one, or one that it extends."""
         return next((each for each in self.bases if each.name == file), self)
 
-    def _inside(self, node: Node, offset: int) -> tuple[int, int]:
+    def _inside(self, node: YamlNode, offset: int) -> tuple[int, int]:
         """Return line and column of a character of a text value.
 
         Quotes, escapes and folded lines shift text. The character's line of the value is searched
@@ -173,7 +173,7 @@ class Document:
             return node.line, node.column
         return _line_and_column(self.text, position + offset - begin)
 
-    def _folded(self, node: Node, value: str, offset: int) -> int:
+    def _folded(self, node: YamlNode, value: str, offset: int) -> int:
         """Return the position in the file of a character of a folded block's value."""
         before = sum(not each.isspace() for each in value[:offset])
         position = self.text.find("\n", node.start, node.end)  # the header is no part of it

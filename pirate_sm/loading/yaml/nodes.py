@@ -5,11 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import Any, TypeAlias
 
-Children: TypeAlias = "dict[str, tuple[Node, int, int]] | list[Node] | None"
+Children: TypeAlias = "dict[str, tuple[YamlNode, int, int]] | list[YamlNode] | None"
 
 
 @dataclass(slots=True)
-class Node:
+class YamlNode:
     """A value with its place; lines and columns count from 1, start and end from 0.
 
     Attributes:
@@ -30,7 +30,7 @@ class Node:
     height: int = 1
     file: str = ""
 
-    def child(self, part: str | int) -> tuple[Node, int, int] | None:
+    def child(self, part: str | int) -> tuple[YamlNode, int, int] | None:
         """Return the value at a key or index, with the place of its key; None if missing."""
         if isinstance(self.children, dict) and isinstance(part, str):
             return self.children.get(part)
@@ -54,7 +54,7 @@ class YamlFault:
     suggestion: str = ""
 
 
-def from_file(node: Node, name: str) -> Node:
+def from_file(node: YamlNode, name: str) -> YamlNode:
     """Return a copy of a tree whose nodes know the file that they are from."""
     children: Children = node.children
     if isinstance(children, dict):
@@ -66,7 +66,7 @@ def from_file(node: Node, name: str) -> Node:
     return replace(node, children=children, file=node.file or name)
 
 
-def overlaid(base: Node, over: Node, *, without: str = "") -> Node:
+def overlaid(base: YamlNode, over: YamlNode, *, without: str = "") -> YamlNode:
     """Return the tree of two mappings that are merged, else ``over``.
 
     Args:

@@ -31,7 +31,7 @@ _WRAPPERS = {
 
 
 @dataclass(frozen=True, slots=True)
-class Trail:
+class SchemaTrail:
     """The resolved location of an error.
 
     Attributes:
@@ -58,7 +58,7 @@ class SchemaWalk:
             schema = schema["schema"]
         self._root = schema
 
-    def follow(self, location: Location) -> Trail:
+    def follow(self, location: Location) -> SchemaTrail:
         """Return the trail of a location, as far as the schema covers it."""
         return self._follow(self._root, location, ())
 
@@ -97,23 +97,23 @@ class SchemaWalk:
             else:
                 return schema
 
-    def _follow(self, schema: Schema, location: Location, path: Path) -> Trail:
+    def _follow(self, schema: Schema, location: Location, path: Path) -> SchemaTrail:
         schema = self._plain(schema)
         if not location:
-            return Trail(path, schema)
+            return SchemaTrail(path, schema)
         part, rest = location[0], location[1:]
         match schema["type"]:
             case "tagged-union":
                 choice = self._choice(schema, part)
-                return self._follow(choice, rest, path) if choice else Trail(path, schema)
+                return self._follow(choice, rest, path) if choice else SchemaTrail(path, schema)
             case "union":
                 return self._branch(schema, str(part), rest, path)
             case _:
                 child = self._child(schema, part)
         if rest == ("[key]",):
-            return Trail((*path, part), None, key=True)
+            return SchemaTrail((*path, part), None, key=True)
         if child is None:
-            return Trail((*path, part))
+            return SchemaTrail((*path, part))
         return self._follow(child, rest, (*path, part))
 
     def _choice(self, schema: Schema, tag: str | int) -> Schema | None:
@@ -123,7 +123,7 @@ class SchemaWalk:
                 return found
         return None
 
-    def _branch(self, schema: Schema, label: str, rest: Location, path: Path) -> Trail:
+    def _branch(self, schema: Schema, label: str, rest: Location, path: Path) -> SchemaTrail:
         """Return the trail through the branch with this label, or the longest trail."""
         choices = [
             (choice[0], choice[1]) if isinstance(choice, tuple) else (choice, None)

@@ -7,7 +7,7 @@ from typing import Final
 
 import yaml
 
-from pirate_sm.loading.yaml.nodes import Node, YamlFault
+from pirate_sm.loading.yaml.nodes import YamlFault, YamlNode
 
 # A part of the parser's message, our message, and the expected input.
 _ADVICE: Final = (
@@ -34,7 +34,7 @@ _ADVICE: Final = (
 )
 
 
-def syntax_fault(error: yaml.MarkedYAMLError, innermost: Node | None) -> YamlFault:
+def syntax_fault(error: yaml.MarkedYAMLError, innermost: YamlNode | None) -> YamlFault:
     """Return a syntax error as a fault with a helpful message."""
     said = f"{error.context or ''} {error.problem or ''}"
     mark, opening = error.problem_mark or error.context_mark, error.context_mark
@@ -61,7 +61,7 @@ def _bad_character(error: yaml.MarkedYAMLError, line: int, column: int) -> YamlF
     return YamlFault("syntax", line, column, message, "the text in quotes")
 
 
-def key_fault(key: Node) -> YamlFault:
+def key_fault(key: YamlNode) -> YamlFault:
     """Return the fault of a key that is not text."""
     if isinstance(key.value, dict | list):
         message = "a mapping or list cannot be a key"

@@ -14,7 +14,7 @@ from pirate_sm.loading.problems import Path, Problems
 from pirate_sm.loading.yaml.document import Document
 from pirate_sm.loading.yaml.error_wording import Wording, merged, misspelt_kind, wanted_kind, word
 from pirate_sm.loading.yaml.right_kind import form_of, part, tries
-from pirate_sm.loading.yaml.schema_path import SchemaWalk, Trail
+from pirate_sm.loading.yaml.schema_path import SchemaTrail, SchemaWalk
 from pirate_sm.model.quantities import FROM_FILE
 from pirate_sm.spelling import one_of
 
@@ -98,7 +98,7 @@ class _Error:
     """One error with its trail; `wording` replaces its message if errors were merged."""
 
     detail: ErrorDetails
-    trail: Trail
+    trail: SchemaTrail
     wording: Wording | None = None
 
     def worded(self) -> Wording:

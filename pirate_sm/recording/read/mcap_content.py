@@ -24,7 +24,7 @@ from pirate_sm.recording.read.mcap_records import (
     FRAME,
     ChunkPlace,
     DamagedError,
-    Frame,
+    RecordPlace,
     bytes_at,
     records_of,
     stream_of,
@@ -159,7 +159,7 @@ def _is_mark(file: BinaryIO, start: int) -> bool:
     return bool(mark.metadata.get("at") == str(start))
 
 
-def _first(file: BinaryIO, size: int, since: int) -> Iterator[Frame]:
+def _first(file: BinaryIO, size: int, since: int) -> Iterator[RecordPlace]:
     """Yield the records up to the first chunk, which are before this byte."""
     for frame in _frames(file, size) if since else ():
         if frame.end > since:
@@ -169,7 +169,7 @@ def _first(file: BinaryIO, size: int, since: int) -> Iterator[Frame]:
             return
 
 
-def _frames(file: BinaryIO, size: int, since: int = 0) -> Iterator[Frame]:
+def _frames(file: BinaryIO, size: int, since: int = 0) -> Iterator[RecordPlace]:
     """Yield the places of the whole records from this byte on, by their lengths."""
     at = since or len(MCAP0_MAGIC)
     while at + FRAME.size <= size:
@@ -178,7 +178,7 @@ def _frames(file: BinaryIO, size: int, since: int = 0) -> Iterator[Frame]:
         start, end = at + FRAME.size, at + FRAME.size + length
         if opcode == 0 or end > size:
             return
-        yield Frame(opcode, start, end)
+        yield RecordPlace(opcode, start, end)
         if opcode == Opcode.DATA_END:
             return
         at = end
@@ -216,14 +216,14 @@ def _torn(file: BinaryIO, pieces: list[ChunkPlace]) -> Iterator[int]:
             return
 
 
-def _piece(file: BinaryIO, frame: Frame) -> ChunkPlace:
+def _piece(file: BinaryIO, frame: RecordPlace) -> ChunkPlace:
     (start_ns,) = _TIME.unpack(
         bytes_at(file, frame.start, min(_TIME.size, frame.end - frame.start))
     )
     return ChunkPlace(frame.start, frame.end - frame.start, start_ns)
 
 
-def _small(file: BinaryIO, frame: Frame) -> bytes:
+def _small(file: BinaryIO, frame: RecordPlace) -> bytes:
     return bytes_at(file, frame.start, frame.end - frame.start)
 
 

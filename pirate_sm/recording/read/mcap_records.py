@@ -31,7 +31,7 @@ class DamagedError(Exception):
     """Is raised for damaged bytes."""
 
 
-class Frame(NamedTuple):
+class RecordPlace(NamedTuple):
     """A record's place in the file or in a chunk."""
 
     opcode: int
@@ -121,7 +121,7 @@ def messages_in(records: bytes) -> Iterator[RawMessage]:
             yield RawMessage(number, time_ns, records[start + _MESSAGE.size : end])
 
 
-def _inside(records: bytes) -> Iterator[Frame]:
+def _inside(records: bytes) -> Iterator[RecordPlace]:
     """Yield the places of the records in a chunk.
 
     Raises:
@@ -133,7 +133,7 @@ def _inside(records: bytes) -> Iterator[Frame]:
         start, at = at + FRAME.size, at + FRAME.size + length
         if at > size or (opcode == Opcode.MESSAGE and length < _MESSAGE.size):
             raise DamagedError("a chunk holds something else than records")
-        yield Frame(opcode, start, at)
+        yield RecordPlace(opcode, start, at)
 
 
 def bytes_at(file: BinaryIO, at: int, size: int) -> bytes:

@@ -25,7 +25,7 @@ from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
 from pirate_sm.recording.read.mcap_records import ChunkPlace, DamagedError
-from pirate_sm.recording.read.steps import Message, Step, StepEffects
+from pirate_sm.recording.read.steps import Message, RecordedStep, StepEffects
 
 
 class FirstInput(NamedTuple):
@@ -106,7 +106,7 @@ class PieceReader:
                     with suppress(ValueError):
                         yield number, at_s, state_from_text(made.state)
 
-    def steps(self, messages: Sequence[Message], first: int | None) -> list[Step]:
+    def steps(self, messages: Sequence[Message], first: int | None) -> list[RecordedStep]:
         """Return the steps of a piece.
 
         Args:
@@ -144,14 +144,14 @@ class PieceReader:
             raise DamagedInsideError(self._path, str(error)) from None
 
 
-def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> Step:
+def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]) -> RecordedStep:
     given = tuple(effect for _, effect in sorted(effects, key=lambda each: each[0]))
     if isinstance(made, Started):
         body, resumed = body_from_text(made.body), resumption_from_text(made.resumed)
-        return Step(number, at_s, None, given, "start", body, made.paused, resumed=resumed)
+        return RecordedStep(number, at_s, None, given, "start", body, made.paused, resumed=resumed)
     if isinstance(made, Abandoned):
-        return Step(number, at_s, None, given, "runtime")
-    return Step(number, at_s, made, given, "engine")
+        return RecordedStep(number, at_s, None, given, "runtime")
+    return RecordedStep(number, at_s, made, given, "engine")
 
 
 def unreadable(path: Path, error: OSError) -> RecordingError:

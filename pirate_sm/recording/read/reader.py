@@ -37,9 +37,9 @@ from pirate_sm.recording.read.steps import (
     Checkpoint,
     Gap,
     Message,
-    Shown,
-    Step,
+    RecordedStep,
     StepEffects,
+    ViewerMessage,
     with_own_times,
 )
 
@@ -147,7 +147,7 @@ class Recording:
         return self._last_steps[-1].at_s - self.origin_s if self._last_steps else 0.0
 
     @property
-    def last_step(self) -> Step:
+    def last_step(self) -> RecordedStep:
         """Return the last step.
 
         Raises:
@@ -164,7 +164,7 @@ class Recording:
         return any(isinstance(effect, Ended) for effect in last)
 
     @cached_property
-    def _last_steps(self) -> list[Step]:
+    def _last_steps(self) -> list[RecordedStep]:
         """Return the steps of the last piece that has any."""
         pieces = reversed(range(len(self.content.pieces)))
         found = (self._reader.steps(self._reader.messages(place), None) for place in pieces)
@@ -207,7 +207,7 @@ class Recording:
                 if after is None or each.step > after.step:
                     yield each
 
-    def steps(self, after: Checkpoint | None = None) -> Iterator[Step]:
+    def steps(self, after: Checkpoint | None = None) -> Iterator[RecordedStep]:
         """Yield every input of the engine, in order, with its effects.
 
         Args:
@@ -219,7 +219,7 @@ class Recording:
                 started = started or step.by == "start" or step.state is not None
                 yield step if started or step.by != "engine" else step._replace(by="seen")
 
-    def commits(self, after: Checkpoint | None = None) -> Iterator[list[Step]]:
+    def commits(self, after: Checkpoint | None = None) -> Iterator[list[RecordedStep]]:
         """Yield the steps of each piece; inputs before the start count as steps of the engine.
 
         Args:
@@ -237,7 +237,7 @@ class Recording:
             number += len(steps)
             yield steps
 
-    def steps_in(self, place: int) -> list[Step]:
+    def steps_in(self, place: int) -> list[RecordedStep]:
         """Return the steps of the piece with this number, whatever is before it."""
         return self._reader.steps(self._reader.messages(place), None)
 
@@ -247,7 +247,7 @@ class Recording:
             for each in self._reader.effects(messages, self.origin_s):
                 yield each._replace(effects=with_own_times(each.effects, self.origin_s))
 
-    def shown(self, *topics: str, since_s: float = -inf) -> Iterator[Shown]:
+    def shown(self, *topics: str, since_s: float = -inf) -> Iterator[ViewerMessage]:
         """Yield the messages beside the engine's: of these topics, or all for viewers, in order.
 
         Args:
@@ -255,7 +255,7 @@ class Recording:
             since_s: Messages before this time may be left out.
         """
         for topic, time_ns, data in self.messages(*topics, since_s=since_s):
-            yield Shown(topic, self._time_s(time_ns), json.loads(data))
+            yield ViewerMessage(topic, self._time_s(time_ns), json.loads(data))
 
     def messages(self, *topics: str, since_s: float = -inf) -> Iterator[Message]:
         """Yield messages as they were written; arguments as for :meth:`shown`."""

@@ -19,7 +19,7 @@ from pirate_sm.recording.read.chunks import Chunks
 from pirate_sm.recording.read.header_reader import DamagedInsideError
 from pirate_sm.recording.read.mcap_content import index_of
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Gap, Step
+from pirate_sm.recording.read.steps import Gap, RecordedStep
 from pirate_sm.recording.write.recording_file import DiskFile, Pieces
 
 _LEAST_BYTES = 1 << 20
@@ -122,7 +122,7 @@ class _Copy:
         self._topics: dict[int, int] = {}
         self._uncut = 0
 
-    def take(self, place: int, steps: list[Step]) -> None:
+    def take(self, place: int, steps: list[RecordedStep]) -> None:
         """Copy this piece with these steps to the new file."""
         file, topics = self._file, self._topics
         if steps:
@@ -145,7 +145,7 @@ class _Copy:
         ours = None if schema else self._ours.get(name)
         return (name, ours.schema_name, ours.schema_json) if ours else (name, schema_name, schema)
 
-    def _follow(self, steps: list[Step]) -> None:
+    def _follow(self, steps: list[RecordedStep]) -> None:
         """Note a gap if these steps are not the next ones; a piece of the file begins there."""
         first = steps[0]
         if first.number != self._next:

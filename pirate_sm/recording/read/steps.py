@@ -11,7 +11,7 @@ from pirate_sm.model.effects import Effect, WaitArmed
 from pirate_sm.model.events import Event
 
 
-class Step(NamedTuple):
+class RecordedStep(NamedTuple):
     """An input of the engine and its effects.
 
     Attributes:
@@ -69,7 +69,7 @@ class Message(NamedTuple):
     data: bytes
 
 
-class Shown(NamedTuple):
+class ViewerMessage(NamedTuple):
     """A message for viewers."""
 
     topic: str

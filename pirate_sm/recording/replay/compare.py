@@ -62,7 +62,7 @@ class ComparedRun:
 
 
 @dataclass(frozen=True)
-class Leg:
+class MissionLeg:
     """The durations between two marks in both runs, s."""
 
     mark: str
@@ -102,7 +102,7 @@ class Comparison:
             range of their kind.
     """
 
-    legs: tuple[Leg, ...]
+    legs: tuple[MissionLeg, ...]
     parted: tuple[str, str] | None
     deviations: tuple[Deviation, ...]
 
@@ -164,10 +164,10 @@ def _next(course: ComparedRun, place: int) -> str:
     return course.marks[place].what if place < len(course.marks) else "nothing more"
 
 
-def _legs(one: Sequence[Milestone], other: Sequence[Milestone]) -> Iterator[Leg]:
+def _legs(one: Sequence[Milestone], other: Sequence[Milestone]) -> Iterator[MissionLeg]:
     before = (0.0, 0.0)
     for a, b in zip(one, other, strict=True):
-        yield Leg(a.what, a.at_s, b.at_s, a.at_s - before[0], b.at_s - before[1])
+        yield MissionLeg(a.what, a.at_s, b.at_s, a.at_s - before[0], b.at_s - before[1])
         before = (a.at_s, b.at_s)
 
 

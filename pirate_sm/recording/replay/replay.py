@@ -20,7 +20,7 @@ from pirate_sm.model.effects import Effect, PhaseChange, Setpoints, StateChange
 from pirate_sm.model.events import SensorFrame, SignalReport
 from pirate_sm.recording.format.header import RunHeader
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Checkpoint, Gap, Step
+from pirate_sm.recording.read.steps import Checkpoint, Gap, RecordedStep
 
 
 class Rerun(NamedTuple):
@@ -32,7 +32,7 @@ class Rerun(NamedTuple):
         at_s: Time since the run began.
     """
 
-    step: Step
+    step: RecordedStep
     state: EngineState | None
     effects: tuple[Effect, ...]
     at_s: float
@@ -51,7 +51,7 @@ class Difference:
             empty if the effects differ.
     """
 
-    step: Step
+    step: RecordedStep
     recorded: tuple[Effect, ...]
     replayed: tuple[Effect, ...]
     phase: str
@@ -119,7 +119,7 @@ def rerun(
 
 def rerun_steps(
     engine: Engine,
-    steps: Iterable[Step],
+    steps: Iterable[RecordedStep],
     gaps: Iterable[Gap],
     state: EngineState | None = None,
     origin_s: float = 0.0,
@@ -188,7 +188,7 @@ def _in_states(robot: RobotSpec, body: RobotState, change: StateChange) -> Robot
     return body._replace(configuration=here, marks=frozenset(marks))
 
 
-def _looking_only(state: EngineState, engine: Engine, step: Step) -> EngineState:
+def _looking_only(state: EngineState, engine: Engine, step: RecordedStep) -> EngineState:
     """Return the state after a step whose earlier steps are lost: what is recorded, and signals.
 
     The mission is not executed, as it may be elsewhere. NaN are signals that need what was before,
@@ -261,7 +261,7 @@ def replay(
     return done
 
 
-def _remembered(step: Step, until: Checkpoint | None) -> EngineState | None:
+def _remembered(step: RecordedStep, until: Checkpoint | None) -> EngineState | None:
     """Return the recorded state of the engine after a step; None if there is none."""
     return until.state if until is not None and until.step == step.number else step.state
 

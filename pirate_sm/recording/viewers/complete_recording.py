@@ -21,7 +21,7 @@ from pirate_sm.recording.format.engine_topics import Abandoned, Input, Started, 
 from pirate_sm.recording.format.header import REPAIRED
 from pirate_sm.recording.format.samples import SAMPLES, Placed, decode_samples
 from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import RecordedStep
 from pirate_sm.recording.replay.replay import Rerun, engine_of, rerun
 from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages, ViewerSnapshot
@@ -136,9 +136,9 @@ class _Ahead(Generic[T]):
         self.next = next(self._values, None)
 
 
-def with_states(again: Iterable[Rerun]) -> Iterator[tuple[Step, EngineState | None]]:
+def with_states(again: Iterable[Rerun]) -> Iterator[tuple[RecordedStep, EngineState | None]]:
     """Yield each step with the engine's state after it, or after the start for steps before it."""
-    before: list[Step] = []
+    before: list[RecordedStep] = []
     for each in again:
         if each.state is None:
             before.append(each.step)
@@ -157,7 +157,7 @@ def _samples(recording: Recording) -> Iterator[Placed]:
         yield from decode_samples(batch.content)
 
 
-def _input_of(step: Step) -> Input:
+def _input_of(step: RecordedStep) -> Input:
     """Return what the step was recorded as."""
     if step.by == "start":
         return Started(step.paused, body_to_text(step.body))

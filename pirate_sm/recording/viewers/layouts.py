@@ -27,7 +27,7 @@ _FAR_ROBOTS = 2.0
 """Height of the camera above the robot, in lengths of the robot."""
 
 
-class Plot(NamedTuple):
+class LayoutPlot(NamedTuple):
     """A plot of numbers with one unit.
 
     Attributes:
@@ -38,7 +38,7 @@ class Plot(NamedTuple):
     fields: tuple[tuple[str, str], ...]
 
 
-def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
+def plots_of(loaded: LoadedMission) -> tuple[LayoutPlot, ...]:
     """Return the plots for a robot's profile."""
     robot, profile = loaded.robot, loaded.loaded_robot.profile
     names = dict(zip(robot.vocabulary.numbers, signal_names(robot), strict=True))
@@ -57,13 +57,15 @@ def plots_of(loaded: LoadedMission) -> tuple[Plot, ...]:
         ("Joint motor currents", current_signals(profile, of_wheels=False)),
         ("Inner diameter", diameters),
     ]
-    found = [Plot(title, tuple(("/signals", names[it]) for it in each)) for title, each in others]
+    found = [
+        LayoutPlot(title, tuple(("/signals", names[it]) for it in each)) for title, each in others
+    ]
     drives = [
         ("/setpoints", name)
         for slot, name in zip(profile.slots, slot_names(robot), strict=True)
         if slot.unit == "duty" and (slot.joint or slot.wheel)
     ]
-    found.append(Plot("Duty cycles sent to the motors", tuple(drives)))
+    found.append(LayoutPlot("Duty cycles sent to the motors", tuple(drives)))
     return tuple(plot for plot in found if plot.fields)
 
 
@@ -118,7 +120,7 @@ def _scene(length_m: float, followed: str) -> dict[str, Any]:
     }
 
 
-def _plot(plot: Plot) -> dict[str, Any]:
+def _plot(plot: LayoutPlot) -> dict[str, Any]:
     return {
         "title": plot.title,
         "foxglovePanelTitle": plot.title,
@@ -142,7 +144,7 @@ def _path(topic: str, field: str) -> dict[str, Any]:
     return {"value": f"{topic}.{field}", "label": field, "timestampMethod": "receiveTime"}
 
 
-def _colors(plot: Plot) -> Iterator[str]:
+def _colors(plot: LayoutPlot) -> Iterator[str]:
     return (_COLORS[number % len(_COLORS)] for number in range(len(plot.fields)))
 
 
@@ -167,7 +169,7 @@ def plotjuggler_layout(loaded: LoadedMission) -> str:
     """Return the layout for PlotJuggler: one tab of signals, one of setpoints and states."""
     plots = plots_of(loaded)
     codes = [("/state", f"{region}_code") for region in loaded.robot.regions]
-    states = Plot("States", tuple(codes))
+    states = LayoutPlot("States", tuple(codes))
     signals = [plot for plot in plots if plot.fields[0][0] == "/signals"]
     others = [plot for plot in plots if plot not in signals]
     root = Xml.Element("root")
@@ -193,7 +195,7 @@ def _docks(parent: Xml.Element, orientation: str, count: int) -> Xml.Element:
     return Xml.SubElement(parent, "DockSplitter", room)
 
 
-def _stack(parent: Xml.Element, plots: Sequence[Plot]) -> None:
+def _stack(parent: Xml.Element, plots: Sequence[LayoutPlot]) -> None:
     """Add the plots above each other."""
     stack = _docks(parent, "-", len(plots))
     for plot in plots:

@@ -37,7 +37,7 @@ from pirate_sm.recording.viewers.viewer_channel import (
     foxglove,
     stamp,
 )
-from pirate_sm.recording.viewers.wheel_places import Placing
+from pirate_sm.recording.viewers.wheel_places import WheelPlacing
 
 LEVELS: dict[Level, int] = {"info": 2, "warning": 3, "error": 4}
 """Level numbers of ``foxglove.Log``."""
@@ -84,7 +84,7 @@ class ViewerMessages:
         signals = signal_names(robot)
         self._signals = _gaps(signals)
         self._slots = slot_names(robot)
-        self._placing = Placing(profile, robot, loaded.pipe, first_wheel_m)
+        self._placing = WheelPlacing(profile, robot, loaded.pipe, first_wheel_m)
         self._transforms = Transforms(self._body)
         self._joints = _joints(loaded)
         self._state: dict[str, Any] = {"phase": "", "detected": "", "control": USUAL}

@@ -20,7 +20,7 @@ _PATIENCE_S = 1.0
 _LONGEST_M = 100.0
 
 
-class Placing:
+class WheelPlacing:
     """Follows a robot by its joints and its odometer, if its true position is not known.
 
     Args:

@@ -78,7 +78,7 @@ class WrittenPiece(NamedTuple):
     step: int
 
 
-class Beside(Protocol):
+class SideWriter(Protocol):
     """Writes what a recording holds beside the engine's topics."""
 
     def tell(self, file: RecordingFile, told: Sequence[Told]) -> None:
@@ -99,7 +99,7 @@ class PieceMaker:
         steps: Number of steps of the engine in the next piece.
     """
 
-    def __init__(self, file: RecordingFile, topics: Topics, beside: Beside | None) -> None:
+    def __init__(self, file: RecordingFile, topics: Topics, beside: SideWriter | None) -> None:
         self.steps = 0
         self._file = file
         self._topics = topics

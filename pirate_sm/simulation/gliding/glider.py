@@ -28,7 +28,7 @@ from pirate_sm.simulation.gliding.robot_tables import robot_tables
 from pirate_sm.simulation.gliding.signal_tables import SignalTables
 from pirate_sm.simulation.gliding.survey_tables import SurveyTables
 from pirate_sm.simulation.gliding.watch_tables import WatchTables
-from pirate_sm.simulation.simulated_robot import SimulatedRobot, Turn
+from pirate_sm.simulation.simulated_robot import CycleReading, SimulatedRobot
 
 _MOST_FRAMES, _MOST_TICKS = 256, 64
 """How many frames one call may take, and how often it may look for silent boards."""
@@ -64,7 +64,7 @@ class Glider:
         self,
         robot: RobotSpec,
         simulated: SimulatedRobot,
-        turns: Sequence[Turn],
+        turns: Sequence[CycleReading],
         cycle_s: float,
     ) -> None:
         self.robot = robot
@@ -223,7 +223,7 @@ def _step(frames: FrameBlock, row: Sequence[float], words: WordWatch | None) -> 
     return at_s, event, (WakeAt(wake_s),)
 
 
-def _turn_table(robot: RobotSpec, turns: Sequence[Turn]) -> Ints:
+def _turn_table(robot: RobotSpec, turns: Sequence[CycleReading]) -> Ints:
     """Return which channels each cycle reads, and whose board reports after it."""
     rows = [
         (

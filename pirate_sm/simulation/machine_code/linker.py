@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 
-class Target(NamedTuple):
+class MachineTarget(NamedTuple):
     """A kind of machine that libraries are built for.
 
     Attributes:
@@ -26,13 +26,13 @@ class Target(NamedTuple):
 
 # The oldest C library and system that zig can be asked for and that Python >= 3.11 runs on.
 _TARGETS = {
-    ("linux", "x86_64"): Target("x86_64-linux-gnu.2.17", "manylinux_2_17_x86_64"),
-    ("linux", "aarch64"): Target("aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64"),
-    ("darwin", "arm64"): Target("aarch64-macos.11.0", "macosx_11_0_arm64"),
+    ("linux", "x86_64"): MachineTarget("x86_64-linux-gnu.2.17", "manylinux_2_17_x86_64"),
+    ("linux", "aarch64"): MachineTarget("aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64"),
+    ("darwin", "arm64"): MachineTarget("aarch64-macos.11.0", "macosx_11_0_arm64"),
 }
 
 
-def this_target() -> Target | None:
+def this_target() -> MachineTarget | None:
     """Return the target that this Python runs on; None if its tools are not to be had here."""
     odd_c_library = sys.platform == "linux" and platform.libc_ver()[0] != "glibc"
     if odd_c_library or sys.maxsize < 2**32 or sys.implementation.name != "cpython":

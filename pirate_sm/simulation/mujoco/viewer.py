@@ -13,7 +13,7 @@ from pirate_sm.errors import Hint, UsageError
 from pirate_sm.geometry.route import Route
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.mujoco.world import World
+from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import StartPose
 
 _WITHOUT = Hint(
@@ -22,10 +22,10 @@ _WITHOUT = Hint(
 )
 
 
-class WatchedWorld(World):
+class WatchedWorld(MujocoWorld):
     """A world that MuJoCo's viewer shows after each cycle, until its window is closed.
 
-    Arguments as of :class:`~pirate_sm.simulation.mujoco.world.World`.
+    Arguments as of :class:`~pirate_sm.simulation.mujoco.world.MujocoWorld`.
 
     Raises:
         UsageError: There is no display.
@@ -51,7 +51,7 @@ class WatchedWorld(World):
             self._window.sync()
 
 
-def open_window(world: World) -> Any:
+def open_window(world: MujocoWorld) -> Any:
     """Return the handle of a window that shows a world.
 
     Raises:

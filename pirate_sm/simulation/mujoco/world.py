@@ -33,7 +33,7 @@ _UNSTABLE = (
 )
 
 
-class World:
+class MujocoWorld:
     """A chain in a pipe; a :class:`~pirate_sm.simulation.physics.Physics`.
 
     Args:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
-from pirate_sm.bay.node_handle import Answer, NodeHandle
-from pirate_sm.rosserial.frames import Frame
+from pirate_sm.bay.node_handle import NodeHandle, NodeReply
+from pirate_sm.rosserial.frames import SerialFrame
 from pirate_sm.rosserial.topics import TopicInfo
 
 SAYS = TopicInfo(125, "state", "pirate_msgs/State", "0123456789abcdef" * 2, 512, "publishes")
@@ -12,8 +12,8 @@ def node() -> NodeHandle:
     return NodeHandle([SAYS], [HEARS])
 
 
-def frame(topic: int, payload: bytes = b"") -> Frame:
-    return Frame(topic, payload)
+def frame(topic: int, payload: bytes = b"") -> SerialFrame:
+    return SerialFrame(topic, payload)
 
 
 def test_it_asks_the_time_then_names_publishers_then_subscribers() -> None:
@@ -78,5 +78,5 @@ def test_what_nobody_listens_to_and_what_is_too_long_are_faults_of_the_host() ->
     it = node()
 
     assert "id 101" in it.take(frame(101), 0.0).fault
-    assert "600 bytes" in it.take(Frame(100, bytes(600)), 0.0).fault
-    assert it.take(frame(6), 0.0) == Answer()
+    assert "600 bytes" in it.take(SerialFrame(100, bytes(600)), 0.0).fault
+    assert it.take(frame(6), 0.0) == NodeReply()

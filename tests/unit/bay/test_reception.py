@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.bay.reception import Reception
-from pirate_sm.rosserial.frames import Frame, encode
+from pirate_sm.rosserial.frames import SerialFrame, encode
 
 BYTE_S = 1 / 5760
 FRAMES = [
@@ -25,7 +25,7 @@ def arriving(data: bytes, start_s: float = 0.0) -> list[tuple[int, float]]:
 
 @pytest.mark.parametrize(("topic", "payload", "raw"), FRAMES)
 def test_a_captured_frame_is_read(topic: int, payload: bytes, raw: str) -> None:
-    assert Reception().feed(arriving(bytes.fromhex(raw))) == [Frame(topic, payload)]
+    assert Reception().feed(arriving(bytes.fromhex(raw))) == [SerialFrame(topic, payload)]
 
 
 @pytest.mark.parametrize("at", range(8))
@@ -35,7 +35,7 @@ def test_a_damaged_frame_vanishes_and_the_next_one_comes(at: int) -> None:
     reception = Reception()
 
     assert reception.feed(arriving(bytes(damaged))) == []
-    assert reception.feed(arriving(encode(11, b""), 0.1)) == [Frame(11, b"")]
+    assert reception.feed(arriving(encode(11, b""), 0.1)) == [SerialFrame(11, b"")]
 
 
 def test_a_frame_that_takes_longer_than_20_ms_is_dropped() -> None:
@@ -74,4 +74,4 @@ def test_after_a_pause_a_whole_frame_always_comes(
 
     frames = reception.feed(arriving(encode(topic, payload), 1.0))
 
-    assert frames == [Frame(topic, payload)]
+    assert frames == [SerialFrame(topic, payload)]

@@ -6,9 +6,9 @@ from collections.abc import Callable, Sequence
 from math import nan
 from random import Random
 
-from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.chunk import Chunk, RunRow
 from pirate_sm.campaign.crew import Done
-from pirate_sm.campaign.plan import Cell, Plan
+from pirate_sm.campaign.plan import CampaignPlan, Cell
 from pirate_sm.model.campaign import Expectation, StoppingRule, TrueEnd
 from pirate_sm.wiring import Order
 
@@ -20,8 +20,8 @@ def cell(
     return Cell(name, "", order, seeds, TrueEnd(), expect or Expectation(), f"key_{name}", "m")
 
 
-def plan(*cells: Cell, stop: StoppingRule | None = None) -> Plan:
-    return Plan("trial", "1+a", cells, 0.95, stop or StoppingRule(), {"m": b""})
+def plan(*cells: Cell, stop: StoppingRule | None = None) -> CampaignPlan:
+    return CampaignPlan("trial", "1+a", cells, 0.95, stop or StoppingRule(), {"m": b""})
 
 
 OUTCOMES = {"passed": "succeeded", "false": "succeeded", "failed": "failed", "bug": "bug"}
@@ -38,11 +38,11 @@ def row(
     unsafe: str = "",
     short_m: float = nan,
     deepest_m: float = nan,
-) -> Row:
+) -> RunRow:
     passed = verdict == "passed"
     why = "" if passed else why or "Holding"
     outcome = OUTCOMES[verdict]
-    return Row(key, seed, outcome, verdict, why, passed, unsafe, time_s, 0.8, short_m, deepest_m)
+    return RunRow(key, seed, outcome, verdict, why, passed, unsafe, time_s, 0.8, short_m, deepest_m)
 
 
 def fails(seed: int) -> bool:
@@ -50,7 +50,7 @@ def fails(seed: int) -> bool:
     return seed * 2654435761 % 2**32 < 2**32 // 7
 
 
-def result(chunk: Chunk, seed: int) -> Row:
+def result(chunk: Chunk, seed: int) -> RunRow:
     return row(chunk.cell, seed, "failed" if fails(seed) else "passed", time_s=20.0 + seed % 7)
 
 
@@ -61,7 +61,7 @@ class Hasty:
         self,
         seed: int,
         room: int = 8,
-        result: Callable[[Chunk, int], Row] = result,
+        result: Callable[[Chunk, int], RunRow] = result,
         each: int | None = None,
     ) -> None:
         self.each = each

@@ -7,12 +7,12 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.campaign.campaign_file import check_campaign, read_campaign
-from pirate_sm.campaign.plan import Plan, command_of, mark_of, plan_of
+from pirate_sm.campaign.plan import CampaignPlan, command_of, mark_of, plan_of
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.problems import LoadError
 
 
-def planned(folder: Path, text: str) -> Plan:
+def planned(folder: Path, text: str) -> CampaignPlan:
     file = folder / "trial.yaml"
     form = "" if "format: " in text else "format: 1\n"
     file.write_text(f"{text}{form}", "utf-8")

@@ -6,7 +6,7 @@ from collections.abc import Container
 
 import pytest
 
-from pirate_sm.campaign.comparing import Difference, compare, comparison_text
+from pirate_sm.campaign.comparing import CellDifference, compare, comparison_text
 from pirate_sm.campaign.tally import Tally
 from pirate_sm.model.campaign import StoppingRule
 
@@ -50,7 +50,7 @@ def test_runs_with_other_seeds_are_compared_as_independent_ones() -> None:
 def test_shares_decide_which_is_worse_and_not_how_many_runs_there_are(
     first: tuple[int, int], second: tuple[int, int], worse: bool
 ) -> None:
-    found = Difference("bend", first, second, 0.001, "Fisher", (), (), significant=True)
+    found = CellDifference("bend", first, second, 0.001, "Fisher", (), (), significant=True)
 
     assert found.worse == worse
 

@@ -7,9 +7,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.chunk import Chunk, RunRow
 from pirate_sm.campaign.conductor import Conductor, Progress, stored
-from pirate_sm.campaign.plan import Plan, mark_of
+from pirate_sm.campaign.plan import CampaignPlan, mark_of
 from pirate_sm.campaign.results import as_text, result_of
 from pirate_sm.campaign.store import DamagedMarkError, Store
 from pirate_sm.errors import UsageError
@@ -20,7 +20,7 @@ from .rows import Hasty, cell, plan, row
 TWO = plan(cell("a", range(95)), cell("b", range(200)), stop=StoppingRule(half_width=0.06))
 
 
-def table(plan: Plan, folder: Path, crew: Hasty) -> str:
+def table(plan: CampaignPlan, folder: Path, crew: Hasty) -> str:
     store = Store(folder)
     store.begin(mark_of(plan))
     conductor = Conductor(plan, store)
@@ -61,7 +61,7 @@ def test_a_client_that_was_killed_goes_on_with_what_is_stored(tmp_path: Path) ->
     whole = table(TWO, tmp_path / "whole", Hasty(1))
     crew, folder = Hasty(2), tmp_path / "killed"
 
-    def dies(chunk: Chunk, seed: int) -> Row:
+    def dies(chunk: Chunk, seed: int) -> RunRow:
         if len(crew.given) > 240:
             raise KilledError
         return Hasty(0).result(chunk, seed)
@@ -163,7 +163,7 @@ def test_a_description_that_is_no_json_object_is_damaged(tmp_path: Path, content
 
 
 def test_a_bug_is_an_outcome_with_its_seed_and_a_command(tmp_path: Path) -> None:
-    def breaks(chunk: Chunk, seed: int) -> Row:
+    def breaks(chunk: Chunk, seed: int) -> RunRow:
         return row(chunk.cell, seed, "bug" if seed == 13 else "passed", "TypeError: no")
 
     text = table(plan(cell("a", range(30))), tmp_path, Hasty(1, result=breaks))

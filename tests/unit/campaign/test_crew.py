@@ -22,7 +22,7 @@ from pirate_sm.campaign import crew as crews
 from pirate_sm.campaign.campaign_file import read_campaign
 from pirate_sm.campaign.conductor import Conductor, Progress
 from pirate_sm.campaign.crew import connected
-from pirate_sm.campaign.plan import Plan, mark_of
+from pirate_sm.campaign.plan import CampaignPlan, mark_of
 from pirate_sm.campaign.results import as_text, result_of
 from pirate_sm.campaign.store import Store
 from pirate_sm.errors import BackendError, UsageError
@@ -41,19 +41,19 @@ PIRATE = (sys.executable, "-c", "from pirate_sm.cli.start import main; main()")
 
 
 @pytest.fixture(scope="module")
-def plan(tmp_path_factory: pytest.TempPathFactory) -> Plan:
+def plan(tmp_path_factory: pytest.TempPathFactory) -> CampaignPlan:
     file = tmp_path_factory.mktemp("campaign") / "trial.yaml"
     file.write_text(TRIAL)
     return read_campaign(file, check=False)
 
 
 @pytest.fixture(scope="module")
-def expected(plan: Plan, tmp_path_factory: pytest.TempPathFactory) -> str:
+def expected(plan: CampaignPlan, tmp_path_factory: pytest.TempPathFactory) -> str:
     return table(plan, tmp_path_factory.mktemp("one") / "results", None, workers=1)
 
 
 def table(
-    plan: Plan,
+    plan: CampaignPlan,
     folder: Path,
     scheduler: str | None,
     workers: int | None = None,
@@ -79,7 +79,7 @@ def cluster() -> Iterator[Cluster]:
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_the_table_is_the_same_on_a_cluster_with_workers_that_die_and_come(
-    plan: Plan, expected: str, cluster: Cluster, tmp_path: Path
+    plan: CampaignPlan, expected: str, cluster: Cluster, tmp_path: Path
 ) -> None:
     doomed = [cluster.add_worker() for _ in range(2)]
     due = [60, 140, 220, 300]
@@ -97,7 +97,7 @@ def test_the_table_is_the_same_on_a_cluster_with_workers_that_die_and_come(
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_connection_that_is_cut_is_made_again(
-    plan: Plan, expected: str, cluster: Cluster, tmp_path: Path
+    plan: CampaignPlan, expected: str, cluster: Cluster, tmp_path: Path
 ) -> None:
     cluster.add_worker()
     cluster.add_worker()
@@ -117,7 +117,7 @@ def test_a_connection_that_is_cut_is_made_again(
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_that_is_gone_ends_the_campaign_and_results_are_kept(
-    plan: Plan, expected: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    plan: CampaignPlan, expected: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     gone = Event()
     with ExitStack() as stack:
@@ -138,7 +138,7 @@ def test_a_scheduler_that_is_gone_ends_the_campaign_and_results_are_kept(
 
 
 @pytest.mark.slow
-def test_a_client_that_is_killed_goes_on(plan: Plan, expected: str, tmp_path: Path) -> None:
+def test_a_client_that_is_killed_goes_on(plan: CampaignPlan, expected: str, tmp_path: Path) -> None:
     file = tmp_path / "trial.yaml"
     file.write_text(TRIAL)
     folder = tmp_path / "results"
@@ -167,7 +167,7 @@ def test_a_client_that_is_killed_goes_on(plan: Plan, expected: str, tmp_path: Pa
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_run_that_kills_its_worker_each_time_is_a_bug_and_no_other_is_blamed(
-    plan: Plan, tmp_path: Path
+    plan: CampaignPlan, tmp_path: Path
 ) -> None:
     store = Store(tmp_path)
     store.begin(mark_of(plan))
@@ -189,7 +189,7 @@ def deadly(chunk: crews.Chunk, sent: crews.Sent, version: str) -> list[object]:
 
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
-def test_workers_of_another_version_are_refused(plan: Plan, cluster: Cluster) -> None:
+def test_workers_of_another_version_are_refused(plan: CampaignPlan, cluster: Cluster) -> None:
     cluster.add_worker()
     with (
         pytest.raises(UsageError, match="run another version of pirate-sm"),
@@ -201,7 +201,7 @@ def test_workers_of_another_version_are_refused(plan: Plan, cluster: Cluster) ->
 @pytest.mark.slow
 @pytest.mark.filterwarnings("ignore")
 def test_a_scheduler_without_workers_is_reported(
-    plan: Plan, cluster: Cluster, monkeypatch: pytest.MonkeyPatch
+    plan: CampaignPlan, cluster: Cluster, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(crews, "_NO_WORKERS_S", 0.5)
     with pytest.raises(UsageError, match="has no workers"), connected(plan, cluster.address):
@@ -211,7 +211,7 @@ def test_a_scheduler_without_workers_is_reported(
 @pytest.mark.filterwarnings("ignore")
 @pytest.mark.parametrize("address", ["tcp://127.0.0.1:1", "nowhere", "zcp://a:1", ""])
 def test_a_scheduler_that_is_not_there_is_reported(
-    plan: Plan, address: str, monkeypatch: pytest.MonkeyPatch
+    plan: CampaignPlan, address: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(crews, "_NO_ANSWER_S", 0.2)
     with pytest.raises(UsageError, match="no Dask scheduler answers at"), connected(plan, address):

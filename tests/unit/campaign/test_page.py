@@ -6,7 +6,7 @@ import shlex
 from pathlib import Path
 from xml.etree.ElementTree import fromstring
 
-from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.chunk import Chunk, RunRow
 from pirate_sm.campaign.conductor import Conductor, stored
 from pirate_sm.campaign.junit import as_junit
 from pirate_sm.campaign.page import page_of
@@ -45,7 +45,7 @@ def test_the_page_loads_nothing_and_links_to_recordings(tmp_path: Path) -> None:
 def test_success_is_drawn_against_what_runs_have_drawn_with_reports_of_failures(
     tmp_path: Path,
 ) -> None:
-    def drew(chunk: Chunk, seed: int) -> Row:
+    def drew(chunk: Chunk, seed: int) -> RunRow:
         far = seed % 40 < 20
         drawn = {"start_m": 0.015 if far else -0.015}
         return row(chunk.cell, seed, "failed" if far else "passed", time_s=seed)._replace(

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.chunk import RunRow
 from pirate_sm.campaign.intervals import wilson
 from pirate_sm.campaign.recorded_run import recording_name
 from pirate_sm.campaign.results import CampaignResult, as_text, result_of
@@ -20,7 +20,7 @@ from .rows import cell, plan, row
 LENIENT = Expectation(success=0.5, truthful=0.5, safe=0.5)
 
 
-def result(*rows: Row, expect: Expectation = LENIENT) -> CampaignResult:
+def result(*rows: RunRow, expect: Expectation = LENIENT) -> CampaignResult:
     """The result of a campaign of one cell with four seeds."""
     wanted = cell(seeds=range(4), expect=expect)
     counted = Tally(wanted, 0.95, StoppingRule())
@@ -28,7 +28,7 @@ def result(*rows: Row, expect: Expectation = LENIENT) -> CampaignResult:
     return result_of(plan(wanted), [counted], Path("results"))
 
 
-def passing(*seeds: int) -> list[Row]:
+def passing(*seeds: int) -> list[RunRow]:
     return [row("key_bend", seed) for seed in seeds]
 
 

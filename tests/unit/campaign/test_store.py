@@ -15,7 +15,7 @@ import pytest
 from pyarrow import parquet
 
 from pirate_sm.campaign import store as stores
-from pirate_sm.campaign.chunk import Row
+from pirate_sm.campaign.chunk import RunRow
 from pirate_sm.campaign.store import Store, is_store
 from pirate_sm.errors import UsageError
 
@@ -41,7 +41,7 @@ def opened() -> Iterator[Opened]:
         yield open_
 
 
-def rows(*seeds: int) -> list[Row]:
+def rows(*seeds: int) -> list[RunRow]:
     return [row("key", seed) for seed in seeds]
 
 

@@ -12,7 +12,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.console.availability import Situation, look_at_entries
+from pirate_sm.console.availability import HandBackSituation, look_at_entries
 from pirate_sm.console.check_process import CheckProcess, ask_here
 from pirate_sm.console.hand_back_plan import look_for_ways
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -44,7 +44,7 @@ def test_it_answers_as_this_process_would_for_one_mission_after_the_other(
         body = at_rest_in(loaded.robot, loaded.program.start_configuration)
         entries = ask_here(look_at_entries, loaded, body)
         blocked = tuple(phase for phase, reason in entries.items() if reason)
-        situation = Situation(1, body.configuration, ())
+        situation = HandBackSituation(1, body.configuration, ())
         what = loaded, situation, body, None, blocked, None
 
         assert process.ask(look_at_entries, loaded, body) == entries

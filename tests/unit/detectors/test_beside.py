@@ -7,7 +7,7 @@ import pytest
 
 import pirate_sm
 from pirate_sm.companion import entered
-from pirate_sm.detectors.beside import Beside
+from pirate_sm.detectors.beside import SecondDetector
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Detected, Effect, Log
 from pirate_sm.model.events import DetectorWord, Event, FaultReport, OutsideNumber
@@ -94,7 +94,7 @@ ROBOT: Any = "a robot"
 def test_a_word_is_logged_when_it_begins_and_a_fault_each_time() -> None:
     said = ((0.0, [CLOSE]), (0.5, [CLOSE]), (1.5, [CLOSE]), (2.6, [CLOSE, OutsideNumber("x", 1.0)]),
             (2.7, [IN]), (2.8, [CLOSE]), (2.9, [FAULT, FAULT, CLOSE]))  # fmt: skip
-    beside = Beside("marks", Other(*(events for _, events in said)))
+    beside = SecondDetector("marks", Other(*(events for _, events in said)))
 
     logs = [(now_s, *log) for now_s, _ in said for log in beside.look(STATE, now_s)]
 
@@ -112,9 +112,9 @@ def test_a_word_is_logged_when_it_begins_and_a_fault_each_time() -> None:
 
 def test_it_is_asked_as_if_it_were_alone() -> None:
     seeing = Seeing([CLOSE])
-    beside = Beside("marks", seeing)
+    beside = SecondDetector("marks", seeing)
     assert (beside.due_s, beside.listening) == (3.5, False)
-    assert Beside("marks", Other(listening=True)).listening
+    assert SecondDetector("marks", Other(listening=True)).listening
 
     with entered([beside]):
         beside.restart(ROBOT)
@@ -130,7 +130,9 @@ def test_it_is_asked_as_if_it_were_alone() -> None:
         ("speak", 2.0),
         ("exit",),
     ]
-    Beside("marks", Other()).restart(ROBOT)  # what does not count has nothing to begin again
+    SecondDetector("marks", Other()).restart(
+        ROBOT
+    )  # what does not count has nothing to begin again
 
 
 def test_who_waits_for_a_key_cannot_stand_beside() -> None:

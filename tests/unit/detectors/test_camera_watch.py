@@ -7,9 +7,9 @@ from dataclasses import replace
 import pytest
 
 from pirate_sm.detectors.camera_watch import CameraWatch
-from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.sighting import SeenMark, Sighting
 
-GOOD = Sighting(0.0, (Mark("head", (0.0, 0.0), 0.0),), 0.5, 100.0, 0)
+GOOD = Sighting(0.0, (SeenMark("head", (0.0, 0.0), 0.0),), 0.5, 100.0, 0)
 """The robot and the tags of the setup are seen; each picture differs from the last one."""
 
 

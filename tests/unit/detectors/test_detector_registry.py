@@ -20,7 +20,7 @@ from pirate_sm.detectors.signal_words import SignalWords
 from pirate_sm.detectors.sim_detector import TruePlaces
 from pirate_sm.detectors.socket_address import Address
 from pirate_sm.detectors.socket_detector import OutsideWords
-from pirate_sm.detectors.socket_lines import Accepted
+from pirate_sm.detectors.socket_lines import AcceptedLines
 from pirate_sm.engine.robot.robot_spec import WordCondition
 from pirate_sm.errors import UsageError
 from pirate_sm.expressions import compile_condition
@@ -144,7 +144,7 @@ def test_conditions_on_signals_say_words_and_a_socket_may_let_numbers_in() -> No
     assert isinstance(door, OutsideWords)
     outside = loaded.loaded_robot.profile.outside
     valid_for_s = {name: signal.valid_for for name, signal in outside.items()}
-    assert door._accepted == Accepted((), signals=valid_for_s)
+    assert door._accepted == AcceptedLines((), signals=valid_for_s)
 
     every = tuple(WordCondition(word, when, 0.0) for word in robot.detector_words)
     said = choose("signals", robot=replace(robot, word_conditions=every)).notices
@@ -180,7 +180,7 @@ def test_programs_are_shown_where_they_write_and_their_token(
     assert isinstance(door, OutsideWords)
     profile = load(Order("mitre_bend")).loaded_robot.profile
     valid_for_s = {name: signal.valid_for for name, signal in profile.outside.items()}
-    assert door._accepted == Accepted(("close", "in", "past"), 1.0, valid_for_s)
+    assert door._accepted == AcceptedLines(("close", "in", "past"), 1.0, valid_for_s)
     assert door.address == address
     token = "" if address.path else door._listener._token
     if not (address.path or given):

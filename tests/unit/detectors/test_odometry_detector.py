@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.companion import Onlooker
-from pirate_sm.detectors.dead_reckoning import Felt, Reckoned, Shape, Spot
+from pirate_sm.detectors.dead_reckoning import AnchorSpot, Felt, Reckoned, Shape
 from pirate_sm.detectors.odometry_detector import Odometry
 from pirate_sm.engine.engine import Engine
 from pirate_sm.engine.robot.robot_spec import RobotSpec
@@ -162,7 +162,7 @@ def test_belief_that_a_bend_is_passed_needs_a_way_that_was_rolled_straight(
 ) -> None:
     """Wheels slip round the bend: odometry may be ahead when the robot has just come straight."""
     companion, found = odometry(), []
-    both = {0: Spot(2.0, 0.0), 1: Spot(1.8, 0.0)}
+    both = {0: AnchorSpot(2.0, 0.0), 1: AnchorSpot(1.8, 0.0)}
     for straight, odometer_m in course:  # None: one part alone holds, and the other may be anywhere
         spots = both if straight is not None else {0: both[0]}
         monkeypatch.setattr(companion._reckoner, "straight", lambda *_, known=straight: known)
@@ -324,7 +324,7 @@ class Reckoning:
         self.shape: Shape = "fits"
         self.is_straight = True
         self.way_m, self.front_m = 0.0, 0.5
-        self.spots: Mapping[int, Spot] = {0: Spot(0.5, 0.1), 1: Spot(0.4, 0.2)}
+        self.spots: Mapping[int, AnchorSpot] = {0: AnchorSpot(0.5, 0.1), 1: AnchorSpot(0.4, 0.2)}
         self.silent: list[int] = []
         self.lying: Sequence[int] = (0, 1)
         self.asked: list[tuple[Any, ...]] = []
@@ -558,7 +558,7 @@ def test_a_place_that_is_lost_while_the_hold_changes_stays_for_a_moment(
 
     monkeypatch.setattr(reckoning.companion, "_reckoner", SimpleNamespace(look=look))
     held, numbers, felt = frozenset({0}), [1.0], Felt(1, 0.5)
-    before = known._replace(spots={-1: Spot(0.5, 0.0), 1: Spot(0.4, 0.0)})
+    before = known._replace(spots={-1: AnchorSpot(0.5, 0.0), 1: AnchorSpot(0.4, 0.0)})
 
     after = reckoning.companion._follow(before, numbers, held, felt, 5.0 + after_s)
 

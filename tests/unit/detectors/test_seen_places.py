@@ -8,7 +8,7 @@ from math import atan2, isnan, nan, radians
 import pytest
 
 from pirate_sm.detectors.dead_reckoning import Reckoned
-from pirate_sm.detectors.seen_places import OneMarker, Seen, Tags
+from pirate_sm.detectors.seen_places import OneMarker, SeenWheels, Tags
 from pirate_sm.engine.sensing.body_spec import BodySpec
 from pirate_sm.geometry.chain_in_space import ChainInSpace
 from pirate_sm.geometry.kinematics import Pose
@@ -16,7 +16,7 @@ from pirate_sm.geometry.plane import inner_corner
 from pirate_sm.geometry.space import DRAWING
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_segments import Mitre, Straight
-from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.sighting import SeenMark, Sighting
 
 BODY = BodySpec((0.10, 0.06, 0.08, 0.11, 0.07), (1,) * 6, (-1, 0, 1, 2, 3, -1), (), 0.02)
 BORE_M = 0.12
@@ -32,17 +32,17 @@ LINKS = {f"module {link}": link for link in range(5)}
 ALL = range(5)
 
 
-def marks(links: Sequence[int], off_m: float = 0.0) -> tuple[Mark, ...]:
+def marks(links: Sequence[int], off_m: float = 0.0) -> tuple[SeenMark, ...]:
     """The tags of these links, seen beside their places."""
     found = []
     for link in links:
         (ax, ay), (bx, by) = POINTS[link : link + 2]
         middle = (ax + bx) / 2 - ORIGIN[0] + off_m, (ay + by) / 2 - ORIGIN[1] + 2 * off_m
-        found.append(Mark(f"module {link}", middle, atan2(ay - by, ax - bx)))
+        found.append(SeenMark(f"module {link}", middle, atan2(ay - by, ax - bx)))
     return tuple(found)
 
 
-def seen(now_s: float, *found: Mark) -> Sighting:
+def seen(now_s: float, *found: SeenMark) -> Sighting:
     return Sighting(now_s, found, None, 100.0, 0)
 
 
@@ -54,7 +54,7 @@ def tags() -> Tags:
     return looking
 
 
-def points_of(found: Seen) -> list[float]:
+def points_of(found: SeenWheels) -> list[float]:
     return [number for point in found.points for number in point]
 
 
@@ -125,7 +125,7 @@ def test_a_link_whose_tag_was_never_seen_is_not_bridged() -> None:
 
 
 def test_a_mark_without_a_heading_is_no_tag(tags: Tags) -> None:
-    spot = Mark("module 0", (0.3, 0.3))
+    spot = SeenMark("module 0", (0.3, 0.3))
 
     assert points_of(tags.place(seen(10.0, spot, *marks([1])), ANGLES)) == pytest.approx(FLAT)
     assert all(map(isnan, tags.place(seen(10.0, spot), ANGLES).places_m))
@@ -140,7 +140,7 @@ def test_a_wheel_a_diameter_beside_the_axis_is_outside_of_the_pipe(y: float, ins
     marker.reckoned = reckoned((0.5, 0.0), (0.4, 0.0))
     place = 0.45 - ORIGIN[0], y - ORIGIN[1]
 
-    found = marker.place(seen(0.0, Mark("any", place)), ANGLES)
+    found = marker.place(seen(0.0, SeenMark("any", place)), ANGLES)
 
     assert found.outside != inside
     assert [isnan(each) for each in found.places_m] == [not inside] * 2

@@ -17,13 +17,13 @@ import pytest
 
 from pirate_sm.detectors.socket_address import Address, read_address
 from pirate_sm.detectors.socket_detector import OutsideWords
-from pirate_sm.detectors.socket_lines import LONGEST_LINE, Accepted
+from pirate_sm.detectors.socket_lines import LONGEST_LINE, AcceptedLines
 from pirate_sm.errors import UsageError
 from pirate_sm.model.effects import Ended, Log
 from pirate_sm.model.events import DetectorWord, Event, OutsideNumber
 
 DOCUMENT = Path(__file__).resolve().parents[3] / "docs" / "detectors.md"
-ACCEPTED = Accepted(("close", "in", "past"), 1.0, {"ruler": 0.3})
+ACCEPTED = AcceptedLines(("close", "in", "past"), 1.0, {"ruler": 0.3})
 TOKEN = b'{"token": "abc"}\n'
 STATE: Any = None
 CLOSE = b'{"word": "close", "valid_for_s": 2}\n'

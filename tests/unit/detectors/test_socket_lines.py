@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.detectors.socket_lines import LONGEST_LINE, Accepted, LineError, read_line
+from pirate_sm.detectors.socket_lines import LONGEST_LINE, AcceptedLines, LineError, read_line
 from pirate_sm.model.events import DetectorWord, OutsideNumber
 
 FIELDS = ("word", "valid_for_s", "age_s", "signal", "value")
-ACCEPTED = Accepted(("near", "far"), 0.5, {"ruler": 0.3})
+ACCEPTED = AcceptedLines(("near", "far"), 0.5, {"ruler": 0.3})
 
 
 @pytest.mark.parametrize(
@@ -111,6 +111,6 @@ def test_null_is_an_unknown_number() -> None:
 
 def test_who_may_send_numbers_only_sends_no_words() -> None:
     with pytest.raises(LineError, match="no word is accepted here"):
-        read_line(b'{"word": "near"}', Accepted((), signals={"ruler": 0.3}))
+        read_line(b'{"word": "near"}', AcceptedLines((), signals={"ruler": 0.3}))
     with pytest.raises(LineError, match='"signal": "ruler"'):
-        read_line(b"[]", Accepted((), signals={"ruler": 0.3}))
+        read_line(b"[]", AcceptedLines((), signals={"ruler": 0.3}))

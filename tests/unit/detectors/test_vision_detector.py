@@ -13,15 +13,15 @@ import pytest
 
 from pirate_sm.detectors.dead_reckoning import Reckoned
 from pirate_sm.detectors.odometry_detector import Odometry
-from pirate_sm.detectors.seen_places import OneMarker, Seen, Tags
-from pirate_sm.detectors.vision_detector import Sight
+from pirate_sm.detectors.seen_places import OneMarker, SeenWheels, Tags
+from pirate_sm.detectors.vision_detector import CameraSight
 from pirate_sm.engine.engine import Engine
 from pirate_sm.geometry.chain_in_space import ChainInSpace
 from pirate_sm.geometry.plane import inner_corner, walls
 from pirate_sm.geometry.space import DRAWING
 from pirate_sm.model.effects import Detected, Ended, Log
 from pirate_sm.model.events import DetectorWord, FaultReport, OutsideNumber
-from pirate_sm.model.sighting import Mark, Sighting
+from pirate_sm.model.sighting import SeenMark, Sighting
 from pirate_sm.model.true_position import Truth
 from pirate_sm.runtime.first_choice import FirstChoice
 from pirate_sm.runtime.loop import MissionRun
@@ -72,7 +72,7 @@ class TrueEye:
             x, y = (ax + bx) / 2 - self._origin[0], (ay + by) / 2 - self._origin[1]
             x, y = x + self._error(), y + self._error()
             heading = atan2(ay - by, ax - bx) if self.headings else None
-            marks.append(Mark(str(link), (x, y), heading))
+            marks.append(SeenMark(str(link), (x, y), heading))
         seen = tuple(marks[link] for link in self.links)
         return Sighting(now_s, seen, 0.5, 100.0, self._chance.getrandbits(32))
 
@@ -88,24 +88,26 @@ def setting(mission: str = "mitre_bend", seed: int = 1, **eye: float) -> tuple[P
     return ready, TrueEye(ready, **eye)
 
 
-def tags(ready: Prepared, eye: TrueEye, **rest: object) -> Sight:
+def tags(ready: Prepared, eye: TrueEye, **rest: object) -> CameraSight:
     loaded = ready.loaded
     assert loaded.pipe is not None
     route = loaded.pipe.route()
     placing = Tags(loaded.robot.body, route, LINKS)
-    return Sight(loaded.loaded_robot.profile, loaded.robot, route, lambda: eye, placing, **rest)  # type: ignore[arg-type]
+    return CameraSight(
+        loaded.loaded_robot.profile, loaded.robot, route, lambda: eye, placing, **rest
+    )  # type: ignore[arg-type]
 
 
-def marker(ready: Prepared, eye: TrueEye) -> Sight:
+def marker(ready: Prepared, eye: TrueEye) -> CameraSight:
     loaded = ready.loaded
     assert loaded.pipe is not None
     profile, robot, route = loaded.loaded_robot.profile, loaded.robot, loaded.pipe.route()
     odometry = Odometry(profile, robot, loaded.pipe)
     eye.links, eye.headings = (2,), False
-    return Sight(profile, robot, route, lambda: eye, OneMarker(route, 2), odometry=odometry)
+    return CameraSight(profile, robot, route, lambda: eye, OneMarker(route, 2), odometry=odometry)
 
 
-def execute(ready: Prepared, sight: Sight) -> tuple[str, str, list[object]]:
+def execute(ready: Prepared, sight: CameraSight) -> tuple[str, str, list[object]]:
     """Return outcome and message of the mission, and all its effects."""
     effects: list[object] = []
 
@@ -122,7 +124,7 @@ def execute(ready: Prepared, sight: Sight) -> tuple[str, str, list[object]]:
 
 
 @pytest.mark.parametrize("make", [tags, marker])
-def test_the_bend_is_passed_by_what_is_seen(make: Callable[..., Sight]) -> None:
+def test_the_bend_is_passed_by_what_is_seen(make: Callable[..., CameraSight]) -> None:
     ready, eye = setting(noise_m=0.002)
 
     outcome, message, effects = execute(ready, make(ready, eye))
@@ -167,7 +169,7 @@ def test_a_robot_that_leaps_is_not_believed() -> None:
         if not 8.0 <= seen.captured_s < 8.5:
             return seen
         moved = tuple(
-            Mark(m.on, (m.place_m[0] + 0.3, m.place_m[1]), m.heading_rad) for m in seen.marks
+            SeenMark(m.on, (m.place_m[0] + 0.3, m.place_m[1]), m.heading_rad) for m in seen.marks
         )
         return Sighting(seen.captured_s, moved, seen.rms_px, seen.gray_spread, seen.digest)
 
@@ -265,7 +267,7 @@ def test_the_speed_of_a_robot_that_faces_back_is_negative(hidden: int | None) ->
 
 def moved(seen: Sighting, *, along_m: float = 0.0, aside_m: float = 0.0) -> Sighting:
     marks = (
-        Mark(mark.on, (mark.place_m[0] + along_m, mark.place_m[1] + aside_m), mark.heading_rad)
+        SeenMark(mark.on, (mark.place_m[0] + along_m, mark.place_m[1] + aside_m), mark.heading_rad)
         for mark in seen.marks
     )
     return replace(seen, marks=tuple(marks))
@@ -276,7 +278,7 @@ def turned_round(seen: Sighting) -> Sighting:
     marks = []
     for mark in seen.marks:
         assert mark.heading_rad is not None
-        marks.append(Mark(str(4 - int(mark.on)), mark.place_m, mark.heading_rad + pi))
+        marks.append(SeenMark(str(4 - int(mark.on)), mark.place_m, mark.heading_rad + pi))
     return replace(seen, marks=tuple(marks))
 
 
@@ -294,7 +296,9 @@ class Script:
         placing = options.pop("placing", self)
         if options.pop("reckons", False):
             options["odometry"] = self
-        self.sight = Sight(profile, self.loaded.robot, route, lambda: self, placing, **options)
+        self.sight = CameraSight(
+            profile, self.loaded.robot, route, lambda: self, placing, **options
+        )
         self.sight.__enter__()
 
     def look(self, *given: Any) -> Any:
@@ -307,11 +311,11 @@ class Script:
     def close(self) -> None:
         self.closed = True
 
-    def place(self, sighting: Sighting, angles: Sequence[float]) -> Seen:
+    def place(self, sighting: Sighting, angles: Sequence[float]) -> SeenWheels:
         places_m = self._places[sighting.digest]
         assert len(angles) == 6
         inside = tuple(nan if place == OUTSIDE_M else place for place in places_m)
-        return Seen(inside, tuple((place, 0.5) for place in places_m))
+        return SeenWheels(inside, tuple((place, 0.5) for place in places_m))
 
     def drives(self, way: int, polarity: Literal["normal", "mirrored"] = "normal") -> None:
         robot = self.loaded.loaded_robot.oriented(polarity)
@@ -326,7 +330,7 @@ class Script:
         """Show the wheels at these places, or all at one; return what is said to people."""
         digest = len(self._places)
         self._places[digest] = places_m if len(places_m) == 6 else places_m * 6
-        mark = Mark("head", (0.0, 0.0), 0.0)
+        mark = SeenMark("head", (0.0, 0.0), 0.0)
         sighting = replace(Sighting(captured_s, (mark,), 0.5, 100.0, digest), **seen)
         self._coming.append(Shown(sighting))
         logs = self.sight.look(self.state, captured_s if now_s is None else now_s)
@@ -538,7 +542,7 @@ def test_the_next_mission_may_have_another_polarity() -> None:
 
 @pytest.mark.parametrize(("make", "reckons"), [(tags, False), (marker, True)])
 def test_whoever_counts_from_zero_again_lets_its_dead_reckoning_do_so_too(
-    make: Callable[..., Sight], reckons: bool, monkeypatch: pytest.MonkeyPatch
+    make: Callable[..., CameraSight], reckons: bool, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ready, eye = setting()
     restarted: list[object] = []

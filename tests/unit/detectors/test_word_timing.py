@@ -7,7 +7,7 @@ from math import inf, nan
 
 import pytest
 
-from pirate_sm.detectors.word_timing import Detector, Point, Word
+from pirate_sm.detectors.word_timing import Point, Word, WordDetector
 from pirate_sm.geometry.joints import Bend
 from pirate_sm.model.events import DetectorWord
 
@@ -19,8 +19,8 @@ WORDS = (
 LENGTHS = (0.0, 0.1, 0.2)
 
 
-def detector(errors: tuple[float, ...] = (0.0, 0.0, 0.0), valid_for_s: float = 1e9) -> Detector:
-    return Detector(WORDS, errors, (Bend(1.0),), valid_for_s)
+def detector(errors: tuple[float, ...] = (0.0, 0.0, 0.0), valid_for_s: float = 1e9) -> WordDetector:
+    return WordDetector(WORDS, errors, (Bend(1.0),), valid_for_s)
 
 
 def say(
@@ -161,7 +161,7 @@ def test_a_word_that_holds_is_said_again_while_valid() -> None:
 
 
 def test_the_words_of_an_elbow_count_from_where_it_begins_and_where_it_ends() -> None:
-    one, said = Detector(WORDS, (0.0,) * 3, (Bend(1.0, 0.05),), 1e9), []
+    one, said = WordDetector(WORDS, (0.0,) * 3, (Bend(1.0, 0.05),), 1e9), []
     for step, place in enumerate(course(0.7, 1.5)):
         word = one.look(0.01 * step, [place - length for length in LENGTHS], 1)
         said += [(word.word, place)] if word is not None else []
@@ -172,7 +172,7 @@ def test_the_words_of_an_elbow_count_from_where_it_begins_and_where_it_ends() ->
 
 def test_the_last_word_of_a_bend_ends_and_the_next_bend_has_its_own() -> None:
     bends = (Bend(1.0), Bend(2.0))
-    one, due = Detector(WORDS, (0.0,) * 3, bends, 1e9), []
+    one, due = WordDetector(WORDS, (0.0,) * 3, bends, 1e9), []
     for step, place in enumerate(course(0.7, 2.4)):
         one.look(0.01 * step, [place - length for length in LENGTHS], 1)
         if one.due not in {word for word, _ in due[-1:]}:
@@ -195,7 +195,7 @@ def test_a_word_stays_until_its_wheel_is_clearly_before_its_point() -> None:
     assert one.due == ""
 
 
-def standing(one: Detector, place: float, travel: int = 1) -> list[float]:
+def standing(one: WordDetector, place: float, travel: int = 1) -> list[float]:
     """Show the wheels where they stand while they are driven; return their places."""
     places = [place - length for length in LENGTHS]
     one.look(1.0, places, travel)
@@ -291,6 +291,6 @@ def test_a_wheel_on_its_point_is_there() -> None:
     """Numbers without rounding: a word begins on its point, and ends a quarter of a metre on."""
     words = (Word("at", Point(0, 0.0), Point(0, 0.0)),)
     for place, due in ((0.0, "at"), (-0.001, ""), (0.249, "at"), (0.25, "")):
-        one = Detector(words, (0.0,), (Bend(0.0),), 1.0)
+        one = WordDetector(words, (0.0,), (Bend(0.0),), 1.0)
         one.look(0.0, [place], 1)
         assert one.due == due

@@ -12,7 +12,7 @@ from pirate_sm.backends.serial.assembly import read_plan
 from pirate_sm.bay.switches import Switches
 from pirate_sm.bay.texts import message_texts
 from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.diagnosis.facts import Subject
+from pirate_sm.diagnosis.facts import ExpectedRobot
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.errors import BackendError
 from pirate_sm.loading.pipe_file import load_pipe
@@ -85,13 +85,15 @@ class BayPort:
 
 
 @pytest.fixture(scope="session")
-def subject() -> Subject:
+def subject() -> ExpectedRobot:
     loaded = load_robot(FOLDER)
-    return Subject(loaded.profile, loaded.normal, read_plan(FOLDER, loaded.profile, loaded.normal))
+    return ExpectedRobot(
+        loaded.profile, loaded.normal, read_plan(FOLDER, loaded.profile, loaded.normal)
+    )
 
 
 @pytest.fixture
-def connect(subject: Subject) -> Connect:
+def connect(subject: ExpectedRobot) -> Connect:
     """A connection, not open yet, to a bay with these switches."""
     pipe = load_pipe(ROOT / "sequences" / "pipes" / "mitre_90.yaml")[0]
     texts = message_texts(FOLDER, subject.profile)

@@ -12,7 +12,7 @@ import pytest
 
 from pirate_sm.cli.commands.doctor import _look_around
 from pirate_sm.cli.options.links import DoctorOptions
-from pirate_sm.diagnosis.facts import Facts, Subject
+from pirate_sm.diagnosis.facts import ExpectedRobot, Facts
 from pirate_sm.diagnosis.judgement import judged
 from pirate_sm.diagnosis.listening import Listening
 from pirate_sm.diagnosis.moving import Moving
@@ -29,7 +29,7 @@ def messages(facts: Facts, level: str) -> list[str]:
 
 
 @pytest.fixture
-def examine(connect: Connect, subject: Subject) -> Examine:
+def examine(connect: Connect, subject: ExpectedRobot) -> Examine:
     def examined(*, move: bool = False, **switches: object) -> Facts:
         with connect(**switches) as listening:
             listening.listen(5.0)
@@ -43,7 +43,7 @@ def examine(connect: Connect, subject: Subject) -> Examine:
 
 
 def test_a_healthy_bay_is_go_and_nothing_was_sent_to_its_motors(
-    connect: Connect, subject: Subject
+    connect: Connect, subject: ExpectedRobot
 ) -> None:
     with connect() as listening:
         listening.listen(5.0)
@@ -110,7 +110,7 @@ def test_motors_that_ignore_setpoints_are_no_go_with_what_to_do_at_the_panel(
 
 
 def test_each_wheel_that_is_asked_to_turns_and_stands_still_again(
-    connect: Connect, subject: Subject
+    connect: Connect, subject: ExpectedRobot
 ) -> None:
     with connect() as listening:
         listening.listen(2.0)
@@ -122,7 +122,7 @@ def test_each_wheel_that_is_asked_to_turns_and_stands_still_again(
     assert not any(duties)
 
 
-def test_a_robot_that_holds_on_is_not_sent_zeros(connect: Connect, subject: Subject) -> None:
+def test_a_robot_that_holds_on_is_not_sent_zeros(connect: Connect, subject: ExpectedRobot) -> None:
     with connect() as listening:
         listening.listen(2.0)
         clamp = {"bend_1": -1.0, "bend_2": 1.0}
@@ -141,7 +141,7 @@ def test_a_robot_that_holds_on_is_not_sent_zeros(connect: Connect, subject: Subj
 
 
 def test_no_wheel_turns_on_a_robot_that_its_worm_gears_hold_without_any_current(
-    connect: Connect, subject: Subject
+    connect: Connect, subject: ExpectedRobot
 ) -> None:
     with connect() as listening:
         listening.listen(2.0)
@@ -160,7 +160,7 @@ def test_no_wheel_turns_on_a_robot_that_its_worm_gears_hold_without_any_current(
 
 
 def test_a_joint_whose_load_is_not_shown_may_bear_one(
-    connect: Connect, subject: Subject, monkeypatch: pytest.MonkeyPatch
+    connect: Connect, subject: ExpectedRobot, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     with connect() as listening:
         listening.listen(2.0)
@@ -222,7 +222,7 @@ def test_whoever_stops_the_test_leaves_every_wheel_at_rest(connect: Connect) -> 
 
 
 def test_another_definition_is_no_go_and_is_not_asked_about_for_ever(
-    connect: Connect, subject: Subject
+    connect: Connect, subject: ExpectedRobot
 ) -> None:
     with connect(wrong_md5=("state",)) as listening:
         before = len(bay_of(listening).records)
@@ -262,7 +262,7 @@ def test_what_is_strange_is_told_and_stops_nobody(
 
 
 def test_a_board_that_says_nothing_is_no_go_by_number_and_name(
-    examine: Examine, subject: Subject
+    examine: Examine, subject: ExpectedRobot
 ) -> None:
     facts = examine()
     boards = tuple(
@@ -276,7 +276,7 @@ def test_a_board_that_says_nothing_is_no_go_by_number_and_name(
 
 
 def test_a_joint_at_its_end_stop_and_one_beyond_it_are_told(
-    examine: Examine, subject: Subject
+    examine: Examine, subject: ExpectedRobot
 ) -> None:
     facts = examine()
     first, *others = facts.boards
@@ -291,7 +291,7 @@ def test_a_joint_at_its_end_stop_and_one_beyond_it_are_told(
 
 
 def test_an_accelerometer_that_does_not_feel_gravity_is_told(
-    examine: Examine, subject: Subject
+    examine: Examine, subject: ExpectedRobot
 ) -> None:
     facts = examine()
     boards = tuple(
@@ -309,7 +309,9 @@ def test_an_accelerometer_that_does_not_feel_gravity_is_told(
     assert any("gravity is 9.81" in line for line in messages(again, "suspicious"))
 
 
-def test_joint_zeros_are_subtracted_from_what_is_shown(connect: Connect, subject: Subject) -> None:
+def test_joint_zeros_are_subtracted_from_what_is_shown(
+    connect: Connect, subject: ExpectedRobot
+) -> None:
     zeros = {"gamma_1": 0.1}
     calibrated = subject._replace(robot=with_zeros(subject.robot, zeros))
     listening = connect()
@@ -345,7 +347,7 @@ def test_the_facts_are_plain_json(examine: Examine) -> None:
     ],
 )
 def test_a_port_that_speaks_something_else_says_so_and_is_free_again(
-    subject: Subject, answer: bytes, told: str
+    subject: ExpectedRobot, answer: bytes, told: str
 ) -> None:
     port = BayPort(None, answer)
 
@@ -355,7 +357,7 @@ def test_a_port_that_speaks_something_else_says_so_and_is_free_again(
     assert not port.is_open
 
 
-def test_a_port_that_cannot_be_opened_says_why(subject: Subject) -> None:
+def test_a_port_that_cannot_be_opened_says_why(subject: ExpectedRobot) -> None:
     port = BayPort(None)
     port.refuses = "it is in use"
 
@@ -365,7 +367,7 @@ def test_a_port_that_cannot_be_opened_says_why(subject: Subject) -> None:
 
 @pytest.mark.parametrize(("late_s", "findings"), [(0.05, 0), (0.2, 1)])
 def test_belief_a_computer_that_stands_still_is_found_before_it_stops_a_robot(
-    connect: Connect, subject: Subject, late_s: float, findings: int
+    connect: Connect, subject: ExpectedRobot, late_s: float, findings: int
 ) -> None:
     with connect() as listening:
         port, read = listening.port, listening.port.read

@@ -6,7 +6,7 @@ from math import degrees, radians
 
 import pytest
 
-from pirate_sm.diagnosis.facts import Subject
+from pirate_sm.diagnosis.facts import ExpectedRobot
 from pirate_sm.diagnosis.straightness import JointReading, objections, read_joints
 
 from .conftest import Connect
@@ -20,7 +20,7 @@ def reading(mean_deg: float = 1.0, spread_deg: float = 0.2, taken: int = 30) -> 
 
 
 def test_a_straight_robot_shows_zeros_in_the_order_asked_for(
-    connect: Connect, subject: Subject
+    connect: Connect, subject: ExpectedRobot
 ) -> None:
     with connect() as listening:
         listening.listen(3.0)
@@ -32,7 +32,7 @@ def test_a_straight_robot_shows_zeros_in_the_order_asked_for(
     assert objections(readings, LIMIT_RAD) == []
 
 
-def test_a_zero_that_jumped_is_measured(connect: Connect, subject: Subject) -> None:
+def test_a_zero_that_jumped_is_measured(connect: Connect, subject: ExpectedRobot) -> None:
     with connect(defects=("gamma_1_zero_jumps",)) as listening:
         listening.listen(10.0)
         listening.listen(3.0)
@@ -56,7 +56,7 @@ def test_what_must_not_become_a_zero_is_told(bad: JointReading, told: str) -> No
     assert objection.startswith(told)
 
 
-def test_silence_is_no_zero(connect: Connect, subject: Subject) -> None:
+def test_silence_is_no_zero(connect: Connect, subject: ExpectedRobot) -> None:
     with connect(sensors_started=False) as listening:
         listening.listen(2.0)
         readings = read_joints(subject, listening.records, JOINTS)

@@ -3,14 +3,14 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.experiments.thesis_rows import Compared, ThesisRow, compared
+from pirate_sm.experiments.thesis_rows import ComparedRow, ThesisRow, compared
 
 
 def row(**more: Any) -> ThesisRow:
     return ThesisRow(of="1", what="way", place="6-4", thesis="80 cm", ours="way", unit="cm", **more)
 
 
-def judged(ours_m: float, **more: Any) -> Compared:
+def judged(ours_m: float, **more: Any) -> ComparedRow:
     return next(compared([row(**more)], {"way": ours_m}))
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import pirate_sm
-from pirate_sm.fitting.columns import Measured, read_measured
+from pirate_sm.fitting.columns import MeasuredFile, read_measured
 from pirate_sm.fitting.estimate import Estimate
 from pirate_sm.fitting.motor_intervals import Intervals
 from pirate_sm.fitting.robot_numbers import RobotNumber, driven, robot_numbers, wheel_numbers
@@ -28,7 +28,7 @@ motors:
 
 
 @pytest.fixture(scope="module")
-def measured(tmp_path_factory: pytest.TempPathFactory) -> Measured:
+def measured(tmp_path_factory: pytest.TempPathFactory) -> MeasuredFile:
     """A bend of a robot whose motors are others than its profile says."""
     folder = tmp_path_factory.mktemp("twin")
     twin, recording = folder / "true.yaml", folder / "run.mcap"
@@ -38,7 +38,7 @@ def measured(tmp_path_factory: pytest.TempPathFactory) -> Measured:
 
 
 @pytest.fixture(scope="module")
-def numbers(measured: Measured) -> dict[tuple[str, str], RobotNumber]:
+def numbers(measured: MeasuredFile) -> dict[tuple[str, str], RobotNumber]:
     return {(each.motor, each.key): each for each in robot_numbers([measured])}
 
 
@@ -59,7 +59,7 @@ def test_an_interval_holds_its_value_and_the_true_one(
     assert estimate.low <= TRUE[which] <= estimate.high
 
 
-def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: Measured) -> None:
+def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: MeasuredFile) -> None:
     columns = {
         name: values for name, values in measured.columns.items() if not name.startswith("mu_")
     }
@@ -71,7 +71,7 @@ def test_friction_is_unknown_where_the_profile_does_not_derive_it(measured: Meas
     assert all("derives no friction" in reason for reason in reasons)
 
 
-def test_a_robot_that_never_moved_tells_why_nothing_is_known(measured: Measured) -> None:
+def test_a_robot_that_never_moved_tells_why_nothing_is_known(measured: MeasuredFile) -> None:
     rest = {name: values[:40] for name, values in measured.columns.items()}
 
     found = robot_numbers([measured._replace(columns=rest, recording=None)])
@@ -81,7 +81,7 @@ def test_a_robot_that_never_moved_tells_why_nothing_is_known(measured: Measured)
 
 
 def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
-    measured: Measured, numbers: dict[tuple[str, str], RobotNumber], tmp_path: Path
+    measured: MeasuredFile, numbers: dict[tuple[str, str], RobotNumber], tmp_path: Path
 ) -> None:
     file = tmp_path / "found.yaml"
     assert measured.profile is not None
@@ -94,12 +94,12 @@ def test_the_numbers_are_written_as_a_file_that_the_simulator_takes(
     assert "unknown: kinetic friction, front" in file.read_text()
 
 
-def on_paper(measured: Measured, made: dict[str, np.ndarray]) -> Measured:
+def on_paper(measured: MeasuredFile, made: dict[str, np.ndarray]) -> MeasuredFile:
     """What was measured, with some columns of another kind, which no recording holds."""
     return measured._replace(columns={**measured.columns, **made}, recording=None)
 
 
-def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured) -> None:
+def test_friction_is_the_median_where_wheels_slip_under_load(measured: MeasuredFile) -> None:
     count = len(measured.columns["time_s"])
     random = np.random.default_rng(1)
     made: dict[str, np.ndarray] = {}
@@ -118,7 +118,7 @@ def test_friction_is_the_median_where_wheels_slip_under_load(measured: Measured)
 
 
 def test_friction_that_was_found_is_written_with_static_friction_in_the_profiles_ratio(
-    measured: Measured, tmp_path: Path
+    measured: MeasuredFile, tmp_path: Path
 ) -> None:
     assert measured.profile is not None
     parts = [RobotNumber("", f"kinetic friction, {n}", "", Estimate(n / 10)) for n in (2, 4)]
@@ -131,7 +131,9 @@ def test_friction_that_was_found_is_written_with_static_friction_in_the_profiles
     assert (friction.static, friction.kinetic) == (0.42, 0.3)
 
 
-def test_the_interval_of_friction_holds_the_error_of_the_normal_forces(measured: Measured) -> None:
+def test_the_interval_of_friction_holds_the_error_of_the_normal_forces(
+    measured: MeasuredFile,
+) -> None:
     """Chain statics may be 5 % off in all frames of a run, which no draw of frames can show."""
     count = len(measured.columns["time_s"])
     made = {f"mu_{n}": np.full(count, 0.3) for n in range(1, 7)}

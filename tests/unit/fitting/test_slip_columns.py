@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.errors import UsageError
-from pirate_sm.fitting.slip_columns import SlipSignals, slip_and_friction, steady, wheels_in
+from pirate_sm.fitting.slip_columns import SlipSignalNames, slip_and_friction, steady, wheels_in
 
 COLUMNS = {
     "time_s": np.array([0.0, 1.0]),
@@ -15,18 +15,18 @@ COLUMNS = {
 
 
 def test_wheels_are_found_by_the_name_of_their_slip() -> None:
-    assert wheels_in(COLUMNS, SlipSignals()) == ["1", "12"]
+    assert wheels_in(COLUMNS, SlipSignalNames()) == ["1", "12"]
 
 
 def test_friction_comes_from_its_own_signal_where_one_is_named() -> None:
-    slip, friction = slip_and_friction(COLUMNS, "1", SlipSignals(friction="used_{}"))
+    slip, friction = slip_and_friction(COLUMNS, "1", SlipSignalNames(friction="used_{}"))
 
     assert slip.tolist() == [0.01, 0.02]
     assert friction.tolist() == [0.1, 0.2]
 
 
 def test_friction_is_torque_over_radius_and_normal_force_and_unknown_without_pressure() -> None:
-    _, friction = slip_and_friction(COLUMNS, "1", SlipSignals(radius_m=0.024))
+    _, friction = slip_and_friction(COLUMNS, "1", SlipSignalNames(radius_m=0.024))
 
     assert friction[0] == pytest.approx(0.1)
     assert np.isnan(friction[1])
@@ -34,17 +34,17 @@ def test_friction_is_torque_over_radius_and_normal_force_and_unknown_without_pre
 
 def test_torques_without_a_radius_are_refused() -> None:
     with pytest.raises(UsageError, match="--radius"):
-        slip_and_friction(COLUMNS, "1", SlipSignals())
+        slip_and_friction(COLUMNS, "1", SlipSignalNames())
 
 
 def test_a_missing_signal_is_named() -> None:
     with pytest.raises(UsageError, match="no signal 'wheel_torque_12'"):
-        slip_and_friction(COLUMNS, "12", SlipSignals(radius_m=0.024))
+        slip_and_friction(COLUMNS, "12", SlipSignalNames(radius_m=0.024))
 
 
 def test_columns_without_slip_are_refused() -> None:
     with pytest.raises(UsageError, match=r"no signal 'slide_\{\}'"):
-        wheels_in(COLUMNS, SlipSignals(slip="slide_{}"))
+        wheels_in(COLUMNS, SlipSignalNames(slip="slide_{}"))
 
 
 def test_readings_count_once_both_have_kept_their_values_for_half_a_second() -> None:

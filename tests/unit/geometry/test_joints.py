@@ -6,20 +6,29 @@ from math import isnan, pi, radians, sqrt, tan
 
 import pytest
 
-from pirate_sm.geometry.joints import Bend, Joint, bend_at
-from pirate_sm.geometry.network import Elbow, Mitre, Network, Reducer, Run, Straight, Tee, planar
+from pirate_sm.geometry.joints import Bend, RouteJoint, bend_at
+from pirate_sm.geometry.network import (
+    Elbow,
+    Mitre,
+    Network,
+    NetworkRun,
+    Reducer,
+    Straight,
+    Tee,
+    planar,
+)
 from pirate_sm.geometry.route import Route
 
 DIAMETER_M = 0.12
 
 
-def elbow(turn_deg: float, behind_m: float) -> Joint:
-    return Joint("elbow", 1.5, behind_m, behind_m, radians(turn_deg))
+def elbow(turn_deg: float, behind_m: float) -> RouteJoint:
+    return RouteJoint("elbow", 1.5, behind_m, behind_m, radians(turn_deg))
 
 
 @pytest.mark.parametrize("kind", ["mitre", "tee", "reducer"])
 def test_where_walls_meet_at_once_there_is_no_reach(kind: str) -> None:
-    joint = Joint(kind, 1.5, 0.06, 0.06, pi / 2)  # type: ignore[arg-type]
+    joint = RouteJoint(kind, 1.5, 0.06, 0.06, pi / 2)  # type: ignore[arg-type]
 
     assert bend_at(joint, DIAMETER_M) == Bend(1.5, 0.0)
 
@@ -50,8 +59,8 @@ def test_a_route_may_begin_with_a_fitting() -> None:
 
 def test_a_sudden_step_between_two_runs_is_a_reducer_without_length() -> None:
     runs = {
-        "wide": Run(0.12, (Straight(1.0),), ends="sleeve"),
-        "narrow": Run(0.11, (Straight(1.0), Straight(0.5)), begins="sleeve"),
+        "wide": NetworkRun(0.12, (Straight(1.0),), ends="sleeve"),
+        "narrow": NetworkRun(0.11, (Straight(1.0), Straight(0.5)), begins="sleeve"),
     }
     (joint,) = Route(Network(runs, {"all": ("wide", "narrow")})).joints
 
@@ -61,9 +70,9 @@ def test_a_sudden_step_between_two_runs_is_a_reducer_without_length() -> None:
 
 def test_a_tee_into_a_narrower_run_is_one_joint() -> None:
     runs = {
-        "trunk": Run(0.12, (Straight(1.0),), ends="tee"),
-        "on": Run(0.1, (Straight(1.0),), begins="tee.on"),
-        "branch": Run(0.1, (Straight(1.0),), begins="tee.branch"),
+        "trunk": NetworkRun(0.12, (Straight(1.0),), ends="tee"),
+        "on": NetworkRun(0.1, (Straight(1.0),), begins="tee.on"),
+        "branch": NetworkRun(0.1, (Straight(1.0),), begins="tee.branch"),
     }
     network = Network(
         runs, {"on": ("trunk", "on"), "off": ("trunk", "branch")}, tees={"tee": Tee()}
@@ -104,9 +113,9 @@ def test_an_elbow_between_straights_is_named_by_its_middle() -> None:
 
 def test_a_tee_opens_towards_its_branch_wherever_the_route_goes() -> None:
     runs = {
-        "trunk": Run(0.12, (Straight(1.0),), ends="tee"),
-        "on": Run(0.12, (Straight(1.0),), begins="tee.on"),
-        "branch": Run(0.12, (Straight(1.0),), begins="tee.branch"),
+        "trunk": NetworkRun(0.12, (Straight(1.0),), ends="tee"),
+        "on": NetworkRun(0.12, (Straight(1.0),), begins="tee.on"),
+        "branch": NetworkRun(0.12, (Straight(1.0),), begins="tee.branch"),
     }
     tees = {"tee": Tee(roll_rad=0.5)}
     network = Network(runs, {"on": ("trunk", "on"), "off": ("trunk", "branch")}, tees=tees)

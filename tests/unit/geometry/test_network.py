@@ -13,8 +13,8 @@ from pirate_sm.geometry.network import (
     Elbow,
     Mitre,
     Network,
+    NetworkRun,
     Reducer,
-    Run,
     Segment,
     Straight,
     Tee,
@@ -27,14 +27,14 @@ QUARTER = pi / 2
 
 
 def one_run(*segments: Segment) -> Network:
-    return Network({"main": Run(0.12, segments, section="round")}, {"main": ("main",)})
+    return Network({"main": NetworkRun(0.12, segments, section="round")}, {"main": ("main",)})
 
 
-def house(roll: float = 0.0, **runs: Run) -> Network:
+def house(roll: float = 0.0, **runs: NetworkRun) -> Network:
     found = {
-        "main": Run(0.12, (Straight(1.0),), "entry", "t1"),
-        "on": Run(0.12, (Straight(2.0),), "t1.on", "cap"),
-        "branch": Run(0.11, (Straight(0.8),), "t1.branch", "exit"),
+        "main": NetworkRun(0.12, (Straight(1.0),), "entry", "t1"),
+        "on": NetworkRun(0.12, (Straight(2.0),), "t1.on", "cap"),
+        "branch": NetworkRun(0.11, (Straight(0.8),), "t1.branch", "exit"),
     }
     routes = {"in": ("main", "branch"), "past": ("main", "on"), "back": ("branch", "main")}
     return Network(found | runs, routes, tees={"t1": Tee(roll)}, closed=frozenset({"cap"}))
@@ -141,14 +141,14 @@ def test_pieces_of_any_pipe_follow_without_a_gap_and_without_twist(parts) -> Non
 @given(runs(), st.sampled_from(["t1", "t1.on", "t1.branch"]), st.floats(-3.0, 3.0))
 def test_a_run_that_ends_at_a_tee_is_where_it_would_be_if_it_began_there(parts, port, roll) -> None:
     others = {
-        p: Run(0.12, (Straight(0.5),), p, f"e{n}")
+        p: NetworkRun(0.12, (Straight(0.5),), p, f"e{n}")
         for n, p in enumerate(("t1", "t1.on", "t1.branch"))
         if p != port
     }
     for came in (True, False):
         ends = ("far", port) if came else (port, "far")
         network = Network(
-            {**others, "x": Run(0.12, parts, *ends)}, {"x": ("x",)}, tees={"t1": Tee(roll)}
+            {**others, "x": NetworkRun(0.12, parts, *ends)}, {"x": ("x",)}, tees={"t1": Tee(roll)}
         )
         placed = place(network)
         assert placed.misfits == ()
@@ -192,13 +192,19 @@ def test_a_route_may_pass_runs_from_their_end_to_their_beginning() -> None:
 def test_a_run_backwards_meets_the_same_joints(parts) -> None:
     there = Route(
         Network(
-            {"a": Run(0.12, (Straight(1.0),), "x", "j"), "b": Run(0.12, parts, "j", "y")},
+            {
+                "a": NetworkRun(0.12, (Straight(1.0),), "x", "j"),
+                "b": NetworkRun(0.12, parts, "j", "y"),
+            },
             {"b": ("a", "b")},
         )
     )
     back = Route(
         Network(
-            {"a": Run(0.12, (Straight(1.0),), "x", "j"), "b": Run(0.12, parts, "y", "j")},
+            {
+                "a": NetworkRun(0.12, (Straight(1.0),), "x", "j"),
+                "b": NetworkRun(0.12, parts, "y", "j"),
+            },
             {"b": ("b", "a")},
         )
     )
@@ -226,10 +232,10 @@ def test_a_loop_closes_or_misses_its_junction(leg_m: float, angle: float, misfit
     home = (Straight(leg_m), Mitre(angle), Straight(1.0))
     network = Network(
         {
-            "main": Run(0.12, (Straight(1.0),), "entry", "t1"),
-            "ring": Run(0.12, (Straight(1.0), Mitre(QUARTER), Straight(0.5)), "t1.on", "t2"),
-            "stub": Run(0.12, (Straight(0.5),), "t2.on", "cap"),
-            "home": Run(0.12, home, "t1.branch", "t2.branch"),
+            "main": NetworkRun(0.12, (Straight(1.0),), "entry", "t1"),
+            "ring": NetworkRun(0.12, (Straight(1.0), Mitre(QUARTER), Straight(0.5)), "t1.on", "t2"),
+            "stub": NetworkRun(0.12, (Straight(0.5),), "t2.on", "cap"),
+            "home": NetworkRun(0.12, home, "t1.branch", "t2.branch"),
         },
         {"main": ("main",)},
         tees={"t1": Tee(), "t2": Tee()},
@@ -244,8 +250,8 @@ def test_a_loop_closes_or_misses_its_junction(leg_m: float, angle: float, misfit
 
 
 def test_what_nothing_connects_is_a_misfit() -> None:
-    lonely = house(lonely=Run(0.12, (Straight(1.0),), "a", "b"))
-    crowded = house(crowded=Run(0.12, (Straight(1.0),), "t1.on", "b"))
+    lonely = house(lonely=NetworkRun(0.12, (Straight(1.0),), "a", "b"))
+    crowded = house(crowded=NetworkRun(0.12, (Straight(1.0),), "t1.on", "b"))
 
     (one,) = place(lonely).misfits
     (other,) = place(crowded).misfits

@@ -7,7 +7,16 @@ from random import Random
 
 import pytest
 
-from pirate_sm.geometry.network import Elbow, Mitre, Network, Reducer, Run, Straight, Tee, planar
+from pirate_sm.geometry.network import (
+    Elbow,
+    Mitre,
+    Network,
+    NetworkRun,
+    Reducer,
+    Straight,
+    Tee,
+    planar,
+)
 from pirate_sm.geometry.room import Room
 from pirate_sm.geometry.route import Route
 
@@ -28,9 +37,9 @@ def mitre() -> Room:
 @pytest.fixture
 def tee() -> Room:
     runs = {
-        "main": Run(2 * RADIUS, (Straight(1.0),), "entry", "t", "round"),
-        "on": Run(2 * RADIUS, (Straight(1.0),), "t.on", "cap", "round"),
-        "branch": Run(2 * RADIUS, (Straight(1.0),), "t.branch", "exit", "round"),
+        "main": NetworkRun(2 * RADIUS, (Straight(1.0),), "entry", "t", "round"),
+        "on": NetworkRun(2 * RADIUS, (Straight(1.0),), "t.on", "cap", "round"),
+        "branch": NetworkRun(2 * RADIUS, (Straight(1.0),), "t.branch", "exit", "round"),
     }
     routes = {"in": ("main", "branch")}
     network = Network(runs, routes, tees={"t": Tee()}, closed=frozenset({"cap"}))

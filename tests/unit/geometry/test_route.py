@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.geometry.network import Mitre, Network, Run, Segment, Straight, planar
+from pirate_sm.geometry.network import Mitre, Network, NetworkRun, Segment, Straight, planar
 from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import dot
 
@@ -31,7 +31,7 @@ def segments(draw: st.DrawFn, *, rolled: bool = True) -> tuple[Segment, ...]:
 
 
 def route(parts: tuple[Segment, ...]) -> Route:
-    return Route(Network({"main": Run(0.12, parts)}, {"main": ("main",)}, UP))
+    return Route(Network({"main": NetworkRun(0.12, parts)}, {"main": ("main",)}, UP))
 
 
 def test_crossings_are_where_the_axes_meet() -> None:
@@ -142,9 +142,9 @@ def test_a_piece_names_the_first_segment_that_it_is_made_of() -> None:
 
 NETWORK = Network(
     {
-        "main": Run(0.12, (Straight(1.0), Mitre(pi / 2), Straight(0.5)), ends="step"),
-        "house": Run(0.1, (Straight(0.5), Mitre(-pi / 2), Straight(1.0)), begins="step"),
-        "field": Run(0.1, (Straight(3.0),), begins="ditch"),
+        "main": NetworkRun(0.12, (Straight(1.0), Mitre(pi / 2), Straight(0.5)), ends="step"),
+        "house": NetworkRun(0.1, (Straight(0.5), Mitre(-pi / 2), Straight(1.0)), begins="step"),
+        "field": NetworkRun(0.1, (Straight(3.0),), begins="ditch"),
     },
     {"home": ("main", "house"), "lost": ("main", "field")},
     UP,

@@ -10,8 +10,8 @@ from pirate_sm.geometry.network import (
     Elbow,
     Mitre,
     Network,
+    NetworkRun,
     Reducer,
-    Run,
     Segment,
     Straight,
     Tee,
@@ -31,9 +31,9 @@ def of(*segments: Segment) -> Route:
 
 def tee(roll: float = 0.0) -> Network:
     runs = {
-        "main": Run(2 * R, (Straight(1.0),), "entry", "t", "round"),
-        "past": Run(2 * R, (Straight(1.0),), "t.on", "cap", "round"),
-        "branch": Run(2 * SMALL, (Straight(1.0),), "t.branch", "exit", "round"),
+        "main": NetworkRun(2 * R, (Straight(1.0),), "entry", "t", "round"),
+        "past": NetworkRun(2 * R, (Straight(1.0),), "t.on", "cap", "round"),
+        "branch": NetworkRun(2 * SMALL, (Straight(1.0),), "t.branch", "exit", "round"),
     }
     return Network(
         runs, {"r": ("main", "branch")}, tees={"t": Tee(roll)}, closed=frozenset({"cap"})
@@ -86,7 +86,7 @@ def test_the_mouth_of_a_tee_is_on_both_of_its_pipes(roll: float) -> None:
 
 def test_a_branch_that_is_placed_from_its_far_end_has_the_same_mouth() -> None:
     forth = tee()
-    back = Run(2 * SMALL, (Straight(1.0),), "exit", "t.branch", "round")
+    back = NetworkRun(2 * SMALL, (Straight(1.0),), "exit", "t.branch", "round")
     turned = Network({**forth.runs, "branch": back}, {"r": ("branch", "past")}, tees=forth.tees)
     one = {tuple(round(x, 9) for x in p) for p in [*walls_in_space(forth, place(forth))][3][0]}
     other = {tuple(round(x, 9) for x in p) for p in [*walls_in_space(turned, place(turned))][2][-1]}

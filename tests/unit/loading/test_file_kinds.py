@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.loading.file_kinds import Kind, kind_of, kind_of_text
+from pirate_sm.loading.file_kinds import FileKind, kind_of, kind_of_text
 from pirate_sm.loading.mission import load_mission
 from pirate_sm.loading.pipe_file import load_pipe
 from pirate_sm.loading.problems import LoadError
@@ -23,18 +23,18 @@ NEWT = ROOT / "tests" / "robots" / "newt"
 @pytest.mark.parametrize(
     ("files", "kind"),
     [
-        (sorted((ROOT / "sequences").glob("*.yaml")), Kind.MISSION),
-        (sorted((ROOT / "docs" / "examples").glob("*.yaml")), Kind.MISSION),
-        (sorted((ROOT / "sequences" / "pipes").glob("*.yaml")), Kind.PIPE),
-        ([NEWT / "profile.yaml", PIRATE / "profile.yaml"], Kind.ROBOT),
-        ([NEWT / "chart.yaml", PIRATE / "chart.yaml"], Kind.CHART),
-        (sorted((PIRATE / "experiments").glob("*.yaml")), Kind.EXPERIMENT),
-        (sorted((ROOT / "campaigns").glob("*.yaml")), Kind.CAMPAIGN),
-        (sorted((ROOT / "demos").glob("*.yaml")), Kind.SCENE),
-        ([*(ROOT / "panels").glob("*.yaml"), NEWT / "pedals.yaml"], Kind.PANEL),
-        (sorted((ROOT / "cameras").glob("*.yaml")), Kind.CAMERA),
-        ([ROOT / "pyproject.toml", ROOT / ".pre-commit-config.yaml"], Kind.OTHER),
-        ([ROOT, ROOT / "no_such_file.yaml"], Kind.UNREADABLE),
+        (sorted((ROOT / "sequences").glob("*.yaml")), FileKind.MISSION),
+        (sorted((ROOT / "docs" / "examples").glob("*.yaml")), FileKind.MISSION),
+        (sorted((ROOT / "sequences" / "pipes").glob("*.yaml")), FileKind.PIPE),
+        ([NEWT / "profile.yaml", PIRATE / "profile.yaml"], FileKind.ROBOT),
+        ([NEWT / "chart.yaml", PIRATE / "chart.yaml"], FileKind.CHART),
+        (sorted((PIRATE / "experiments").glob("*.yaml")), FileKind.EXPERIMENT),
+        (sorted((ROOT / "campaigns").glob("*.yaml")), FileKind.CAMPAIGN),
+        (sorted((ROOT / "demos").glob("*.yaml")), FileKind.SCENE),
+        ([*(ROOT / "panels").glob("*.yaml"), NEWT / "pedals.yaml"], FileKind.PANEL),
+        (sorted((ROOT / "cameras").glob("*.yaml")), FileKind.CAMERA),
+        ([ROOT / "pyproject.toml", ROOT / ".pre-commit-config.yaml"], FileKind.OTHER),
+        ([ROOT, ROOT / "no_such_file.yaml"], FileKind.UNREADABLE),
     ],
     ids=[
         "missions",
@@ -51,47 +51,47 @@ NEWT = ROOT / "tests" / "robots" / "newt"
         "none",
     ],
 )
-def test_every_file_of_the_project_is_known(files: list[Path], kind: Kind) -> None:
+def test_every_file_of_the_project_is_known(files: list[Path], kind: FileKind) -> None:
     assert {kind_of(file) for file in files} == {kind}
 
 
 @pytest.mark.parametrize(
     ("text", "kind"),
     [
-        ("format: 1\nmission: m\nrobot: [unclosed\nphasess: {}\n", Kind.MISSION),
-        ("--- \nmission: m\nends: {}\n", Kind.MISSION),
-        ("---\n  mission: m\n  ends: {}\n", Kind.MISSION),
-        ("format: 1\rmission: m\rphases: {}\r", Kind.MISSION),  # as old Macs end a line
-        ("# a pipe\r\npipe: p\r\ndiameter: 1 m\r\n", Kind.PIPE),
-        ('{"mission": "m", "phases": {}}', Kind.MISSION),
-        ('"pipe": p\n"diameter": 1 m\n', Kind.PIPE),
-        ("{diameter: 1 m, segments: []}", Kind.PIPE),
-        ("pipe: p\nruns: {}\n", Kind.PIPE),
-        ("diameter: 1 m\nruns: {}\n", Kind.PIPE),
-        ("runs: {}\njunctions: {}\n", Kind.PIPE),
-        ("robot: r\nzeros: {a: 1 deg}\n", Kind.CALIBRATION),
-        ("robot: r\nmotors: {wheel: {hold_torque: 1 Nm}}\n", Kind.TWIN),
-        ("robot: r\nfriction: {static: 1, kinetic: 1}\n", Kind.TWIN),
-        ("experiment: 1\nmisions: {}\n", Kind.EXPERIMENT),
-        ("campaign: c\nmisions: []\n", Kind.CAMPAIGN),
-        ("scene: s\ntitle: t\nstepps: []\n", Kind.SCENE),
-        ("- {phase: a, trigger: b}\n", Kind.SCRIPT),
-        ("[{phase: a, trigger: b}]\n", Kind.SCRIPT),
-        ("- {phase: a, tigger: b, after: 1 s}\n", Kind.SCRIPT),
-        ("{trigger: a}\n", Kind.SCRIPT),
-        ("trigger: a\nafter: 1 s\n", Kind.SCRIPT),
-        ("format: 1\ncourse:\n- {happens: start}\n", Kind.SCRIPT),
-        ("course: [{happens: start}]\n", Kind.SCRIPT),
-        ("trigger: a\njobs: []\n", Kind.OTHER),
-        ("course: Latin\nteacher: x\n", Kind.OTHER),
-        ("- {phase: one}\n- {phase: two}\n", Kind.OTHER),
-        ("- one\n- two\n", Kind.OTHER),
-        ("# mission: m\n# phases: {}\n", Kind.OTHER),
-        ("jobs:\n  mission: m\n  phases: {}\n", Kind.OTHER),
-        ("", Kind.OTHER),
+        ("format: 1\nmission: m\nrobot: [unclosed\nphasess: {}\n", FileKind.MISSION),
+        ("--- \nmission: m\nends: {}\n", FileKind.MISSION),
+        ("---\n  mission: m\n  ends: {}\n", FileKind.MISSION),
+        ("format: 1\rmission: m\rphases: {}\r", FileKind.MISSION),  # as old Macs end a line
+        ("# a pipe\r\npipe: p\r\ndiameter: 1 m\r\n", FileKind.PIPE),
+        ('{"mission": "m", "phases": {}}', FileKind.MISSION),
+        ('"pipe": p\n"diameter": 1 m\n', FileKind.PIPE),
+        ("{diameter: 1 m, segments: []}", FileKind.PIPE),
+        ("pipe: p\nruns: {}\n", FileKind.PIPE),
+        ("diameter: 1 m\nruns: {}\n", FileKind.PIPE),
+        ("runs: {}\njunctions: {}\n", FileKind.PIPE),
+        ("robot: r\nzeros: {a: 1 deg}\n", FileKind.CALIBRATION),
+        ("robot: r\nmotors: {wheel: {hold_torque: 1 Nm}}\n", FileKind.TWIN),
+        ("robot: r\nfriction: {static: 1, kinetic: 1}\n", FileKind.TWIN),
+        ("experiment: 1\nmisions: {}\n", FileKind.EXPERIMENT),
+        ("campaign: c\nmisions: []\n", FileKind.CAMPAIGN),
+        ("scene: s\ntitle: t\nstepps: []\n", FileKind.SCENE),
+        ("- {phase: a, trigger: b}\n", FileKind.SCRIPT),
+        ("[{phase: a, trigger: b}]\n", FileKind.SCRIPT),
+        ("- {phase: a, tigger: b, after: 1 s}\n", FileKind.SCRIPT),
+        ("{trigger: a}\n", FileKind.SCRIPT),
+        ("trigger: a\nafter: 1 s\n", FileKind.SCRIPT),
+        ("format: 1\ncourse:\n- {happens: start}\n", FileKind.SCRIPT),
+        ("course: [{happens: start}]\n", FileKind.SCRIPT),
+        ("trigger: a\njobs: []\n", FileKind.OTHER),
+        ("course: Latin\nteacher: x\n", FileKind.OTHER),
+        ("- {phase: one}\n- {phase: two}\n", FileKind.OTHER),
+        ("- one\n- two\n", FileKind.OTHER),
+        ("# mission: m\n# phases: {}\n", FileKind.OTHER),
+        ("jobs:\n  mission: m\n  phases: {}\n", FileKind.OTHER),
+        ("", FileKind.OTHER),
     ],
 )
-def test_a_broken_file_is_known_by_what_is_left(text: str, kind: Kind) -> None:
+def test_a_broken_file_is_known_by_what_is_left(text: str, kind: FileKind) -> None:
     assert kind_of_text(text) is kind
 
 
@@ -99,12 +99,12 @@ def test_a_file_in_another_encoding_is_known(tmp_path: Path) -> None:
     file = tmp_path / "m.yaml"
     file.write_text("mission: m\nphases: {}\n", encoding="utf-16")
 
-    assert kind_of(file) is Kind.MISSION
+    assert kind_of(file) is FileKind.MISSION
 
 
 @given(st.text())
 def test_no_text_is_too_strange(text: str) -> None:
-    assert isinstance(kind_of_text(text), Kind)
+    assert isinstance(kind_of_text(text), FileKind)
 
 
 @pytest.mark.parametrize(

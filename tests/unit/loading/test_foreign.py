@@ -199,6 +199,6 @@ def test_a_mission_has_no_key_that_reaches_a_robot_or_a_file_to_write(
     ("name", "value"), [("backend", "serial"), ("port", "/dev/ttyACM0"), ("runs", "../elsewhere")]
 )
 def test_a_project_cannot_reach_a_robot(name: str, value: str, tmp_path: Path) -> None:
-    trusted = settings.Value((), settings.BUILT_IN)
+    trusted = settings.SettingValue((), settings.BUILT_IN)
 
     assert settings._refused(name, str(tmp_path / value), tmp_path / "pirate.toml", trusted)

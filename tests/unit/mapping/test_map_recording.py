@@ -25,7 +25,7 @@ from pirate_sm.model.pipe_segments import Mitre, Straight
 from pirate_sm.model.profile import Profile
 from pirate_sm.recording.read.places import recorded_places
 from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.read.steps import Gap, Step
+from pirate_sm.recording.read.steps import Gap, RecordedStep
 
 NEAR_M, NEAR_RAD = 0.020, radians(3)
 """The bar for a map."""
@@ -87,7 +87,7 @@ def test_neither_truth_nor_the_driven_pipe_is_read(recorded: Recording, found_ma
     kept = tuple(file for file in recorded.header.files if file.role in ("profile", "chart"))
     header = replace(recorded.header, files=kept, pipe="", mission="", parameters={}, options={})
 
-    def steps() -> Iterator[Step]:
+    def steps() -> Iterator[RecordedStep]:
         for step in recorded.steps():
             heard = isinstance(step.event, SensorFrame | DetectorWord | SubmitResult)
             told = tuple(it for it in step.effects if isinstance(it, StateChange | Setpoints))

@@ -10,7 +10,7 @@ from pirate_sm.loading.pipe_shape import check_pipe
 from pirate_sm.loading.problems import Problems
 from pirate_sm.loading.yaml.document import parse_document
 from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.mapping.legs import Bend, Bore, Leg, Map
+from pirate_sm.mapping.legs import Bore, Leg, Map, MappedBend
 from pirate_sm.mapping.pipe_text import pipe_text
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.pipe_segments import Elbow, InlineTee, Mitre, Reducer, Straight
@@ -21,7 +21,7 @@ def leg(begins_m: float, ends_m: float, reached: tuple[float, float], diameter_m
     return Leg(begins_m, ends_m, bores=bores, reached_m=reached)
 
 
-def two_legs(bend: Bend, diameters: tuple[float, float] = (0.12, 0.12)) -> Map:
+def two_legs(bend: MappedBend, diameters: tuple[float, float] = (0.12, 0.12)) -> Map:
     first = leg(-inf, 0.8, (-0.2, 0.7), diameters[0])
     second = leg(0.0, inf, (0.1, 0.6), diameters[1])
     return Map([first, second], [bend], (0, 0.1), 0.0, 0.0)
@@ -38,7 +38,7 @@ def read(made: Map) -> tuple[Pipe, str]:
 
 @pytest.mark.parametrize(("roll", "mitre"), [(0.0, 60), (radians(1), 60), (pi, -60)])
 def test_a_bend_in_the_robots_plane_is_one_between_bars(roll: float, mitre: float) -> None:
-    pipe, text = read(two_legs(Bend(radians(60), roll)))
+    pipe, text = read(two_legs(MappedBend(radians(60), roll)))
     assert pipe.segments is not None
     first, bend, second = pipe.segments
     assert first == Straight(straight=1.0)
@@ -52,7 +52,7 @@ def test_a_bend_in_the_robots_plane_is_one_between_bars(roll: float, mitre: floa
 
 
 def test_a_bend_out_of_the_robots_plane_needs_a_round_pipe() -> None:
-    pipe, _ = read(two_legs(Bend(pi / 2, pi / 2)))
+    pipe, _ = read(two_legs(MappedBend(pi / 2, pi / 2)))
     assert pipe.section == "round"
     assert pipe.segments is not None
     bend = pipe.segments[1]
@@ -61,7 +61,7 @@ def test_a_bend_out_of_the_robots_plane_needs_a_round_pipe() -> None:
 
 
 def test_a_tee_is_one_that_a_word_has_announced() -> None:
-    pipe, text = read(two_legs(Bend(radians(88), 0.0, "tee")))
+    pipe, text = read(two_legs(MappedBend(radians(88), 0.0, "tee")))
     assert pipe.segments is not None
     assert isinstance(pipe.segments[1], InlineTee)
     assert "The length of the arm straight on is not known." in text
@@ -69,7 +69,7 @@ def test_a_tee_is_one_that_a_word_has_announced() -> None:
 
 @pytest.mark.parametrize(("felt", "sure"), [(True, "from gravity"), (False, "15 deg only")])
 def test_an_elbow_is_written_as_one_in_a_round_pipe(felt: bool, sure: str) -> None:
-    elbow = Bend(radians(88), 0.0, extent_m=0.15, radius_m=0.17, felt=felt)
+    elbow = MappedBend(radians(88), 0.0, extent_m=0.15, radius_m=0.17, felt=felt)
     pipe, text = read(two_legs(elbow))
     assert pipe.section == "round"
     assert pipe.segments is not None
@@ -80,7 +80,7 @@ def test_an_elbow_is_written_as_one_in_a_round_pipe(felt: bool, sure: str) -> No
 
 
 def test_the_start_behind_an_elbow_counts_its_length() -> None:
-    made = two_legs(Bend(pi / 2, 0.0, extent_m=0.15, radius_m=0.17))
+    made = two_legs(MappedBend(pi / 2, 0.0, extent_m=0.15, radius_m=0.17))
     made.start = (1, 0.3)
     pipe, _ = read(made)
     assert pipe.start is not None
@@ -88,19 +88,19 @@ def test_the_start_behind_an_elbow_counts_its_length() -> None:
 
 
 def test_a_start_at_the_end_of_the_pipe_is_still_in_it() -> None:
-    made = two_legs(Bend(pi / 2, 0.0))
+    made = two_legs(MappedBend(pi / 2, 0.0))
     made.legs[0].ends_m, made.legs[1].reached_m = 0.80004, (0.1, 0.60004)
     made.start = (1, 0.60004)
     read(made)
 
 
 def test_a_corner_that_words_tell_of_is_no_long_elbow() -> None:
-    _, text = read(two_legs(Bend(pi / 2, 0.0, extent_m=0.005)))
+    _, text = read(two_legs(MappedBend(pi / 2, 0.0, extent_m=0.005)))
     assert "A mitre, a short elbow or a tee's branch" in text
 
 
 def test_another_diameter_behind_a_bend_is_a_reducer_of_unknown_place() -> None:
-    pipe, text = read(two_legs(Bend(pi / 2, 0.0), (0.12, 0.11)))
+    pipe, text = read(two_legs(MappedBend(pi / 2, 0.0), (0.12, 0.11)))
     assert pipe.segments is not None
     (narrows,) = (each for each in pipe.segments if isinstance(each, Reducer))
     assert narrows.to == pytest.approx(0.11)
@@ -111,7 +111,7 @@ def test_another_diameter_behind_a_bend_is_a_reducer_of_unknown_place() -> None:
     ("pitch", "roll", "tilt", "uphill"), [(90, 0, 90, 0), (0, 28, 28, 90), (-90, 0, 90, 180)]
 )
 def test_gravity_is_as_it_was_felt(pitch: float, roll: float, tilt: float, uphill: float) -> None:
-    made = two_legs(Bend(pi / 2, 0.0))
+    made = two_legs(MappedBend(pi / 2, 0.0))
     made.pitch_rad, made.roll_rad = radians(pitch), radians(roll)
     pipe, _ = read(made)
     assert degrees(pipe.tilt) == pytest.approx(tilt, abs=0.1)
@@ -119,7 +119,7 @@ def test_gravity_is_as_it_was_felt(pitch: float, roll: float, tilt: float, uphil
 
 
 def test_gravity_that_was_never_felt_is_left_out() -> None:
-    made = two_legs(Bend(pi / 2, 0.0))
+    made = two_legs(MappedBend(pi / 2, 0.0))
     made.pitch_rad = nan
     pipe, text = read(made)
     assert pipe.tilt == 0.0
@@ -128,7 +128,7 @@ def test_gravity_that_was_never_felt_is_left_out() -> None:
 
 
 def test_the_frames_of_legs_are_those_of_the_pipe_that_is_written() -> None:
-    made = two_legs(Bend(radians(70), radians(50)))
+    made = two_legs(MappedBend(radians(70), radians(50)))
     pipe, _ = read(made)
     ahead = pipe.route().pieces[-1].frame.ahead
     assert ahead == pytest.approx(made.frame(1).ahead, abs=2e-3)

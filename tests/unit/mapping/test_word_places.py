@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.detectors.word_timing import words_of
 from pirate_sm.loading import library
 from pirate_sm.loading.robot import load_robot
-from pirate_sm.mapping.word_places import End, WordReader
+from pirate_sm.mapping.word_places import JointEnd, WordReader
 
 
 @pytest.fixture
@@ -28,9 +28,9 @@ def test_each_word_of_a_bend_is_told_once(reader: WordReader) -> None:
     words = ["", "close", "close", "in", "in", "past", "past"]
     told = heard(reader, *((word, 0.1 * step) for step, word in enumerate(words)))
     assert [(it.end, it.wheel, it.passed_m) for it in told] == [
-        (End.BEGINS, 0, -0.06),
-        (End.INSIDE, 3, -0.04),
-        (End.PASSED, 5, 0.06),
+        (JointEnd.BEGINS, 0, -0.06),
+        (JointEnd.INSIDE, 3, -0.04),
+        (JointEnd.PASSED, 5, 0.06),
     ]
 
 
@@ -56,4 +56,4 @@ def test_a_word_that_is_forgotten_and_said_anew_at_rest_tells_nothing(reader: Wo
 
 def test_words_without_a_point_change_nothing(reader: WordReader) -> None:
     told = heard(reader, ("", 0.0), ("close", 0.1), ("tee_ahead", 0.15), ("close", 0.2))
-    assert [it.end for it in told] == [End.BEGINS]
+    assert [it.end for it in told] == [JointEnd.BEGINS]

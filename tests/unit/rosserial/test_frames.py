@@ -6,14 +6,14 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Decoder, Frame, encode
+from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Decoder, SerialFrame, encode
 
 from . import captured
 
 NIGHTLY = os.environ.get("NIGHTLY") == "1"
 
 frames = st.builds(
-    Frame, st.integers(0, 0xFFFF), st.one_of(st.binary(max_size=40), st.binary(max_size=400))
+    SerialFrame, st.integers(0, 0xFFFF), st.one_of(st.binary(max_size=40), st.binary(max_size=400))
 )
 
 
@@ -21,7 +21,7 @@ frames = st.builds(
 def test_captured_frames_are_read_and_written_to_the_byte(name: str) -> None:
     wire, topic, payload = captured.ALL[name]
 
-    assert Decoder().feed(bytes.fromhex(wire)) == [Frame(topic, bytes.fromhex(payload))]
+    assert Decoder().feed(bytes.fromhex(wire)) == [SerialFrame(topic, bytes.fromhex(payload))]
     assert encode(topic, bytes.fromhex(payload)).hex() == wire
 
 
@@ -42,7 +42,7 @@ def test_payloads_of_256_bytes_and_more_have_a_check_over_both_bytes_of_their_le
     wire = encode(7, bytes(length))
 
     assert wire[:5].hex() == head
-    assert Decoder().feed(wire) == [Frame(7, bytes(length))]
+    assert Decoder().feed(wire) == [SerialFrame(7, bytes(length))]
 
 
 def test_a_payload_that_no_receiver_takes_is_not_written() -> None:
@@ -53,7 +53,7 @@ def test_a_payload_that_no_receiver_takes_is_not_written() -> None:
 def test_a_frame_longer_than_any_is_no_frame_and_those_behind_it_come_at_once() -> None:
     head = bytes((0xFF, 0xFE, 0x00, 0x40, 255 - 0x40))
 
-    assert Decoder().feed(head + encode(7, b"x")) == [Frame(7, b"x")]
+    assert Decoder().feed(head + encode(7, b"x")) == [SerialFrame(7, b"x")]
 
 
 def test_what_belongs_to_no_frame_is_counted() -> None:
@@ -63,7 +63,7 @@ def test_what_belongs_to_no_frame_is_counted() -> None:
     assert decoder.dropped == 10
 
 
-def _decode(data: bytes, cuts: list[int]) -> list[Frame]:
+def _decode(data: bytes, cuts: list[int]) -> list[SerialFrame]:
     decoder, found, at = Decoder(), [], 0
     for cut in sorted(cuts):
         end = min(cut, len(data))
@@ -109,7 +109,7 @@ def test_any_bytes_in_any_split_give_the_same_frames(data: bytes, cuts: list[int
     ),
 )
 def test_an_undamaged_frame_is_lost_only_to_a_valid_one_that_the_damage_made(
-    sent: list[Frame], damage: list[tuple[int, int, int, str]]
+    sent: list[SerialFrame], damage: list[tuple[int, int, int, str]]
 ) -> None:
     wires = [encode(*frame) for frame in sent]
     hurt = set()

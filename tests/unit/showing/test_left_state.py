@@ -4,7 +4,7 @@ import io
 
 import pytest
 
-from pirate_sm.cli.output.event_lines import Lines
+from pirate_sm.cli.output.event_lines import EventLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.engine.evidence import NOTHING, Evidence
 from pirate_sm.engine.robot.robot_state import DENIED, Mark
@@ -51,7 +51,7 @@ def last_line(mission: str, **order) -> str:
     observed.run = MissionRun(
         prepared.engine,
         prepared.backend,
-        observers=[Lines(out, observed)],
+        observers=[EventLines(out, observed)],
         companions=prepared.companions,
         factor=float("inf"),
     )

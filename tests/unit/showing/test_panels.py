@@ -8,7 +8,7 @@ import pytest
 from pirate_sm.console.availability import controls
 from pirate_sm.model.effects import Ended, Fault
 from pirate_sm.showing import alarms, panels
-from pirate_sm.showing.effect_lines import Line
+from pirate_sm.showing.effect_lines import EffectLine
 from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
 from pirate_sm.showing.progress_lines import waiting
 from pirate_sm.showing.run_history import Memory, NumberedLine
@@ -124,7 +124,7 @@ def test_phases_of_missions_that_are_called_are_left_out_where_there_is_little_r
 
 
 def test_a_line_of_the_log_is_shown_in_full() -> None:
-    told = NumberedLine(1, 2.0, Line("warning", "every word of it " * 12))
+    told = NumberedLine(1, 2.0, EffectLine("warning", "every word of it " * 12))
     shown = panels.log([told], 60, 9)
 
     assert len(shown) > 1

@@ -12,11 +12,11 @@ from pirate_sm.model.pipe import Pipe, Turns
 from pirate_sm.model.pipe_runs import Patch
 from pirate_sm.model.pipe_segments import Straight
 from pirate_sm.model.profile import Profile
-from pirate_sm.simulation.mujoco.world import World as MujocoWorld
+from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.pipe_changes import gravity_of
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.world import World as KinematicWorld
+from pirate_sm.simulation.xpbd.world import MujocoWorld as KinematicWorld
 
 CYCLE_S = 0.016
 WORLDS = [KinematicWorld, MujocoWorld]

@@ -7,8 +7,8 @@ import pytest
 
 from benchmarks.vision_boards import draw_board
 from pirate_sm.model.camera import CameraPose, Lens
-from pirate_sm.vision.calibration import Calibration, calibrate
-from pirate_sm.vision.chessboard import Board, find_board, is_another, is_sharp
+from pirate_sm.vision.calibration import LensCalibration, calibrate
+from pirate_sm.vision.chessboard import Chessboard, find_board, is_another, is_sharp
 from pirate_sm.vision.lens import LensModel
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.picture_arrays import Floats
@@ -19,7 +19,7 @@ from tests.unit.vision.rendered_boards import RenderedLens
 SIZE = (640, 480)
 FISHEYE = Lens(model="fisheye", f=(205.0, 206.0), centre=(323.0, 238.0), k=(-0.012, 0.003, 0, 0))
 BROWN = Lens(model="brown", f=(600.0, 603.0), centre=(318.0, 243.0), k=(-0.2, 0.06, 0.001, 0, 0))
-BOARD = Board()
+BOARD = Chessboard()
 
 
 def held(lens: LensModel, number: int, tilt_rad: float, distance_m: float, reach: float) -> View:
@@ -54,7 +54,7 @@ def boards(
 def test_the_lens_is_found_again(lens: Lens) -> None:
     result = calibrate(boards(lens), BOARD, SIZE, lens.model)
 
-    assert isinstance(result, Calibration)
+    assert isinstance(result, LensCalibration)
     assert result.lens.f == pytest.approx(lens.f, rel=5e-3)
     assert result.lens.centre == pytest.approx(lens.centre, abs=3.0)
     assert result.rms_px == pytest.approx(0.14, abs=0.02)  # the noise of both coordinates
@@ -83,7 +83,7 @@ def test_a_lens_of_any_angle_is_found_in_pictures_that_opencv_did_not_draw(
 
     result = calibrate(seen, BOARD, RENDERED_SIZE, lens.model)
 
-    assert isinstance(result, Calibration), result
+    assert isinstance(result, LensCalibration), result
     assert result.rms_px < 0.2
     assert not result.left_out
     assert result.lens.f == pytest.approx([lens.focal_px] * 2, rel=7e-3)
@@ -99,7 +99,7 @@ def test_a_board_with_mistaken_corners_is_left_out_by_name() -> None:
 
     result = calibrate(seen, BOARD, SIZE, "fisheye")
 
-    assert isinstance(result, Calibration)
+    assert isinstance(result, LensCalibration)
     assert list(result.left_out) == ["board 3"]
     assert result.left_out["board 3"] == pytest.approx(5.0, abs=0.3)
     assert result.lens.f == pytest.approx(FISHEYE.f, rel=5e-3)

@@ -8,7 +8,7 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from pirate_sm.vision.chessboard import Board
+from pirate_sm.vision.chessboard import Chessboard
 from pirate_sm.vision.opencv import cv2
 from pirate_sm.vision.printing import board_sheet, tag_sheets
 from pirate_sm.vision.tags import find_tags
@@ -51,7 +51,7 @@ def test_tags_that_do_not_fit_go_to_another_sheet() -> None:
 
 
 def test_the_board_has_its_squares_and_a_ruler_of_100_mm() -> None:
-    sheet = board_sheet(Board((9, 6), 0.025))
+    sheet = board_sheet(Chessboard((9, 6), 0.025))
     found, corners = cv2.findChessboardCornersSB(printed(sheet), (9, 6))
 
     assert found
@@ -62,7 +62,7 @@ def test_the_board_has_its_squares_and_a_ruler_of_100_mm() -> None:
 
 
 def test_a_large_board_makes_a_large_sheet() -> None:
-    sheet = board_sheet(Board((11, 8), 0.04))
+    sheet = board_sheet(Chessboard((11, 8), 0.04))
 
     size = re.search(r'width="([\d.]+)mm" height="([\d.]+)mm"', sheet)
     assert size is not None

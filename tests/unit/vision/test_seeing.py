@@ -9,14 +9,14 @@ import pytest
 
 from pirate_sm.errors import UsageError
 from pirate_sm.model.camera import Camera
-from pirate_sm.model.sighting import Mark
+from pirate_sm.model.sighting import SeenMark
 from pirate_sm.vision.seeing import eye_of
 from pirate_sm.vision.synthetic.shown_scene import ShownScene
 
 from .small_setup import GREEN, POSE, SETUP, camera, drawn, scene
 
 
-def error_m(mark: Mark, shown: ShownScene) -> float:
+def error_m(mark: SeenMark, shown: ShownScene) -> float:
     link = next(each for each in shown.links if each.module == mark.on)
     return float(np.hypot(*(np.array(mark.place_m) - link.middle)))
 

@@ -15,10 +15,10 @@ from pirate_sm.backends.serial.guardian.guard_actions import (
     ToPort,
     ToRunner,
 )
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.backends.serial.link.conversation import Conversation
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
-from pirate_sm.rosserial.frames import Decoder, Frame, encode
+from pirate_sm.rosserial.frames import Decoder, SerialFrame, encode
 from pirate_sm.rosserial.topics import FIRST_OF_THE_DEVICE, TX_STOP
 
 BEATS = 6
@@ -90,20 +90,22 @@ class Guard:
         """Return the actions for a note of the runner."""
         self._patience.hear(now)
         match note.kind:
-            case Kind.LEAVE if not self.acting or self.confirmed:
+            case NoteKind.LEAVE if not self.acting or self.confirmed:
                 return [EndGuardian()]
-            case Kind.LEAVE:
+            case NoteKind.LEAVE:
                 return self.runner_gone(now)
-            case Kind.HEED:
+            case NoteKind.HEED:
                 self.acting = False
-            case Kind.STOP:
+            case NoteKind.STOP:
                 self.payload = note.body
                 self._take_over(now)
-            case Kind.BEAT:
+            case NoteKind.BEAT:
                 if not self.acting:
                     self.payload = _payload_of(note.body)
-                return [ToRunner(Note(Kind.HEARD))]
-            case Kind.WRITE if not self.acting:  # else it may be older than what stopped the robot
+                return [ToRunner(Note(NoteKind.HEARD))]
+            case NoteKind.WRITE if (
+                not self.acting
+            ):  # else it may be older than what stopped the robot
                 return self._relay(note.body, now)
         return []
 
@@ -134,22 +136,22 @@ class Guard:
         self._plugged, self._opened_s, self._retry_s = True, now, inf
         if self.acting:
             self._conversation = self._meet(now)
-        return [ToRunner(Note(Kind.OPENED))]
+        return [ToRunner(Note(NoteKind.OPENED))]
 
     def refused(self, reason: str, now: float) -> list[Action]:
         """Handle that the port could not be opened."""
         self._retry_s = now + REOPEN_EVERY_S
-        return [ToRunner(Note(Kind.REFUSED, reason.encode()))]
+        return [ToRunner(Note(NoteKind.REFUSED, reason.encode()))]
 
     def lost(self, reason: str, now: float) -> list[Action]:
         """Handle that the port has gone."""
         self._plugged, self._retry_s = False, now + REOPEN_EVERY_S
         self._number = None
-        return [ToRunner(Note(Kind.LOST, reason.encode()))]
+        return [ToRunner(Note(NoteKind.LOST, reason.encode()))]
 
     def receive(self, data: bytes, now: float) -> list[Action]:
         """Return the actions for bytes from the port."""
-        actions: list[Action] = [] if self.alone else [ToRunner(Note(Kind.DATA, data))]
+        actions: list[Action] = [] if self.alone else [ToRunner(Note(NoteKind.DATA, data))]
         if not self.acting or self.confirmed:
             return actions
         for _ in self._conversation.receive(data, now):
@@ -159,10 +161,10 @@ class Guard:
             self.confirmed = True
             if self.alone:
                 return [*actions, *self._farewell(), EndGuardian()]
-            actions.append(ToRunner(Note(Kind.STOPPED)))
+            actions.append(ToRunner(Note(NoteKind.STOPPED)))
         return actions
 
-    def _is_echo(self, frame: Frame, now: float) -> bool:
+    def _is_echo(self, frame: SerialFrame, now: float) -> bool:
         """Return whether this echoes the guardian's own writing, not a recent one of the runner."""
         if frame.payload != self.payload or frame.topic < FIRST_OF_THE_DEVICE:
             return False
@@ -175,7 +177,7 @@ class Guard:
         actions: list[Action] = []
         if not self.acting and self.payload and self._patience.look(now) >= self._silence_s:
             self._take_over(now)
-            actions.append(ToRunner(Note(Kind.OVERRULED)))
+            actions.append(ToRunner(Note(NoteKind.OVERRULED)))
         if now >= self._retry_s:
             self._retry_s = now + REOPEN_EVERY_S
             actions.append(Reopen())

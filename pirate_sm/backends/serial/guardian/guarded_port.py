@@ -11,7 +11,7 @@ from math import inf
 
 from pirate_sm.backends.serial.guardian.guard import BEATS
 from pirate_sm.backends.serial.guardian.guardian_process import GuardianProcess
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.backends.serial.guardian.takeover import LeftBehind, take_over
 from pirate_sm.backends.serial.link.silence_timer import SilenceTimer
 from pirate_sm.backends.serial.ports.protocol import PortLostError
@@ -94,9 +94,9 @@ class GuardedPort:
         left = take_over(self.name, self._instructions.array_md5)
         self._guardian = GuardianProcess(self._silence_s)
         if self._safe_frame:
-            self._guardian.send(Note(Kind.BEAT, self._safe_frame))  # should we die at once
+            self._guardian.send(Note(NoteKind.BEAT, self._safe_frame))  # should we die at once
         elif left is not None:
-            self._guardian.send(Note(Kind.STOP, left.payload))
+            self._guardian.send(Note(NoteKind.STOP, left.payload))
         self._guardian.start(self.name, str(self._baud), self._instructions.to_json())
         self._acknowledged.hear(self.now())
         return left
@@ -127,7 +127,7 @@ class GuardedPort:
         what = f"an earlier run has left the robot on {self.name} without a confirmed stop"
         if not self._await(lambda: self._stopped, within_s):
             return f"{what}, and it confirms none now"
-        self._notify(Note(Kind.HEED))
+        self._notify(Note(NoteKind.HEED))
         self._remark = f"{what}: it is stopped now, as it has confirmed"
         return ""
 
@@ -161,7 +161,7 @@ class GuardedPort:
             dismissed: Whether the robot needs no guardian any more.
         """
         if dismissed:
-            self._send(Note(Kind.LEAVE))
+            self._send(Note(NoteKind.LEAVE))
         elif self._safe_frame and not self._answers():
             self._kill()
             self._start()
@@ -184,7 +184,7 @@ class GuardedPort:
         with suppress(PortLostError):
             self._listen(self.now())  # older answers say nothing
             asked_s = self._heard_s = self.now()
-            if self._send(Note(Kind.BEAT, self._safe_frame)):
+            if self._send(Note(NoteKind.BEAT, self._safe_frame)):
                 while self._heard_s == asked_s and self.now() < asked_s + _HUNG_AFTER_S:
                     self._listen(asked_s + _HUNG_AFTER_S)
                 return self._heard_s != asked_s
@@ -200,7 +200,7 @@ class GuardedPort:
 
     def write(self, data: bytes) -> None:
         """Send the bytes to the guardian in one piece."""
-        self._notify(Note(Kind.WRITE, data))
+        self._notify(Note(NoteKind.WRITE, data))
 
     def read(self, until_s: float) -> bytes:
         """Return received bytes as soon as there are any; empty if none came by ``until_s``."""
@@ -225,7 +225,7 @@ class GuardedPort:
         self._beat_s, self._safe_frame = now, safe_frame
         if self._guardian is None:
             return
-        self._notify(Note(Kind.BEAT, safe_frame))
+        self._notify(Note(NoteKind.BEAT, safe_frame))
         # A guardian needs longer to open a port on a network.
         limit_s = _HUNG_AFTER_S if self._opened else _STARTS_WITHIN_S
         if self._acknowledged.look(now) >= limit_s:
@@ -236,7 +236,7 @@ class GuardedPort:
         """Return whether the guardian has acted since the last call; if so, let it relay again."""
         overruled, self._overruled = self._overruled, False
         if overruled:
-            self._notify(Note(Kind.HEED))
+            self._notify(Note(NoteKind.HEED))
             self._beat_s = -inf
         return overruled
 
@@ -283,22 +283,22 @@ class GuardedPort:
 
     def _hear(self, note: Note) -> None:
         match note.kind:
-            case Kind.DATA:
+            case NoteKind.DATA:
                 self._data.append(note.body)
-            case Kind.OPENED:
+            case NoteKind.OPENED:
                 self._opened = True
-            case Kind.REFUSED:
+            case NoteKind.REFUSED:
                 self._refused = note.body.decode()
-            case Kind.LOST:
+            case NoteKind.LOST:
                 self._opened, self._lost = False, note.body.decode()
-            case Kind.OVERRULED:
+            case NoteKind.OVERRULED:
                 self._overruled = True
-            case Kind.STOPPED:
+            case NoteKind.STOPPED:
                 self._stopped = True
-            case Kind.HEARD:
+            case NoteKind.HEARD:
                 self._heard_s = self.now()
                 self._acknowledged.hear(self._heard_s)
-            case Kind.WRITE | Kind.BEAT | Kind.HEED | Kind.LEAVE | Kind.STOP:
+            case NoteKind.WRITE | NoteKind.BEAT | NoteKind.HEED | NoteKind.LEAVE | NoteKind.STOP:
                 pass  # kinds that only the runner sends
 
 

@@ -13,7 +13,7 @@ _HEADER = struct.Struct("<BI")
 _LONGEST = 1 << 20
 
 
-class Kind(IntEnum):
+class NoteKind(IntEnum):
     """Kinds of notes. The runner sends the first group, the guardian the second."""
 
     WRITE = 1
@@ -45,7 +45,7 @@ class Note(NamedTuple):
         body: Bytes of the port, the safe frame, or text for people.
     """
 
-    kind: Kind
+    kind: NoteKind
     body: bytes = b""
 
     def to_bytes(self) -> bytes:
@@ -74,7 +74,7 @@ class NoteReader:
             end = _HEADER.size + length
             if len(self._pending) < end:
                 break
-            notes.append(Note(Kind(kind), self._pending[_HEADER.size : end]))
+            notes.append(Note(NoteKind(kind), self._pending[_HEADER.size : end]))
             self._pending = self._pending[end:]
         return notes
 

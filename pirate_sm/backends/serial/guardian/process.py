@@ -27,7 +27,7 @@ from pirate_sm.backends.serial.guardian.guard_actions import (
     ToPort,
     ToRunner,
 )
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note, NoteReader
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind, NoteReader
 from pirate_sm.backends.serial.guardian.takeover import LeftBehind, Registration
 from pirate_sm.backends.serial.ports.protocol import PortLostError
 from pirate_sm.backends.serial.ports.serial_port import SerialPort
@@ -178,7 +178,9 @@ class Guardian:
 
     def _queue(self, note: Note) -> None:
         """Queue a note for the runner; drop bytes of the port beyond a limit."""
-        if self._pipe is None or (note.kind == Kind.DATA and len(self._waiting) > _MOST_WAITING):
+        if self._pipe is None or (
+            note.kind == NoteKind.DATA and len(self._waiting) > _MOST_WAITING
+        ):
             return
         self._waiting += note.to_bytes()
         self._push()

@@ -19,7 +19,7 @@ from pirate_sm.backends.serial.link.wanted_topics import (
     Wanted,
     difference,
 )
-from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Decoder, Frame, encode
+from pirate_sm.rosserial.frames import LONGEST_PAYLOAD, Decoder, SerialFrame, encode
 from pirate_sm.rosserial.topics import (
     FIRST_OF_THE_DEVICE,
     LOG,
@@ -179,7 +179,7 @@ class Conversation:
         published = (each.longest for each in self._wanted if each.direction == "publishes")
         return max((_ROOM_FOR_WORDS, *published))
 
-    def _take(self, frame: Frame, now: float) -> Iterator[Heard]:
+    def _take(self, frame: SerialFrame, now: float) -> Iterator[Heard]:
         topic, payload = frame
         at = self._numbers.get(topic)
         if at is None and topic not in {PUBLISHER, SUBSCRIBER, LOG, TIME}:

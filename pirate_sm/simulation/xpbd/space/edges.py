@@ -19,7 +19,7 @@ RING_POINTS = 96
 _MEETING = 3
 
 
-class Edge(NamedTuple):
+class WallEdge(NamedTuple):
     """A line on which the walls of a pipe meet, pointing into it.
 
     Attributes:
@@ -33,7 +33,7 @@ class Edge(NamedTuple):
     closed: bool
 
 
-def mitre_edge(before: Frame, after: Frame, radius_m: float, solids: tuple[int, ...]) -> Edge:
+def mitre_edge(before: Frame, after: Frame, radius_m: float, solids: tuple[int, ...]) -> WallEdge:
     """Return the inner half of the ellipse in which the pipes of a mitre meet.
 
     Args:
@@ -54,20 +54,20 @@ def mitre_edge(before: Frame, after: Frame, radius_m: float, solids: tuple[int, 
         c, s = radius_m * cos(angle), radius_m * sin(angle)
         off = combined((-c * slope, a), (c, inner), (s, aside))
         points.append((combined((1.0, crossing), (1.0, off)), _unit(scaled(-1.0, off))))
-    return Edge(tuple(points), solids, closed=False)
+    return WallEdge(tuple(points), solids, closed=False)
 
 
-def ring(frame: Frame, radius_m: float, solids: tuple[int, ...]) -> Edge:
+def ring(frame: Frame, radius_m: float, solids: tuple[int, ...]) -> WallEdge:
     """Return a circle across a pipe: the narrow end of a reducer, or the rim of an open end."""
     points = []
     for k in range(RING_POINTS):
         angle = 2.0 * pi * k / RING_POINTS
         off = combined((cos(angle), frame.side), (sin(angle), frame.normal))
         points.append((combined((1.0, frame.origin), (radius_m, off)), scaled(-1.0, off)))
-    return Edge(tuple(points), solids, closed=True)
+    return WallEdge(tuple(points), solids, closed=True)
 
 
-def mouth(main: Hole, branch: Hole, solids: tuple[int, ...]) -> Edge:
+def mouth(main: Hole, branch: Hole, solids: tuple[int, ...]) -> WallEdge:
     """Return the line in which the branch of a tee meets its main pipe.
 
     Args:
@@ -92,10 +92,10 @@ def mouth(main: Hole, branch: Hole, solids: tuple[int, ...]) -> Edge:
         off = combined((1.0, off), (height, b))
         into = combined((-1.0, outwards), (-1.0, _unit(_square_to(off, t))))
         points.append((combined((1.0, main.point), (1.0, off)), _unit(into)))
-    return Edge(tuple(points), solids, closed=True)
+    return WallEdge(tuple(points), solids, closed=True)
 
 
-def edge_rows(edges: Sequence[Edge]) -> tuple[Floats, Floats]:
+def edge_rows(edges: Sequence[WallEdge]) -> tuple[Floats, Floats]:
     """Return edges and their points for the kernel.
 
     The first is `(edges, columns.EDGE_COLUMNS)`, the second `(points, columns.POINT_COLUMNS)`.

@@ -15,7 +15,7 @@ from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import Frame, combined
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
-from pirate_sm.simulation.xpbd.space.edges import Edge, edge_rows, mitre_edge, mouth, ring
+from pirate_sm.simulation.xpbd.space.edges import WallEdge, edge_rows, mitre_edge, mouth, ring
 from pirate_sm.simulation.xpbd.space.solids import Hole, Plane, Row, disc, elbow, tube
 
 _SAME_M = 1e-9
@@ -65,7 +65,7 @@ class _Builder:
 
     def __init__(self, network: Network, placement: Placement) -> None:
         self.solids: list[Row] = []
-        self.edges: list[Edge] = []
+        self.edges: list[WallEdge] = []
         self._tees = {
             name: _Tee(frame, _at_ports(network, placement, name))
             for name, frame in placement.tees.items()

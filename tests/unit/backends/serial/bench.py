@@ -21,7 +21,7 @@ from typing import Self
 from pirate_sm.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.bay.node_handle import NodeHandle
 from pirate_sm.bay.reception import Reception
-from pirate_sm.rosserial.frames import Frame, encode
+from pirate_sm.rosserial.frames import SerialFrame, encode
 from pirate_sm.rosserial.topics import Direction, TopicInfo
 
 PATIENCE_S = 10.0
@@ -147,7 +147,7 @@ class Bench:
         self._node = NodeHandle(publishers, (topic(self._array, ARRAY),))
         self._reception = Reception()
         if self._talks:
-            self._node.take(Frame(0, b""), time.monotonic())
+            self._node.take(SerialFrame(0, b""), time.monotonic())
 
     def _run(self) -> None:
         next_s = time.monotonic()
@@ -180,7 +180,7 @@ class Bench:
                 for frame in self._reception.feed((byte, now) for byte in data):
                     self._take(frame, now)
 
-    def _take(self, frame: Frame, now: float) -> None:
+    def _take(self, frame: SerialFrame, now: float) -> None:
         self.frames.append((now, frame.topic, frame.payload))
         self.asked += frame.topic == 0
         answer = self._node.take(frame, now)

@@ -26,7 +26,7 @@ from pirate_sm.errors import BackendError
 from pirate_sm.loading.mission import LoadedMission, load_mission
 from pirate_sm.model.effects import Effect, Fault, Log
 from pirate_sm.model.simulation import Defect
-from pirate_sm.rosserial.frames import Frame
+from pirate_sm.rosserial.frames import SerialFrame
 from pirate_sm.rosserial.messages import Array
 from pirate_sm.runtime.backend_links import Messenger
 from pirate_sm.runtime.loop import MissionRun
@@ -415,7 +415,7 @@ def off_by_one(bay: VirtualBay, port: ActingPort, from_s: float) -> None:
     """From then on each echo of the bay has one value that is wrong by one count."""
     right = bay._wire.echo
 
-    def echo(array: Array) -> Frame:
+    def echo(array: Array) -> SerialFrame:
         first, *others = array.counts
         wrong = array._replace(counts=(first + (port._now_s >= from_s), *others))
         return right(wrong)

@@ -11,7 +11,7 @@ from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission.rehearsal import Nearly, Rehearsal, RehearsedRun
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.loading.mission import LoadedMission
 
@@ -26,7 +26,7 @@ def file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path / "m.yaml"
 
 
-def checked(*runs: RehearsedRun, nearly: tuple[Nearly, ...] = ()) -> Report:
+def checked(*runs: RehearsedRun, nearly: tuple[Nearly, ...] = ()) -> CheckReport:
     def rehearse(loaded: LoadedMission, path: Path) -> Rehearsal:
         assert loaded.mission.mission == "m"
         return Rehearsal(path.name, runs, nearly)
@@ -34,7 +34,7 @@ def checked(*runs: RehearsedRun, nearly: tuple[Nearly, ...] = ()) -> Report:
     return check_paths(["m.yaml"], Wishes(rehearse=rehearse))
 
 
-def told(report: Report) -> list[str]:
+def told(report: CheckReport) -> list[str]:
     return text_report(report, lambda _, text: text).splitlines()
 
 

@@ -8,7 +8,7 @@ from math import isnan
 import pytest
 
 from pirate_sm.checking.actuation_in_force import InForce
-from pirate_sm.checking.pipe.roll_joint import RollJoint, Rolls
+from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.loading.robot import LoadedRobot, load_robot
 
@@ -42,8 +42,8 @@ def course(robot: RobotSpec, *commands: str) -> list[tuple[int, int, int]]:
     return found
 
 
-def rolls(robot: RobotSpec, joint: RollJoint, *commands: str) -> Rolls | None:
-    now: Rolls | None = Rolls()
+def rolls(robot: RobotSpec, joint: RollJoint, *commands: str) -> PartRolls | None:
+    now: PartRolls | None = PartRolls()
     for before, _, after in course(robot, *commands):
         now = joint.after(now, before, after)
     return now
@@ -68,7 +68,7 @@ FRONT = ("ClampFront",)
 def test_the_side_that_does_not_hold_turns(
     robot: RobotSpec, joint: RollJoint, commands: tuple[str, ...], ahead: float, behind: float
 ) -> None:
-    assert rolls(robot, joint, *commands) == Rolls(ahead, behind)
+    assert rolls(robot, joint, *commands) == PartRolls(ahead, behind)
 
 
 def test_nobody_knows_how_a_robot_turns_that_holds_nowhere(
@@ -80,10 +80,10 @@ def test_nobody_knows_how_a_robot_turns_that_holds_nowhere(
 
 
 def test_the_angle_of_the_joint_is_that_between_its_sides() -> None:
-    assert Rolls(1, 2).joint == -1
-    assert Rolls(-1, 2).joint == 1
-    assert Rolls().turned(3, ahead=True) == Rolls(-1, 0)
-    assert Rolls(0, 1).turned(1, ahead=False) == Rolls()
+    assert PartRolls(1, 2).joint == -1
+    assert PartRolls(-1, 2).joint == 1
+    assert PartRolls().turned(3, ahead=True) == PartRolls(-1, 0)
+    assert PartRolls(0, 1).turned(1, ahead=False) == PartRolls()
 
 
 def test_a_command_is_known_by_the_angle_that_it_turns_to(joint: RollJoint) -> None:
@@ -110,7 +110,7 @@ def test_an_angle_that_only_the_run_will_know_is_asked_for_once(
     assert joint.turns(right[0], right[2])
     assert not joint.turns(hold[0], hold[2])
     assert not joint.turns(relax[0], relax[2])
-    assert joint.after(Rolls(), right[0], right[2]) is None
+    assert joint.after(PartRolls(), right[0], right[2]) is None
 
 
 @pytest.mark.parametrize(
@@ -144,4 +144,4 @@ def test_a_robot_without_a_roll_joint_never_turns() -> None:
     aims = [joint.aim(number) for number in range(len(robot.table.configurations))]
     assert set(aims) == {None}
     assert not any(aim is not None and isnan(aim) for aim in aims)
-    assert joint.after(Rolls(), 0, 1) == Rolls()
+    assert joint.after(PartRolls(), 0, 1) == PartRolls()

@@ -13,11 +13,11 @@ from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.project import check_project as project
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.sarif import sarif_report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.errors import UsageError
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 from pirate_sm.loading.problems import Place
 
 from ..robots import NEWT, ROOT, changed, swap
@@ -40,7 +40,7 @@ def write(path: str, text: str = MISSION) -> str:
     return path
 
 
-def told(report: Report) -> list[tuple[str, str]]:
+def told(report: CheckReport) -> list[tuple[str, str]]:
     return [(each.code, str(each.place)) for each in report.findings]
 
 
@@ -141,7 +141,7 @@ def test_a_trace_script_is_known_in_both_forms(text: str) -> None:
     write("script.yaml", text)
 
     report = check_paths(["script.yaml"])
-    assert (told(report), report.files[0].kind) == ([], Kind.SCRIPT)
+    assert (told(report), report.files[0].kind) == ([], FileKind.SCRIPT)
 
 
 def test_a_trace_script_is_told_all_that_a_run_would_refuse() -> None:

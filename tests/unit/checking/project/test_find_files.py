@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.checking.project.find_files import DEEPEST_FOLDER, find_targets
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.loading.file_kinds import FileKind
 
 MISSION = "mission: m\nphases: {}\n"
 
@@ -97,7 +97,7 @@ def test_a_chart_brings_its_robot() -> None:
 def test_a_shipped_mission_is_known_by_its_name() -> None:
     (target,) = find_targets([library.missions()[0].stem]).targets
 
-    assert (target.kind, target.path) == (Kind.MISSION, library.missions()[0])
+    assert (target.kind, target.path) == (FileKind.MISSION, library.missions()[0])
 
 
 @pytest.mark.parametrize("path", ["nowhere.yaml", "no/where", "null\0byte", "x" * 5000])

@@ -5,15 +5,15 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import CheckedFile, Report
-from pirate_sm.loading.file_kinds import Kind
+from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
+from pirate_sm.loading.file_kinds import FileKind
 from pirate_sm.loading.problems import Edit, Place
 
 LINE = "  - {command: RelaxRear, if: 'speed > 2 m/s'}  # 100 %, really: ünusual"
 
 
 @pytest.fixture
-def report() -> Report:
+def report() -> CheckReport:
     """An error with a story, a warning, a possibility, an allowed one, one of a whole file."""
     place = Place("missions/my mission.yaml", 12, 15)
     findings = (
@@ -31,20 +31,20 @@ def report() -> Report:
         Finding("file", Severity.ERROR, Place("/tmp/gone.yaml"), "there is no such file"),
     )  # fmt: skip
     files = (
-        CheckedFile("clean.yaml", Kind.PIPE),
-        CheckedFile("a.yaml", Kind.MISSION),
-        CheckedFile("missions/my mission.yaml", Kind.MISSION),
+        CheckedFile("clean.yaml", FileKind.PIPE),
+        CheckedFile("a.yaml", FileKind.MISSION),
+        CheckedFile("missions/my mission.yaml", FileKind.MISSION),
     )
-    return Report(findings, files)
+    return CheckReport(findings, files)
 
 
 @pytest.fixture
-def clean() -> Report:
-    return Report((), (CheckedFile("clean.yaml", Kind.PIPE),))
+def clean() -> CheckReport:
+    return CheckReport((), (CheckedFile("clean.yaml", FileKind.PIPE),))
 
 
 @pytest.fixture
-def hostile() -> Report:
+def hostile() -> CheckReport:
     """Names and texts that try to be something else where they are shown."""
     nasty = "a]]><b>\0\x1b[31m\x85\u2028\ud800 ::error::x\r\n##[group]"
     place = Place("no\udcffway/<&>,:%\n.yaml", 1, 5)
@@ -53,4 +53,6 @@ def hostile() -> Report:
         excerpt=f"abc {nasty}", story=(nasty,), related=((place, nasty),), example=nasty,
         edit=Edit(place, 9, nasty, safe=True),
     )  # fmt: skip
-    return Report((finding, finding.allow(nasty)), (CheckedFile(place.file, Kind.MISSION),))
+    return CheckReport(
+        (finding, finding.allow(nasty)), (CheckedFile(place.file, FileKind.MISSION),)
+    )

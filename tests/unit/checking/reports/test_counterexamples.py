@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.cli.entry import only_run
 from pirate_sm.errors import UsageError
 from pirate_sm.loading.robot import load_robot
@@ -48,7 +48,7 @@ def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     load_robot.cache_clear()  # its files are named as they are seen from the folder of this test
 
 
-def checked(*paths: str, **wishes: Any) -> Report:
+def checked(*paths: str, **wishes: Any) -> CheckReport:
     return check_paths(paths, Wishes(counterexamples=Path("out"), **wishes))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.github import github_report
 
 _COMMAND = re.compile(r"::(?P<command>\w+) (?P<properties>[^:]*)::(?P<data>.*)")
@@ -25,7 +25,7 @@ def unescaped(text: str, more: dict[str, str]) -> str:
     return text
 
 
-def test_each_finding_stands_at_its_line(report: Report) -> None:
+def test_each_finding_stands_at_its_line(report: CheckReport) -> None:
     lines = github_report(report).splitlines()
 
     command, properties, data = read(lines[0])
@@ -38,20 +38,20 @@ def test_each_finding_stands_at_its_line(report: Report) -> None:
     assert [read(line)[0] for line in lines[1:4]] == ["warning", "notice", "error"]
 
 
-def test_a_finding_of_a_whole_file_names_no_line(report: Report) -> None:
+def test_a_finding_of_a_whole_file_names_no_line(report: CheckReport) -> None:
     _, properties, _ = read(github_report(report).splitlines()[3])
 
     assert properties == {"file": "/tmp/gone.yaml", "title": "file (error)"}
 
 
-def test_what_is_allowed_is_not_shown_at_its_line(report: Report) -> None:
+def test_what_is_allowed_is_not_shown_at_its_line(report: CheckReport) -> None:
     text = github_report(report)
 
     assert "chart.trap" not in text
     assert text.endswith("1 allowed")
 
 
-def test_text_from_a_file_cannot_begin_a_command(hostile: Report) -> None:
+def test_text_from_a_file_cannot_begin_a_command(hostile: CheckReport) -> None:
     lines = github_report(hostile).split("\n")
 
     assert len(lines) == 2

@@ -12,7 +12,7 @@ import xmlschema
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report
+from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.json import json_report
 from pirate_sm.checking.reports.junit import junit_report
 from pirate_sm.checking.reports.sarif import sarif_report
@@ -27,9 +27,9 @@ JUNIT = xmlschema.XMLSchema(str(SCHEMAS / "junit-10.xsd"))
 
 
 @pytest.fixture
-def every_code() -> Report:
+def every_code() -> CheckReport:
     """A report with a finding of each code."""
-    return Report(
+    return CheckReport(
         tuple(
             Finding(code, Severity[entry.severity.upper()], Place("a.yaml", 1, 1), entry.title)
             for code, entry in catalogue.entries().items()
@@ -39,17 +39,17 @@ def every_code() -> Report:
 
 
 @pytest.fixture(params=["report", "clean", "hostile", "every_code"])
-def any_report(request: pytest.FixtureRequest) -> Report:
+def any_report(request: pytest.FixtureRequest) -> CheckReport:
     return request.getfixturevalue(request.param)
 
 
-def sarif(report: Report) -> Any:
+def sarif(report: CheckReport) -> Any:
     return json.loads(sarif_report(report))
 
 
 @pytest.mark.parametrize(("write", "schema"), [(json_report, OWN), (sarif_report, SARIF)])
 def test_what_programs_read_is_as_its_schema_says(
-    any_report: Report, write: Callable[[Report], str], schema: Any
+    any_report: CheckReport, write: Callable[[CheckReport], str], schema: Any
 ) -> None:
     text = write(any_report)
 
@@ -57,7 +57,7 @@ def test_what_programs_read_is_as_its_schema_says(
     assert text.isascii()
 
 
-def test_json_holds_everything(report: Report) -> None:
+def test_json_holds_everything(report: CheckReport) -> None:
     data = json.loads(json_report(report))
 
     assert data["summary"] == {"error": 2, "warning": 1, "possible": 1, "allowed": 1, "fixed": 0}
@@ -73,7 +73,7 @@ def test_json_holds_everything(report: Report) -> None:
     assert data["findings"][3]["allowed"] == "it ends, here"
 
 
-def test_sarif_names_its_schema_and_where_the_program_is_told_of(report: Report) -> None:
+def test_sarif_names_its_schema_and_where_the_program_is_told_of(report: CheckReport) -> None:
     log = sarif(report)
     driver = log["runs"][0]["tool"]["driver"]
 
@@ -81,7 +81,7 @@ def test_sarif_names_its_schema_and_where_the_program_is_told_of(report: Report)
     assert driver["informationUri"] == f"pkg:pypi/pirate-sm@{driver['version']}"
 
 
-def test_sarif_has_the_change_that_removes_a_finding(report: Report) -> None:
+def test_sarif_has_the_change_that_removes_a_finding(report: CheckReport) -> None:
     first, second, *_ = sarif(report)["runs"][0]["results"]
 
     [change] = first["fixes"][0]["artifactChanges"]
@@ -99,7 +99,7 @@ def test_sarif_has_the_change_that_removes_a_finding(report: Report) -> None:
     assert "fixes" not in second
 
 
-def test_sarif_shows_the_place_the_story_and_what_is_allowed(report: Report) -> None:
+def test_sarif_shows_the_place_the_story_and_what_is_allowed(report: CheckReport) -> None:
     (run,) = sarif(report)["runs"]
     first, second, third, allowed, whole = run["results"]
 
@@ -120,7 +120,7 @@ def test_sarif_shows_the_place_the_story_and_what_is_allowed(report: Report) -> 
     assert location == {"artifactLocation": {"uri": "file:///tmp/gone.yaml"}}
 
 
-def test_sarif_explains_the_rules_that_it_uses(report: Report) -> None:
+def test_sarif_explains_the_rules_that_it_uses(report: CheckReport) -> None:
     (run,) = sarif(report)["runs"]
     rules = run["tool"]["driver"]["rules"]
 
@@ -136,14 +136,14 @@ def test_sarif_knows_a_finding_again_on_another_line_and_tells_equal_ones_apart(
             Finding("chart.trap", Severity.WARNING, Place("a.yaml", line, 1), "m", excerpt="x")
             for line in lines
         ]
-        results = sarif(Report(tuple(findings), ()))["runs"][0]["results"]
+        results = sarif(CheckReport(tuple(findings), ()))["runs"][0]["results"]
         return [each["partialFingerprints"]["finding/v1"] for each in results]
 
     assert prints(3, 9) == prints(4, 11)
     assert len(set(prints(3, 9))) == 2
 
 
-def test_junit_is_as_its_schema_says(any_report: Report) -> None:
+def test_junit_is_as_its_schema_says(any_report: CheckReport) -> None:
     JUNIT.validate(junit_report(any_report, Severity.WARNING))
 
 
@@ -152,14 +152,14 @@ REPORTS = [json_report, sarif_report, lambda report: junit_report(report, Severi
 
 @pytest.mark.parametrize("written", REPORTS, ids=["json", "sarif", "junit"])
 def test_a_report_for_programs_hides_nothing_on_a_terminal(
-    written: Callable[[Report], str], hostile: Report
+    written: Callable[[CheckReport], str], hostile: CheckReport
 ) -> None:
     assert all(line.isprintable() for line in written(hostile).split("\n"))
 
 
 @pytest.mark.parametrize(("fail_on", "failures"), [(Severity.ERROR, "2"), (Severity.WARNING, "3")])
 def test_junit_fails_where_the_check_fails(
-    report: Report, fail_on: Severity, failures: str
+    report: CheckReport, fail_on: Severity, failures: str
 ) -> None:
     data = JUNIT.to_dict(junit_report(report, fail_on))
 
@@ -172,7 +172,7 @@ def test_junit_fails_where_the_check_fails(
 
 def test_a_line_of_a_hostile_file_does_not_fill_the_report() -> None:
     found = Finding("kind", Severity.ERROR, Place("a", 1, 1), "m", excerpt="x" * 1_000_000)
-    report = Report((found,), ())
+    report = CheckReport((found,), ())
 
     for text in (json_report(report), sarif_report(report), junit_report(report, Severity.ERROR)):
         assert len(text) < 10_000

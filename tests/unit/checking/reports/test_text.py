@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.reports.check_report import Report, end_column, marked
+from pirate_sm.checking.reports.check_report import CheckReport, end_column, marked
 from pirate_sm.checking.reports.text import explained, listed, text_report
 from pirate_sm.loading.problems import Place
 
@@ -20,7 +20,7 @@ def at(column: int, excerpt: str) -> Finding:
     )
 
 
-def test_a_finding_says_what_where_why_and_how_to_mend_it(report: Report) -> None:
+def test_a_finding_says_what_where_why_and_how_to_mend_it(report: CheckReport) -> None:
     text = text_report(report, plain)
 
     assert text.startswith(
@@ -39,25 +39,25 @@ def test_a_finding_says_what_where_why_and_how_to_mend_it(report: Report) -> Non
     assert "/tmp/gone.yaml: error [file] there is no such file\n  why:" in text
 
 
-def test_what_is_allowed_is_listed_with_its_reason(report: Report) -> None:
+def test_what_is_allowed_is_listed_with_its_reason(report: CheckReport) -> None:
     text = text_report(report, plain)
 
     assert "allowed:\n  a.yaml:4:3 chart.trap\n    trap; because it ends, here\n" in text
     assert text.endswith("\n1 pipe, 2 missions checked: 2 errors, 1 warning, 1 possible, 1 allowed")
 
 
-def test_a_clean_report_is_one_line(clean: Report) -> None:
+def test_a_clean_report_is_one_line(clean: CheckReport) -> None:
     assert text_report(clean, plain) == "1 pipe checked: no findings"
-    assert text_report(Report((), ()), plain) == "nothing checked: no findings"
+    assert text_report(CheckReport((), ()), plain) == "nothing checked: no findings"
 
 
-def test_every_text_from_a_file_is_painted(hostile: Report) -> None:
+def test_every_text_from_a_file_is_painted(hostile: CheckReport) -> None:
     text = text_report(hostile, lambda _, text: text.replace("\x1b", "?"))
 
     assert "\x1b" not in text
 
 
-def test_every_severity_has_its_colour(report: Report) -> None:
+def test_every_severity_has_its_colour(report: CheckReport) -> None:
     text = text_report(report, lambda role, text: f"<{role}>{text}")
 
     for severity in ("error", "warning", "possible"):

@@ -17,7 +17,7 @@ from typing import Any
 import pytest
 
 from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.chunk import Chunk, Row
+from pirate_sm.campaign.chunk import Chunk, RunRow
 from pirate_sm.campaign.conductor import stored
 from pirate_sm.campaign.crew import Done
 from pirate_sm.campaign.plan import mark_of
@@ -55,9 +55,9 @@ def filled(file: Path, tmp_path: Path) -> Any:
         store.begin(mark_of(plan))
         for cell, failing in zip(plan.cells, (0, failed), strict=True):
             store.add(
-                Row(cell.key, seed, "failed", "failed", "Lost", False, "", 9.0, 0.1, 0.0, 0.0)
+                RunRow(cell.key, seed, "failed", "failed", "Lost", False, "", 9.0, 0.1, 0.0, 0.0)
                 if seed < failing
-                else Row(cell.key, seed, "succeeded", "passed", "", True, "", 9.0, 0.1, 0.0, 0.0)
+                else RunRow(cell.key, seed, "succeeded", "passed", "", True, "", 9.0, 0.1, 0.0, 0.0)
                 for seed in cell.seeds
             )
         store.close()
@@ -334,7 +334,7 @@ class All:
             Done(
                 each,
                 [
-                    Row(each.cell, seed, "succeeded", "passed", "", True, "", 9.0, 0.1, 0.0, 0.0)
+                    RunRow(each.cell, seed, "succeeded", "passed", "", True, "", 9.0, 0.1, 0.0, 0.0)
                     for seed in each.seeds
                 ],
             )

@@ -9,7 +9,7 @@ import pytest
 from representative import thorough_but
 from rich.console import Console
 
-from pirate_sm.cli.output.live_view import View
+from pirate_sm.cli.output.live_view import LiveView
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.drawing.canvas import Canvas
 from pirate_sm.model.effects import Effect
@@ -31,7 +31,7 @@ class Frames:
         prepared = prepare(Order(**order))
         situation = ObservedRun(prepared)
         self.size = size
-        self.view = View(Console(file=io.StringIO()), situation, "max", None)
+        self.view = LiveView(Console(file=io.StringIO()), situation, "max", None)
         self.frames = [self._frame()]
         companions = [*prepared.companions, FirstChoice()]
         situation.run = MissionRun(
@@ -151,7 +151,7 @@ class Picture:
             force_terminal=True, color_system="truecolor", legacy_windows=False,
         )  # fmt: skip
         self._at_s, self.svg = at_s, ""
-        self.view = View(self._console, situation, "4 ×", None)
+        self.view = LiveView(self._console, situation, "4 ×", None)
         situation.run = MissionRun(
             prepared.engine, prepared.backend, observers=[self], companions=prepared.companions
         )

@@ -7,7 +7,7 @@ import pytest
 
 from pirate_sm.drawing.graph.chart_graph import LONGEST_GUARD, chart_graph
 from pirate_sm.drawing.graph.graph import EdgeKind, NodeKind
-from pirate_sm.loading.chart.outline import ChartOutline, Transition
+from pirate_sm.loading.chart.outline import ChartOutline, ChartTransition
 
 from ..conftest import CHARTS, name, read_chart
 
@@ -35,7 +35,7 @@ def test_every_state_and_transition_is_drawn_once(path: Path) -> None:
 
 def two_states(*guards: str) -> ChartOutline:
     transitions = tuple(
-        Transition("Arm", "Arm.In", f"Go{number}", "Arm.Out", guard, (), "Arm.In", None)
+        ChartTransition("Arm", "Arm.In", f"Go{number}", "Arm.Out", guard, (), "Arm.In", None)
         for number, guard in enumerate(guards)
     )
     return ChartOutline("top", ("Arm",), (("Out", "In"),), ("In",), transitions, (), ())

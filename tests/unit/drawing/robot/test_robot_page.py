@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.drawing.robot.criterion_text import done_when
 from pirate_sm.drawing.robot.robot_page import robot_page
-from pirate_sm.drawing.robot.written_page import Heading, Paragraph, Table, html, markdown
+from pirate_sm.drawing.robot.written_page import Heading, PageTable, Paragraph, html, markdown
 from pirate_sm.loading.robot import load_robot
 from pirate_sm.spelling import listed
 
@@ -54,7 +54,7 @@ def test_each_control_and_what_it_changes_is_on_the_page(robot):
 
 def test_every_row_of_a_table_has_as_many_cells_as_its_header(robot):
     for block in robot_page(robot):
-        if isinstance(block, Table):
+        if isinstance(block, PageTable):
             assert {len(row) for row in block.rows} == {len(block.header)}
 
 
@@ -100,7 +100,11 @@ def test_the_page_in_html_has_a_picture_of_the_robot_and_one_for_each_region(rob
 
 
 def test_text_of_a_file_is_no_markup():
-    blocks = [Heading(1, "a"), Paragraph("<b>|*x*|</b>\nline", "`lead`"), Table(("h",), [("a|b",)])]
+    blocks = [
+        Heading(1, "a"),
+        Paragraph("<b>|*x*|</b>\nline", "`lead`"),
+        PageTable(("h",), [("a|b",)]),
+    ]
 
     assert markdown(blocks, "note") == (
         "# a\n\n<!-- note -->\n\n**\\`lead\\`** \\<b>\\|\\*x\\*\\|\\</b> line\n\n"

@@ -132,7 +132,9 @@ def test_loops_go_on_that_both_controls_have(bearing):
     driver.give(ev.Answer("on"))
     driver.accept()
     sent_during(driver, 0.5, **SLOW)
-    folds = [each for each in driver.state.robot.loops if type(each).__name__ == "TorqueLoop"]
+    folds = [
+        each for each in driver.state.robot.loops if type(each).__name__ == "RunningTorqueLoop"
+    ]
 
     driver.give(ev.Answer("on"))
 
@@ -180,7 +182,7 @@ def test_a_return_from_a_torque_to_an_angle_seeks_nothing(bearing):
     driver = bearing(SWITCH, states={"Grip": "Loose"})
     driver.give(ev.Answer("limp"))
     driver.accept()
-    assert loops(driver) == ["TorqueLoop", "TorqueLoop"]
+    assert loops(driver) == ["RunningTorqueLoop", "RunningTorqueLoop"]
     driver.signals |= {"neck_torque": 0.0, "hip_torque": 0.0, "neck": 0.5, "hip": 0.5}
     sent_during(driver, 0.3)
 
@@ -231,7 +233,7 @@ def test_a_late_step_leads_where_its_failure_leads(bearing):
 
     assert driver.phases[-1] == "late"
     assert "did not bear the torque" in warned(driver)
-    assert loops(driver) == ["TorqueLoop"] * 2, "they go on"
+    assert loops(driver) == ["RunningTorqueLoop"] * 2, "they go on"
 
 
 def test_time_alone_wakes_it(bearing):
@@ -249,7 +251,7 @@ def test_the_operator_passes_over_it(bearing):
     driver.give(ev.Skip())
 
     assert driver.of(fx.WaitArmed)[-1].phase == "gentle"
-    assert loops(driver) == ["TorqueLoop"] * 2
+    assert loops(driver) == ["RunningTorqueLoop"] * 2
 
 
 def test_it_may_be_passed_over_while_its_array_is_in_flight(bearing):
@@ -282,7 +284,7 @@ def test_a_pause_stops_its_loops_and_its_clock(bearing):
     driver.give(ev.Resume())
     accept_all(driver)
 
-    assert loops(driver) == ["TorqueLoop"] * 2
+    assert loops(driver) == ["RunningTorqueLoop"] * 2
     sent_during(driver, 1.8)
     assert not driver.state.mission.ending
     sent_during(driver, 0.3)
@@ -362,7 +364,7 @@ def test_a_called_mission_brings_its_control_and_leaves_it(bearing, tmp_path):
 
     assert driver.states["Lamp"] == "Lit"
     assert driver.of(fx.WaitArmed)[-1].phase == "light"
-    assert loops(driver) == ["TorqueLoop"] * 2
+    assert loops(driver) == ["RunningTorqueLoop"] * 2
 
 
 def settled_until_usual(driver: Driver) -> None:
@@ -546,7 +548,7 @@ def test_a_later_phase_begins_under_the_control_of_the_missions_head(by_hand, ph
     assert handed_at(driver, phase) == ["control gentle"]
     assert in_force(driver) == "gentle"
     assert driver.phases == [phase]
-    assert loops(driver).count("TorqueLoop") == 2
+    assert loops(driver).count("RunningTorqueLoop") == 2
 
 
 def test_a_later_phase_begins_under_the_control_that_a_step_before_it_sets(by_hand):
@@ -584,7 +586,7 @@ def test_a_clamp_whose_loop_the_pause_has_stopped_bears_its_torque_again(bearing
 
     handed_at(driver, "light")
 
-    assert loops(driver) == ["TorqueLoop"] * 2
+    assert loops(driver) == ["RunningTorqueLoop"] * 2
     assert driver.phases[-1] == "light"
 
 

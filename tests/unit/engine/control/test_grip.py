@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 
 from pirate_sm.engine.control.circumstances import Circumstances
 from pirate_sm.engine.control.grip import after_frame, gripping, torque_nm
-from pirate_sm.engine.control.torque_loop import TorqueLoop
-from pirate_sm.engine.control.velocity_loop import VelocityLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.engine.control.wheel_torque_loop import WheelTorqueLoop
 from pirate_sm.engine.robot.command_spec import (
     GripSpec,
@@ -166,7 +166,7 @@ def test_it_is_exhausted_where_a_robot_is_carried_down_though_it_presses_all_it_
     )  # fmt: skip
     moment = seen(1.0, slip=slip, speed=speed, pitch=pitch, torque=torque)
 
-    assert TorqueLoop(0, spec, 0.35, CORRECTED).heard(moment).exhausted is exhausted
+    assert RunningTorqueLoop(0, spec, 0.35, CORRECTED).heard(moment).exhausted is exhausted
 
 
 @pytest.mark.parametrize("asked", [-0.35, 0.35])
@@ -175,7 +175,7 @@ def test_a_loop_keeps_the_sign_of_the_torque_that_its_state_asks_for(asked):
         gain=1.0, dead_nm=0.03, least_duty=0.15, limit=0.7, within_nm=0.04, stall_torque_nm=1.0,
         torque=TORQUE,
     )  # fmt: skip
-    loop = TorqueLoop(0, spec, asked, CORRECTED)
+    loop = RunningTorqueLoop(0, spec, asked, CORRECTED)
 
     loop = loop.heard(seen(0.0))
 
@@ -191,7 +191,7 @@ def test_wheels_bear_the_weight_by_the_tilt_of_the_pipe(assist_nm, pitch, share)
     velocity = VelocitySpec(0.3, 1.0, 5.0, 0, 0.024, stall_nm=0.3)
     torque = WheelTorqueSpec(stall_torque_nm=0.3, no_load_rad_s=inf, speed=0)
 
-    kept = VelocityLoop(0, velocity, 3.0, assist_nm).heard(around)
+    kept = RunningVelocityLoop(0, velocity, 3.0, assist_nm).heard(around)
     borne = WheelTorqueLoop(0, torque, 0.1, assist_nm).heard(around)
 
     assert kept.duty(()) == pytest.approx(3.0 / 5.0 + share * assist_nm / 0.3)
@@ -200,7 +200,7 @@ def test_wheels_bear_the_weight_by_the_tilt_of_the_pipe(assist_nm, pitch, share)
 
 def test_a_tilt_that_becomes_unknown_keeps_what_the_wheels_bear():
     spec = VelocitySpec(0.3, 1.0, 5.0, 0, 0.024, stall_nm=0.3)
-    loop = VelocityLoop(0, spec, 3.0, 0.03).heard(Circumstances((3.0,), UPRIGHT, 0.0))
+    loop = RunningVelocityLoop(0, spec, 3.0, 0.03).heard(Circumstances((3.0,), UPRIGHT, 0.0))
 
     assert loop.heard(Circumstances((3.0,), nan, 0.1)).duty(()) == loop.duty(())
     assert not isnan(loop.duty(()))

@@ -378,7 +378,7 @@ def test_a_position_loop_and_a_velocity_loop_share_their_arrays(newt):
     shared = driver.setpoints
     driver.run(driver.now + 0.1, **SLOW)
 
-    assert kinds == ["VelocityLoop"] * 4 + ["PositionLoop"]
+    assert kinds == ["RunningVelocityLoop"] * 4 + ["RunningPositionLoop"]
     assert driver.array["fold_neck"] == pytest.approx(-0.5)
     assert driver.setpoints == shared, "an array of a position loop is awaited"
     driver.accept()
@@ -387,7 +387,7 @@ def test_a_position_loop_and_a_velocity_loop_share_their_arrays(newt):
     driver.run(driver.now + 0.1, **SLOW)
     accept_all(driver)
     assert driver.array["fold_neck"] == 0, "it has ended with its command"
-    assert [type(each).__name__ for each in driver.state.robot.loops] == ["VelocityLoop"] * 4
+    assert [type(each).__name__ for each in driver.state.robot.loops] == ["RunningVelocityLoop"] * 4
     assert sent_during(driver, 0.3, **SLOW)
 
 

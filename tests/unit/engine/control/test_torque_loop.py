@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.engine.control.circumstances import Circumstances
-from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.engine.robot.command_spec import TorqueSpec
 
 SPEC = TorqueSpec(
@@ -26,37 +26,37 @@ FRAME_S = 0.112
 TORQUES = st.floats(-2, 2)
 
 
-def after(loop: TorqueLoop, *torques: float) -> TorqueLoop:
+def after(loop: RunningTorqueLoop, *torques: float) -> RunningTorqueLoop:
     for torque in torques:
         loop = loop.heard(Circumstances((torque,)))
     return loop
 
 
 def test_it_stands_before_it_has_heard_anything():
-    assert TorqueLoop(2, SPEC, 0.5).duty((0.0,)) == 0
+    assert RunningTorqueLoop(2, SPEC, 0.5).duty((0.0,)) == 0
 
 
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_motor_that_winds_the_spring_also_gets_the_duty_that_bears_the_torque(way):
-    winding = after(TorqueLoop(2, SPEC, 0.5 * way), 0.2 * way)
+    winding = after(RunningTorqueLoop(2, SPEC, 0.5 * way), 0.2 * way)
 
     assert winding.duty(()) == pytest.approx(way * (1.2 * 0.3 + 0.2 / 1.0))
 
 
 @pytest.mark.parametrize("way", [1, -1])
 def test_a_motor_that_unwinds_it_does_not(way):
-    unwinding = after(TorqueLoop(2, SPEC, 0.1 * way), 0.5 * way)
+    unwinding = after(RunningTorqueLoop(2, SPEC, 0.1 * way), 0.5 * way)
 
     assert unwinding.duty(()) == pytest.approx(-way * 1.2 * 0.4)
 
 
 @pytest.mark.parametrize("torque", [0.475, 0.5, 0.525])
 def test_it_stands_where_the_error_is_small(torque):
-    assert after(TorqueLoop(2, SPEC, 0.5), 0.1, torque).duty(()) == 0
+    assert after(RunningTorqueLoop(2, SPEC, 0.5), 0.1, torque).duty(()) == 0
 
 
 def test_it_stands_while_the_torque_is_unknown():
-    lost = after(TorqueLoop(2, SPEC, 0.5), 0.1, nan)
+    lost = after(RunningTorqueLoop(2, SPEC, 0.5), 0.1, nan)
 
     assert lost.duty(()) == 0
     assert not lost.settled((nan,))
@@ -64,7 +64,7 @@ def test_it_stands_while_the_torque_is_unknown():
 
 
 def test_a_duty_that_is_too_small_becomes_a_push_of_one_frame():
-    pushed = after(TorqueLoop(2, SPEC, 0.1), 0.2)
+    pushed = after(RunningTorqueLoop(2, SPEC, 0.1), 0.2)
     waited = after(pushed, 0.2)
 
     assert pushed.duty(()) == -0.15
@@ -73,24 +73,24 @@ def test_a_duty_that_is_too_small_becomes_a_push_of_one_frame():
 
 
 def test_a_duty_that_moves_the_worm_lasts():
-    assert [after(TorqueLoop(2, SPEC, 0.5), *[0.1] * n).duty(()) for n in (1, 2, 3)] == (
+    assert [after(RunningTorqueLoop(2, SPEC, 0.5), *[0.1] * n).duty(()) for n in (1, 2, 3)] == (
         pytest.approx([1.2 * 0.4 + 0.1] * 3)
     )
 
 
 @pytest.mark.parametrize(("torque", "duty"), [(0.0, 0.7), (2.0, -0.7)])
 def test_its_duty_has_a_limit(torque, duty):
-    assert after(TorqueLoop(2, SPEC, 0.9), torque).duty(()) == duty
+    assert after(RunningTorqueLoop(2, SPEC, 0.9), torque).duty(()) == duty
 
 
 @pytest.mark.parametrize(("torque", "settled"), [(0.465, True), (0.535, True), (0.455, False)])
 def test_a_joint_is_settled_that_bears_its_torque(torque, settled):
-    assert TorqueLoop(2, SPEC, 0.5).settled((torque,)) is settled
+    assert RunningTorqueLoop(2, SPEC, 0.5).settled((torque,)) is settled
 
 
 @given(TORQUES, st.floats(0.01, 5), st.floats(0.2, 1), st.lists(TORQUES | st.just(nan)))
 def test_whatever_it_hears_the_duty_stays_within_its_limit(target, gain, limit, torques):
-    loop = after(TorqueLoop(2, SPEC._replace(gain=gain, limit=limit), target), *torques)
+    loop = after(RunningTorqueLoop(2, SPEC._replace(gain=gain, limit=limit), target), *torques)
 
     assert abs(loop.duty(())) <= limit
 
@@ -98,7 +98,10 @@ def test_whatever_it_hears_the_duty_stays_within_its_limit(target, gain, limit, 
 @given(TORQUES, st.lists(TORQUES | st.just(nan)), TORQUES)
 def test_nothing_winds_up(target, torques, torque):
     """All that lasts is a push, for one frame."""
-    old, new = after(TorqueLoop(2, SPEC, target), *torques), TorqueLoop(2, SPEC, target)
+    old, new = (
+        after(RunningTorqueLoop(2, SPEC, target), *torques),
+        RunningTorqueLoop(2, SPEC, target),
+    )
 
     assert after(old, nan, torque) == after(new, torque)
 
@@ -142,7 +145,7 @@ def test_a_joint_comes_to_its_torque_although_frames_are_late(
     start, size, way, no_load_rad_s, delay
 ):
     joint, target = Joint(start, no_load_rad_s, delay), way * size
-    loop, borne = TorqueLoop(2, SPEC, target), []
+    loop, borne = RunningTorqueLoop(2, SPEC, target), []
 
     for _ in range(160):
         loop = loop.heard(Circumstances((joint.frame(),)))

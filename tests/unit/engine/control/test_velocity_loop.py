@@ -9,32 +9,32 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.engine.control.circumstances import Circumstances
-from pirate_sm.engine.control.velocity_loop import VelocityLoop
+from pirate_sm.engine.control.velocity_loop import RunningVelocityLoop
 from pirate_sm.engine.robot.command_spec import VelocitySpec
 
 SPEC = VelocitySpec(gain=0.3, limit=1.0, no_load_rad_s=5.0, speed=0, radius_m=0.02)
 SPEEDS = st.floats(-20, 20)
 
 
-def after(loop: VelocityLoop, *speeds: float) -> VelocityLoop:
+def after(loop: RunningVelocityLoop, *speeds: float) -> RunningVelocityLoop:
     for speed in speeds:
         loop = loop.heard(Circumstances((speed,)))
     return loop
 
 
 def test_it_begins_with_the_duty_of_a_motor_without_load():
-    assert VelocityLoop(2, SPEC, 3.0).duty(()) == pytest.approx(0.6)
+    assert RunningVelocityLoop(2, SPEC, 3.0).duty(()) == pytest.approx(0.6)
 
 
 def test_a_fresh_frame_adds_its_share_of_the_error():
-    slow = after(VelocityLoop(2, SPEC, 3.0), 2.0)
+    slow = after(RunningVelocityLoop(2, SPEC, 3.0), 2.0)
 
     assert slow.integral == pytest.approx(0.3 * (3.0 - 2.0) / 5.0)
     assert slow.duty(()) == pytest.approx(0.6 + slow.integral)
 
 
 def test_an_unknown_speed_holds_the_integral():
-    slow = after(VelocityLoop(2, SPEC, 3.0), 2.0)
+    slow = after(RunningVelocityLoop(2, SPEC, 3.0), 2.0)
 
     assert after(slow, nan) == slow
 
@@ -43,7 +43,7 @@ def test_an_unknown_speed_holds_the_integral():
 @pytest.mark.parametrize("drop", [0.0, 0.2, -0.2])
 @pytest.mark.parametrize("delay", [1, 2, 3])
 def test_a_loaded_wheel_comes_to_its_speed_although_frames_are_late(target, drop, delay):
-    loop, speeds = VelocityLoop(2, SPEC, target), [0.0] * delay
+    loop, speeds = RunningVelocityLoop(2, SPEC, target), [0.0] * delay
 
     for _ in range(60):
         loop = loop.heard(Circumstances((speeds[-delay],)))
@@ -53,7 +53,7 @@ def test_a_loaded_wheel_comes_to_its_speed_although_frames_are_late(target, drop
 
 
 def test_a_wheel_that_was_blocked_for_long_slows_down_with_the_next_frames():
-    blocked = after(VelocityLoop(2, SPEC, 3.0), *[0.0] * 100)
+    blocked = after(RunningVelocityLoop(2, SPEC, 3.0), *[0.0] * 100)
     assert blocked.duty(()) == 1.0
 
     assert after(blocked, 5.0).duty(()) == pytest.approx(1.0 - 0.3 * 2.0 / 5.0)
@@ -61,14 +61,14 @@ def test_a_wheel_that_was_blocked_for_long_slows_down_with_the_next_frames():
 
 @given(st.floats(-10, 10), st.floats(0.01, 1), st.floats(0.05, 1), st.lists(SPEEDS | st.just(nan)))
 def test_whatever_it_hears_the_duty_stays_within_its_limit(target, gain, limit, speeds):
-    loop = after(VelocityLoop(2, SPEC._replace(gain=gain, limit=limit), target), *speeds)
+    loop = after(RunningVelocityLoop(2, SPEC._replace(gain=gain, limit=limit), target), *speeds)
 
     assert abs(loop.duty(())) <= limit
 
 
 @given(st.floats(-10, 10), st.lists(SPEEDS), SPEEDS)
 def test_a_wheel_that_is_too_slow_never_gets_less(target, speeds, speed):
-    loop = after(VelocityLoop(2, SPEC, target), *speeds)
+    loop = after(RunningVelocityLoop(2, SPEC, target), *speeds)
     change = after(loop, speed).duty(()) - loop.duty(())
 
     assert change * (target - speed) >= -1e-12

@@ -6,8 +6,8 @@ from math import nan
 
 import pytest
 
-from pirate_sm.engine.control.position_loop import PositionLoop
-from pirate_sm.engine.control.torque_loop import TorqueLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
+from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
 from pirate_sm.engine.robot import done
 from pirate_sm.engine.robot.command_spec import PositionSpec, TorqueSpec
 from pirate_sm.engine.robot.criteria import (
@@ -29,16 +29,16 @@ def seen(**shown: float) -> tuple[float, ...]:
     return tuple(shown.get(name, 0.0) for name in names)
 
 
-def torque_loop(asked_nm: float, torque: int = TORQUE) -> TorqueLoop:
+def torque_loop(asked_nm: float, torque: int = TORQUE) -> RunningTorqueLoop:
     spec = TorqueSpec(
         **dict.fromkeys(TorqueSpec._fields, 0.0) | {"torque": torque, "within_nm": 0.125}
     )
-    return TorqueLoop(0, spec, asked_nm)
+    return RunningTorqueLoop(0, spec, asked_nm)
 
 
-def position_loop(target_rad: float) -> PositionLoop:
+def position_loop(target_rad: float) -> RunningPositionLoop:
     spec = PositionSpec(**dict.fromkeys(PositionSpec._fields, 0.5) | {"threshold_rad": 0.125})
-    return PositionLoop(0, ANGLE, RATE, TORQUE, spec, target_rad)
+    return RunningPositionLoop(0, ANGLE, RATE, TORQUE, spec, target_rad)
 
 
 STALLED = StalledSpec((RATE,), (LoadSpec(TORQUE, 0, 1.0, 0.25),), still=0.5, for_s=1.5)

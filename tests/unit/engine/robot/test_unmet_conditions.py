@@ -8,7 +8,7 @@ from driving import IDLE, command
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.engine.control.position_loop import PositionLoop
+from pirate_sm.engine.control.position_loop import RunningPositionLoop
 from pirate_sm.engine.robot.command_spec import PositionSpec
 from pirate_sm.engine.robot.criteria import (
     AcceptedSpec,
@@ -24,7 +24,7 @@ from pirate_sm.engine.robot.done import criterion_tree, holds
 from pirate_sm.expressions import BooleanType, Expression
 from pirate_sm.model.events import Abort
 
-LOOP = PositionLoop(0, 0, 1, 2, PositionSpec(1.0, 0.5, 0.1, 1.0, 2.0), 1.0)
+LOOP = RunningPositionLoop(0, 0, 1, 2, PositionSpec(1.0, 0.5, 0.1, 1.0, 2.0), 1.0)
 
 CRITERIA = [
     AcceptedSpec(),

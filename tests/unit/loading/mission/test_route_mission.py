@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.errors import UsageError
 from pirate_sm.loading import library
 from pirate_sm.loading.mission.route_mission import (
-    Course,
+    RouteCourse,
     UndrivableError,
     course_along,
     mission_along,
@@ -27,7 +27,7 @@ def profile() -> Profile:
     return load_robot(library.find_robot("pirate_ii")).profile
 
 
-def called(course: Course) -> list[list[str]]:
+def called(course: RouteCourse) -> list[list[str]]:
     return [[step.call for step in steps] for _, steps in course.calls]
 
 

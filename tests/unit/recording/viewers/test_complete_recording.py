@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from recording_runs import ROOT, record_as_asked, record_with_viewers
 
-from pirate_sm.detectors.seen_places import Seen
+from pirate_sm.detectors.seen_places import SeenWheels
 from pirate_sm.detectors.vision_detector import CameraView
 from pirate_sm.errors import RecordingError
 from pirate_sm.model.sighting import Sighting
@@ -129,7 +129,7 @@ def test_what_a_camera_saw_is_kept_and_handed_on(tmp_path: Path) -> None:
         number = next(seen)
         sighting = Sighting(0.01 * number, (), None, 100.0, 0)
         jpeg = b"jpeg" if number % 7 == 0 else b""
-        return CameraView(Seen((0.1 * number,) * 6, ()), sighting, jpeg)
+        return CameraView(SeenWheels((0.1 * number,) * 6, ()), sighting, jpeg)
 
     path = tmp_path / "fast.mcap"
     record_as_asked(path, Order("mitre_bend"), inf, camera=view)

@@ -15,7 +15,7 @@ from pirate_sm.model.effects import Ended, Setpoints, WakeAt
 from pirate_sm.model.events import Event, SensorFrame, SignalReport, Tick
 from pirate_sm.recording.format.engine_state_text import body_from_text, body_to_text
 from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.read.steps import Step
+from pirate_sm.recording.read.steps import RecordedStep
 from pirate_sm.recording.viewers.viewer_messages import ViewerMessages
 from pirate_sm.recording.write import recorder as module
 from pirate_sm.recording.write.recorder import AHEAD_S, Recorder
@@ -47,7 +47,7 @@ def test_everything_is_kept_in_order(tmp_path: Path) -> None:
     assert recording.complete
     assert recording.notices == ()
     assert [step.number for step in steps] == list(range(len(told) + 2))
-    assert steps[0] == Step(0, 0.0, None, (WakeAt(0.5),), "start")
+    assert steps[0] == RecordedStep(0, 0.0, None, (WakeAt(0.5),), "start")
     assert [(step.event, step.at_s, step.effects) for step in steps[1:-1]] == told
     assert {step.by for step in steps[1:-1]} == {"engine"}
     assert steps[-1].by == "runtime"

@@ -49,7 +49,9 @@ def test_a_failure_names_its_cause(
     def failing(command: list[str], **options: Any) -> subprocess.CompletedProcess[str]:
         return subprocess.CompletedProcess(command, 1, "", told)
 
-    monkeypatch.setattr(linker, "this_target", lambda: linker.Target("x86_64-linux-gnu", "any"))
+    monkeypatch.setattr(
+        linker, "this_target", lambda: linker.MachineTarget("x86_64-linux-gnu", "any")
+    )
     monkeypatch.setattr(linker.subprocess, "run", failing)
 
     with pytest.raises(RuntimeError, match=said):

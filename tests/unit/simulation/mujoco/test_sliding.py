@@ -9,7 +9,7 @@ from pirate_sm.geometry.route import Route
 from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.mujoco.world import World
+from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import QuantityLayout
 from pirate_sm.simulation.start_pose import stand
 
@@ -18,10 +18,10 @@ from ..conftest import CYCLE_S, straight
 STATIC, KINETIC = 0.7, 0.5
 
 
-def loose(chain: ChainBody, diameter_m: float = 0.12) -> World:
+def loose(chain: ChainBody, diameter_m: float = 0.12) -> MujocoWorld:
     route = Route(straight(diameter_m=diameter_m))
     friction = Friction(static=STATIC, kinetic=KINETIC)
-    return World(chain, route, friction, stand(chain, route, 1.5, {}), CYCLE_S)
+    return MujocoWorld(chain, route, friction, stand(chain, route, 1.5, {}), CYCLE_S)
 
 
 @pytest.mark.parametrize("way_deg", [0.0, 30.0, 45.0, 90.0])

@@ -14,7 +14,7 @@ from pirate_sm.model.profile import Profile
 from pirate_sm.model.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.mujoco.model_text import model_text
-from pirate_sm.simulation.mujoco.world import World
+from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.start_pose import stand
 
 from ..conftest import CYCLE_S, Driver, bend, straight
@@ -23,9 +23,9 @@ Place = Callable[..., Driver]
 FRICTION = Friction(static=0.7, kinetic=0.5)
 
 
-def world(chain: ChainBody, section: str = "bars", friction: Friction = FRICTION) -> World:
+def world(chain: ChainBody, section: str = "bars", friction: Friction = FRICTION) -> MujocoWorld:
     route = Route(straight(section=section))
-    return World(chain, route, friction, stand(chain, route, 1.0, {}), CYCLE_S)
+    return MujocoWorld(chain, route, friction, stand(chain, route, 1.0, {}), CYCLE_S)
 
 
 @pytest.mark.parametrize("section", ["bars", "round"])
@@ -67,7 +67,7 @@ def test_a_round_pipe_is_24_plates_and_straight(chain: ChainBody) -> None:
     assert len(walls) == 24
     bent = Route(bend(section="round"))
     with pytest.raises(UsageError, match="no bends in a round pipe"):
-        World(chain, bent, FRICTION, stand(chain, bent, 0.7, {}), CYCLE_S)
+        MujocoWorld(chain, bent, FRICTION, stand(chain, bent, 0.7, {}), CYCLE_S)
 
 
 def test_a_loose_robot_begins_on_the_wall_that_it_lies_on(chain: ChainBody) -> None:
@@ -78,12 +78,12 @@ def test_a_loose_robot_begins_on_the_wall_that_it_lies_on(chain: ChainBody) -> N
 
 
 def test_a_robot_is_put_into_space_rolled(place: Place) -> None:
-    robot = place(straight(section="round"), roll_rad=0.5, physics=World)
+    robot = place(straight(section="round"), roll_rad=0.5, physics=MujocoWorld)
     assert robot.physics.rolls() == pytest.approx([0.0, 0.5, 0.5])
 
 
 def test_the_coefficient_falls_with_the_speed_of_the_slip(place: Place) -> None:
-    robot = place(straight(), at=1.0, friction=(0.08, 0.05), physics=World)
+    robot = place(straight(), at=1.0, friction=(0.08, 0.05), physics=MujocoWorld)
     model = robot.physics.model
     wheels = [model.geom(f"wheel_{i}").id for i in range(6)]
     robot.clamp(1, 2, 3, 4, duty=0.3)
@@ -116,7 +116,7 @@ def test_a_faster_threshold_lets_a_slipping_wheel_keep_its_static_friction(
         friction = Friction(static=0.08, kinetic=0.02, threshold=threshold)
         route = Route(straight(tilt_rad=1.5, uphill_rad=0.0))
         duties = {1: -0.1, 2: 0.1, 3: -0.1, 4: 0.1}
-        robot = World(chain, route, friction, stand(chain, route, 2.0, duties), CYCLE_S)
+        robot = MujocoWorld(chain, route, friction, stand(chain, route, 2.0, duties), CYCLE_S)
         for _ in range(20):
             robot.advance()
         kept[threshold] = float(robot.model.geom_friction[robot.model.geom("wheel_1").id, 0])

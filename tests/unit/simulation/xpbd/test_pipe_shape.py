@@ -13,8 +13,8 @@ from pirate_sm.geometry.network import (
     Elbow,
     Mitre,
     Network,
+    NetworkRun,
     Reducer,
-    Run,
     Straight,
     Tee,
     planar,
@@ -35,9 +35,9 @@ def line(*segments: object, diameter_m: float = 0.12) -> Network:
 
 def tee(branch_m: float = 0.12, roll_rad: float = 0.0) -> Network:
     runs = {
-        "main": Run(0.12, (Straight(0.3),), "entry", "t", "round"),
-        "on": Run(0.12, (Straight(0.3),), "t.on", "cap", "round"),
-        "branch": Run(branch_m, (Straight(0.3),), "t.branch", "exit", "round"),
+        "main": NetworkRun(0.12, (Straight(0.3),), "entry", "t", "round"),
+        "on": NetworkRun(0.12, (Straight(0.3),), "t.on", "cap", "round"),
+        "branch": NetworkRun(branch_m, (Straight(0.3),), "t.branch", "exit", "round"),
     }
     ways = {"in": ("main", "branch")}
     return Network(runs, ways, tees={"t": Tee(roll_rad)}, closed=frozenset({"cap"}))

@@ -16,10 +16,10 @@ from pirate_sm.backends.serial.guardian.guard_actions import (
     ToPort,
     ToRunner,
 )
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.bay.node_handle import NodeHandle
 from pirate_sm.bay.reception import Reception
-from pirate_sm.rosserial.frames import Frame, encode
+from pirate_sm.rosserial.frames import SerialFrame, encode
 
 from ..bench import ARRAY, ECHO, FIRST_PUBLISHER, FIRST_SUBSCRIBER, STATE, WANTED, topic
 
@@ -41,7 +41,7 @@ class Device:
     faults: list[str] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.says: list[tuple[float, Frame]] = []
+        self.says: list[tuple[float, SerialFrame]] = []
         self.start(0.0, configured=True)
 
     def start(self, now: float, *, configured: bool = False) -> None:
@@ -53,7 +53,7 @@ class Device:
         self.reception = Reception()
         self.says.clear()
         if configured:
-            self.node.take(Frame(0, b""), now)
+            self.node.take(SerialFrame(0, b""), now)
 
     def open(self, now: float) -> None:
         if self.resets:
@@ -70,7 +70,7 @@ class Device:
             if frame.topic == FIRST_SUBSCRIBER + self.shift:
                 self.array = frame.payload
                 if self.node.configured:
-                    echo = Frame(FIRST_PUBLISHER + self.shift, frame.payload)
+                    echo = SerialFrame(FIRST_PUBLISHER + self.shift, frame.payload)
                     self.says.append((now + ECHO_S, echo))
 
     def run(self, now: float, before_s: float) -> bytes:
@@ -82,7 +82,7 @@ class Device:
         self.says = [each for each in self.says if each[0] > now]
         due += self.node.tick(now)
         if self.node.configured and int(now / TALK_S) != int(before_s / TALK_S):
-            due.append(Frame(FIRST_PUBLISHER + self.shift + 1, b"state"))
+            due.append(SerialFrame(FIRST_PUBLISHER + self.shift + 1, b"state"))
         return b"".join(encode(*frame) for frame in due)
 
 
@@ -100,13 +100,13 @@ class World:
         self.beat_s = -1.0
         self.overruled = self.asleep = False
         self.do(self.guard.opened(0.0))
-        self.do(self.guard.hear(Note(Kind.WRITE, encode(FIRST_SUBSCRIBER, DRIVE)), 0.0))
+        self.do(self.guard.hear(Note(NoteKind.WRITE, encode(FIRST_SUBSCRIBER, DRIVE)), 0.0))
 
     def do(self, actions: list[Action]) -> None:
         for action in actions:
             if isinstance(action, ToPort) and self.plugged and self.to_device:
                 self.device.receive(action.data, self.now)
-            elif isinstance(action, ToRunner) and action.note.kind == Kind.OVERRULED:
+            elif isinstance(action, ToRunner) and action.note.kind == NoteKind.OVERRULED:
                 self.overruled = True
             elif isinstance(action, Reopen):
                 if self.plugged:
@@ -164,8 +164,8 @@ class World:
                 self.beat_s = self.now
                 if self.overruled:
                     self.overruled = False
-                    self.do(self.guard.hear(Note(Kind.HEED), self.now))
-                beat = Note(Kind.BEAT, encode(FIRST_SUBSCRIBER, SAFE))
+                    self.do(self.guard.hear(Note(NoteKind.HEED), self.now))
+                beat = Note(NoteKind.BEAT, encode(FIRST_SUBSCRIBER, SAFE))
                 self.do(self.guard.hear(beat, self.now))
             if data and self.plugged and self.to_host:
                 self.do(self.guard.receive(data, self.now))

@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.backends.serial.guardian import guarded_port
 from pirate_sm.backends.serial.guardian.guarded_port import GuardedPort
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.backends.serial.guardian.takeover import LeftBehind
 from pirate_sm.backends.serial.ports.protocol import PortLostError
 from pirate_sm.errors import BackendError
@@ -28,7 +28,7 @@ class ScriptedGuardian:
     pid = None
 
     def __init__(self, patience_s: float) -> None:
-        self.says = [Note(Kind.OPENED)]
+        self.says = [Note(NoteKind.OPENED)]
         self.heard: list[Note] = []
 
     def start(self, *arguments: str) -> None: ...
@@ -67,13 +67,13 @@ def test_a_guardian_that_has_acted_is_let_relay_again_once_that_is_known(
     assert not port.overruled()
     assert guardian.heard == []
 
-    guardian.says = [Note(Kind.OVERRULED)]
+    guardian.says = [Note(NoteKind.OVERRULED)]
     port.read(port.now())
 
     assert port.overruled()
-    assert guardian.heard == [Note(Kind.HEED)]
+    assert guardian.heard == [Note(NoteKind.HEED)]
     assert not port.overruled(), "it is told once"
-    assert guardian.heard == [Note(Kind.HEED)]
+    assert guardian.heard == [Note(NoteKind.HEED)]
 
 
 @pytest.mark.parametrize("allowed", [True, False])
@@ -114,7 +114,7 @@ class ObedientGuardian:
 
     def __init__(self) -> None:
         self.now = 100.0
-        self.says: list[list[Note] | None] = [[Note(Kind.OPENED)]]
+        self.says: list[list[Note] | None] = [[Note(NoteKind.OPENED)]]
         self.answers, self.goes = True, True
         self.fails: OSError | None = None
         self.heard: list[Note] = []
@@ -137,8 +137,8 @@ class ObedientGuardian:
         if self.fails is not None:
             raise self.fails
         self.heard.append(note)
-        if note.kind == Kind.BEAT and self.answers:
-            self.says.append([Note(Kind.HEARD)])
+        if note.kind == NoteKind.BEAT and self.answers:
+            self.says.append([Note(NoteKind.HEARD)])
 
     def receive(self, within_s: float) -> list[Note] | None:
         if self.says:
@@ -186,12 +186,12 @@ class TestInVirtualTime:
     def test_a_robot_that_was_left_behind_is_stopped_before_the_port_counts_as_open(
         self, guardian: ObedientGuardian, monkeypatch: pytest.MonkeyPatch
     ) -> None:
-        guardian.says.append([Note(Kind.STOPPED)])
+        guardian.says.append([Note(NoteKind.STOPPED)])
         port = self.port_of(guardian, monkeypatch, LEFT)
 
         port.open()
 
-        assert guardian.heard == [Note(Kind.STOP, b"stop it"), Note(Kind.HEED)]
+        assert guardian.heard == [Note(NoteKind.STOP, b"stop it"), Note(NoteKind.HEED)]
         assert "it is stopped now, as it has confirmed" in port.remark()
         assert port.remark() == ""
 
@@ -205,13 +205,13 @@ class TestInVirtualTime:
             port.open()
 
         assert guardian.now == pytest.approx(100.01 + GUIDE.boot_s + 6.0)
-        assert guardian.heard == [Note(Kind.STOP, b"stop it")]
+        assert guardian.heard == [Note(NoteKind.STOP, b"stop it")]
         assert guardian.done[1:] == ["hang up", "leave"]
 
     @pytest.mark.parametrize(
         ("says", "why", "elapsed_s"),
         [
-            ([[Note(Kind.REFUSED, b"busy")]], "^busy$", 0.01),
+            ([[Note(NoteKind.REFUSED, b"busy")]], "^busy$", 0.01),
             ([], "does not answer", 15.0),
         ],
     )
@@ -230,7 +230,7 @@ class TestInVirtualTime:
             port.open()
 
         assert guardian.now == pytest.approx(100.0 + elapsed_s)
-        assert guardian.heard == [Note(Kind.LEAVE)]
+        assert guardian.heard == [Note(NoteKind.LEAVE)]
         assert port.guardian_pid is None
 
     def test_a_guardian_that_ends_at_once_is_said_not_to_have_started(
@@ -244,7 +244,7 @@ class TestInVirtualTime:
     def test_what_was_received_before_the_port_went_is_read_first_and_never_after_it_is_back(
         self, port: GuardedPort, guardian: ObedientGuardian
     ) -> None:
-        guardian.says = [[Note(Kind.DATA, b"last"), Note(Kind.LOST, b"unplugged")]]
+        guardian.says = [[Note(NoteKind.DATA, b"last"), Note(NoteKind.LOST, b"unplugged")]]
         assert port.read(guardian.now + 1.0) == b"last"
         with pytest.raises(PortLostError, match="unplugged"):
             port.read(guardian.now + 1.0)
@@ -252,18 +252,18 @@ class TestInVirtualTime:
             port.write(b"out")
         assert not port.reopen()
 
-        guardian.says = [[Note(Kind.DATA, b"of before"), Note(Kind.OPENED)]]
+        guardian.says = [[Note(NoteKind.DATA, b"of before"), Note(NoteKind.OPENED)]]
         assert port.reopen()
         assert port.read(guardian.now) == b""
         guardian.heard.clear()
         port.write(b"out")
-        assert guardian.heard == [Note(Kind.WRITE, b"out")]
+        assert guardian.heard == [Note(NoteKind.WRITE, b"out")]
 
     def test_a_guardian_that_has_died_is_replaced_and_told_at_once_how_to_stop_the_robot(
         self, port: GuardedPort, guardian: ObedientGuardian
     ) -> None:
         port.beat(b"safe")
-        guardian.says = [[Note(Kind.DATA, b"old")], None]
+        guardian.says = [[Note(NoteKind.DATA, b"old")], None]
         port.read(guardian.now)
         with pytest.raises(PortLostError, match="has died"):
             port.read(guardian.now)
@@ -273,11 +273,11 @@ class TestInVirtualTime:
         with pytest.raises(PortLostError, match="has died"):
             port.write(b"out")
         guardian.heard.clear()
-        guardian.says = [[Note(Kind.OPENED)]]
+        guardian.says = [[Note(NoteKind.OPENED)]]
 
         assert port.reopen()
 
-        assert guardian.heard == [Note(Kind.BEAT, b"safe")]
+        assert guardian.heard == [Note(NoteKind.BEAT, b"safe")]
         assert guardian.done[1] == ("tty", "57600", GUIDE.to_json())
         port.beat(b"safe")
         assert len(guardian.heard) == 2, "it beats at once"
@@ -295,19 +295,23 @@ class TestInVirtualTime:
             guardian.now += elapsed_s
             port.beat(frame)
 
-        assert guardian.heard == [Note(Kind.BEAT, each) for each in (b"a", b"a", b"b")]
+        assert guardian.heard == [Note(NoteKind.BEAT, each) for each in (b"a", b"a", b"b")]
 
     def test_a_guardian_that_was_overruled_is_sent_a_beat_at_once(
         self, port: GuardedPort, guardian: ObedientGuardian
     ) -> None:
         port.beat(b"a")
-        guardian.says = [[Note(Kind.OVERRULED)]]
+        guardian.says = [[Note(NoteKind.OVERRULED)]]
         port.read(guardian.now)
         assert port.overruled()
 
         port.beat(b"a")
 
-        assert [each.kind for each in guardian.heard] == [Kind.BEAT, Kind.HEED, Kind.BEAT]
+        assert [each.kind for each in guardian.heard] == [
+            NoteKind.BEAT,
+            NoteKind.HEED,
+            NoteKind.BEAT,
+        ]
 
     def test_a_guardian_that_acknowledges_nothing_for_a_second_is_killed(
         self, port: GuardedPort, guardian: ObedientGuardian
@@ -369,7 +373,7 @@ class TestInVirtualTime:
 
         port.close(stopped=bool(safe))
 
-        assert guardian.heard == [Note(Kind.LEAVE)]
+        assert guardian.heard == [Note(NoteKind.LEAVE)]
         assert guardian.done == ["hang up", "kill"]
         assert port.remark() == ""
 
@@ -384,7 +388,7 @@ class TestInVirtualTime:
         port.close()
 
         assert guardian.now < begun_s + 0.1
-        assert guardian.heard == [Note(Kind.BEAT, b"safe")]
+        assert guardian.heard == [Note(NoteKind.BEAT, b"safe")]
         assert guardian.done == ["hang up", "leave"]
         assert "`kill 17` ends it" in port.remark()
 
@@ -399,7 +403,7 @@ class TestInVirtualTime:
         port.close()
 
         assert guardian.now == pytest.approx(begun_s + 1.01)
-        assert guardian.heard == [Note(Kind.BEAT, b"safe")] * 2
+        assert guardian.heard == [Note(NoteKind.BEAT, b"safe")] * 2
         assert guardian.done == ["kill", ("tty", "57600", GUIDE.to_json()), "hang up"]
         assert port.remark() == "", "it has confirmed the stop to its successor"
 

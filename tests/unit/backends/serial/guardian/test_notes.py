@@ -6,13 +6,13 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.backends.serial.guardian.notes import Instructions, Kind, Note, NoteReader
+from pirate_sm.backends.serial.guardian.notes import Instructions, Note, NoteKind, NoteReader
 
 from ..bench import WANTED
 
 
 @given(
-    notes=st.lists(st.builds(Note, st.sampled_from(Kind), st.binary(max_size=50))),
+    notes=st.lists(st.builds(Note, st.sampled_from(NoteKind), st.binary(max_size=50))),
     cut=st.integers(1, 20),
 )
 def test_notes_travel_in_any_pieces(notes: list[Note], cut: int) -> None:
@@ -32,7 +32,7 @@ def test_instructions_come_back_as_they_were_given_but_for_texts_for_people() ->
 
 
 def test_bytes_that_are_no_note_are_refused_with_the_first_of_them() -> None:
-    garbage = b"\xff" * len(Note(Kind.DATA, b"").to_bytes())
+    garbage = b"\xff" * len(Note(NoteKind.DATA, b"").to_bytes())
 
     with pytest.raises(ValueError, match="not a note"):
         NoteReader().feed(garbage)
