@@ -402,6 +402,14 @@ def test_the_second_opinion_is_heard_when_it_begins_to_differ() -> None:
     ]
 
 
+def test_the_second_opinion_is_heard_where_it_differs_from_the_beginning_on() -> None:
+    script = Script(reckons=True)
+    chain = ChainInSpace((), DRAWING, DRAWING)
+    script.reckoned = Reckoned((0.6,) * 6, chain, 0.0, 0, {}, 0.0)
+
+    assert script.shows(1.0, 0.5)[0].startswith("the camera and dead reckoning differ by 100 mm")
+
+
 def test_one_marker_has_no_opinion_of_its_own() -> None:
     placing = OneMarker(load(Order("mitre_bend")).pipe.route(), 2)
     script = Script(reckons=True, placing=placing)
