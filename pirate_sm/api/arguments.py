@@ -7,16 +7,7 @@ from collections.abc import Callable, Iterable, Mapping
 from math import isnan
 from numbers import Integral, Real
 from os import PathLike, fspath
-from typing import (
-    Any,
-    Literal,
-    TypeAlias,
-    Unpack,
-    cast,
-    get_args,
-    get_origin,
-    get_type_hints,
-)
+from typing import Any, Literal, TypeAlias, Unpack, cast, get_args, get_origin, get_type_hints
 
 from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
@@ -96,13 +87,7 @@ def check(
 
 
 def prepared(
-    mission: Mission,
-    backend: str,
-    seed: int,
-    *,
-    check: bool,
-    yes: bool,
-    **options: Unpack[Options],
+    mission: Mission, backend: str, seed: int, *, check: bool, yes: bool, **options: Unpack[Options]
 ) -> Prepared:
     """Return what a run of the mission needs; nothing has moved.
 

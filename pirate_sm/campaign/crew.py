@@ -68,12 +68,7 @@ class DaskCrew:
         work: Runs a chunk on a worker.
     """
 
-    def __init__(
-        self,
-        client: Client,
-        plan: CampaignPlan,
-        work: Work = run_chunk,
-    ) -> None:
+    def __init__(self, client: Client, plan: CampaignPlan, work: Work = run_chunk) -> None:
         self._client = client
         self._plan = plan
         self._work = work

@@ -93,12 +93,7 @@ class NameReader:
         if len(self.problems.errors) > before:
             return None
         return Named(
-            mission,
-            robot,
-            twin,
-            pipes or [(None, None)],
-            detectors or [(None, None)],
-            defects,
+            mission, robot, twin, pipes or [(None, None)], detectors or [(None, None)], defects
         )
 
     def _found(

@@ -53,10 +53,7 @@ def take_over(
 
 
 def _decided(
-    prepared: Prepared,
-    options: RunOptions | ConsoleOptions,
-    asks: bool,
-    check: Callable[[], None],
+    prepared: Prepared, options: RunOptions | ConsoleOptions, asks: bool, check: Callable[[], None]
 ) -> tuple[Prepared, Resuming]:
     stands, agreed = look_at(prepared, check), -1
     while stands.instead:

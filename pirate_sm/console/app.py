@@ -70,7 +70,7 @@ class Console(PanelActions, RobotApp):
     TITLE = "pirate console"
     pages: ClassVar[Sequence[str]] = ("drive", "mission", "body", "log", "motors")
     shown: ClassVar[Set[str]] = RobotApp.shown | {
-        *("pages", "commands", "controls", "why", "link", "question"),
+        *("pages", "commands", "controls", "why", "link", "question")
     }
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding(STOP_KEY, "stop", "STOP", priority=True),

@@ -231,7 +231,7 @@ class HelpDialog(Dialog[None]):
     heading = "Help"
 
     BINDINGS: ClassVar[list[BindingType]] = [
-        Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close"),
+        Binding(f"escape,{both_cases(LEAVE)},question_mark,enter", "dismiss", "Close")
     ]
 
     def __init__(self, lines: Callable[[], Sequence[Content]]) -> None:

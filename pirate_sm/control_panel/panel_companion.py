@@ -18,12 +18,7 @@ from pirate_sm.model.panel import AnswerButton, CommandButton, RunAction, RunBut
 LOOK_EVERY_S = 0.02
 """The longest delay of a press, except for a stop, which needs no companion."""
 
-_EVENTS: dict[RunAction, Event] = {
-    "go": Resume(),
-    "pause": Pause(),
-    "step": Step(),
-    "skip": Skip(),
-}
+_EVENTS: dict[RunAction, Event] = {"go": Resume(), "pause": Pause(), "step": Step(), "skip": Skip()}
 
 
 class PanelCompanion:

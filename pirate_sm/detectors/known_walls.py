@@ -36,10 +36,7 @@ class KnownWalls:
         self._reach_m = reach_m + _MOST_M
 
     def away_m(
-        self,
-        points: Sequence[Vector],
-        laid: Callable[[float], Sequence[Vector]],
-        most_m: float,
+        self, points: Sequence[Vector], laid: Callable[[float], Sequence[Vector]], most_m: float
     ) -> float:
         """Return how far away the nearest place is at which no wheel is in a wall.
 

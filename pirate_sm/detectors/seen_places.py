@@ -94,10 +94,7 @@ class Tags:
         """Return the mean of what the tags of its links show, else what the nearest tag shows."""
         shown = [places[wheel] for link, places in chains if wheel in (link, link + 1)]
         if shown:
-            return (
-                sum(x for x, _ in shown) / len(shown),
-                sum(y for _, y in shown) / len(shown),
-            )
+            return (sum(x for x, _ in shown) / len(shown), sum(y for _, y in shown) / len(shown))
         link, places = min(chains, key=lambda each: abs(each[0] + 0.5 - wheel))
         oldest_s = min(self._seen_s[min(wheel, link) : max(wheel, link)])
         return places[wheel] if captured_s - oldest_s <= BRIDGED_S else _UNKNOWN

@@ -24,8 +24,7 @@ def deadline_s(moment: Moment, state: EngineState) -> float:
     if state.mission.suspended:
         body = body._replace(motion=None)  # its deadline is frozen
     due_s = min(
-        robot_state.next_deadline(moment.robot, body, moment.nominal),
-        next_deadline(moment, state),
+        robot_state.next_deadline(moment.robot, body, moment.nominal), next_deadline(moment, state)
     )
     if state.looking is not None and not state.mission.ending:
         return min(due_s, state.looking.due_s)

@@ -61,10 +61,7 @@ def couples_nm(
 
 
 def normal_forces_n(
-    lengths_m: Sequence[float],
-    masses_kg: Sequence[float],
-    sides: Sequence[int],
-    loads: ChainLoads,
+    lengths_m: Sequence[float], masses_kg: Sequence[float], sides: Sequence[int], loads: ChainLoads
 ) -> list[float]:
     """Return the normal force of each wheel, N; NaN for all where something is unknown.
 

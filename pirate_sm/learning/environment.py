@@ -37,11 +37,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
     metadata: dict[str, Any] = {"render_modes": []}  # noqa: RUF012  # typed so by Gymnasium
 
     def __init__(
-        self,
-        *,
-        reward: str | Reward = "reach",
-        render_mode: str | None = None,
-        **options: Any,
+        self, *, reward: str | Reward = "reach", render_mode: str | None = None, **options: Any
     ) -> None:
         self.render_mode = render_mode
         self._scenario = scenario_of(options)

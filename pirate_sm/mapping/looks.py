@@ -115,13 +115,7 @@ class _Listener:
     def _sense(self, frame: SensorFrame, now_s: float) -> None:
         body = self._state.robot
         sensing, _ = observe(
-            self._robot,
-            self._state.sensing,
-            frame,
-            body.values,
-            body.latest,
-            now_s,
-            sent=body.sent,
+            self._robot, self._state.sensing, frame, body.values, body.latest, now_s, sent=body.sent
         )
         sensing = forget_stale(self._robot, sensing, now_s)
         self._state = self._state._replace(sensing=sensing)

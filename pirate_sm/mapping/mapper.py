@@ -328,8 +328,7 @@ class Mapper:
         """
         then = look if look.driven else self._before(look, WINDOW_S / 4)
         for part, spot in sorted(
-            self._spots.items(),
-            key=lambda each: told.wheel not in self._body.wheels_of(each[0]),
+            self._spots.items(), key=lambda each: told.wheel not in self._body.wheels_of(each[0])
         ):
             frame = self._shape.frame(then, part, spot)
             if spot.leg in legs and frame is not None:

@@ -5,13 +5,7 @@ from __future__ import annotations
 import re
 from typing import Annotated, Any, Literal, NamedTuple, TypeAlias
 
-from pydantic import (
-    BeforeValidator,
-    Field,
-    GetJsonSchemaHandler,
-    PlainSerializer,
-    model_validator,
-)
+from pydantic import BeforeValidator, Field, GetJsonSchemaHandler, PlainSerializer, model_validator
 from pydantic.json_schema import JsonSchemaValue
 from pydantic_core import CoreSchema
 
@@ -140,10 +134,7 @@ class _WrittenSetpoint:
                     **written_ratio({}),
                     "description": "A duty cycle such as '60 %', of the full voltage.",
                 },
-                {
-                    **written(ANGLE, {}),
-                    "description": "An angle such as '-45 deg' to come to.",
-                },
+                {**written(ANGLE, {}), "description": "An angle such as '-45 deg' to come to."},
                 {
                     "type": "string",
                     "pattern": _SHARE,
@@ -182,12 +173,7 @@ class _WrittenSetpoint:
         }
 
 
-SlotSetpoint = Annotated[
-    Any,
-    BeforeValidator(_read),
-    PlainSerializer(_write),
-    _WrittenSetpoint(),
-]
+SlotSetpoint = Annotated[Any, BeforeValidator(_read), PlainSerializer(_write), _WrittenSetpoint()]
 
 Stage: TypeAlias = dict[Name, SlotSetpoint]
 

@@ -50,9 +50,7 @@ def by_key(
         return next((key for key in keys if _has(value, key)), None)
 
     return Discriminator(
-        kind_of,
-        custom_error_type=custom_error_type,
-        custom_error_message=custom_error_message,
+        kind_of, custom_error_type=custom_error_type, custom_error_message=custom_error_message
     )
 
 

@@ -174,6 +174,5 @@ class Below(Frozen):
 
 
 Criterion: TypeAlias = Annotated[
-    Accepted | Stalled | Reached | Turning | Stopped | Aligned | Below,
-    Field(discriminator="kind"),
+    Accepted | Stalled | Reached | Turning | Stopped | Aligned | Below, Field(discriminator="kind")
 ]

@@ -26,13 +26,7 @@ from pirate_sm.model.base import (
 from pirate_sm.model.parameters import ParameterDefinition, ParameterValue
 from pirate_sm.model.pipe import Pipe
 from pirate_sm.model.quantities import CountOrParameter, DurationOrParameter, key_fault
-from pirate_sm.model.triggers import (
-    ConditionTrigger,
-    OperatorTrigger,
-    TimeTrigger,
-    Trigger,
-    Within,
-)
+from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger, Within
 
 _L = TypeVar("_L", ConditionTrigger, TimeTrigger, OperatorTrigger, Within)
 _W = TypeVar("_W", "WaitStep", "Phase")

@@ -12,28 +12,14 @@ from pydantic import Field, model_validator
 
 from pirate_sm.geometry.joints import JointOrEnd
 from pirate_sm.model.actuation import PostureCase, Stages
-from pirate_sm.model.base import (
-    OR_ONE,
-    Condition,
-    FaultCode,
-    Format,
-    Frozen,
-    Name,
-)
+from pirate_sm.model.base import OR_ONE, Condition, FaultCode, Format, Frozen, Name
 from pirate_sm.model.body import Body
 from pirate_sm.model.control import Control
 from pirate_sm.model.criteria import Criterion
 from pirate_sm.model.derived import Conversion, Derived, DiameterOf
 from pirate_sm.model.motor import Motor
 from pirate_sm.model.plausibility import Plausibility
-from pirate_sm.model.quantities import (
-    Angle,
-    Count,
-    Duration,
-    Flag,
-    Length,
-    Ratio,
-)
+from pirate_sm.model.quantities import Angle, Count, Duration, Flag, Length, Ratio
 from pirate_sm.model.safety import SafetyRule
 from pirate_sm.model.seen import Seen
 from pirate_sm.model.serial_link import Serial

@@ -237,10 +237,7 @@ def _of(dimension: Dimension) -> tuple[BeforeValidator, _Written]:
 
 _ANY_SCHEMA = WithJsonSchema(
     {
-        "anyOf": [
-            {"type": "number"},
-            patterns.written_quantity(),
-        ],
+        "anyOf": [{"type": "number"}, patterns.written_quantity()],
         "description": "A number, or a quantity such as '120 mm'.",
         "examples": ["120 mm", 0.6],
     }

@@ -14,14 +14,7 @@ from os import PathLike
 from typing import Any, Literal, NamedTuple, TypedDict, get_args, get_origin, get_type_hints
 
 from pirate_sm.model.fidelity import USUAL, Fidelity
-from pirate_sm.units import (
-    DIMENSIONLESS,
-    LENGTH,
-    TIME,
-    Dimension,
-    format_quantity,
-    read_quantity,
-)
+from pirate_sm.units import DIMENSIONLESS, LENGTH, TIME, Dimension, format_quantity, read_quantity
 
 
 class Options(TypedDict, total=False):

@@ -23,10 +23,7 @@ _FLATTER = 0.5
 
 
 def space_scene(
-    points: Sequence[Sequence[Place]],
-    spaces: Sequence[InSpace],
-    profile: Profile,
-    route: Route,
+    points: Sequence[Sequence[Place]], spaces: Sequence[InSpace], profile: Profile, route: Route
 ) -> SpaceScene:
     """Return the scene.
 

@@ -35,13 +35,7 @@ from pirate_sm.showing.text_styles import (
     line,
 )
 
-TOPICS = {
-    "fault": BAD,
-    "error": BAD,
-    "warning": WARN,
-    "detected": GOOD,
-    "ended": STRONG,
-}
+TOPICS = {"fault": BAD, "error": BAD, "warning": WARN, "detected": GOOD, "ended": STRONG}
 
 OUTCOME = {"succeeded": GOOD, "interrupted": WARN}
 """Styles of how a run has ended; any other end is bad."""

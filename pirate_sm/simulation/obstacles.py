@@ -148,7 +148,7 @@ class Obstacles:
                     self._standing = Obstacle(stop)
                     return BuiltInFault.PIPE_IMPASSABLE.report(
                         f"bend {number} lies {math.degrees(abs(off)):.0f} deg out of the plane of"
-                        f" wheel {near[0] + 1}; align the part with the bend first",
+                        f" wheel {near[0] + 1}; align the part with the bend first"
                     )
         return None
 

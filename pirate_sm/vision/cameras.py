@@ -19,10 +19,7 @@ from pirate_sm.vision.synthetic.shown_scene import ShownScene
 
 
 def open_sightings(
-    camera: Camera,
-    folder: Path,
-    scene: Callable[[], ShownScene] | None = None,
-    seed: int = 0,
+    camera: Camera, folder: Path, scene: Callable[[], ShownScene] | None = None, seed: int = 0
 ) -> SightingSource:
     """Return the sightings of a camera; it is open and has given a picture.
 

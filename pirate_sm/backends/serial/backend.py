@@ -55,12 +55,7 @@ class SerialBackend:
     real_time = True
 
     def __init__(
-        self,
-        plan: LinkPlan,
-        port: Port,
-        *,
-        baud: int | None = None,
-        tended: bool = False,
+        self, plan: LinkPlan, port: Port, *, baud: int | None = None, tended: bool = False
     ) -> None:
         self.plan = plan
         self.port = port

@@ -8,14 +8,7 @@ from typing import TypeAlias
 
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
 from pirate_sm.expressions import Vocabulary
-from pirate_sm.model.effects import (
-    CommandStatus,
-    Effect,
-    Ended,
-    Fault,
-    PhaseChange,
-    TriggerFired,
-)
+from pirate_sm.model.effects import CommandStatus, Effect, Ended, Fault, PhaseChange, TriggerFired
 from pirate_sm.units import format_quantity
 
 Written: TypeAlias = Callable[[str, str], str]

@@ -176,10 +176,7 @@ def _driving(robot: RobotSpec) -> frozenset[int]:
 
 
 def _drives_on(
-    found: Exploration,
-    fault: ExploredStep,
-    phase: str,
-    after: Mapping[int, Sequence[int]],
+    found: Exploration, fault: ExploredStep, phase: str, after: Mapping[int, Sequence[int]]
 ) -> bool:
     """Return whether after a fault nothing but driving comes before the next wait, on every way."""
     was = found.nodes[fault.source].state.robot

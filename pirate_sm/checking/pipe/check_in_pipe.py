@@ -10,10 +10,7 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.bend_planes import bends_in_the_plane
 from pirate_sm.checking.pipe.bend_sides import bends_to_the_inner_wall
 from pirate_sm.checking.pipe.clamp_hold import clamps_bear_the_weight
-from pirate_sm.checking.pipe.on_the_route import (
-    takes_bends_that_are_there,
-    turns_where_it_can,
-)
+from pirate_sm.checking.pipe.on_the_route import takes_bends_that_are_there, turns_where_it_can
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.room import holds_behind_the_bend, starts_clear_of_bends

@@ -140,12 +140,7 @@ class RobotView:
 
 
 def _written(
-    robot: RobotSpec,
-    at: Path,
-    region: int,
-    state: str,
-    stages: tuple[StageSpec, ...],
-    control: int,
+    robot: RobotSpec, at: Path, region: int, state: str, stages: tuple[StageSpec, ...], control: int
 ) -> Iterator[StateWrite]:
     """Yield what the stages of one state write; ``at`` is the path of the state."""
     for number, stage in enumerate(stages):

@@ -11,12 +11,7 @@ from pirate_sm import __version__
 from pirate_sm.campaign.store import RECORDINGS, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
-from pirate_sm.cli.output.files import (
-    HEAD,
-    begins,
-    is_recording,
-    write_file,
-)
+from pirate_sm.cli.output.files import HEAD, begins, is_recording, write_file
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.errors import RecordingError, UsageError
 from pirate_sm.on_disk import is_folder, why_hidden

@@ -125,12 +125,7 @@ class ResumeDialog:
     """
 
     def __init__(
-        self,
-        prepared: Prepared,
-        end: EndOfRun,
-        said: Said,
-        wishes: _Wishes,
-        requests: StopRequests,
+        self, prepared: Prepared, end: EndOfRun, said: Said, wishes: _Wishes, requests: StopRequests
     ) -> None:
         self.code = CANNOT
         self.prepared = prepared

@@ -10,13 +10,7 @@ from typing import TYPE_CHECKING, Any
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
-from pirate_sm.cli.options.of_runs import (
-    ahead_of,
-    of_all_runs,
-    read_choices,
-    read_fire,
-    values_of,
-)
+from pirate_sm.cli.options.of_runs import ahead_of, of_all_runs, read_choices, read_fire, values_of
 from pirate_sm.palette import USUAL as USUAL_THEME
 from pirate_sm.palette import Theme
 
@@ -31,8 +25,7 @@ class _RobotRunOptions:
     mission: str | None = None
     written: Mapping[str, Any] = of_all_runs(jitter=False)
     adopt: bool = ahead_of(
-        "ruler",
-        flag("Adopt a robot that is clamped already, as its sensors show it.", "--adopt"),
+        "ruler", flag("Adopt a robot that is clamped already, as its sensors show it.", "--adopt")
     )
     no_record: bool = ahead_of("jitter", flag("Record nothing.", "--no-record"))
     live: bool = ahead_of(

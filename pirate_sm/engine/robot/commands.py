@@ -261,11 +261,7 @@ def deny(moment: Moment, state: RobotState, parts: frozenset[int], why: int = DE
 
 
 def _reach(
-    moment: Moment,
-    state: RobotState,
-    motion: Motion,
-    sensing: Sensing,
-    denied: Mapping[int, str],
+    moment: Moment, state: RobotState, motion: Motion, sensing: Sensing, denied: Mapping[int, str]
 ) -> tuple[RobotState, Finished | None]:
     """Check the criterion of the stage in force and the deadline; run the position loops."""
     state, free = followed(moment.robot, state, motion, sensing), state.awaited is None

@@ -7,14 +7,7 @@ from math import isfinite, isnan, nan
 
 from pirate_sm.engine.control.loops import Loops, signal_of
 from pirate_sm.engine.moment import Moment
-from pirate_sm.engine.robot.done import (
-    Bound,
-    Limit,
-    must_hold_s,
-    near,
-    not_done,
-    unmet_limits,
-)
+from pirate_sm.engine.robot.done import Bound, Limit, must_hold_s, near, not_done, unmet_limits
 from pirate_sm.engine.robot.robot_spec import RobotSpec
 from pirate_sm.engine.robot.robot_state import (
     POSTURE,

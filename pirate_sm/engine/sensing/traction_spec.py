@@ -47,13 +47,7 @@ class WheelTraction(NamedTuple):
     @property
     def targets(self) -> tuple[int, ...]:
         """Return the number indexes of the wheel's signals."""
-        every = (
-            self.slip_speed,
-            self.slip,
-            self.normal_force,
-            self.friction,
-            self.friction_used,
-        )
+        every = (self.slip_speed, self.slip, self.normal_force, self.friction, self.friction_used)
         return tuple(index for index in every if index >= 0)
 
 

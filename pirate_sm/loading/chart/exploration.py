@@ -31,10 +31,7 @@ Watch: TypeAlias = Callable[[float], None]
 
 
 def compile_chart(
-    document: Document,
-    outline: ChartOutline,
-    problems: Problems,
-    watch: Watch = lambda share: None,
+    document: Document, outline: ChartOutline, problems: Problems, watch: Watch = lambda share: None
 ) -> ChartTable:
     """Return the table of every reachable configuration and every command in it.
 
@@ -104,11 +101,7 @@ def _state(node: StateNode, outline: ChartOutline) -> dict[str, Any]:
         for move in node.moves
     ]
     inner = {each.name: _state(each, outline) for each in node.inner}
-    return {
-        "initial": node.initial,
-        "transitions": moves,
-        **({"states": inner} if inner else {}),
-    }
+    return {"initial": node.initial, "transitions": moves, **({"states": inner} if inner else {})}
 
 
 def _event(number: int) -> str:

@@ -21,10 +21,7 @@ from pirate_sm.on_disk import replace_file
 
 
 def cached_table(
-    document: Document,
-    outline: ChartOutline,
-    problems: Problems,
-    watch: Watch = lambda share: None,
+    document: Document, outline: ChartOutline, problems: Problems, watch: Watch = lambda share: None
 ) -> ChartTable:
     """Return the chart's table, from the cache or from a new exploration.
 

@@ -117,11 +117,7 @@ class _PhaseWriter:
         self.compiler.assembly.emit(kind, scope.full_phase, self.handlers, turn=turn, **fields)
 
     def _wait(
-        self,
-        it: model.Phase | model.WaitStep,
-        path: Path,
-        after: Label | None,
-        failed: Label | int,
+        self, it: model.Phase | model.WaitStep, path: Path, after: Label | None, failed: Label | int
     ) -> None:
         self._emit(out.Wait, **wait_fields(self.scope, it, path, after, failed))
 

@@ -215,9 +215,7 @@ def check_levelled(
 
 
 def _levelled(
-    table: ChartTable,
-    actuation: Sequence[Mapping[str, tuple[StageSpec, ...]]],
-    command: int,
+    table: ChartTable, actuation: Sequence[Mapping[str, tuple[StageSpec, ...]]], command: int
 ) -> Iterator[int]:
     """Yield the slots that are levelled in the states that the command enters."""
     for here, states in enumerate(table.configurations):

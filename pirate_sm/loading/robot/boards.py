@@ -86,15 +86,7 @@ def _board(signals: Signals, number: int, board: model.Board, position: int) -> 
             ):
                 pass  # made of all wheels, see also `traction_signals`
     wheels = tuple(w for w in signals.wheels if names[w.angle] in told)
-    return BoardSpec(
-        board.id,
-        board.module,
-        position,
-        channels,
-        tuple(computed),
-        wheels,
-        (),
-    )
+    return BoardSpec(board.id, board.module, position, channels, tuple(computed), wheels, ())
 
 
 def _scale(signals: Signals, channel: model.Channel) -> float:

@@ -205,13 +205,7 @@ def _check_defect(profile: model.Profile, defect: Defect, path: Path, problems: 
 
 
 def _must_be(
-    name: str,
-    valid: Iterable[str],
-    kind: str,
-    path: Path,
-    problems: Problems,
-    *,
-    key: bool = False,
+    name: str, valid: Iterable[str], kind: str, path: Path, problems: Problems, *, key: bool = False
 ) -> None:
     names = list(valid)
     if len(set(names)) < len(names):

@@ -224,9 +224,7 @@ def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
 
 
 def resolve_criterion(  # noqa: C901 - one case per kind
-    done: criteria.Criterion,
-    signals: Signals,
-    path: Path,
+    done: criteria.Criterion, signals: Signals, path: Path
 ) -> CriterionSpec:
     """Return the criterion with all names resolved to indexes."""
     wheels = signals.wheels

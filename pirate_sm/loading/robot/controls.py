@@ -65,11 +65,7 @@ def resolve_controls(
 
 
 def _base(
-    name: str,
-    control: Control,
-    found: dict[str, Actuation],
-    usual: Actuation,
-    problems: Problems,
+    name: str, control: Control, found: dict[str, Actuation], usual: Actuation, problems: Problems
 ) -> Actuation:
     """Return the actuation that the control changes; its base stands before it in the file."""
     if control.extends is None:

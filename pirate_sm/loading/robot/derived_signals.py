@@ -90,10 +90,7 @@ def _valid_sources(
 
 
 def _dimension(  # noqa: C901 - one case for each kind
-    signals: Signals,
-    derived: kinds.Derived,
-    types: Mapping[str, NumberType | EnumType],
-    path: Path,
+    signals: Signals, derived: kinds.Derived, types: Mapping[str, NumberType | EnumType], path: Path
 ) -> Dimension:
     def of(name: str) -> Dimension:
         kind = types.get(name)

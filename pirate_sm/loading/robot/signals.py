@@ -125,12 +125,7 @@ def _no_scale(value: float | None) -> str:
 
 
 def check_name(
-    name: str,
-    kind: NumberType | EnumType,
-    path: Path,
-    problems: Problems,
-    *,
-    key: bool = False,
+    name: str, kind: NumberType | EnumType, path: Path, problems: Problems, *, key: bool = False
 ) -> None:
     """Report a name that conditions cannot use."""
     try:

@@ -28,10 +28,7 @@ Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
 
 
 def resolve_sight(
-    table: ChartTable,
-    slots: tuple[SlotSpec, ...],
-    actuation: Actuation,
-    signals: Signals,
+    table: ChartTable, slots: tuple[SlotSpec, ...], actuation: Actuation, signals: Signals
 ) -> Sight:
     """Return the criteria that confirm or contradict each state and part; report their faults."""
     profile, problems = signals.profile, signals.problems

@@ -34,11 +34,7 @@ class _Stretch(NamedTuple):
 
 
 def replay_shared(
-    recording: Recording,
-    processes: int,
-    *,
-    after: Checkpoint | None = None,
-    until_s: float = inf,
+    recording: Recording, processes: int, *, after: Checkpoint | None = None, until_s: float = inf
 ) -> Replayed:
     """Replay the recording as :func:`replay` does, in several processes.
 

@@ -76,10 +76,7 @@ def lichtblick_layout(loaded: LoadedMission) -> str:
     body = loaded.loaded_robot.profile.body
     panels: dict[str, Mapping[str, Any]] = {
         _SCENE: _scene(sum(link.length for link in body.links), body.links[0].module),
-        _STATES: {
-            "isSynced": True,
-            "paths": [_path("/state", name) for name in words],
-        },
+        _STATES: {"isSynced": True, "paths": [_path("/state", name) for name in words]},
         _LOG: {"topicToRender": "/log", "searchTerms": [], "minLogLevel": 1},
         **{name: _plot(plot) for name, plot in plots.items()},
     }

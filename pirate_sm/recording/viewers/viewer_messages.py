@@ -29,14 +29,7 @@ from pirate_sm.recording.viewers.camera_messages import CameraMessages
 from pirate_sm.recording.viewers.foxglove_scene import scene_message
 from pirate_sm.recording.viewers.transforms import Transforms
 from pirate_sm.recording.viewers.transforms_in_space import SpaceTransforms
-from pirate_sm.recording.viewers.viewer_channel import (
-    NUMBER,
-    WORD,
-    Message,
-    flat,
-    foxglove,
-    stamp,
-)
+from pirate_sm.recording.viewers.viewer_channel import NUMBER, WORD, Message, flat, foxglove, stamp
 from pirate_sm.recording.viewers.wheel_places import WheelPlacing
 
 LEVELS: dict[Level, int] = {"info": 2, "warning": 3, "error": 4}
@@ -146,11 +139,7 @@ class ViewerMessages:
             yield self._states, _json(self._state)
 
     def _frames(
-        self,
-        now: str,
-        points: Sequence[Place],
-        space: InSpace | None,
-        numbers: Mapping[str, float],
+        self, now: str, points: Sequence[Place], space: InSpace | None, numbers: Mapping[str, float]
     ) -> bytes:
         """Return the message with the frames of all parts."""
         if self._in_space is None or space is None:

@@ -127,9 +127,7 @@ class Pieces:
         self._index = b""
         # Only a cut ends a chunk.
         self._writer = Writer(
-            self._gathered,
-            chunk_size=sys.maxsize,
-            compression=CompressionType.ZSTD,
+            self._gathered, chunk_size=sys.maxsize, compression=CompressionType.ZSTD
         )
         self._writer.start(PROFILE, f"pirate_sm {__version__} mcap {mcap.__version__}")
 

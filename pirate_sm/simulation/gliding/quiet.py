@@ -21,12 +21,7 @@ _IN_TIME = 1.5
 
 @compiled
 def holds_as_before(
-    position: int,
-    conditions: Ints,
-    code: Floats,
-    numbers: Floats,
-    origin: Floats,
-    stack: Floats,
+    position: int, conditions: Ints, code: Floats, numbers: Floats, origin: Floats, stack: Floats
 ) -> bool:
     """Return whether every condition of a board is as it was."""
     for k in range(conditions.shape[0]):

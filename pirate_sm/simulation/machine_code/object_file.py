@@ -37,12 +37,7 @@ from pirate_sm.simulation.machine_code.entry_points import (
 )
 from pirate_sm.simulation.machine_code.sources import digest
 
-_NUMBERS = {
-    "float": types.float64,
-    "int": types.int64,
-    "bool": types.boolean,
-    "None": types.none,
-}
+_NUMBERS = {"float": types.float64, "int": types.int64, "bool": types.boolean, "None": types.none}
 
 
 def write_object_file(into: Path) -> None:

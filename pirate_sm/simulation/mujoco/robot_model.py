@@ -103,12 +103,7 @@ def _add_roll_joint(body: Element, actuators: Element, chain: ChainBody, link: L
 
 
 def _add_next(
-    body: Element,
-    actuators: Element,
-    chain: ChainBody,
-    pose: StartPose,
-    wheel: int,
-    along_m: float,
+    body: Element, actuators: Element, chain: ChainBody, pose: StartPose, wheel: int, along_m: float
 ) -> Element:
     """Add the body of the link behind a wheel, with the joint there, and return it."""
     joint = chain.joints.get(wheel)

@@ -61,8 +61,7 @@ def open_window(world: MujocoWorld) -> Any:
         os.environ.get("DISPLAY") or os.environ.get("WAYLAND_DISPLAY")
     ):
         raise UsageError(
-            "there is no display here for MuJoCo's viewer (DISPLAY is not set)",
-            hint=_WITHOUT,
+            "there is no display here for MuJoCo's viewer (DISPLAY is not set)", hint=_WITHOUT
         )
     try:
         return mujoco.viewer.launch_passive(

@@ -47,11 +47,7 @@ class SyntheticPictures:
     looks: SyntheticView
 
     def picture(
-        self,
-        scene: ShownScene,
-        number: int,
-        before: ShownScene | None = None,
-        seed: int = 0,
+        self, scene: ShownScene, number: int, before: ShownScene | None = None, seed: int = 0
     ) -> Frame:
         """Return a picture; the same arguments give the same picture.
 
