@@ -94,7 +94,7 @@ test-pty: $(VENV)/.ready-dev
 	$(BIN)/python -m pytest -m slow tests/conformance tests/test_how_to.py tests/console/test_ten_tasks.py
 
 test-cluster: $(VENV)/.ready-dev
-	$(BIN)/python -m pytest -m slow tests/unit/campaign
+	$(BIN)/python -m pytest -m slow tests/unit/lab/campaign
 
 test-built: $(VENV)/.ready-dev $(PINS)
 	$(PINNED) $(BIN)/python -m pytest -m slow tests/unit/simulation/machine_code tests/installation
@@ -114,7 +114,7 @@ format: $(VENV)/.ready-dev
 
 golden: $(VENV)/.ready-dev
 	GOLDEN=write $(BIN)/python -m pytest --quiet -m "not slow and not browser" tests/golden
-	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/showing
+	GOLDEN=write $(BIN)/python -m pytest --quiet -k documents tests/console tests/unit/cli tests/unit/views/showing
 	GOLDEN=write $(BIN)/python -m pytest --quiet -k draws tests/test_tutorial.py
 
 docs: $(VENV)/.ready-docs
@@ -160,7 +160,7 @@ twin: $(VENV)/.ready-sim
 
 learning: $(VENV)/.ready-learning
 	$(BIN)/python -m benchmarks.learning
-	$(BIN)/python -m pytest -m slow tests/unit/learning
+	$(BIN)/python -m pytest -m slow tests/unit/lab/learning
 
 physics: $(VENV)/.ready-physics
 	$(BIN)/python -m benchmarks.physics

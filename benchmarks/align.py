@@ -28,7 +28,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from pirate_sm.companion import entered
+from pirate_sm.core.companion import entered
 
 WITHIN_DEG = 3.0
 """The bar: how far a levelled plane may be off."""
@@ -154,9 +154,9 @@ def _run(
     mission: str, pipe: str | None, backend: str, seed: int
 ) -> tuple[str, tuple[float, ...], float]:
     """Return why a mission failed, else "", the true rolls in degrees, and how long it took."""
-    from pirate_sm.runtime.first_choice import FirstChoice
-    from pirate_sm.runtime.loop import MissionRun
-    from pirate_sm.wiring import Order, load, prepare
+    from pirate_sm.running.runtime.first_choice import FirstChoice
+    from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.wiring import Order, load, prepare
 
     wishes = Order(mission, backend, pipe=pipe, seed=seed)
     ready = prepare(wishes, load(wishes))

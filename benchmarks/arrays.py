@@ -12,18 +12,18 @@ from itertools import pairwise
 from pathlib import Path
 from random import Random
 
-from pirate_sm.backends.serial.assembly import read_plan
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.model.events import SubmitResult
-from pirate_sm.rosserial.frames import encode
-from pirate_sm.wiring.sim import start_values
+from pirate_sm.core.events import SubmitResult
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.robot.backends.serial.assembly import read_plan
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
+from pirate_sm.robot.rosserial.frames import encode
+from pirate_sm.running.wiring.sim import start_values
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 LOSS, CORRUPTION = 0.20, 0.01
 MISSION = "mitre_bend"

@@ -26,16 +26,16 @@ from typing import NamedTuple
 import numpy as np
 
 from benchmarks import gliding
-from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.companion import entered
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.fidelity import Fidelity
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.core.companion import entered
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.options import Fidelity
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, load, prepare
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.backend import SimulatorBackend
 from pirate_sm.simulation.batch import Batch
 from pirate_sm.simulation.crew import Crew
-from pirate_sm.wiring import Order, load, prepare
 
 MISSIONS = ("mitre_bend", "take_elbow", "house_connection")
 FIDELITIES: tuple[Fidelity, ...] = ("usual", "fast")

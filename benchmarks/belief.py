@@ -36,17 +36,16 @@ from time import perf_counter
 from typing import NamedTuple, cast
 
 from benchmarks.belief_cases import WAYS, Case, case_of
-from pirate_sm.campaign.plan import command_of
-from pirate_sm.campaign.verdict import judge
-from pirate_sm.campaign.watched_run import Outcome, finished
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.state import EngineState
-from pirate_sm.errors import PirateError
-from pirate_sm.model.campaign import TrueEnd
-from pirate_sm.model.effects import Effect, Log, Setpoints
-from pirate_sm.model.events import Event
+from pirate_sm.core.campaign import TrueEnd
+from pirate_sm.core.effects import Effect, Log, Setpoints
+from pirate_sm.core.engine import Engine, EngineState
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.events import Event
+from pirate_sm.lab.campaign.plan import command_of
+from pirate_sm.lab.campaign.verdict import judge
+from pirate_sm.lab.campaign.watched_run import Outcome, finished
+from pirate_sm.running.wiring import Prepared, load, prepare
 from pirate_sm.simulation.full_truth import FullTruth
-from pirate_sm.wiring import Prepared, load, prepare
 
 NEAR_M, PAST_M = 0.020, 0.030
 """How far a claim may be from the truth without a bound; how far beyond the middle of a bend every

@@ -12,10 +12,10 @@ from typing import Any, NamedTuple
 
 import yaml
 
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.units import LENGTH, read_quantity
-from pirate_sm.wiring import Order
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.units import LENGTH, read_quantity
+from pirate_sm.running.wiring import Order
 
 LEAST_FRICTION, MOST_FRICTION, GOOD_FRICTION = 0.05, 0.9, 0.3
 _BORES_MM = (120, 118, 115, 112, 110)

@@ -26,12 +26,12 @@ from benchmarks.campaign import run
 from benchmarks.console import measure_console
 from benchmarks.recording import measure_commands, measure_recording, measure_short
 from benchmarks.used import used_by
-from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedRobot, load_robot
+from pirate_sm.core.robot import ChartTable
+from pirate_sm.running.wiring import Order
 from pirate_sm.simulation.machine_code.built_library import find_library
 from pirate_sm.simulation.machine_code.sources import PACKAGE
-from pirate_sm.wiring import Order
 
 BEND, IN_SPACE = "mitre_bend", ("take_elbow", "take_branch", "house_connection")
 COMMANDS = 20_000

@@ -21,11 +21,11 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 from benchmarks.campaign import Outcome, run_all
-from pirate_sm.campaign.verdict import SHORT_M
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.profile import Profile
-from pirate_sm.wiring import Order
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.profile import Profile
+from pirate_sm.lab.campaign.verdict import SHORT_M
+from pirate_sm.running.wiring import Order
 
 LIGHTS = {
     "neutral": "{}",

@@ -12,9 +12,9 @@ from functools import cache
 from multiprocessing import get_context
 from os import cpu_count
 
-from pirate_sm.campaign.watched_run import Outcome, watched_run
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.wiring import Order, load
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.lab.campaign.watched_run import Outcome, watched_run
+from pirate_sm.running.wiring import Order, load
 
 
 def options_of_rows(

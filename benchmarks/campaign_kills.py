@@ -29,8 +29,8 @@ from tempfile import TemporaryDirectory
 from time import perf_counter
 
 from benchmarks.dask_cluster import Cluster, Relay, kill
-from pirate_sm.campaign.chunk import RunRow
-from pirate_sm.campaign.store import Store
+from pirate_sm.lab.campaign.chunk import RunRow
+from pirate_sm.lab.campaign.store import Store
 
 CAMPAIGN = """\
 format: 1

@@ -36,13 +36,13 @@ from typing import NamedTuple
 from distributed import Client
 
 from benchmarks.dask_cluster import Cluster
-from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.chunk import Chunk, RunRow, Sent
-from pirate_sm.campaign.conductor import Conductor
-from pirate_sm.campaign.crew import connected
-from pirate_sm.campaign.plan import CampaignPlan, mark_of
-from pirate_sm.campaign.results import as_text, result_of
-from pirate_sm.campaign.store import Store
+from pirate_sm.lab.campaign.campaign_file import read_campaign
+from pirate_sm.lab.campaign.chunk import Chunk, RunRow, Sent
+from pirate_sm.lab.campaign.conductor import Conductor
+from pirate_sm.lab.campaign.crew import connected
+from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of
+from pirate_sm.lab.campaign.results import as_text, result_of
+from pirate_sm.lab.campaign.store import Store
 
 BEND = Path(__file__).parents[1] / "campaigns" / "bend.yaml"
 TWICE, CLIENT_S, GAINED_MB, BENDS_S = 1.8, 0.002, 8.0, 900.0

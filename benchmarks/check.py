@@ -13,8 +13,8 @@ from tempfile import TemporaryDirectory
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.check_mission import check_loaded
 from pirate_sm.checking.mission.explore_mission import conditions_of
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedMission, load_mission
 
 RUNS = 5
 PHASES = (300, 1_000, 3_000)

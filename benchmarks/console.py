@@ -25,13 +25,13 @@ from typing import Any
 from textual.events import Key
 
 from pirate_sm.cli.commands.console import SWITCH_EVERY_S
-from pirate_sm.console.app import Console
-from pirate_sm.console.check_process import CheckProcess
-from pirate_sm.console.session import OperatorSession
-from pirate_sm.console.terminal_driver import StopDriver
-from pirate_sm.console.widgets import PipePicture
-from pirate_sm.model.events import OperatorCommand
-from pirate_sm.wiring import Order, load, prepare
+from pirate_sm.core.events import OperatorCommand
+from pirate_sm.running.wiring import Order, load, prepare
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.check_process import CheckProcess
+from pirate_sm.views.console.session import OperatorSession
+from pirate_sm.views.console.terminal_driver import StopDriver
+from pirate_sm.views.console.widgets import PipePicture
 
 SIZE = (160, 48)
 WATCHED_S = 10.0

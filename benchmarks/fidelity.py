@@ -25,16 +25,16 @@ from time import process_time
 from typing import NamedTuple
 
 from benchmarks.campaign import Outcome, options_of_rows, run_all
-from pirate_sm.geometry.network import Section, Straight, planar
-from pirate_sm.geometry.route import Route
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.fidelity import USUAL, Fidelity
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core._geometry.network import Straight, planar
+from pirate_sm.core.files import library
+from pirate_sm.core.geometry import Route, Section
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.options import USUAL, Fidelity
+from pirate_sm.core.simulation import Friction
+from pirate_sm.running.wiring import Order
 from pirate_sm.simulation.mechanics import chain_of
 from pirate_sm.simulation.start_pose import stand
 from pirate_sm.simulation.xpbd.kinematic import kinematic
-from pirate_sm.wiring import Order
 
 FAST: Fidelity = "fast"
 CROSSING_M = 1.0

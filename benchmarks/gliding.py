@@ -15,11 +15,11 @@ from time import process_time
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.protocol import Backend, Completion
-    from pirate_sm.engine.gliding.glided import Glide
-    from pirate_sm.loading.mission import LoadedMission
-    from pirate_sm.model.events import Event
-    from pirate_sm.wiring import Order
+    from pirate_sm.core.events import Event
+    from pirate_sm.core.loading import LoadedMission
+    from pirate_sm.core.sensing import Glide
+    from pirate_sm.robot.backends.protocol import Backend, Completion
+    from pirate_sm.running.wiring import Order
 
 REPEATS = 9
 MISSIONS = (
@@ -88,17 +88,17 @@ class Frames:
 
 @cache
 def _loaded(order: str) -> LoadedMission:
-    from pirate_sm.wiring import Order, load
+    from pirate_sm.running.wiring import Order, load
 
     return load(Order(order))
 
 
 def run(order: Order, *, glides: bool, counts: bool = False) -> tuple[float, float, int, int]:
     """Return process time, mission time, frames taken, and frames that went through the engine."""
-    from pirate_sm.companion import entered
-    from pirate_sm.runtime.first_choice import FirstChoice
-    from pirate_sm.runtime.loop import MissionRun
-    from pirate_sm.wiring import prepare
+    from pirate_sm.core.companion import entered
+    from pirate_sm.running.runtime.first_choice import FirstChoice
+    from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.wiring import prepare
 
     loaded = _loaded(order.mission)
     began = process_time()
@@ -116,7 +116,7 @@ def run(order: Order, *, glides: bool, counts: bool = False) -> tuple[float, flo
 
 def main(missions: Sequence[str]) -> int:
     """Every mission is measured with each detector and printed."""
-    from pirate_sm.wiring import Order
+    from pirate_sm.running.wiring import Order
 
     for mission in missions:
         for detector in ("sim", "odometry"):

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from benchmarks.learning_table import WAIT
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import LoadedMission
 
 _LONGEST_WAIT = "60 s"
 

@@ -6,11 +6,11 @@ from datetime import UTC, datetime
 from math import inf
 from pathlib import Path
 
-from pirate_sm.recording.write.recording_file import RecordingFile
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.pump import Pump
-from pirate_sm.wiring import Order, prepare
-from pirate_sm.wiring.run_recorder import RunRecorder, run_header
+from pirate_sm.running.recording.write.recording_file import RecordingFile
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.pump import Pump
+from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.running.wiring.run_recorder import RunRecorder, run_header
 
 _WRITTEN_EVERY_S = 0.25
 _HOUR_S = 3600.0

@@ -19,17 +19,16 @@ from statistics import fmean
 from typing import NamedTuple
 
 from benchmarks.arrays import bay_at
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.engine.state import EngineState
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.model.effects import Effect
-from pirate_sm.runtime.backend_links import Holder
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.core.effects import Effect
+from pirate_sm.core.engine import Engine, EngineState
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.program import Wait
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.running.runtime.backend_links import Holder
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 MISSION = Path(__file__).with_name("loops.yaml")
 SPEED_M_S, WITHIN_M_S = 0.090, 0.002

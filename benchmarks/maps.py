@@ -26,19 +26,16 @@ from tempfile import TemporaryDirectory
 
 from benchmarks.campaign import options_of_rows
 from pirate_sm.api import run
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.geometry.route import Route
-from pirate_sm.loading.pipe_shape import check_pipe
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.yaml.document import parse_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.mapping.map_recording import mapped
-from pirate_sm.mapping.pipe_text import pipe_text
-from pirate_sm.model.body import Body
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.recording.read.places import recorded_places
-from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.core.documents import Problems, parse_document
+from pirate_sm.core.geometry import Route, RouteJoint
+from pirate_sm.core.loading import check_pipe, validate
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.profile import Body
+from pirate_sm.lab.mapping.map_recording import mapped
+from pirate_sm.lab.mapping.pipe_text import pipe_text
+from pirate_sm.running.recording.read.places import recorded_places
+from pirate_sm.running.recording.read.reader import Recording, read_recording
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
 
 NEAR_M, NEAR_DEG = 0.020, 3.0
 """The bar for the house connection."""

@@ -31,7 +31,7 @@ from pirate_sm.cli.commands.new import write_robot
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.options.files import NewRobotOptions
 from pirate_sm.cli.settings import RUNS_VARIABLE
-from pirate_sm.errors import PirateError
+from pirate_sm.core.errors import PirateError
 
 HERE = Path(__file__).parents[1] / "tests" / "mistakes"
 FILES = ("missions", "robots", "pipes", "projects", "second")

@@ -24,13 +24,13 @@ from time import perf_counter
 
 from benchmarks.console import SIZE, SLICE_S, Timed, begun_session, busy, drive, spin, wait
 from pirate_sm.cli.commands.console import SWITCH_EVERY_S
-from pirate_sm.console.app import Console
-from pirate_sm.console.check_process import CheckProcess
-from pirate_sm.control_panel.panel_companion import PanelCompanion
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import INTERRUPTED
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
-from pirate_sm.wiring import Order, load, prepare
+from pirate_sm.robot.control_panel.panel_companion import PanelCompanion
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import INTERRUPTED
+from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.wiring import Order, load, prepare
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.check_process import CheckProcess
 
 STOPS = 20
 LATEST_S = 6.0

@@ -18,19 +18,19 @@ from time import process_time
 import numpy as np
 
 from benchmarks.campaign import run
-from pirate_sm.campaign.watched_run import WATCHED_AFTER_S
-from pirate_sm.geometry.network import Section, Straight, planar
-from pirate_sm.geometry.route import Route
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core._geometry.network import Straight, planar
+from pirate_sm.core.files import library
+from pirate_sm.core.geometry import Route, Section
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.simulation import Friction
+from pirate_sm.lab.campaign.watched_run import WATCHED_AFTER_S
+from pirate_sm.running.wiring import Order
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics, Physics, QuantityLayout
 from pirate_sm.simulation.start_pose import stand
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
 from pirate_sm.simulation.xpbd.world import MujocoWorld as KinematicWorld
-from pirate_sm.wiring import Order
 
 CYCLE_S = 0.016
 CLAMP_FRONT = {1: -0.7, 2: 0.7}

@@ -31,10 +31,10 @@ from time import perf_counter, process_time
 
 from benchmarks.used import Used, used_by
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.wiring import Order, prepare
 
 MISSION = Path(__file__).with_name("ten_minutes.yaml")
 REPEATS = 5

@@ -50,10 +50,10 @@ from benchmarks.resume_rides import (
 )
 from benchmarks.rounds import MISSION, Port, guardians, start_bay, start_runner, wait_until
 from benchmarks.witness import samples_of
-from pirate_sm.model.events import Tick
-from pirate_sm.recording.format.header import header_of
-from pirate_sm.recording.write.recorder import AHEAD_S, Recorder
-from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
+from pirate_sm.core.events import Tick
+from pirate_sm.running.recording.format.header import header_of
+from pirate_sm.running.recording.write.recorder import AHEAD_S, Recorder
+from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
 
 PATIENCE_S = 120.0
 BEGINS_S, ENDS_S = 3.0, 30.0
@@ -300,7 +300,7 @@ def _tell_decision(hours: float) -> None:
         size_mb = path.stat().st_size / 1e6
         code = (
             "import sys, time; from pathlib import Path\n"
-            "from pirate_sm.recording.replay.end_of_run import end_of_run\n"
+            "from pirate_sm.running.recording.replay.end_of_run import end_of_run\n"
             "end_of_run(Path(sys.argv[2]))  # what is loaded once\n"
             "began = time.perf_counter(); end = end_of_run(Path(sys.argv[1]))\n"
             "read = time.perf_counter(); end.recording.sha256\n"

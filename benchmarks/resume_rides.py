@@ -15,28 +15,28 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
-from pirate_sm.backends.serial.assembly import read_plan
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.detectors.registry import Asked, Places, detecting
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot.robot_state import states_of
-from pirate_sm.errors import PirateError
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.recording.replay.end_of_run import EndOfRun, end_of_run
-from pirate_sm.recording.write.recording_file import RecordingFile
-from pirate_sm.runtime.backend_links import Holder
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.pump import Pump, Resuming
-from pirate_sm.wiring import Order, Prepared
-from pirate_sm.wiring.resume_offer import Said, offer, see
-from pirate_sm.wiring.resumed_run import driven_s, with_resumption
-from pirate_sm.wiring.run_recorder import RunRecorder, run_header
-from pirate_sm.wiring.sim import start_values
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.robot import states_of
+from pirate_sm.robot.backends.serial.assembly import read_plan
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.detectors.registry import Asked, Places, detecting
+from pirate_sm.running.recording.replay.end_of_run import EndOfRun, end_of_run
+from pirate_sm.running.recording.write.recording_file import RecordingFile
+from pirate_sm.running.runtime.backend_links import Holder
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.pump import Pump, Resuming
+from pirate_sm.running.wiring import Order, Prepared
+from pirate_sm.running.wiring.resume_offer import Said, offer, see
+from pirate_sm.running.wiring.resumed_run import driven_s, with_resumption
+from pirate_sm.running.wiring.run_recorder import RunRecorder, run_header
+from pirate_sm.running.wiring.sim import start_values
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 WRITTEN_EVERY_S = 0.25
 """Interval at which a recorder writes, s; see `recorder.COMMIT_S`."""

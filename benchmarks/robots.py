@@ -20,10 +20,10 @@ from random import Random
 import yaml
 
 from benchmarks.campaign import run_all
-from pirate_sm.campaign.plan import command_of
-from pirate_sm.campaign.verdict import RunVerdict, judge
-from pirate_sm.model.campaign import TrueEnd
-from pirate_sm.wiring import Order
+from pirate_sm.core.campaign import TrueEnd
+from pirate_sm.lab.campaign.plan import command_of
+from pirate_sm.lab.campaign.verdict import RunVerdict, judge
+from pirate_sm.running.wiring import Order
 
 FOLDER = Path("runs/robots")
 SHARE = 60 / 64

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 MISSION = "mitre_bend"
 
-_GUARDIAN = b"pirate_sm.backends.serial.guardian.process"
+_GUARDIAN = b"pirate_sm.robot.backends.serial.guardian.process"
 _RUNNER = "from pirate_sm.cli.entry import run_main; run_main()"
 _DOCTOR = "from pirate_sm.cli.entry import main; main()"
 _LOOK_EVERY_S = 0.02

@@ -33,18 +33,18 @@ from benchmarks.arrays import (
     loaded_mission,
     twice,
 )
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.bay.firmware import Record
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.detectors.registry import Asked, detecting
-from pirate_sm.engine.engine import Engine
-from pirate_sm.runtime.backend_links import Holder
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import Result
+from pirate_sm.core.engine import Engine
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
+from pirate_sm.robot.detectors.registry import Asked, detecting
+from pirate_sm.running.runtime.backend_links import Holder
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import Result
+from pirate_sm.simulation.bay.firmware import Record
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 UNHEARD_S = 0.4
 """A silence that is shorter is none."""

@@ -22,7 +22,7 @@ from statistics import median
 from tempfile import TemporaryDirectory
 
 from benchmarks.campaign import Outcome, options_of_rows, run_all
-from pirate_sm.wiring import Order
+from pirate_sm.running.wiring import Order
 
 BEND, ROUND, BRANCH, DRIVE = "take_bend", "take_elbow", "take_branch", "drive_on"
 BAR, DEEPEST_M = 0.99, 0.002

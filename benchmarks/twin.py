@@ -23,7 +23,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from pirate_sm.fitting.robot_numbers import RobotNumber
+    from pirate_sm.lab.fitting.robot_numbers import RobotNumber
 
 MISSION = Path(__file__).with_name("twin.yaml")
 STATIC_SHARE = 1.3
@@ -78,8 +78,8 @@ def main() -> int:
 def try_out(folder: Path, seed: int) -> Trial:
     """Record the robot of this seed in a folder, and fit its numbers."""
     import pirate_sm
-    from pirate_sm.fitting.columns import read_measured
-    from pirate_sm.fitting.robot_numbers import robot_numbers
+    from pirate_sm.lab.fitting.columns import read_measured
+    from pirate_sm.lab.fitting.robot_numbers import robot_numbers
 
     true = drawn(seed)
     twin, recording = folder / f"true_{seed}.yaml", folder / f"run_{seed}.mcap"

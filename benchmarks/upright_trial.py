@@ -12,15 +12,15 @@ from shutil import copytree
 from statistics import median
 from typing import TYPE_CHECKING
 
-from pirate_sm.engine.control.torque_loop import RunningTorqueLoop
-from pirate_sm.loading import library
-from pirate_sm.model.effects import Effect, Fault
-from pirate_sm.model.fault_codes import BuiltInFault
+from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.core.effects import Effect, Fault
+from pirate_sm.core.events import BuiltInFault
+from pirate_sm.core.files import library
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.robot.robot_spec import RobotSpec
-    from pirate_sm.loading.mission import LoadedMission
-    from pirate_sm.runtime.loop import MissionRun
+    from pirate_sm.core.loading import LoadedMission
+    from pirate_sm.core.robot import RobotSpec
+    from pirate_sm.running.runtime.loop import MissionRun
     from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 MISSION = Path(__file__).with_name("upright.yaml")
@@ -151,7 +151,7 @@ def written(folder: Path, control: str) -> Path:
 
 @cache
 def _loaded(mission: str) -> LoadedMission:
-    from pirate_sm.wiring import Order, load
+    from pirate_sm.running.wiring import Order, load
 
     return load(Order(mission))
 
@@ -197,8 +197,8 @@ def _in_the_pipe(
     loaded: LoadedMission, seed: int, kinetic: float, heads_down: bool
 ) -> LoadedMission:
     """Return the mission in a pipe with this friction, and half of it on a patch."""
-    from pirate_sm.model.pipe_runs import Patch
-    from pirate_sm.model.simulation import Friction
+    from pirate_sm.core._model.pipe_runs import Patch
+    from pirate_sm.core.simulation import Friction
 
     begins_m = Random(f"patch {seed}").uniform(*PATCH_BEGINS_M)
     patch = Patch.model_validate(
@@ -221,9 +221,9 @@ def _in_the_pipe(
 def _in_the_simulator(
     loaded: LoadedMission, mission: str, seed: int, down: int
 ) -> tuple[Watch, MissionRun]:
-    from pirate_sm.runtime.first_choice import FirstChoice
-    from pirate_sm.runtime.loop import MissionRun
-    from pirate_sm.wiring import Order, prepare
+    from pirate_sm.running.runtime.first_choice import FirstChoice
+    from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.wiring import Order, prepare
 
     prepared = prepare(Order(mission, seed=seed, ruler=True), loaded)
     watch = Watch(down, loaded.robot, prepared.backend.robot)  # type: ignore[attr-defined]
@@ -237,14 +237,14 @@ def _over_the_line(
     loaded: LoadedMission, loss: float, seed: int, down: int
 ) -> tuple[Watch, MissionRun]:
     from benchmarks.arrays import bay_at
-    from pirate_sm.backends.serial.backend import SerialBackend
-    from pirate_sm.bay.switches import Switches
-    from pirate_sm.bay.virtual_port import VirtualPort
-    from pirate_sm.detectors.ruler import Ruler
-    from pirate_sm.engine.engine import Engine
-    from pirate_sm.runtime.backend_links import Holder
-    from pirate_sm.runtime.first_choice import FirstChoice
-    from pirate_sm.runtime.loop import MissionRun
+    from pirate_sm.core.engine import Engine
+    from pirate_sm.robot.backends.serial.backend import SerialBackend
+    from pirate_sm.robot.detectors.ruler import Ruler
+    from pirate_sm.running.runtime.backend_links import Holder
+    from pirate_sm.running.runtime.first_choice import FirstChoice
+    from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.simulation.bay.switches import Switches
+    from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
     bay, plan = bay_at(loaded, seed, Switches(loss, loss))
     backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))

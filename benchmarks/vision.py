@@ -27,20 +27,18 @@ from math import cos, dist, sin
 import numpy as np
 
 from benchmarks.vision_boards import calibrates
-from pirate_sm.companion import Companion
-from pirate_sm.geometry.route import Route
-from pirate_sm.loading import library
-from pirate_sm.loading.camera_file import load_camera
-from pirate_sm.model.camera import Camera, MarkedRobot
-from pirate_sm.model.camera_source import SyntheticSource
-from pirate_sm.model.sighting import Sighting
-from pirate_sm.model.synthetic_camera import Lighting
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.vision.marker import MarkerFinder
-from pirate_sm.vision.seeing import Eye, eye_of
-from pirate_sm.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
-from pirate_sm.wiring import Order, load, prepare
+from pirate_sm.core.camera import Camera, Lighting, MarkedRobot, SyntheticSource
+from pirate_sm.core.companion import Companion
+from pirate_sm.core.events import Sighting
+from pirate_sm.core.files import library
+from pirate_sm.core.geometry import Route
+from pirate_sm.robot.camera_file import load_camera
+from pirate_sm.robot.vision.marker import MarkerFinder
+from pirate_sm.robot.vision.seeing import Eye, eye_of
+from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
+from pirate_sm.robot.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, load, prepare
 
 MISSION = "mitre_bend"
 CAMERAS = ("synthetic", "synthetic_marker", "setup_2")

@@ -15,17 +15,16 @@ from conformance.installed import install
 from followed_page import Command, Edit, apply
 from typer.testing import CliRunner
 
-from pirate_sm.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
 from pirate_sm.cli.entry import commands, only_run
-from pirate_sm.detectors.registry import DETECTORS
-from pirate_sm.loading import library
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.wiring import BACKENDS
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_pipe, load_robot
+from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
+from pirate_sm.robot.detectors.registry import DETECTORS
+from pirate_sm.running.wiring import BACKENDS
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 ROOT = Path(__file__).resolve().parents[1]
 PROGRAMS = {"pirate": "main", "pirate-run": "run_main"}

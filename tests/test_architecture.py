@@ -29,6 +29,9 @@ LONGER_FOR_A_REASON = {
     "simulation/xpbd/space/kernel.py": 110,
 }
 
+HANDED_ON_WHOLE = {"effects", "events", "mission", "pipe"}
+"""Modules of the core of which others use names by the module, or which are complete for tests."""
+
 # Where a chart or a profile gives names: the keys of these mappings and the values of these keys.
 NAMING_SECTIONS = {"aliases", "commands", "derived", "not_commands", "signals", "states"}
 NAMING_KEYS = {"event", "id", "name", "signal"}
@@ -148,6 +151,24 @@ def test_a_class_name_stands_for_one_idea() -> None:
     counts = Counter(each.name for each in classes if not each.name.startswith("_"))
 
     assert {name for name, count in counts.items() if count > 1} == _ONE_IDEA
+
+
+def test_the_core_hands_out_what_is_used_outside_and_nothing_else() -> None:
+    handed, used = set(), set()
+    for name, text in TEXTS.items():
+        room, _, inner = name.partition("/")
+        for node in ast.walk(ast.parse(text)):
+            if not isinstance(node, ast.ImportFrom) or not node.module:
+                continue
+            if room != "core":
+                used |= {f"{node.module}.{each.name}" for each in node.names}
+            elif "# mypy: implicit-reexport" in text and node.module != "__future__":
+                handed |= {
+                    f"pirate_sm.core.{inner.removesuffix('.py')}.{each.name}" for each in node.names
+                }
+    modules = {f"pirate_sm.core.{each}" for each in HANDED_ON_WHOLE}
+
+    assert sorted(each for each in handed - used if each.rpartition(".")[0] not in modules) == []
 
 
 def test_files_and_functions_stay_small() -> None:

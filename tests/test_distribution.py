@@ -18,8 +18,8 @@ from typer.testing import CliRunner
 from pirate_sm import __version__
 from pirate_sm.cli.entry import commands
 from pirate_sm.cli.output.json_lines import FORMAT as LINES
-from pirate_sm.model.events import ALPHABET_VERSION
-from pirate_sm.recording.format.header import FORMAT as RECORDING
+from pirate_sm.core.events import ALPHABET_VERSION
+from pirate_sm.running.recording.format.header import FORMAT as RECORDING
 
 ROOT = Path(__file__).resolve().parents[1]
 PROJECT: dict[str, Any] = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]

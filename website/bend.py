@@ -12,12 +12,12 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pirate_sm
-from pirate_sm.geometry.space import Place
-from pirate_sm.model.mission import Mission
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.report.contents import Lane, Report, RobotScene
-from pirate_sm.report.recording_report import report_of
-from pirate_sm.report.timeline import PHASE
+from pirate_sm.core.geometry import Place
+from pirate_sm.core.mission import Mission
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.views.report.contents import Lane, Report, RobotScene
+from pirate_sm.views.report.recording_report import report_of
+from pirate_sm.views.report.timeline import PHASE
 
 ROOT = Path(__file__).resolve().parents[1]
 PICTURE = ROOT / "docs" / "pictures" / "bend.svg"

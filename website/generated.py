@@ -10,16 +10,16 @@ from pathlib import Path
 from typing import Any
 
 import pirate_sm
-from pirate_sm import learning
 from pirate_sm.cli import stored_help
-from pirate_sm.drawing.robot.robot_page import robot_page
-from pirate_sm.drawing.robot.written_page import Drawing
-from pirate_sm.drawing.svg.svg_writer import svg
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.runtime.outcome import BACKEND, BUG, FAILED, RECORDING_LOST, SUCCEEDED
-from pirate_sm.runtime.stop_requests import BY_SIGNAL, OUTPUT_LOST
+from pirate_sm.core.events import BuiltInFault
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.lab import learning
+from pirate_sm.running.runtime.outcome import BACKEND, BUG, FAILED, RECORDING_LOST, SUCCEEDED
+from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, OUTPUT_LOST
+from pirate_sm.views.drawing.robot.robot_page import robot_page
+from pirate_sm.views.drawing.robot.written_page import Drawing
+from pirate_sm.views.drawing.svg.svg_writer import svg
 from website import notebook
 
 ROOT = Path(__file__).resolve().parents[1]
@@ -52,7 +52,10 @@ def pages() -> Iterator[tuple[str, str]]:
         yield f"reference/keys/{kind}.md", _keys(kind)
     yield "decisions/index.md", _decisions()
     yield "api/pirate_sm.md", _api("pirate_sm", "pirate_sm.api", pirate_sm.__all__)
-    yield "api/learning.md", _api("pirate_sm.learning", "pirate_sm.learning", learning.__all__)
+    yield (
+        "api/learning.md",
+        _api("pirate_sm.lab.learning", "pirate_sm.lab.learning", learning.__all__),
+    )
     for file in sorted((DOCS / "notebooks").glob("*.ipynb")):
         yield f"notebooks/{file.stem}.md", notebook.page(json.loads(file.read_text("utf-8")))
     for robot in library.robots():

@@ -130,7 +130,7 @@ def take() -> None:
 
 def write_camera_pictures() -> None:
     """Write what the synthetic cameras see."""
-    from pirate_sm.vision.opencv import cv2  # noqa: PLC0415 - the pages need no OpenCV
+    from pirate_sm.robot.vision.opencv import cv2  # noqa: PLC0415 - the pages need no OpenCV
 
     for name, moment in MOMENTS.items():
         cv2.imwrite(str(PICTURES / name), seen(moment), [cv2.IMWRITE_JPEG_QUALITY, QUALITY])

@@ -34,25 +34,25 @@ EQUIVALENT = Path(__file__).with_name("equivalent.yaml")
 ASKED = 0.95
 
 PACKAGES = {
-    "engine": ("pirate_sm/engine",),
-    "expressions": ("pirate_sm/expressions",),
+    "engine": ("pirate_sm/core/_engine",),
+    "expressions": ("pirate_sm/core/_expressions",),
     "serial backend": (
-        "pirate_sm/backends/serial",
-        "pirate_sm/rosserial",
+        "pirate_sm/robot/backends/serial",
+        "pirate_sm/robot/rosserial",
     ),
     "program": tuple(
-        f"pirate_sm/loading/mission/{name}.py"
+        f"pirate_sm/core/_loading/mission/{name}.py"
         for name in (
             *("program", "program_writer", "wait_writer", "assembler", "called_missions", "scope"),
         )
     ),
     "exploration": ("pirate_sm/checking/exploring",),
-    "recordings": ("pirate_sm/recording/read", "pirate_sm/recording/replay"),
+    "recordings": ("pirate_sm/running/recording/read", "pirate_sm/running/recording/replay"),
     "campaign": tuple(
-        f"pirate_sm/campaign/{name}.py"
+        f"pirate_sm/lab/campaign/{name}.py"
         for name in ("comparing", "intervals", "results", "tally", "verdict")
     ),
-    "places": ("pirate_sm/detectors/place_filter.py", "pirate_sm/geometry/joints.py"),
+    "places": ("pirate_sm/robot/detectors/place_filter.py", "pirate_sm/core/_geometry/joints.py"),
 }
 
 _QUICK = 200

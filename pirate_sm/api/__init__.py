@@ -13,10 +13,10 @@ from pirate_sm.api.stepping import Session, advance_all, session
 from pirate_sm.api.sweeping import sweep
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.gate import CheckError
-from pirate_sm.errors import BackendError, PirateError, RecordingError, UsageError
-from pirate_sm.expressions import ExpressionError
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.problems import LoadError
+from pirate_sm.core.documents import LoadError
+from pirate_sm.core.errors import BackendError, PirateError, RecordingError, UsageError
+from pirate_sm.core.expressions import ExpressionError
+from pirate_sm.core.loading import LoadedMission
 
 __all__ = [
     "BackendError",

@@ -9,18 +9,17 @@ from numbers import Integral, Real
 from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias, Unpack, cast, get_args, get_origin, get_type_hints
 
-from pirate_sm import wiring
 from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import check_loaded
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.defect_text import as_text
-from pirate_sm.model.run_options import OPTIONS, Options
-from pirate_sm.spelling import unknown
-from pirate_sm.wiring import Order, Prepared
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.options import OPTIONS, Options, as_text
+from pirate_sm.core.spelling import unknown
+from pirate_sm.running import wiring
+from pirate_sm.running.wiring import Order, Prepared
 
 LOG = logging.getLogger("pirate_sm")
 """Tells at level INFO what takes longer than a moment."""

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 from typing import TYPE_CHECKING, Unpack
 
 from pirate_sm.api.arguments import Mission, loaded_once, prepared, whole
-from pirate_sm.errors import UsageError
-from pirate_sm.model.run_options import Options
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.options import Options
 
 if TYPE_CHECKING:
     from pirate_sm.simulation.batch import Batch
@@ -30,14 +30,14 @@ def batch(
         backend: ``sim`` or ``physics``.
         threads: How many threads share the work; one for each processor by default.
         check: Whether a mission in which the check finds errors is refused.
-        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
+        options: :class:`~pirate_sm.core.options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.
         CheckError: The mission is refused; ``findings`` has why, each with its place.
         UsageError: An argument does not fit, there are no seeds, or the backend simulates no robot.
     """
-    from pirate_sm.backends.simulated import SimulatorBackend
+    from pirate_sm.simulation.backend import SimulatorBackend
     from pirate_sm.simulation.batch import Batch
 
     count = None if threads is None else whole(threads, "threads", 1)

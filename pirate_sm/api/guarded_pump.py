@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 
-from pirate_sm.errors import BackendError, DetectorError
-from pirate_sm.model.effects import Ended
-from pirate_sm.runtime.loop import raised_by_part
-from pirate_sm.runtime.pump import BackendRaisedError, Pump, described
+from pirate_sm.core.effects import Ended
+from pirate_sm.core.errors import BackendError, DetectorError
+from pirate_sm.running.runtime.loop import raised_by_part
+from pirate_sm.running.runtime.pump import BackendRaisedError, Pump, described
 
 
 @contextmanager

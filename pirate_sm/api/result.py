@@ -11,20 +11,20 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from pirate_sm.api.arguments import path_of
-from pirate_sm.engine.engine import Engine
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import Ended
-from pirate_sm.on_disk import is_file
-from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.read.steps import Gap, RecordedStep
-from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.replay.replay import engine_of, rerun_steps
-from pirate_sm.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
-from pirate_sm.report import GENERATOR
-from pirate_sm.report.poses import Poses
-from pirate_sm.spelling import meant
+from pirate_sm.core.effects import Ended
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.on_disk import is_file
+from pirate_sm.core.spelling import meant
+from pirate_sm.running.recording.format.header import RunHeader
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.read.steps import Gap, RecordedStep
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay.replay import engine_of, rerun_steps
+from pirate_sm.running.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
+from pirate_sm.views.report import GENERATOR
+from pirate_sm.views.report.poses import Poses
 
 Columns: TypeAlias = dict[str, list[Any]]
 """A table: values by the name of their column, which says the unit. Unknown numbers are NaN.
@@ -148,9 +148,9 @@ class Run:
 
     def report(self) -> Page:
         """Return the report: what happened in words, the robot in its pipe, timeline and plots."""
-        from pirate_sm.report.recording_report import about_run
-        from pirate_sm.report.report_builder import gather
-        from pirate_sm.report.report_page import html
+        from pirate_sm.views.report.recording_report import about_run
+        from pirate_sm.views.report.report_builder import gather
+        from pirate_sm.views.report.report_page import html
 
         about = about_run(self.header, self.loaded, self.notices)
         again = rerun_steps(self._engine, self.steps(), self.gaps, origin_s=self.origin_s)
@@ -227,7 +227,7 @@ def read(recording: str | PathLike[str]) -> Run:
         RecordingError: It cannot be read, or is of a version that cannot be used any more.
         UsageError: It is no path.
     """
-    from pirate_sm.report.recording_report import known_poses
+    from pirate_sm.views.report.recording_report import known_poses
 
     found = read_recording(Path(path_of(recording)))
     with recorded_mission(found.header) as loaded:

@@ -13,18 +13,18 @@ from typing import Generic, TypeVar
 
 from pirate_sm.api.arguments import path_of
 from pirate_sm.api.result import Run
-from pirate_sm.engine.gliding.glided import Glide
-from pirate_sm.engine.resuming.resumption import AS_DECLARED, Beginning
-from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import Event
-from pirate_sm.model.trail import Trail
-from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.read.steps import RecordedStep
-from pirate_sm.recording.write.recorder import Recorder
-from pirate_sm.report.poses import EVERY_S, Poses
-from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.run_recorder import RunRecorder, requested_recording, run_header
+from pirate_sm.core.effects import Effect
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.events import Event
+from pirate_sm.core.resuming import AS_DECLARED, Beginning
+from pirate_sm.core.sensing import Glide
+from pirate_sm.core.simulation import Trail
+from pirate_sm.running.recording.format.header import RunHeader
+from pirate_sm.running.recording.read.steps import RecordedStep
+from pirate_sm.running.recording.write.recorder import Recorder
+from pirate_sm.running.wiring import Prepared
+from pirate_sm.running.wiring.run_recorder import RunRecorder, requested_recording, run_header
+from pirate_sm.views.report.poses import EVERY_S, Poses
 
 T = TypeVar("T")
 

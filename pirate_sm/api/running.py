@@ -9,13 +9,13 @@ from typing import Unpack
 from pirate_sm.api.arguments import Mission, prepared
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import noted
-from pirate_sm.companion import entered
-from pirate_sm.errors import BackendError
-from pirate_sm.model.run_options import Options
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import BUG, INTERRUPTED
-from pirate_sm.wiring.adoption import adopt_alone
+from pirate_sm.core.companion import entered
+from pirate_sm.core.errors import BackendError
+from pirate_sm.core.options import Options
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import BUG, INTERRUPTED
+from pirate_sm.running.wiring.adoption import adopt_alone
 
 
 def run(
@@ -42,7 +42,7 @@ def run(
         check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
         adopt: Whether a robot that stands elsewhere than declared is taken as its sensors show it.
-        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
+        options: :class:`~pirate_sm.core.options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

@@ -12,19 +12,19 @@ from pirate_sm.api.arguments import Mission, is_number, prepared, whole
 from pirate_sm.api.guarded_pump import abandoned_on_error
 from pirate_sm.api.result import Run
 from pirate_sm.api.run_log import Notes, noted
-from pirate_sm.companion import entered
-from pirate_sm.engine.mission.operator import why_not_command
-from pirate_sm.engine.state import EngineState
-from pirate_sm.errors import UsageError
-from pirate_sm.expressions import Expression, compile_condition
-from pirate_sm.model.effects import CommandStatus, Effect, Ended
-from pirate_sm.model.events import Answer, Event, OperatorCommand, Pause, Resume
-from pirate_sm.model.run_options import Options
-from pirate_sm.runtime.pump import Pump
+from pirate_sm.core.companion import entered
+from pirate_sm.core.effects import CommandStatus, Effect, Ended
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Answer, Event, OperatorCommand, Pause, Resume
+from pirate_sm.core.expressions import Expression, compile_condition
+from pirate_sm.core.options import Options
+from pirate_sm.core.program import why_not_command
+from pirate_sm.core.spelling import meant
+from pirate_sm.running.runtime.pump import Pump
+from pirate_sm.running.wiring import Prepared
+from pirate_sm.running.wiring.adoption import adopt_alone
 from pirate_sm.simulation.crew import Crew
-from pirate_sm.spelling import meant
-from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.adoption import adopt_alone
 
 CLOSED = "the session was closed"
 
@@ -301,7 +301,7 @@ def session(
         check: Whether a mission in which the check finds errors is refused.
         yes: Whether you agree that a real robot moves.
         adopt: Whether a robot that stands elsewhere than declared is taken as its sensors show it.
-        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
+        options: :class:`~pirate_sm.core.options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

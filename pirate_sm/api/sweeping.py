@@ -11,11 +11,11 @@ from typing import NamedTuple, Unpack
 
 from pirate_sm.api.arguments import Mission, loaded_once, prepared, whole
 from pirate_sm.api.result import Columns
-from pirate_sm.errors import UsageError
-from pirate_sm.model.run_options import Options
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import BUG, INTERRUPTED
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.options import Options
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import BUG, INTERRUPTED
 
 
 class _Row(NamedTuple):
@@ -50,7 +50,7 @@ def sweep(
         workers: How many processes share the work; 1: this one does all. One for each processor
             by default.
         check: Whether a mission in which the check finds errors is refused.
-        options: :class:`~pirate_sm.model.run_options.Options`, such as ``pipe``, ``defects``.
+        options: :class:`~pirate_sm.core.options.Options`, such as ``pipe``, ``defects``.
 
     Raises:
         LoadError: Everything that is wrong with the files; ``problems`` has each with its place.

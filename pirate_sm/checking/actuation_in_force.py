@@ -13,11 +13,15 @@ from functools import cached_property
 from math import inf
 from typing import NamedTuple
 
-from pirate_sm.engine.robot.command_spec import Write
-from pirate_sm.engine.robot.criteria import AcceptedSpec, CriterionSpec, StalledSpec, TurningSpec
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.model.motor import Motor
-from pirate_sm.model.profile import Profile
+from pirate_sm.core.profile import Motor, Profile
+from pirate_sm.core.robot import (
+    AcceptedSpec,
+    CriterionSpec,
+    RobotSpec,
+    StalledSpec,
+    TurningSpec,
+    Write,
+)
 
 OVERSHOOT = 2.0
 """Largest speed of what is kept at a speed, as a share of that speed [decided]. Its loop learns

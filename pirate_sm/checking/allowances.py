@@ -14,8 +14,7 @@ import yaml
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, usual_severity
-from pirate_sm.loading.problems import Edit, Place
-from pirate_sm.loading.yaml.document import LARGEST_FILE
+from pirate_sm.core.documents import LARGEST_FILE, Edit, Place
 
 _MARK = re.compile(r"#[ \t]*pirate:[ \t]*allow\b[ \t]*(?P<said>.*)")
 _CODE = re.compile(r"[^\s,][^,]*")

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING
 
 from pirate_sm.checking import catalogue
-from pirate_sm.loading.problems import Edit, Locator, Place, Problem, Severity, cut
+from pirate_sm.core.documents import Edit, Locator, Place, Problem, Severity, cut
 
 if TYPE_CHECKING:
     from pirate_sm.checking.exploring.exploration import Exploration

@@ -10,9 +10,9 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.text import text_report
-from pirate_sm.errors import Hint, PirateError
-from pirate_sm.loading.file_kinds import FileKind
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.documents import FileKind
+from pirate_sm.core.errors import Hint, PirateError
+from pirate_sm.core.loading import LoadedMission
 
 
 class CheckError(PirateError):

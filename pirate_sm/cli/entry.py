@@ -105,9 +105,8 @@ def _suggested_line(word: str, known: Iterable[str]) -> str | None:
     """Return the command line that a word instead of a command is short for, None if unknown."""
     import shlex
 
-    from pirate_sm.loading import library
-    from pirate_sm.loading.file_names import PROFILE_FILE
-    from pirate_sm.spelling import nearest
+    from pirate_sm.core.files import PROFILE_FILE, library
+    from pirate_sm.core.spelling import nearest
 
     if word.lower() in ("help", "version"):
         return " ".join(("pirate", f"--{word.lower()}"))
@@ -223,7 +222,7 @@ def _enter(app: typer.Typer) -> None:
     """Run the app, which ends this process; report in one line that output cannot be written."""
     if sys.stdout is None:
         from pirate_sm.cli.errors import say
-        from pirate_sm.runtime.stop_requests import OUTPUT_LOST
+        from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST
 
         say("the output cannot be written: standard output is closed")
         raise SystemExit(OUTPUT_LOST)

@@ -10,10 +10,10 @@ from contextlib import suppress
 
 from pirate_sm.cli.ctrl_c import was_interrupted
 from pirate_sm.cli.stop_checks import StoppedError
-from pirate_sm.errors import PirateError
-from pirate_sm.runtime.outcome import BUG, INTERRUPTED
-from pirate_sm.runtime.stop_requests import OUTPUT_LOST
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.visible import visible
+from pirate_sm.running.runtime.outcome import BUG, INTERRUPTED
+from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """Exceptions from writing to a standard output that is closed or full."""

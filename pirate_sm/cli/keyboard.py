@@ -12,13 +12,13 @@ from contextlib import suppress
 from math import inf
 from typing import TYPE_CHECKING, Any, Self
 
-from pirate_sm.model.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
-from pirate_sm.model.events import Answer, Event
-from pirate_sm.runtime.first_choice import Answered
+from pirate_sm.core.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
+from pirate_sm.core.events import Answer, Event
+from pirate_sm.running.runtime.first_choice import Answered
 
 if TYPE_CHECKING:
-    from pirate_sm.detectors.operator_keys import Keys
-    from pirate_sm.engine.state import EngineState
+    from pirate_sm.core.engine import EngineState
+    from pirate_sm.robot.detectors.operator_keys import Keys
 
 _LOOK_EVERY_S = 0.05
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.settings import BUILT_IN, SettingValue, runs, unusable_runs
-from pirate_sm.loading.file_names import shown
-from pirate_sm.wiring.run_recorder import new_recording, requested_recording
+from pirate_sm.core.files import shown
+from pirate_sm.running.wiring.run_recorder import new_recording, requested_recording
 
 if TYPE_CHECKING:
-    from pirate_sm.recording.format.header import RunHeader
-    from pirate_sm.recording.write.recording_file import RecordingFile
-    from pirate_sm.wiring import Prepared
+    from pirate_sm.running.recording.format.header import RunHeader
+    from pirate_sm.running.recording.write.recording_file import RecordingFile
+    from pirate_sm.running.wiring import Prepared
 
 
 class RecordingPlace(NamedTuple):

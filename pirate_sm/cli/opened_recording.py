@@ -7,8 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.visible import visible
+from pirate_sm.core.visible import visible
+from pirate_sm.running.recording.read.reader import Recording, read_recording
 
 
 @contextmanager

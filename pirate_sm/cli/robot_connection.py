@@ -4,15 +4,15 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from pirate_sm.backends.serial.assembly import STAY_S, guarded_port, read_plan
 from pirate_sm.cli.stop_checks import stopper
-from pirate_sm.diagnosis.facts import ExpectedRobot
-from pirate_sm.diagnosis.listening import Listening
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.runtime.stop_requests import StopRequests
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedRobot, load_robot
+from pirate_sm.core.robot import RobotSpec
+from pirate_sm.robot.backends.serial.assembly import STAY_S, guarded_port, read_plan
+from pirate_sm.robot.diagnosis.facts import ExpectedRobot
+from pirate_sm.robot.diagnosis.listening import Listening
+from pirate_sm.running.runtime.stop_requests import StopRequests
 
 
 def find_loaded(name: str | None) -> LoadedRobot:

@@ -12,18 +12,18 @@ from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.new_recording import RecordingPlace, begin_recording, usual_place
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.file_names import shown
-from pirate_sm.model.effects import Effect, Log
-from pirate_sm.model.events import Event
-from pirate_sm.wiring.run_recorder import Kept, RunRecorder, run_header
+from pirate_sm.core.effects import Effect, Log
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Event
+from pirate_sm.core.files import shown
+from pirate_sm.running.wiring.run_recorder import Kept, RunRecorder, run_header
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.state import EngineState
-    from pirate_sm.recording.viewers.live_server import Live
-    from pirate_sm.recording.write.recorder import Recorder
-    from pirate_sm.recording.write.recording_file import RecordingFile
-    from pirate_sm.wiring import Prepared
+    from pirate_sm.core.engine import EngineState
+    from pirate_sm.running.recording.viewers.live_server import Live
+    from pirate_sm.running.recording.write.recorder import Recorder
+    from pirate_sm.running.recording.write.recording_file import RecordingFile
+    from pirate_sm.running.wiring import Prepared
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def _live(options: RecordingOptions, stack: ExitStack) -> tuple[Live | None, tup
     """Return the server for viewers, and notices about it."""
     if not options.live:
         return None, ()
-    from pirate_sm.recording.viewers.live_server import Live
+    from pirate_sm.running.recording.viewers.live_server import Live
 
     live = Live()
     stack.callback(live.close)

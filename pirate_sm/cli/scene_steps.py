@@ -10,16 +10,16 @@ import typer
 
 from pirate_sm.cli.entry import commands
 from pirate_sm.cli.options.values import read_settings
-from pirate_sm.errors import PirateError, RecordingError, UsageError
-from pirate_sm.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
-from pirate_sm.loading import foreign, library
-from pirate_sm.loading.camera_file import opened_by
-from pirate_sm.loading.mission.loader import LoadedMission, load_mission
-from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.problems import Path as Keys
-from pirate_sm.model.scene import SceneStep
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.spelling import unknown
+from pirate_sm.core.campaign import SceneStep
+from pirate_sm.core.documents import LoadError
+from pirate_sm.core.documents import Path as Keys
+from pirate_sm.core.errors import PirateError, RecordingError, UsageError
+from pirate_sm.core.files import foreign, library
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.spelling import unknown
+from pirate_sm.lab.gallery.scene_file import ASKS, OUT, UNKNOWN, recording_of, words_of
+from pirate_sm.robot.camera_file import opened_by
+from pirate_sm.running.recording.read.reader import read_recording
 
 _UNUSABLE: Any = typer.BadParameter.__base__
 """What the parser of a command raises for anything on a command line that cannot be used."""

@@ -11,13 +11,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from pirate_sm.loading.foreign import SIMULATED, is_below
-from pirate_sm.on_disk import is_there
-from pirate_sm.palette import THEMES, USUAL
+from pirate_sm.core.files import SIMULATED, is_below
+from pirate_sm.core.on_disk import is_there
+from pirate_sm.core.palette import THEMES, USUAL
 
 if TYPE_CHECKING:
-    from pirate_sm.errors import PirateError
-    from pirate_sm.loading.problems import Place, Problem
+    from pirate_sm.core.documents import Place, Problem
+    from pirate_sm.core.errors import PirateError
 
 
 BUILT_IN = "built in"
@@ -42,8 +42,8 @@ class Setting:
 
 
 def _backends() -> Collection[str]:
-    from pirate_sm.backends import known
-    from pirate_sm.registry import points_of
+    from pirate_sm.core.registry import points_of
+    from pirate_sm.robot.backends import known
 
     return sorted({*known.ABOUT, *(point.name for point in points_of(known.GROUP))})
 
@@ -87,7 +87,7 @@ class SettingValue(NamedTuple):
 
     def problem(self, code: str, message: str, expected: str = "") -> Problem:
         """Return a problem with this value, at its place."""
-        from pirate_sm.loading.problems import Place, Problem
+        from pirate_sm.core.documents import Place, Problem
 
         place = self.place or Place(self.source)
         return Problem(code, place, message, expected, excerpt=self.excerpt)
@@ -171,7 +171,7 @@ def _refused(name: str, value: str, project: Path, trusted: SettingValue) -> str
 
 
 def _is_shipped(robot: str) -> bool:
-    from pirate_sm.loading import library
+    from pirate_sm.core.files import library
 
     return robot in {path.name for path in library.robots()} and not is_there(Path(robot))
 
@@ -197,7 +197,7 @@ def refuse(names: Collection[str], found: Mapping[str, SettingValue]) -> None:
     Raises:
         LoadError: There are some; it lists all.
     """
-    from pirate_sm.loading.problems import LoadError
+    from pirate_sm.core.documents import LoadError
 
     if problems := refused(names, found):
         raise LoadError(problems)
@@ -239,7 +239,7 @@ def unusable_runs(found: SettingValue, why: str, otherwise: str) -> PirateError:
         why: Why it cannot be written to.
         otherwise: The option that does without it, and what it does.
     """
-    from pirate_sm.loading.problems import LoadError
+    from pirate_sm.core.documents import LoadError
 
     message = f"recordings cannot be kept in '{found.value}': {why}; nothing has moved"
     expected = f"a folder that can be written to; {otherwise}"

@@ -8,13 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from pirate_sm.cli.settings import SETTINGS, SettingValue, expanded
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.foreign import is_below
-from pirate_sm.loading.library import is_path
-from pirate_sm.loading.problems import LoadError, Place, Problem
-from pirate_sm.loading.yaml.document import read_text
-from pirate_sm.on_disk import is_there
-from pirate_sm.spelling import nearest, one_of
+from pirate_sm.core.documents import LoadError, Place, Problem, read_text
+from pirate_sm.core.files import is_below, is_path, shown
+from pirate_sm.core.on_disk import is_there
+from pirate_sm.core.spelling import nearest, one_of
 
 _AT = re.compile(r" \(at (?:line (\d+), column (\d+)|end of document)\)$")
 _QUOTES = ('"', "'")

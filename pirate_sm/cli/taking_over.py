@@ -12,16 +12,16 @@ from pirate_sm.cli.options.values import read_length
 from pirate_sm.cli.output.resume_report import verdict_lines
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.stop_checks import stopper
-from pirate_sm.engine.resuming.reconciling import VerdictTable
-from pirate_sm.engine.robot.robot_state import states_of
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.runtime.pump import Resuming
-from pirate_sm.runtime.stop_requests import StopRequests
-from pirate_sm.visible import visible
-from pirate_sm.wiring import Prepared, placed
-from pirate_sm.wiring.adoption import Stands, adopt, begun_there, doubts, look_at, unplaced
-from pirate_sm.wiring.resumed_run import check_place
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.resuming import VerdictTable
+from pirate_sm.core.robot import states_of
+from pirate_sm.core.visible import visible
+from pirate_sm.running.runtime.pump import Resuming
+from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.wiring import Prepared, placed
+from pirate_sm.running.wiring.adoption import Stands, adopt, begun_there, doubts, look_at, unplaced
+from pirate_sm.running.wiring.resumed_run import check_place
 
 _QUESTION = "[1] adopt it so (or another number), [l]ook again, or leave [enter]? "
 _PLACE = "wheel 1 is at which length along the pipe, such as 0.70 m [enter: unknown]? "

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pirate_sm.model.profile import Profile, Slot
+from pirate_sm.core.profile import Profile, Slot
 from pirate_sm.simulation.mechanics import ChainBody
 
 NOWHERE, ROLL = -2, -1

@@ -15,8 +15,8 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import ArrayLike
 
-from pirate_sm.errors import UsageError
-from pirate_sm.model.profile import LinkSettings
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.profile import LinkSettings
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.crew import Crew
 from pirate_sm.simulation.gliding.protocol import GlidingPhysics

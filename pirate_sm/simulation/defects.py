@@ -13,17 +13,17 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from pirate_sm.errors import NO_HINT, Hint, UsageError
-from pirate_sm.expressions import NumberType, Vocabulary, compile_expression
-from pirate_sm.model.defect_text import KEYS, number_of, numbers_of
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Defect
+from pirate_sm.core.errors import NO_HINT, Hint, UsageError
+from pirate_sm.core.expressions import NumberType, Vocabulary, compile_expression
+from pirate_sm.core.options import KEYS, number_of, numbers_of
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import Defect
+from pirate_sm.core.spelling import unknown
+from pirate_sm.core.units import ANGLE, Dimension
 from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.loss import Loss
 from pirate_sm.simulation.sensors import scale_of
-from pirate_sm.spelling import unknown
-from pirate_sm.units import ANGLE, Dimension
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
 """A defect and its own random numbers."""
@@ -269,7 +269,7 @@ def named(texts: Sequence[str], profile: Profile, seed: int) -> list[AtWork]:
     A range and the number that :func:`drawn` returns for it make the same defect.
 
     Args:
-        texts: The defects, see :mod:`pirate_sm.model.defect_text`.
+        texts: The defects, see :mod:`pirate_sm.core.simulation`.
         profile: The robot's profile.
         seed: Of their random numbers, and of those with which ranges are drawn.
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from pirate_sm.model.true_position import Truth
+from pirate_sm.core.simulation import Truth
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from pirate_sm.errors import UsageError
-from pirate_sm.model.profile import Profile
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.profile import Profile
 
 # Assumed, not measured: enough damping that a free bend joint swings once.
 JOINT_DAMPING_NMS_RAD = 0.02

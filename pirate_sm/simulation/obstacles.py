@@ -6,9 +6,8 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from pirate_sm.geometry.route import Route
-from pirate_sm.model.events import FaultReport
-from pirate_sm.model.fault_codes import BuiltInFault
+from pirate_sm.core.events import BuiltInFault, FaultReport
+from pirate_sm.core.geometry import Route
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import Physics, QuantityLayout
 

@@ -10,9 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Protocol, TypeAlias
 
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import Route, Vector
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 

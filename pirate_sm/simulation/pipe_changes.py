@@ -5,11 +5,9 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 
-from pirate_sm.geometry.network import tilted_up
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector
-from pirate_sm.model.pipe import Pipe, Turns
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import Route, Vector, tilted_up
+from pirate_sm.core.pipe import Pipe, Turns
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.physics import Physics, QuantityLayout
 
 

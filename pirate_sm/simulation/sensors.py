@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.errors import UsageError
-from pirate_sm.expressions import Vocabulary, compile_expression
-from pirate_sm.model import derived as kinds
-from pirate_sm.model.profile import Channel, Profile, Slot
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.expressions import Vocabulary, compile_expression
+from pirate_sm.core.profile import Channel, Profile, Slot
+from pirate_sm.core.profile import derived as kinds
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.digitizing import CHANNEL_COLUMNS
 from pirate_sm.simulation.mechanics import ChainBody, needed

@@ -13,16 +13,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.geometry import plane
-from pirate_sm.geometry.joints import Bend
-from pirate_sm.geometry.space import GRAVITY_M_S2
-from pirate_sm.model.events import FaultReport, SensorFrame
-from pirate_sm.model.fault_codes import BuiltInFault
-from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.trail import Whereabouts
-from pirate_sm.model.true_position import InSpace
+from pirate_sm.core.events import BuiltInFault, FaultReport, FrameBlock, SensorFrame
+from pirate_sm.core.geometry import GRAVITY_M_S2, Bend, plane
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import InSpace, Whereabouts
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.actuators import ROLL, SlotRoute, routes_of
 from pirate_sm.simulation.arrays import Floats

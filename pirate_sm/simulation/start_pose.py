@@ -7,12 +7,9 @@ from collections.abc import Mapping
 from itertools import pairwise
 from typing import Protocol
 
-from pirate_sm.errors import UsageError
-from pirate_sm.geometry.clamping import span_m
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Frame, Vector, dot
-from pirate_sm.model.profile import Profile
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.geometry import Frame, Piece, Route, Vector, dot, span_m
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose
 

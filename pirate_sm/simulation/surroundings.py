@@ -7,12 +7,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from pirate_sm.errors import UsageError
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.route import Route
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.geometry import Piece, Route
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.obstacles import Obstacle
 from pirate_sm.simulation.physics import StartPose

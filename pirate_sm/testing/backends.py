@@ -11,14 +11,14 @@ from typing import Any, get_args
 
 import pytest
 
-from pirate_sm.backends.protocol import Backend, Completion
-from pirate_sm.engine.engine import Engine
-from pirate_sm.errors import BackendError
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.events import Event, SubmitResult
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.trigger_script import TriggerScript
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.errors import BackendError
+from pirate_sm.core.events import Event, SubmitResult
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.robot.backends.protocol import Backend, Completion
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.trigger_script import TriggerScript
 
 MOST_CALLS = 10_000
 

@@ -8,14 +8,14 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.companion import Companion, Counting, Onlooker, entered
-from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model import events as ev
-from pirate_sm.model.effects import Effect
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, Prepared, prepare
+from pirate_sm.core import events as ev
+from pirate_sm.core.companion import Companion, Counting, Onlooker, entered
+from pirate_sm.core.effects import Effect
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, Prepared, prepare
 
 
 @dataclass(frozen=True)

@@ -5,10 +5,9 @@ from __future__ import annotations
 from agreement.running import Run, situation
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
-from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
-from pirate_sm.engine.mission.program import Do, Require, Wait
-from pirate_sm.engine.safety import rules
-from pirate_sm.model import effects as fx
+from pirate_sm.core import effects as fx
+from pirate_sm.core.program import ROUND_AND_ROUND, Do, Require, Wait
+from pirate_sm.core.robot import rules
 
 CERTAIN = {"step.impossible", "step.unneeded"}
 CALLS = {"call.starts_in", "call.maybe_starts_in"}

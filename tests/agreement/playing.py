@@ -9,12 +9,12 @@ from pathlib import Path
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.reports.counterexamples import SCRIPT_SUFFIX, write_counterexample
-from pirate_sm.engine.safety import rules
-from pirate_sm.model import effects as fx
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
-from pirate_sm.wiring import Order, prepare
-from pirate_sm.wiring.trace import read_script
+from pirate_sm.core import effects as fx
+from pirate_sm.core.robot import rules
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.running.wiring.trace import read_script
 
 REFUSED = re.compile(r"step\..*|call\..*|handler\..*")
 MOST_EFFECTS = 1_000

@@ -17,9 +17,9 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.documents import LoadError
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.robot import RobotSpec
 
 ROOT = Path(__file__).resolve().parents[2]
 PIRATE = ROOT / "hardware_profiles" / "pirate_ii"

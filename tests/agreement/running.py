@@ -8,16 +8,14 @@ from math import inf, isfinite, isnan, nan
 from random import Random
 
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.mission.program import Branch, Program, Question, Wait
-from pirate_sm.engine.robot import robot_state
-from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.engine.safety.faults import ANEW
-from pirate_sm.engine.state import OUTSIDE, EngineState
-from pirate_sm.expressions import EnumType, Expression, tree
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model import effects as fx
-from pirate_sm.model import events as ev
+from pirate_sm.core import effects as fx
+from pirate_sm.core import events as ev
+from pirate_sm.core._engine.safety.faults import ANEW
+from pirate_sm.core.engine import OUTSIDE, Engine, EngineState
+from pirate_sm.core.expressions import EnumType, Expression, tree
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Branch, Program, Question, Wait
+from pirate_sm.core.robot import at_rest_in, robot_state
 
 
 def conditions_in(program: Program) -> list[Expression]:

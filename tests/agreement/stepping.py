@@ -7,16 +7,15 @@ from math import inf
 from typing import cast
 
 from benchmarks.gliding import Stepping, Taken
-from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.companion import entered
-from pirate_sm.engine.gliding.glided import Glide
-from pirate_sm.model.effects import Effect, WakeAt
-from pirate_sm.model.events import Abort, Event
-from pirate_sm.model.trail import Trail
-from pirate_sm.model.true_position import InSpace
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, load, prepare
+from pirate_sm.core.companion import entered
+from pirate_sm.core.effects import Effect, WakeAt
+from pirate_sm.core.events import Abort, Event
+from pirate_sm.core.sensing import Glide
+from pirate_sm.core.simulation import InSpace, Trail
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, load, prepare
+from pirate_sm.simulation.backend import SimulatorBackend
 
 
 class Stop:

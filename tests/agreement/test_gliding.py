@@ -16,9 +16,9 @@ import pytest
 from agreement.missions import invent
 from agreement.robots import NEWT, PIRATE
 from agreement.stepping import Kept, Places, assert_the_same, course
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.wiring import Order
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.running.wiring import Order
 
 IN_PLANE = ("climb", "enter_2d", "enter_3d", "inspect", "mitre_bend", "take_bend")
 ROUND = ("level", "take_branch", "take_elbow", "turn_left")

@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from pirate_sm.palette import DAY
+from pirate_sm.core.palette import DAY
 from tests.colour_vision import TEXT, contrast
 
 from .conftest import Opened

@@ -7,19 +7,17 @@ from math import inf
 from pathlib import Path
 from typing import Any
 
-from pirate_sm.backends.protocol import Backend
-from pirate_sm.backends.serial.assembly import read_plan
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.backends.trace import TraceBackend
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.errors import BackendError
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.events import Event, SubmitResult
+from pirate_sm.core.errors import BackendError
+from pirate_sm.core.events import Event, SubmitResult
+from pirate_sm.core.loading import load_mission, load_pipe, load_robot
+from pirate_sm.robot.backends.protocol import Backend
+from pirate_sm.robot.backends.serial.assembly import read_plan
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.backends.trace import TraceBackend
+from pirate_sm.simulation.backend import SimulatorBackend
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.xpbd.kinematic import kinematic

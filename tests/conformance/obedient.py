@@ -12,9 +12,8 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import Route, Vector
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import QuantityLayout, StartPose

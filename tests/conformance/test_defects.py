@@ -16,20 +16,19 @@ from typing import NamedTuple
 import pytest
 from representative import thorough_but
 
-from pirate_sm.backends.protocol import Backend
-from pirate_sm.backends.serial.assembly import read_plan
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.engine.engine import Engine
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.effects import Effect, Fault
-from pirate_sm.model.simulation import Defect
-from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.core.effects import Effect, Fault
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.loading import LoadedMission, load_mission, load_robot
+from pirate_sm.core.simulation import Defect
+from pirate_sm.robot.backends.protocol import Backend
+from pirate_sm.robot.backends.serial.assembly import read_plan
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.simulation.backend import SimulatorBackend
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 ROOT = Path(__file__).resolve().parents[2]
 SIX_WHEELED = ROOT / "hardware_profiles" / "pirate_ii"

@@ -6,9 +6,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.detectors.registry import DETECTORS
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_mission
+from pirate_sm.robot.detectors.registry import DETECTORS
 from pirate_sm.testing import DetectorContract, Subject
 
 from .candidates import NEWT

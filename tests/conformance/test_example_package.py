@@ -13,14 +13,14 @@ from pathlib import Path
 import pytest
 
 import pirate_sm
-from pirate_sm.backends.protocol import Backend
-from pirate_sm.companion import Companion
-from pirate_sm.detectors.registry import DETECTORS, Asked, Detecting, Places
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.model.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.core.companion import Companion
+from pirate_sm.core.events import DetectorWord, FaultReport, SensorFrame, SubmitResult
+from pirate_sm.core.loading import load_mission
+from pirate_sm.robot.backends.protocol import Backend
+from pirate_sm.robot.detectors.registry import DETECTORS, Asked, Detecting, Places
+from pirate_sm.running.wiring import BACKENDS, Order
+from pirate_sm.running.wiring.prepared import Equipment
 from pirate_sm.testing import BackendContract, Candidate, DetectorContract, Subject
-from pirate_sm.wiring import BACKENDS, Order
-from pirate_sm.wiring.prepared import Equipment
 
 from .candidates import NEWT, TAKE_HOLD, candidate
 from .installed import EXAMPLE, install, install_metadata
@@ -28,14 +28,14 @@ from .installed import EXAMPLE, install, install_metadata
 ROOT = Path(__file__).resolve().parents[2]
 PAGE = (ROOT / "docs" / "extending.md").read_text("utf-8")
 RAISES = """
-from pirate_sm.registry import Plugin
+from pirate_sm.core.registry import Plugin
 def make(*arguments):
     raise KeyError("rig")
 PART = Plugin("raises", make)
 """
 BLINKS = """
-from pirate_sm.detectors.registry import Detecting
-from pirate_sm.registry import Plugin
+from pirate_sm.robot.detectors.registry import Detecting
+from pirate_sm.core.registry import Plugin
 class Blinks:
     due_s = 0.0
     listening = False
@@ -141,7 +141,12 @@ def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_told(si
     [
         ("--backend", "broken", 2, "breaks:BACKEND fails with RuntimeError: no licence found"),
         ("--backend", "gone", 2, "nowhere:X fails with ModuleNotFoundError: No module named"),
-        ("--backend", "odd", 2, "odd:THING is of type int, expected a pirate_sm.registry.Plugin"),
+        (
+            "--backend",
+            "odd",
+            2,
+            "odd:THING is of type int, expected a pirate_sm.core.registry.Plugin",
+        ),
         ("--backend", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
         ("--detector", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
     ],

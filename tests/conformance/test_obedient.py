@@ -8,10 +8,10 @@ import math
 import numpy as np
 import pytest
 
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.pipe import Blockage, Pipe
-from pirate_sm.model.pipe_segments import Straight
-from pirate_sm.model.simulation import Defect
+from pirate_sm.core._model.pipe import Blockage
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.pipe import Pipe, Straight
+from pirate_sm.core.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 from .candidates import NEWT

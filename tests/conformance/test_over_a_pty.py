@@ -14,9 +14,9 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.backends.protocol import Backend
-from pirate_sm.backends.serial.assembly import read_plan, serial_backend
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.loading import load_robot
+from pirate_sm.robot.backends.protocol import Backend
+from pirate_sm.robot.backends.serial.assembly import read_plan, serial_backend
 from pirate_sm.testing import BackendContract, Candidate
 
 from .candidates import NEWT, candidate

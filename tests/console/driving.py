@@ -15,15 +15,15 @@ from textual.pilot import Pilot
 from textual.widgets import OptionList
 from textual.worker import WorkerCancelled, WorkerFailed
 
-from pirate_sm.console.app import Console
-from pirate_sm.console.mission_list import without_mission
-from pirate_sm.console.session import Keep, OperatorSession, unkept
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.engine.robot.robot_state import states_of
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.runtime.pump import Resuming
-from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.wiring import Order, Prepared, load, prepare
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Wait
+from pirate_sm.core.robot import states_of
+from pirate_sm.running.runtime.pump import Resuming
+from pirate_sm.running.wiring import Order, Prepared, load, prepare
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.mission_list import without_mission
+from pirate_sm.views.console.session import Keep, OperatorSession, unkept
+from pirate_sm.views.showing.snapshot import Snapshot
 
 ROOT = Path(__file__).parents[2]
 WALL_S = 30.0

@@ -22,7 +22,7 @@ from pathlib import Path
 from threading import Thread
 from typing import Any
 
-from pirate_sm.wiring import Order, load
+from pirate_sm.running.wiring import Order, load
 
 from .screen import Screen
 

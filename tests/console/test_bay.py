@@ -13,10 +13,10 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.console.session import OperatorSession
-from pirate_sm.model.events import OperatorCommand
-from pirate_sm.showing import alarms, panels
-from pirate_sm.wiring import Order
+from pirate_sm.core.events import OperatorCommand
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console.session import OperatorSession
+from pirate_sm.views.showing import alarms, panels
 
 from .driving import by_hand
 

@@ -9,9 +9,11 @@ import pytest
 from textual.events import AppBlur
 from textual.widgets import Static
 
-from pirate_sm.console import availability
-from pirate_sm.console.dialogs import Confirm
-from pirate_sm.console.hand_driving import (
+from pirate_sm.core.engine import EngineState
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console import availability
+from pirate_sm.views.console.dialogs import Confirm
+from pirate_sm.views.console.hand_driving import (
     FIRST_REPEAT_S,
     JOINT_CLEARANCE_M,
     LIMITS_M,
@@ -22,9 +24,7 @@ from pirate_sm.console.hand_driving import (
     joint_ahead_m,
     on_stops,
 )
-from pirate_sm.engine.state import EngineState
-from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.wiring import Order
+from pirate_sm.views.showing.snapshot import Snapshot
 
 from .driving import Operator, by_hand, confirming, operator, played
 from .test_looks import text_of

@@ -11,18 +11,18 @@ import pytest
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.cli.settings import RUNS_VARIABLE
-from pirate_sm.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.model.events import GoTo, OperatorCommand
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.replay.compare import compared_run
-from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.replay.replay import replay
-from pirate_sm.recording.tables.csv_files import write_tables
-from pirate_sm.recording.write.recording_file import NS_PER_S, RecordingFile
-from pirate_sm.report.recording_report import report_of
-from pirate_sm.report.run_list import listed
-from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.run_recorder import Kept
+from pirate_sm.core.events import GoTo, OperatorCommand
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.replay.compare import compared_run
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay.replay import replay
+from pirate_sm.running.recording.tables.csv_files import write_tables
+from pirate_sm.running.recording.write.recording_file import NS_PER_S, RecordingFile
+from pirate_sm.running.wiring import Prepared
+from pirate_sm.running.wiring.run_recorder import Kept
+from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
+from pirate_sm.views.report.recording_report import report_of
+from pirate_sm.views.report.run_list import listed
 
 from .driving import Operator, operator, played, with_mission
 

@@ -8,9 +8,12 @@ from pathlib import Path
 import pytest
 from textual.widgets import Static
 
-from pirate_sm.console.app import Console
-from pirate_sm.console.dialogs import Confirm
-from pirate_sm.console.key_bindings import (
+from pirate_sm.core.events import OperatorCommand
+from pirate_sm.core.loading import load_robot
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.dialogs import Confirm
+from pirate_sm.views.console.key_bindings import (
     ANSWERS,
     CONTROLS,
     LEAVE,
@@ -18,11 +21,8 @@ from pirate_sm.console.key_bindings import (
     arrows_for,
     letters_for,
 )
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.events import OperatorCommand
-from pirate_sm.showing import panels
-from pirate_sm.showing.alarms import shows_success
-from pirate_sm.wiring import Order
+from pirate_sm.views.showing import panels
+from pirate_sm.views.showing.alarms import shows_success
 
 from .driving import ROOT, by_hand, confirming, operator, played, with_mission
 from .test_looks import text_of

@@ -9,13 +9,13 @@ from string import ascii_lowercase
 
 import pytest
 
-from pirate_sm.console import availability
-from pirate_sm.console.key_bindings import RESERVED, letters_for
-from pirate_sm.model.effects import CommandStatus
-from pirate_sm.model.events import OperatorCommand
-from pirate_sm.showing.body_panel import sparkline
-from pirate_sm.showing.picture import draw
-from pirate_sm.wiring import Order
+from pirate_sm.core.effects import CommandStatus
+from pirate_sm.core.events import OperatorCommand
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console import availability
+from pirate_sm.views.console.key_bindings import RESERVED, letters_for
+from pirate_sm.views.showing.body_panel import sparkline
+from pirate_sm.views.showing.picture import draw
 
 from .driving import ROOT, Operator, by_hand, operator, played, with_mission
 

@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from textual.widgets import OptionList
 
-from pirate_sm.console import availability
-from pirate_sm.console.dialogs import Confirm
-from pirate_sm.console.hand_back_plan import not_passed
-from pirate_sm.showing import panels
+from pirate_sm.views.console import availability
+from pirate_sm.views.console.dialogs import Confirm
+from pirate_sm.views.console.hand_back_plan import not_passed
+from pirate_sm.views.showing import panels
 
 from .driving import by_hand, operator, played, with_mission
 from .test_looks import text_of

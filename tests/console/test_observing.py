@@ -11,15 +11,15 @@ import pytest
 from textual.events import Key
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.console.dialogs import ObservationDialog
-from pirate_sm.console.hand_driving import place_m
-from pirate_sm.console.terminal_driver import StopDriver
-from pirate_sm.mapping.map_recording import mapped
-from pirate_sm.mapping.pipe_text import pipe_text
-from pirate_sm.model.events import Observation, OperatorCommand
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.report.timeline import operator_action
-from pirate_sm.wiring import Order
+from pirate_sm.core.events import Observation, OperatorCommand
+from pirate_sm.lab.mapping.map_recording import mapped
+from pirate_sm.lab.mapping.pipe_text import pipe_text
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console.dialogs import ObservationDialog
+from pirate_sm.views.console.hand_driving import place_m
+from pirate_sm.views.console.terminal_driver import StopDriver
+from pirate_sm.views.report.timeline import operator_action
 
 from .driving import Operator, by_hand, operator, played, with_mission
 from .test_looks import text_of

@@ -9,16 +9,16 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.console.app import Console
-from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.session import OperatorSession
-from pirate_sm.control_panel.panel_reader import Connection, Happening, PanelReader
-from pirate_sm.control_panel.presses import Press
-from pirate_sm.detectors.registry import Detecting
-from pirate_sm.loading import library
-from pirate_sm.loading.panel_file import load_panel
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.wiring import Order, Prepared
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.robot.control_panel.panel_file import load_panel
+from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelReader
+from pirate_sm.robot.control_panel.presses import Press
+from pirate_sm.robot.detectors.registry import Detecting
+from pirate_sm.running.wiring import Order, Prepared
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.dialogs import Confirm, Pick
+from pirate_sm.views.console.session import OperatorSession
 
 from .driving import WALL_S, Operator, by_hand, confirming, operator, played, with_mission
 

@@ -8,17 +8,17 @@ from pathlib import Path
 
 import pytest
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit" / "recording"))
+sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "unit" / "running" / "recording"))
 
 from recording_runs import record
 
-from pirate_sm.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.console.recording_viewer import RecordingViewer
-from pirate_sm.console.widgets import Lines
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.robot.robot_state import states_of
-from pirate_sm.recording.write import recorder
-from pirate_sm.wiring import Order
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.robot import states_of
+from pirate_sm.running.recording.write import recorder
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
+from pirate_sm.views.console.recording_viewer import RecordingViewer
+from pirate_sm.views.console.widgets import Lines
 
 
 @pytest.fixture(scope="module")

@@ -13,16 +13,16 @@ from typing import Any
 import pytest
 from textual.widgets import OptionList, Static
 
-from pirate_sm.console import hand_back_plan
-from pirate_sm.console.app import Console
-from pirate_sm.console.availability import UNHEARD, look_at_entries
-from pirate_sm.console.command_series import BY_OPERATOR, Giver
-from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.session import OperatorSession
-from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.model import effects as fx
-from pirate_sm.model.events import GoTo, OperatorCommand
-from pirate_sm.showing.live_snapshots import scene_of
+from pirate_sm.core import effects as fx
+from pirate_sm.core.events import GoTo, OperatorCommand
+from pirate_sm.core.robot import at_rest_in
+from pirate_sm.views.console import hand_back_plan
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.availability import UNHEARD, look_at_entries
+from pirate_sm.views.console.command_series import BY_OPERATOR, Giver
+from pirate_sm.views.console.dialogs import Confirm, Pick
+from pirate_sm.views.console.session import OperatorSession
+from pirate_sm.views.showing.live_snapshots import scene_of
 
 from .driving import WALL_S, Operator, confirming, operator, played, with_mission
 from .test_looks import PICTURES, picture_of, text_of

@@ -9,10 +9,10 @@ import pytest
 from pirate_sm.cli.commands.console import open_console
 from pirate_sm.cli.commands.resume import resume_dialog
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.errors import UsageError
-from pirate_sm.runtime.stop_requests import StopRequests
-from pirate_sm.wiring import Order
-from tests.unit.recording.recording_runs import record_cut_off
+from pirate_sm.core.errors import UsageError
+from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.wiring import Order
+from tests.unit.running.recording.recording_runs import record_cut_off
 
 from .driving import operator, played
 

@@ -17,18 +17,18 @@ from textual.events import Key
 from textual.widget import Widget
 
 from pirate_sm.cli.commands.console import _conclude
-from pirate_sm.console.app import Console
-from pirate_sm.console.dialogs import Confirm, Pick
-from pirate_sm.console.quitting import LEAVE_WITHIN_S, SAFE_WITHIN_S, Quitting, Watchdog
-from pirate_sm.console.session import LEFT, OperatorSession
-from pirate_sm.console.terminal_driver import Lossy, StopDriver
-from pirate_sm.engine.mission.pausing import why_not_to
-from pirate_sm.model.effects import Ended
-from pirate_sm.model.events import Event, FaultReport
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import Result
-from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
-from pirate_sm.wiring import Order, Prepared
+from pirate_sm.core.effects import Ended
+from pirate_sm.core.events import Event, FaultReport
+from pirate_sm.core.program import why_not_to
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import Result
+from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop
+from pirate_sm.running.wiring import Order, Prepared
+from pirate_sm.views.console.app import Console
+from pirate_sm.views.console.dialogs import Confirm, Pick
+from pirate_sm.views.console.quitting import LEAVE_WITHIN_S, SAFE_WITHIN_S, Quitting, Watchdog
+from pirate_sm.views.console.session import LEFT, OperatorSession
+from pirate_sm.views.console.terminal_driver import Lossy, StopDriver
 
 from .driving import HandClock, Operator, by_hand, confirming, operator, played, with_mission
 

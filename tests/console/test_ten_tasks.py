@@ -11,8 +11,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.console.key_bindings import letters_for
-from pirate_sm.wiring import Order, load
+from pirate_sm.running.wiring import Order, load
+from pirate_sm.views.console.key_bindings import letters_for
 
 from .operators_desk import PIRATE, ROBOT, Bay, Cable, Desk, wheels_sent
 

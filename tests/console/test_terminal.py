@@ -103,7 +103,7 @@ SLOWLY_STARTED = """
 import time
 
 from pirate_sm.cli.entry import main
-from pirate_sm.console.check_process import CheckProcess
+from pirate_sm.views.console.check_process import CheckProcess
 
 right = CheckProcess.__enter__
 

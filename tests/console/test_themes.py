@@ -8,10 +8,10 @@ import pytest
 from rich.segment import Segment
 from textual.widgets import Button
 
-from pirate_sm.console.help_page import help_lines, recording_lines
-from pirate_sm.console.recording_viewer import RecordingViewer
-from pirate_sm.palette import THEMES, USUAL
-from pirate_sm.wiring import Order
+from pirate_sm.core.palette import THEMES, USUAL
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.console.help_page import help_lines, recording_lines
+from pirate_sm.views.console.recording_viewer import RecordingViewer
 from tests.colour_vision import GRAPHICS, TEXT, contrast
 
 from .driving import Operator, by_hand, operator, played, with_mission

@@ -14,7 +14,7 @@ from representative import MISSIONS, thorough_but
 
 from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
-from pirate_sm.loading import library
+from pirate_sm.core.files import library
 
 from .odd import Odd, odd_missions
 from .seeding import HERE, ROOT, copied, put

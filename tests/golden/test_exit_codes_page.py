@@ -5,7 +5,7 @@ from __future__ import annotations
 import os
 from pathlib import Path
 
-from pirate_sm.errors import PirateError
+from pirate_sm.core.errors import PirateError
 from website.generated import EXIT_CODES, exit_codes
 
 PAGE = Path(__file__).parents[2] / "docs" / "reference" / "exit_codes.md"

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Mapping
 from html import escape
 from pathlib import Path
 
-from pirate_sm.control_panel.presses import action_text
-from pirate_sm.loading import library
-from pirate_sm.loading.panel_file import read_panel
-from pirate_sm.model.panel import Button
+from pirate_sm.core.files import library
+from pirate_sm.core.panel import Button
+from pirate_sm.robot.control_panel.panel_file import read_panel
+from pirate_sm.robot.control_panel.presses import action_text
 
 ROOT = Path(__file__).parents[2]
 PAGE = ROOT / "docs" / "panel.md"

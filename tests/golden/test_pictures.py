@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.vision.opencv import cv2
+from pirate_sm.core.loading import load_robot
+from pirate_sm.robot.vision.opencv import cv2
 from website.bend import PICTURE, drawn
 from website.camera_pictures import MOMENTS, seen
 from website.pictures import MADE_OF, PICTURES, SHOTS, made_of, page_of

@@ -10,17 +10,11 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import (
-    Effect,
-    Ended,
-    Setpoints,
-    StateChange,
-    TriggerFired,
-)
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, Prepared, prepare
+from pirate_sm.core.effects import Effect, Ended, Setpoints, StateChange, TriggerFired
+from pirate_sm.core.engine import EngineState
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, Prepared, prepare
 
 ROOT = Path(__file__).resolve().parents[2]
 

@@ -13,7 +13,7 @@ from benchmarks.align import COMMANDS, HOLDERS, WITHIN_DEG, Trial, drive_off, sh
 from benchmarks.campaign import run
 from pirate_sm import api
 from pirate_sm.cli.entry import commands
-from pirate_sm.wiring import Order
+from pirate_sm.running.wiring import Order
 
 ROUND = """\
 format: 1

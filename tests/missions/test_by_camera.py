@@ -12,9 +12,9 @@ import pytest
 
 import pirate_sm
 from pirate_sm import LoadError, UsageError
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.report.recording_report import report_of
-from pirate_sm.report.seen_words import seen_words
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.views.report.recording_report import report_of
+from pirate_sm.views.report.seen_words import seen_words
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = ROOT / "tests" / "cameras" / "small.yaml"
@@ -106,7 +106,7 @@ def test_what_is_missing_is_said(tmp_path: Path, monkeypatch: pytest.MonkeyPatch
     broken.write_text("format: 1\ncamera: broken\n", "utf-8")
     with pytest.raises(LoadError):
         pirate_sm.run("mitre_bend", detector=f"vision:{broken}")
-    for name in [name for name in sys.modules if name.startswith("pirate_sm.vision")]:
+    for name in [name for name in sys.modules if name.startswith("pirate_sm.robot.vision")]:
         monkeypatch.delitem(sys.modules, name)
     monkeypatch.setitem(sys.modules, "cv2", None)
     with pytest.raises(UsageError, match="pip install 'pirate-sm\\[vision\\]'"):

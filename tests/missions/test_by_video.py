@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 import pirate_sm
-from pirate_sm.vision import paced_sightings
-from pirate_sm.vision.opencv import cv2
+from pirate_sm.robot.vision import paced_sightings
+from pirate_sm.robot.vision.opencv import cv2
 
 SMALL = Path(__file__).resolve().parents[1] / "cameras" / "small.yaml"
 RATE_HZ = 5

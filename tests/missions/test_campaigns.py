@@ -10,13 +10,13 @@ import pytest
 
 from benchmarks.camera_bends import joint_defects
 from benchmarks.campaign import run, run_all
-from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.chunk import Sent, loaded_mission, run_seed
-from pirate_sm.campaign.conductor import chunk_of
-from pirate_sm.campaign.plan import CampaignPlan
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.wiring import Order
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.lab.campaign.campaign_file import read_campaign
+from pirate_sm.lab.campaign.chunk import Sent, loaded_mission, run_seed
+from pirate_sm.lab.campaign.conductor import chunk_of
+from pirate_sm.lab.campaign.plan import CampaignPlan
+from pirate_sm.running.wiring import Order
 
 CAMPAIGNS = Path(__file__).parents[2] / "campaigns"
 PROFILE = load_robot(library.find_robot("pirate_ii")).profile

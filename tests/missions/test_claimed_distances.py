@@ -8,8 +8,8 @@ import pytest
 
 from benchmarks.belief import judged
 from benchmarks.belief_cases import WAYS, Case
-from pirate_sm.model.effects import Fault
-from pirate_sm.wiring import Order
+from pirate_sm.core.effects import Fault
+from pirate_sm.running.wiring import Order
 
 STEP = """\
 format: 1

@@ -8,14 +8,13 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.loading import library
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.events import Event
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import Result
-from pirate_sm.wiring import Order, Prepared, prepare
+from pirate_sm.core.events import Event
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_pipe, load_robot
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import Result
+from pirate_sm.running.wiring import Order, Prepared, prepare
+from pirate_sm.simulation.backend import SimulatorBackend
 
 HOLD = """\
 format: 1

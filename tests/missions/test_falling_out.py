@@ -4,7 +4,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.model.effects import Fault
+from pirate_sm.core.effects import Fault
 
 NEWT = str(Path(__file__).resolve().parents[1] / "robots" / "newt")
 LOOSE = """\

@@ -11,10 +11,10 @@ from representative import thorough_but
 import pirate_sm
 from benchmarks.camera_bends import is_false, joint_defects
 from benchmarks.campaign import run
-from pirate_sm.campaign.verdict import SHORT_M
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.wiring import Order
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.lab.campaign.verdict import SHORT_M
+from pirate_sm.running.wiring import Order
 
 HEEDLESS = Path(__file__).parents[2] / "campaigns" / "missions"
 DETECTORS = ("sim", "odometry")

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.campaign import run
-from pirate_sm.wiring import Order
+from pirate_sm.running.wiring import Order
 
 CROSSING_M = 1.0
 

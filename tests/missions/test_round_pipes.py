@@ -19,7 +19,7 @@ from benchmarks.space import (
     order_of,
     pipe_of,
 )
-from pirate_sm.wiring import Order
+from pirate_sm.running.wiring import Order
 
 PASSED = (
     *("mitre", "mitre, tilted up", "tee, in", "tee, in, down", "tee, in 110 mm"),

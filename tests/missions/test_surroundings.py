@@ -10,22 +10,22 @@ from math import asin, atan2, cos, isnan, nan, radians, sin
 import pytest
 
 from benchmarks.gliding import Stepping
-from pirate_sm.backends.serial.assembly import read_plan
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.bay.virtual_port import VirtualPort
-from pirate_sm.companion import Companion
-from pirate_sm.detectors.registry import Asked, detecting
-from pirate_sm.engine.engine import Engine
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import Effect, Ended, Environment
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, load, prepare
+from pirate_sm.core.companion import Companion
+from pirate_sm.core.effects import Effect, Ended, Environment
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.geometry import Piece
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.robot.backends.serial.assembly import read_plan
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.detectors.registry import Asked, detecting
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, load, prepare
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
+from pirate_sm.simulation.bay.virtual_port import VirtualPort
 
 JOINT_REACH_M = 0.06
 """A wheel this near to a crossing stands in the joint, as the profile's words say."""

@@ -11,13 +11,13 @@ from statistics import mean, median
 import pytest
 
 from pirate_sm import run as run_mission
-from pirate_sm.loading import library
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.replay.replay import replay
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.core.files import library
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay.replay import replay
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, prepare
 
 UPRIGHT = """\
 format: 1

@@ -10,10 +10,10 @@ from functools import cache
 from pathlib import Path
 from typing import Literal
 
-from pirate_sm.loading.yaml.document import read_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.base import Frozen
-from pirate_sm.spelling import nearest
+from pirate_sm.core.documents import read_document
+from pirate_sm.core.loading import validate
+from pirate_sm.core.profile import Frozen
+from pirate_sm.core.spelling import nearest
 
 _HERE = Path(__file__).parent
 _FILES = (

@@ -20,11 +20,11 @@ from pirate_sm.checking.exploring.exploration import WITHIN, Exploration, Explor
 from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
-from pirate_sm.engine.mission import program as steps
-from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import CommandStatus, Ended, PhaseChange
+from pirate_sm.core.effects import CommandStatus, Ended, PhaseChange
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Program
+from pirate_sm.core.program import program as steps
+from pirate_sm.core.robot import RobotSpec
 
 _PLACE = re.compile(r" \([^()]*:\d+:\d+\)")
 

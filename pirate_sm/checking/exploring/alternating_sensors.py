@@ -13,8 +13,8 @@ from math import isfinite, nan
 
 from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.engine.mission.program import TriggerSpec, Wait
-from pirate_sm.engine.state import EngineState
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.program import TriggerSpec, Wait
 
 LEAST_RIVALS = 2
 """Smallest number of conditions that can alternate; the exploration covers fewer."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import NamedTuple, TypeAlias
 
-from pirate_sm.expressions import tree
+from pirate_sm.core.expressions import tree
 
 Fact: TypeAlias = tuple[tree.Node, bool]
 """A condition, and whether it is true; false means false or unknown."""

@@ -27,8 +27,8 @@ from pirate_sm.checking.exploring.answers import (
     together,
 )
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.engine.mission.program import Branch, Program, Wait
-from pirate_sm.expressions import Expression, tree
+from pirate_sm.core.expressions import Expression, tree
+from pirate_sm.core.program import Branch, Program, Wait
 
 T = TypeVar("T")
 

@@ -21,8 +21,8 @@ from pirate_sm.checking.exploring.piecewise_linear import (
     span_of,
 )
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
-from pirate_sm.engine.robot.chart_table import Configuration
-from pirate_sm.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
+from pirate_sm.core.expressions import BOOLEAN, EnumType, Expression, Vocabulary, tree
+from pirate_sm.core.robot import Configuration
 
 _Values: TypeAlias = tuple[Mapping[str, tuple[float, ...]], Mapping[str, tuple[str | None, ...]]]
 """Values of numeric signals, and of words."""

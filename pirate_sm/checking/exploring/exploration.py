@@ -9,10 +9,10 @@ from typing import NamedTuple
 
 from pirate_sm.checking.exploring.answers import BranchAnswers, StepAnswers
 from pirate_sm.checking.exploring.possible_events import PossibleEvent
-from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Effect, TriggerFired
+from pirate_sm.core.effects import Effect, TriggerFired
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.program import Program
+from pirate_sm.core.robot import RobotSpec
 
 BEGINS = "\0begins "
 """Prefix of the log line that marks the beginning of a call, before its place."""

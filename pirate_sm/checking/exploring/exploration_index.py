@@ -8,9 +8,7 @@ from typing import TypeAlias
 
 from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.exploring.exploration import BEGINS, Exploration, ExploredStep
-from pirate_sm.engine.mission.interpreter import ROUND_AND_ROUND
-from pirate_sm.engine.safety import rules
-from pirate_sm.model.effects import (
+from pirate_sm.core.effects import (
     CommandStatus,
     Ended,
     Fault,
@@ -19,6 +17,8 @@ from pirate_sm.model.effects import (
     TriggerFired,
     WaitArmed,
 )
+from pirate_sm.core.program import ROUND_AND_ROUND
+from pirate_sm.core.robot import rules
 
 WaitKey: TypeAlias = tuple[str, str]
 """The phase and place of a wait, ``file:line:col``."""

@@ -30,14 +30,11 @@ from pirate_sm.checking.exploring.exploration import (
     ExploredStep,
 )
 from pirate_sm.checking.exploring.possible_events import Moves, PossibleEvent
-from pirate_sm.engine.deadlines import has_come
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.mission.program import Program, Require, Say, Wait
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import RobotState
-from pirate_sm.engine.state import EngineState
-from pirate_sm.model.effects import Effect, Setpoints, StateChange, TriggerFired, WakeAt
-from pirate_sm.model.events import Tick
+from pirate_sm.core.effects import Effect, Setpoints, StateChange, TriggerFired, WakeAt
+from pirate_sm.core.engine import Engine, EngineState, has_come
+from pirate_sm.core.events import Tick
+from pirate_sm.core.program import Program, Require, Say, Wait
+from pirate_sm.core.robot import RobotSpec, RobotState
 
 MOST_NODES = 50_000
 

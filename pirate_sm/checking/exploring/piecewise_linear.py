@@ -8,7 +8,7 @@ from itertools import combinations, pairwise
 from math import inf, isfinite
 
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
-from pirate_sm.expressions import tree
+from pirate_sm.core.expressions import tree
 
 _FAR = 1e9
 """Bound of an unlimited range; no signal of a robot comes near it in SI units."""

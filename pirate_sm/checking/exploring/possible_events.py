@@ -7,12 +7,10 @@ from math import isinf
 from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.checking.exploring.conditions import Conditions
-from pirate_sm.engine.mission.program import HandlerSpec, Program, Question, Wait
-from pirate_sm.engine.mission.scripted_signals import awaits_torques
-from pirate_sm.engine.robot import robot_state
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.state import EngineState
-from pirate_sm.model.events import Answer, CommandFailed, Event, FaultReport, SubmitResult, Tick
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.events import Answer, CommandFailed, Event, FaultReport, SubmitResult, Tick
+from pirate_sm.core.program import HandlerSpec, Program, Question, Wait, awaits_torques
+from pirate_sm.core.robot import RobotSpec, robot_state
 
 Kind: TypeAlias = Literal[
     "start", "accepted", "rejected", "time", "lasting", "failed", "sensors", "answer", "fault"

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from math import inf, pi, sqrt
 from typing import NamedTuple
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.model import profile as model
+from pirate_sm.core import profile as model
+from pirate_sm.core.expressions import change_of
+from pirate_sm.core.robot import RobotSpec
 
 _COUNTS = 2**15
 """The wire carries int16 values (PICO boards, thesis section 4-2)."""

@@ -7,9 +7,9 @@ from math import isnan
 from typing import TypeAlias
 
 from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
-from pirate_sm.expressions import Vocabulary
-from pirate_sm.model.effects import CommandStatus, Effect, Ended, Fault, PhaseChange, TriggerFired
-from pirate_sm.units import format_quantity
+from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault, PhaseChange, TriggerFired
+from pirate_sm.core.expressions import Vocabulary
+from pirate_sm.core.units import format_quantity
 
 Written: TypeAlias = Callable[[str, str], str]
 """Returns the name of a command as written in the step at a place, ``file:line:col``."""

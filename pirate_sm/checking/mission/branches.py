@@ -10,11 +10,11 @@ from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.driving import within_reach
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
-from pirate_sm.engine.mission.program import Branch
-from pirate_sm.expressions import Expression
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.problems import Path, Place
-from pirate_sm.model.mission import ChooseStep, Mission, every_step
+from pirate_sm.core.documents import Path, Place
+from pirate_sm.core.expressions import Expression
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.mission import ChooseStep, Mission, every_step
+from pirate_sm.core.program import Branch
 
 
 def branches(view: MissionView) -> Iterator[Finding]:

@@ -32,9 +32,8 @@ from pirate_sm.checking.mission.time_limits import time_limits
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings, view_in_pipe
 from pirate_sm.checking.robot.check_robot import robot_errors
-from pirate_sm.loading.mission import TOLERABLE, LoadedMission, load_mission
-from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.yaml.document import Document
+from pirate_sm.core.documents import Document, LoadError
+from pirate_sm.core.loading import TOLERABLE, LoadedMission, load_mission
 
 
 @dataclass(frozen=True)

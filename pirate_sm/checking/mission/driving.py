@@ -11,8 +11,8 @@ from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.signal_ranges import Range
 from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Wait
 
 T = TypeVar("T")
 

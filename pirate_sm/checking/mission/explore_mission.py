@@ -9,8 +9,8 @@ from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import MOST_WORK, explore
 from pirate_sm.checking.exploring.signal_ranges import ranges
-from pirate_sm.engine.mission.program import Do, Program, Raise, Require, Say
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Do, Program, Raise, Require, Say
 
 MOST_ASSUMPTIONS = 20
 """How often the exploration is repeated without steps that can never run."""

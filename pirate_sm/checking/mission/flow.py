@@ -12,15 +12,12 @@ from pirate_sm.checking.exploring.explore import MOST_WORK
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.checking.plans.phase_entry import refused_from
-from pirate_sm.engine.mission.program import Do, Program, Question, Wait
-from pirate_sm.engine.mission.successors import successors
-from pirate_sm.engine.robot import robot_state
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import RobotState
-from pirate_sm.expressions import tree
-from pirate_sm.geometry.space import dot
-from pirate_sm.loading.problems import Path, Place
-from pirate_sm.model.mission import Mission, Phase, WaitStep, every_step
+from pirate_sm.core.documents import Path, Place
+from pirate_sm.core.expressions import tree
+from pirate_sm.core.geometry import dot
+from pirate_sm.core.mission import Mission, Phase, WaitStep, every_step
+from pirate_sm.core.program import Do, Program, Question, Wait, successors
+from pirate_sm.core.robot import RobotSpec, RobotState, robot_state
 
 _MOST_BODIES = 4
 """In how many states of a phase its `resume` is tried [decided]; all share one limit of work."""

@@ -7,7 +7,7 @@ from math import degrees, inf, radians
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.exploring.signal_ranges import Range
-from pirate_sm.engine.robot.command_spec import SlotSpec, Write
+from pirate_sm.core.robot import SlotSpec, Write
 
 STILL_M_S = 0.01
 """Largest speed against its drive that is noise [decided]."""

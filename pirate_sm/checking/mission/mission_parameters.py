@@ -13,15 +13,22 @@ from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.mission.driving import within_reach
 from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.expressions import ExpressionError, compile_condition
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.mission.parameter_values import Value, Values, defaults, read_value
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.yaml.document import Document
-from pirate_sm.model.mission import AskStep, End, LogStep, Mission, Phase, WaitStep
-from pirate_sm.model.quantities import Parameter
-from pirate_sm.model.triggers import ConditionTrigger, OperatorTrigger, TimeTrigger
-from pirate_sm.units import QuantityError
+from pirate_sm.core.documents import Document, Problems
+from pirate_sm.core.expressions import ExpressionError, compile_condition
+from pirate_sm.core.loading import LoadedMission, Value, Values, defaults, read_value
+from pirate_sm.core.mission import (
+    AskStep,
+    ConditionTrigger,
+    End,
+    LogStep,
+    Mission,
+    OperatorTrigger,
+    Phase,
+    TimeTrigger,
+    WaitStep,
+)
+from pirate_sm.core.quantities import Parameter
+from pirate_sm.core.units import QuantityError
 
 _USE = re.compile(r"\$([A-Za-z_][A-Za-z0-9_]*)")
 _FIELD = re.compile(r"\{([A-Za-z_][A-Za-z0-9_]*)\}")

@@ -12,8 +12,8 @@ from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.findings import Finding, Severity, usual_severity
 from pirate_sm.checking.pipe.pipe_view import PipeView
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.problems import Path, Place
+from pirate_sm.core.documents import Path, Place
+from pirate_sm.core.loading import LoadedMission
 
 _LONGEST_STEP = 10
 """Pattern for the line of a step that names the command."""

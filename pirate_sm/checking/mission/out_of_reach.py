@@ -17,9 +17,8 @@ from pirate_sm.checking.mission.kept_ranges import Limit, about, kept_ranges
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.mission.wait_triggers import numbers_known
 from pirate_sm.checking.pipe.at_waits import AtWaits
-from pirate_sm.engine.mission.program import Branch, TriggerSpec, Wait
-from pirate_sm.expressions import BOOLEAN, EnumType, Expression, tree
-from pirate_sm.expressions.vocabulary import change_of
+from pirate_sm.core.expressions import BOOLEAN, EnumType, Expression, change_of, tree
+from pirate_sm.core.program import Branch, TriggerSpec, Wait
 
 BEGINNING_S = 5.0
 """How long commands may drive before a wait begins [decided]."""

@@ -10,8 +10,8 @@ from pirate_sm.checking.exploring.exploration import MISHAPS, Exploration, Explo
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import PhaseChange
+from pirate_sm.core.effects import PhaseChange
+from pirate_sm.core.loading import LoadedMission
 
 
 def reachability(view: MissionView) -> Iterator[Finding]:

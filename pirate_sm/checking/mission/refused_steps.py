@@ -9,9 +9,9 @@ from pirate_sm.checking.exploring.exploration_index import Explored, Visits
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.checking.plans.ways_to_states import way_to
-from pirate_sm.engine.mission.program import STOP, Do, Program, Require
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import CommandStatus
+from pirate_sm.core.effects import CommandStatus
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import STOP, Do, Program, Require
 
 
 def refused_steps(view: MissionView) -> Iterator[Finding]:

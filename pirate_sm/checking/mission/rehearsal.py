@@ -11,8 +11,8 @@ from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.mission.mission_view import MissionPlaces
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.files import shown
+from pirate_sm.core.loading import LoadedMission
 
 
 @dataclass(frozen=True)

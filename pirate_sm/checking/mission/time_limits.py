@@ -11,9 +11,9 @@ from pirate_sm.checking.exploring.exploration import Exploration
 from pirate_sm.checking.exploring.exploration_index import Explored
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
-from pirate_sm.engine.mission.program import Do, Question, SwitchControl
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.mission import CONTROL_WITHIN_S
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.mission import CONTROL_WITHIN_S
+from pirate_sm.core.program import Do, Question, SwitchControl
 
 
 def time_limits(view: MissionView) -> Iterator[Finding]:

@@ -9,10 +9,9 @@ from pirate_sm.checking.exploring.answers import Fact
 from pirate_sm.checking.exploring.piecewise_linear import signals, value
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_view import MissionView
-from pirate_sm.engine.mission.program import Branch, Program, TriggerSpec, Wait
-from pirate_sm.expressions import Expression, NumberType, Vocabulary, tree
-from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.units import DIMENSIONLESS
+from pirate_sm.core.expressions import Expression, NumberType, Vocabulary, change_of, tree
+from pirate_sm.core.program import Branch, Program, TriggerSpec, Wait
+from pirate_sm.core.units import DIMENSIONLESS
 
 
 def wait_triggers(view: MissionView) -> Iterator[Finding]:
@@ -220,7 +219,7 @@ class _Judge:
         """Return ``true`` or ``false`` if the condition is constant, otherwise an empty text.
 
         A condition that is true for all known values of its signals counts as true; only
-        :class:`~pirate_sm.expressions.tree.Known` should test whether they are known.
+        :class:`~pirate_sm.core.expressions.Known` should test whether they are known.
         """
         if condition.tree not in self._constant:
             every = self._table.configurations
@@ -259,7 +258,7 @@ def at_beginning(node: tree.Node, changes: Set[str]) -> tree.Node:
 
     Args:
         node: The condition, or a part of it.
-        changes: Names of the changes, as :func:`~pirate_sm.expressions.vocabulary.change_of` gives
+        changes: Names of the changes, as :func:`~pirate_sm.core.expressions.change_of` gives
             them.
     """
     if isinstance(node, tree.Signal) and node.name in changes:

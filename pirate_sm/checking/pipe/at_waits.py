@@ -13,12 +13,10 @@ from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.usual_course import course_of
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.engine.mission.successors import failures
-from pirate_sm.expressions import tree
-from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.model.profile import DetectorPoint
+from pirate_sm.core.expressions import change_of, tree
+from pirate_sm.core.geometry import RouteJoint
+from pirate_sm.core.profile import DetectorPoint
+from pirate_sm.core.program import Wait, failures
 
 _JOINT, _OUT = "RouteJoint", "Out"
 

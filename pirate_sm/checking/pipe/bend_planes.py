@@ -15,7 +15,7 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.course_points import Bending
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
-from pirate_sm.geometry.joints import RouteJoint
+from pirate_sm.core.geometry import RouteJoint
 
 MOST_ROLL_RAD = pi / 18
 """Smallest roll of a part relative to a bend that it cannot pass (docs/simulator.md)."""

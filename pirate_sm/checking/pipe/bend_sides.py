@@ -9,9 +9,9 @@ from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
 from pirate_sm.checking.pipe.bends import Bends
 from pirate_sm.checking.pipe.pipe_view import PipeView
-from pirate_sm.engine.mission.program import Do
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.loading.problems import Place
+from pirate_sm.core.documents import Place
+from pirate_sm.core.geometry import RouteJoint
+from pirate_sm.core.program import Do
 
 
 def bends_to_the_inner_wall(view: PipeView) -> Iterator[Finding]:

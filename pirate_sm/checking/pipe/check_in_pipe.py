@@ -17,7 +17,7 @@ from pirate_sm.checking.pipe.room import holds_behind_the_bend, starts_clear_of_
 from pirate_sm.checking.pipe.tee_mouths import keeps_off_the_mouths
 from pirate_sm.checking.pipe.turning import turns_what_is_slack
 from pirate_sm.checking.pipe.usual_course import course_of
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
 
 RULES = (
     starts_clear_of_bends,

@@ -9,10 +9,9 @@ from pirate_sm.checking.actuation_in_force import under
 from pirate_sm.checking.findings import Finding, Severity, at
 from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.space import Vector, dot
-from pirate_sm.loading.problems import Path
-from pirate_sm.model.pipe import Pipe
+from pirate_sm.core.documents import Path
+from pirate_sm.core.geometry import Piece, Vector, dot
+from pirate_sm.core.pipe import Pipe
 
 
 class _Hold(NamedTuple):

@@ -10,7 +10,7 @@ from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import Bending, Change
 from pirate_sm.checking.pipe.pipe_view import PipeView
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD
-from pirate_sm.model.travel import PassedBy, Travel
+from pirate_sm.core.profile import PassedBy, Travel
 
 
 def takes_bends_that_are_there(view: PipeView) -> Iterator[Finding]:

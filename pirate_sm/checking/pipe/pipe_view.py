@@ -11,13 +11,11 @@ from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.pipe.course_points import CoursePoint, UsualCourse
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
 from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
-from pirate_sm.engine.mission.program import Do, Require
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.loading.problems import Path, Place
-from pirate_sm.loading.yaml.document import Document
-from pirate_sm.model.pipe import Pipe
+from pirate_sm.core.documents import Document, Path, Place
+from pirate_sm.core.geometry import Piece, RouteJoint
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.program import Do, Require
 
 
 @dataclass(frozen=True)

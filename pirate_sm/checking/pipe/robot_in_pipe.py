@@ -9,18 +9,23 @@ from itertools import accumulate
 from math import asin, inf, isnan, sqrt
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
-from pirate_sm.engine.control.grip import torque_nm
-from pirate_sm.engine.robot.command_spec import Write
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.geometry.clamping import WHEELS_SHARE, press_n, span_m
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.geometry.network import BRANCH, port_of, tilted_up
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2, Vector, dot
-from pirate_sm.model.body import Link
-from pirate_sm.model.pipe import FrictionStretch, Pipe
-from pirate_sm.model.profile import Profile
+from pirate_sm.core.geometry import (
+    BRANCH,
+    GRAVITY_M_S2,
+    WHEELS_SHARE,
+    Piece,
+    Route,
+    RouteJoint,
+    Vector,
+    dot,
+    port_of,
+    press_n,
+    span_m,
+    tilted_up,
+)
+from pirate_sm.core.pipe import FrictionStretch, Pipe
+from pirate_sm.core.profile import Link, Profile
+from pirate_sm.core.robot import RobotSpec, Write, torque_nm
 
 _NEAR_M = 1e-6
 """How far on either side of a patch's edge a wheel is looked at."""

@@ -6,7 +6,7 @@ from math import isnan, nan, pi, remainder
 from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
-from pirate_sm.engine.robot.command_spec import Write
+from pirate_sm.core.robot import Write
 
 QUARTER_RAD = pi / 2
 _DIGITS = 6

@@ -9,8 +9,8 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.loading.problems import Problems, Severity
+from pirate_sm.core.documents import Problems, Severity
+from pirate_sm.core.geometry import RouteJoint
 
 
 def starts_clear_of_bends(view: PipeView) -> Iterator[Finding]:

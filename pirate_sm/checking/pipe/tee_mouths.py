@@ -9,8 +9,7 @@ from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.pipe.course_points import CoursePoint
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.roll_joint import QUARTER_RAD, PartRolls
-from pirate_sm.geometry.joints import RouteJoint
-from pirate_sm.geometry.mouth import sink_m
+from pirate_sm.core.geometry import RouteJoint, sink_m
 
 MOST_SINK_M = 0.01
 """How far a wheel may sink into a mouth. Simulated robots pass a tee in 120 mm where it is 7.5 mm,

@@ -15,10 +15,9 @@ from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.pipe.bends import Bends, BentPart
 from pirate_sm.checking.pipe.course_points import Bending, Change, CoursePoint, UsualCourse
 from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
-from pirate_sm.engine.mission import program as steps
-from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.mission.successors import failures, successes
-from pirate_sm.engine.robot.robot_spec import RobotSpec
+from pirate_sm.core.program import Program, failures, successes
+from pirate_sm.core.program import program as steps
+from pirate_sm.core.robot import RobotSpec
 
 MOST_SITUATIONS = 100_000
 """Largest number of situations; a larger mission is not checked in its pipe."""

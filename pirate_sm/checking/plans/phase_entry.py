@@ -7,9 +7,9 @@ from dataclasses import replace
 from pirate_sm.checking.exploring.exploration_index import Explored, index_exploration
 from pirate_sm.checking.exploring.explore import MOST_WORK, explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
-from pirate_sm.engine.mission.program import Do, Require
-from pirate_sm.engine.robot.robot_state import RobotState
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Do, Require
+from pirate_sm.core.robot import RobotState
 
 
 def why_not_from(loaded: LoadedMission, phase: str, body: RobotState) -> str:

@@ -8,10 +8,9 @@ from dataclasses import replace
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.plans.phase_entry import why_not_from
-from pirate_sm.engine.robot.planning import Plan, RulePlaces, plans
-from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import PhaseChange
+from pirate_sm.core.effects import PhaseChange
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.robot import Plan, RobotState, RulePlaces, at_rest_in, plans
 
 Beginnings = Mapping[str, frozenset[int]]
 """For each phase the configurations in which a mission run from its start enters it."""

@@ -11,12 +11,10 @@ from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.mission.reachability import cannot_end
-from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.resuming.resumption import Resumption
-from pirate_sm.engine.resuming.unknowns import position_read
-from pirate_sm.engine.robot import confirmation
-from pirate_sm.engine.robot.robot_state import Mark
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Program
+from pirate_sm.core.resuming import Resumption, position_read
+from pirate_sm.core.robot import Mark, confirmation
 
 Word = Literal["possible", "may hang", "fails", "impossible", "not explored"]
 

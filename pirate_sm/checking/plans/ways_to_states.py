@@ -6,12 +6,16 @@ from collections.abc import Collection, Iterable, Mapping
 from itertools import combinations
 from typing import NamedTuple
 
-from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.robot.chart_table import ChartTable, Configuration
-from pirate_sm.engine.robot.command_outcome import refusal
-from pirate_sm.engine.robot.planning import Plan, plans
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import RobotState
+from pirate_sm.core.program import Program
+from pirate_sm.core.robot import (
+    ChartTable,
+    Configuration,
+    Plan,
+    RobotSpec,
+    RobotState,
+    plans,
+    refusal,
+)
 
 Wanted = Mapping[int, str]
 """The target state by the index of its region; other regions may have any state."""

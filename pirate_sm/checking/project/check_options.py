@@ -10,8 +10,7 @@ from typing import TypeAlias
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.rehearsal import Rehearse
-from pirate_sm.loading.file_kinds import FileKind
-from pirate_sm.loading.yaml.document import Document
+from pirate_sm.core.documents import Document, FileKind
 
 CheckOther: TypeAlias = Callable[[Path], tuple[Sequence[Document], Iterable[Finding]]]
 """Returns a file with those that it uses and what is wrong with them, or raises a `LoadError`."""

@@ -19,26 +19,35 @@ from pirate_sm.checking.project.find_files import CheckTarget, find_targets, rob
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.counterexamples import Examples
 from pirate_sm.checking.robot.check_robot import check_robot
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library, references
-from pirate_sm.loading.camera_file import check_robot_seen, load_camera
-from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.file_kinds import FileKind
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
-from pirate_sm.loading.panel_file import check_names, read_panel, robot_of
-from pirate_sm.loading.pipe_file import check_reach, load_pipe
-from pirate_sm.loading.pipe_shape import check_pipe
-from pirate_sm.loading.problems import LoadError, Place, Problems
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.robot.calibration_files import load_calibration
-from pirate_sm.loading.robot.twin_file import check_twin
-from pirate_sm.loading.trace_script import read_script
-from pirate_sm.loading.yaml.document import LARGEST_FILE, Document, read_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.calibration import Calibration
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.twin import Twin
-from pirate_sm.on_disk import is_file
+from pirate_sm.core.documents import (
+    LARGEST_FILE,
+    Document,
+    FileKind,
+    LoadError,
+    Place,
+    Problems,
+    read_document,
+)
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import PROFILE_FILE, library, shown
+from pirate_sm.core.loading import (
+    check_pipe,
+    check_reach,
+    check_twin,
+    load_calibration,
+    load_pipe,
+    load_robot,
+    outline_chart,
+    read_script,
+    references,
+    validate,
+)
+from pirate_sm.core.on_disk import is_file
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.profile import Calibration
+from pirate_sm.core.simulation import Twin
+from pirate_sm.robot.camera_file import check_robot_seen, load_camera
+from pirate_sm.robot.control_panel.panel_file import check_names, read_panel, robot_of
 
 
 def check_paths(

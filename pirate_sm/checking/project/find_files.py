@@ -8,14 +8,12 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.file_kinds import FileKind, kind_of
-from pirate_sm.loading.file_names import PROFILE_FILE, shown
-from pirate_sm.loading.problems import Place
-from pirate_sm.loading.references import project_of
-from pirate_sm.on_disk import is_folder, is_there
-from pirate_sm.spelling import nearest
+from pirate_sm.core.documents import FileKind, Place, kind_of
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import PROFILE_FILE, library, shown
+from pirate_sm.core.loading import project_of
+from pirate_sm.core.on_disk import is_folder, is_there
+from pirate_sm.core.spelling import nearest
 
 ROBOTS, MISSIONS, CAMERAS, PANELS = "hardware_profiles", "sequences", "cameras", "panels"
 CAMPAIGNS = "campaigns"

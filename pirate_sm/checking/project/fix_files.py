@@ -10,10 +10,10 @@ from typing import TypeAlias
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.reports.check_report import CheckReport
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.foreign import is_below
-from pirate_sm.loading.problems import Edit
-from pirate_sm.on_disk import is_folder, is_there, opened, replace_file
+from pirate_sm.core.documents import Edit
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import is_below
+from pirate_sm.core.on_disk import is_folder, is_there, opened, replace_file
 
 _BOM = "\ufeff"
 _Line: TypeAlias = tuple[Edit, str]

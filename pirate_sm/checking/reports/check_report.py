@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
-from pirate_sm.loading.file_kinds import FileKind
+from pirate_sm.core.documents import FileKind
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,7 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal
 from pirate_sm.checking.reports.check_report import CheckReport, end_column, excerpt
-from pirate_sm.loading.problems import Edit, Place
+from pirate_sm.core.documents import Edit, Place
 
 FORMAT = 1
 

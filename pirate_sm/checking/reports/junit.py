@@ -8,7 +8,7 @@ from xml.etree.ElementTree import Element, SubElement, indent, tostring
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckReport, excerpt
-from pirate_sm.visible import visible
+from pirate_sm.core.visible import visible
 
 
 def junit_report(report: CheckReport, fail_on: Severity) -> str:

@@ -13,7 +13,7 @@ from pirate_sm import __version__
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckReport, end_column, excerpt
-from pirate_sm.loading.problems import Edit, Place
+from pirate_sm.core.documents import Edit, Place
 
 _ROOT = "%SRCROOT%"
 

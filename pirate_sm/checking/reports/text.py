@@ -10,7 +10,7 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.rehearsal import Rehearsal, RehearsedRun
 from pirate_sm.checking.reports.check_report import CheckReport, marked
-from pirate_sm.model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
+from pirate_sm.core.events import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100
 _LEAST = 20

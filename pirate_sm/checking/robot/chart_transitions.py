@@ -10,9 +10,8 @@ from typing import NamedTuple
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.chart_view import ChartView
 from pirate_sm.checking.robot.guard_logic import constant, constant_parts, offset_of, regions_of
-from pirate_sm.loading.chart.guards import conjuncts, holds
-from pirate_sm.loading.chart.outline import ChartOutline, ChartTransition
-from pirate_sm.loading.problems import Path, Place
+from pirate_sm.core.documents import Path, Place
+from pirate_sm.core.loading import ChartOutline, ChartTransition, conjuncts, holds
 
 
 class _Verdict(NamedTuple):

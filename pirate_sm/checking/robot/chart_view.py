@@ -8,10 +8,9 @@ from functools import cached_property
 
 from pirate_sm.checking.findings import Finding, at
 from pirate_sm.checking.robot.guard_logic import ReachedCombinations
-from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.loading.chart.outline import ChartOutline
-from pirate_sm.loading.problems import Place
-from pirate_sm.loading.yaml.document import Document
+from pirate_sm.core.documents import Document, Place
+from pirate_sm.core.loading import ChartOutline
+from pirate_sm.core.robot import ChartTable
 
 
 @dataclass(frozen=True)

@@ -25,12 +25,9 @@ from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.chart_transitions import TransitionRules
 from pirate_sm.checking.robot.chart_view import ChartView
 from pirate_sm.checking.robot.dead_ends import idle_commands, traps
-from pirate_sm.engine.robot.chart_table import ChartTable
-from pirate_sm.loading.chart.outline import ChartOutline, ChartTransition
-from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.loading.yaml.document import Document
+from pirate_sm.core.documents import Document, Problems
+from pirate_sm.core.loading import ChartOutline, ChartTransition, LoadedRobot, outline_chart
+from pirate_sm.core.robot import ChartTable
 
 
 class ChartCheck(NamedTuple):

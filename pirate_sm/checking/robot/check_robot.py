@@ -40,13 +40,9 @@ from pirate_sm.checking.robot.wheels_and_clamps import (
     unconfirmed_clamps,
     wheel_directions,
 )
-from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.chart.table_cache import cached_table
-from pirate_sm.loading.extended_file import read_extended
-from pirate_sm.loading.file_names import PROFILE_FILE
-from pirate_sm.loading.problems import LoadError, Problem, Problems
-from pirate_sm.loading.robot import LoadedRobot, load_robot, read_robot
-from pirate_sm.loading.yaml.document import Document
+from pirate_sm.core.documents import Document, LoadError, Problem, Problems, read_extended
+from pirate_sm.core.files import PROFILE_FILE
+from pirate_sm.core.loading import LoadedRobot, cached_table, load_robot, outline_chart, read_robot
 
 UNREACHABLE = "chart.unreachable"
 

@@ -6,11 +6,10 @@ from collections.abc import Iterator, Mapping
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.library import find_mission
-from pirate_sm.loading.problems import LoadError, Path
-from pirate_sm.loading.references import followed
-from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.core.documents import LoadError, Path, read_document
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import find_mission
+from pirate_sm.core.loading import followed
 
 
 def command_targets(view: RobotView) -> Iterator[Finding]:

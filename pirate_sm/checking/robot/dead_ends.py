@@ -6,8 +6,8 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.chart_view import ChartView
-from pirate_sm.loading.chart.outline import ChartTransition
-from pirate_sm.loading.problems import Path
+from pirate_sm.core.documents import Path
+from pirate_sm.core.loading import ChartTransition
 
 
 def traps(chart: ChartView, silent: Iterable[ChartTransition]) -> Iterator[Finding]:

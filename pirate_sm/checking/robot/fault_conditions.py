@@ -10,8 +10,8 @@ from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.signal_ranges import Range, ranges
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.expressions import tree
-from pirate_sm.loading.problems import Path
+from pirate_sm.core.documents import Path
+from pirate_sm.core.expressions import tree
 
 _CONSTANT = {True: "this is true whatever the sensors show", False: "this can never be true"}
 

@@ -13,10 +13,10 @@ from itertools import product
 from math import prod
 from typing import TYPE_CHECKING
 
-from pirate_sm.loading.chart.guards import States, asked_by, holds
+from pirate_sm.core.loading import States, asked_by, holds
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.robot.chart_table import ChartTable
+    from pirate_sm.core.robot import ChartTable
 
 MOST_COMBINATIONS = 4096
 """With more thinkable combinations a guard counts as not constant."""

@@ -8,7 +8,10 @@ from math import atan2, degrees, inf, pi
 from pirate_sm.checking.actuation_in_force import too_slow, too_strong
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.engine.robot.criteria import (
+from pirate_sm.core.documents import Path
+from pirate_sm.core.loading import FOLDING_ROOM_RAD
+from pirate_sm.core.profile import Load, Target, Turning
+from pirate_sm.core.robot import (
     AcceptedSpec,
     AlignedSpec,
     BelowSpec,
@@ -18,10 +21,6 @@ from pirate_sm.engine.robot.criteria import (
     StoppedSpec,
     TurningSpec,
 )
-from pirate_sm.loading.pipe_file import FOLDING_ROOM_RAD
-from pirate_sm.loading.problems import Path
-from pirate_sm.model.actuation import Target
-from pirate_sm.model.criteria import Load, Turning
 
 _DENSEST_KG_M3 = 22_600.0
 """Density of osmium, the densest material there is."""

@@ -7,11 +7,11 @@ from typing import NamedTuple, TypeAlias
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.expressions import NumberType
-from pirate_sm.loading.problems import Path
-from pirate_sm.model import derived as kinds
-from pirate_sm.model.criteria import Stalled
-from pirate_sm.units import ACCELERATION, ANGLE, CURRENT, TORQUE
+from pirate_sm.core.documents import Path
+from pirate_sm.core.expressions import NumberType
+from pirate_sm.core.profile import Stalled
+from pirate_sm.core.profile import derived as kinds
+from pirate_sm.core.units import ACCELERATION, ANGLE, CURRENT, TORQUE
 
 _MOTORS = {"wheel": "geared", "joint": "sprung_worm", "roll": "position"}
 """The kind of motor that drives each kind of thing."""

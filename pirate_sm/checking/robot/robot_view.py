@@ -9,12 +9,10 @@ from typing import NamedTuple
 
 from pirate_sm.checking.actuation_in_force import Actuated, InForce
 from pirate_sm.checking.findings import Finding, Severity, at
-from pirate_sm.engine.robot.command_spec import StageSpec, Write
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.loading.problems import Path
-from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.model.motor import Motor
-from pirate_sm.model.profile import Channel, Profile, Slot
+from pirate_sm.core.documents import Path
+from pirate_sm.core.loading import LoadedRobot
+from pirate_sm.core.profile import Channel, Motor, Profile, Slot
+from pirate_sm.core.robot import RobotSpec, StageSpec, Write
 
 
 class StateWrite(NamedTuple):

@@ -7,7 +7,9 @@ from collections.abc import Iterable, Iterator, Sequence
 from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.engine.robot.confirmation_spec import (
+from pirate_sm.core.documents import Path
+from pirate_sm.core.robot import (
+    AcceptedSpec,
     AnglesSpec,
     DrivenSpec,
     HeldSpec,
@@ -15,8 +17,6 @@ from pirate_sm.engine.robot.confirmation_spec import (
     SeenSpec,
     StandingSpec,
 )
-from pirate_sm.engine.robot.criteria import AcceptedSpec
-from pirate_sm.loading.problems import Path
 
 
 def unseen_states(view: RobotView) -> Iterator[Finding]:

@@ -7,7 +7,7 @@ from math import copysign
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.robot.robot_view import RobotView, StateWrite
-from pirate_sm.engine.robot.criteria import AcceptedSpec, StalledSpec
+from pirate_sm.core.robot import AcceptedSpec, StalledSpec
 
 
 def _apexes(view: RobotView) -> Iterator[tuple[int, int, int]]:

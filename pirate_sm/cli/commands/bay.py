@@ -11,20 +11,18 @@ from typing import TYPE_CHECKING, NamedTuple, TextIO
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.links import BayOptions
 from pirate_sm.cli.output.files import refuse_losses
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import unknown
-from pirate_sm.units import DIMENSIONLESS, read_quantity
-from pirate_sm.wiring.bay import without_messages
-from pirate_sm.wiring.sim import COMPILING, start_values
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_mission, load_pipe, load_robot
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.spelling import unknown
+from pirate_sm.core.units import DIMENSIONLESS, read_quantity
+from pirate_sm.running.wiring.bay import without_messages
+from pirate_sm.running.wiring.sim import COMPILING, start_values
 
 if TYPE_CHECKING:
-    from pirate_sm.bay.switches import Switches, Topic
+    from pirate_sm.simulation.bay.switches import Switches, Topic
 
 
 class _Setting(NamedTuple):
@@ -45,9 +43,9 @@ def run_bay(options: BayOptions) -> int:
         BackendError: There is no pseudo-terminal.
     """
     try:
-        from pirate_sm.bay.terminal import StopSignals, Terminal, serve
-        from pirate_sm.bay.texts import message_texts
-        from pirate_sm.bay.virtual import VirtualBay
+        from pirate_sm.simulation.bay.terminal import StopSignals, Terminal, serve
+        from pirate_sm.simulation.bay.texts import message_texts
+        from pirate_sm.simulation.bay.virtual import VirtualBay
         from pirate_sm.simulation.xpbd.kinematic import is_compiled
     except ModuleNotFoundError as error:
         raise without_messages(error) from None
@@ -78,7 +76,7 @@ def _log(path: Path) -> TextIO:
 
 
 def _switches(options: BayOptions) -> Switches:
-    from pirate_sm.bay.switches import RING, Switches
+    from pirate_sm.simulation.bay.switches import RING, Switches
 
     return Switches(
         loss_in=_share(options.loss_in or options.loss),
@@ -115,7 +113,7 @@ def _or_never(time_s: float | None) -> float:
 
 
 def _topics(names: Sequence[str]) -> tuple[Topic, ...]:
-    from pirate_sm.bay.switches import TOPICS
+    from pirate_sm.simulation.bay.switches import TOPICS
 
     if wrong := unknown("there is no topic", names, TOPICS):
         raise UsageError(wrong)

@@ -12,22 +12,22 @@ from pirate_sm.cli.options.links import CalibrateOptions
 from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.robot_connection import connection, find_loaded, named_port, subject_of
 from pirate_sm.cli.stop_checks import StoppedError
-from pirate_sm.diagnosis.listening import Listening
-from pirate_sm.diagnosis.straightness import JointReading, objections, read_joints
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.problems import LoadError
-from pirate_sm.loading.robot import LoadedRobot
-from pirate_sm.loading.robot.calibration_files import (
+from pirate_sm.core.documents import LoadError
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import shown
+from pirate_sm.core.loading import (
     LARGEST_ZERO_RAD,
+    LoadedRobot,
     joints_of,
     keep_calibration,
     newest_calibration,
 )
-from pirate_sm.model.calibration import Calibration
-from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.spelling import unknown
-from pirate_sm.units import ANGLE, read_quantity
+from pirate_sm.core.profile import Calibration
+from pirate_sm.core.spelling import unknown
+from pirate_sm.core.units import ANGLE, read_quantity
+from pirate_sm.robot.diagnosis.listening import Listening
+from pirate_sm.robot.diagnosis.straightness import JointReading, objections, read_joints
+from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
 
 KEPT, REFUSED = 0, 1
 

@@ -18,29 +18,34 @@ from pirate_sm.cli.options.cameras import (
 from pirate_sm.cli.options.values import read_board
 from pirate_sm.cli.output.files import refuse_losses, write_bytes, write_file
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.camera_file import load_camera
-from pirate_sm.loading.camera_text import lens_line, pose_line, with_lens, with_pose
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.camera import Camera, RobotTags
-from pirate_sm.model.camera_source import DeviceSource, ImagesSource, SyntheticSource, UrlSource
-from pirate_sm.model.sighting import Sighting
-from pirate_sm.visible import visible
-from pirate_sm.vision.annotating import annotated
-from pirate_sm.vision.calibration import calibrate
-from pirate_sm.vision.captures import Capture, ImageCapture, first_frame, open_capture
-from pirate_sm.vision.chessboard import Chessboard, find_board, is_another, is_sharp
-from pirate_sm.vision.lens import LensModel
-from pirate_sm.vision.opencv import cv2
-from pirate_sm.vision.picture_arrays import Floats, Frame
-from pirate_sm.vision.printing import board_sheet, tag_sheets
-from pirate_sm.vision.seeing import eye_of
-from pirate_sm.vision.surveying import KnownPlace, known_points, known_tags, survey
-from pirate_sm.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
-from pirate_sm.vision.tags import grayed
+from pirate_sm.core.camera import (
+    Camera,
+    DeviceSource,
+    ImagesSource,
+    RobotTags,
+    SyntheticSource,
+    UrlSource,
+)
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Sighting
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_pipe, load_robot
+from pirate_sm.core.visible import visible
+from pirate_sm.robot.camera_file import load_camera
+from pirate_sm.robot.camera_text import lens_line, pose_line, with_lens, with_pose
+from pirate_sm.robot.vision.annotating import annotated
+from pirate_sm.robot.vision.calibration import calibrate
+from pirate_sm.robot.vision.captures import Capture, ImageCapture, first_frame, open_capture
+from pirate_sm.robot.vision.chessboard import Chessboard, find_board, is_another, is_sharp
+from pirate_sm.robot.vision.lens import LensModel
+from pirate_sm.robot.vision.opencv import cv2
+from pirate_sm.robot.vision.picture_arrays import Floats, Frame
+from pirate_sm.robot.vision.printing import board_sheet, tag_sheets
+from pirate_sm.robot.vision.seeing import eye_of
+from pirate_sm.robot.vision.surveying import KnownPlace, known_points, known_tags, survey
+from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
+from pirate_sm.robot.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+from pirate_sm.robot.vision.tags import grayed
 
 _WARM_UP = 15
 """Pictures after which a camera has found its exposure."""

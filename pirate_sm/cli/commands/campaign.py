@@ -11,25 +11,25 @@ from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 
-from pirate_sm.campaign.campaign_file import read_campaign
-from pirate_sm.campaign.conductor import Conductor, Progress, stored_plan
-from pirate_sm.campaign.crew import MOST_EACH, connected, most_workers
-from pirate_sm.campaign.junit import as_junit
-from pirate_sm.campaign.plan import CampaignPlan, mark_of
-from pirate_sm.campaign.recording_failures import failures, record_failures
-from pirate_sm.campaign.results import CampaignResult, as_text, result_of
-from pirate_sm.campaign.store import DamagedMarkError, Store, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.campaigns import CampaignOptions
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
 from pirate_sm.cli.stop_checks import StoppedError
-from pirate_sm.errors import UsageError, not_installed
-from pirate_sm.loading import library
-from pirate_sm.on_disk import is_file, is_folder
-from pirate_sm.runtime.stop_requests import BY_SIGNAL, Stop
-from pirate_sm.spelling import unknown
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import UsageError, not_installed
+from pirate_sm.core.files import library
+from pirate_sm.core.on_disk import is_file, is_folder
+from pirate_sm.core.spelling import unknown
+from pirate_sm.core.visible import visible
+from pirate_sm.lab.campaign.campaign_file import read_campaign
+from pirate_sm.lab.campaign.conductor import Conductor, Progress, stored_plan
+from pirate_sm.lab.campaign.crew import MOST_EACH, connected, most_workers
+from pirate_sm.lab.campaign.junit import as_junit
+from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of
+from pirate_sm.lab.campaign.recording_failures import failures, record_failures
+from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
+from pirate_sm.lab.campaign.store import DamagedMarkError, Store, is_store
+from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop
 
 AS_EXPECTED, BELOW = 0, 1
 

@@ -20,15 +20,13 @@ from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.cli.output.terminal import columns_of, shows_colour, wrapped
-from pirate_sm.errors import UsageError
-from pirate_sm.experiments.check_experiment import check_experiment
-from pirate_sm.gallery.scene_file import HERE, OUT, check_scene
-from pirate_sm.loading.file_kinds import FileKind
-from pirate_sm.loading.foreign import is_below
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.yaml.document import Document
-from pirate_sm.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
-from pirate_sm.visible import visible
+from pirate_sm.core.documents import Document, FileKind, Problems
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import is_below
+from pirate_sm.core.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
+from pirate_sm.core.visible import visible
+from pirate_sm.lab.experiments.check_experiment import check_experiment
+from pirate_sm.lab.gallery.scene_file import HERE, OUT, check_scene
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
 
@@ -129,7 +127,7 @@ def _check_scene(path: Path) -> tuple[list[Document], Iterable[Finding]]:
 
 
 def _check_campaign(path: Path) -> tuple[list[Document], list[Finding]]:
-    from pirate_sm.campaign.campaign_file import check_campaign  # needs the simulator
+    from pirate_sm.lab.campaign.campaign_file import check_campaign  # needs the simulator
 
     return check_campaign(path)
 

@@ -9,19 +9,19 @@ from pathlib import Path
 
 from pirate_sm.checking.mission.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.errors import say
-from pirate_sm.engine.deadlines import ROUNDING_S
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.effects import Effect, TriggerFired, WaitArmed
-from pirate_sm.model.events import Event
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.near_miss_kinds import NearMiss
-from pirate_sm.runtime.near_misses import NearMisses
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
+from pirate_sm.core.engine import ROUNDING_S
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Event
+from pirate_sm.core.files import shown
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Wait
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.near_miss_kinds import NearMiss
+from pirate_sm.running.runtime.near_misses import NearMisses
+from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.wiring import Order, prepare
 
 LONGEST_S = 3600.0
 """A mission that has not ended by then is stopped."""

@@ -5,18 +5,18 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from pirate_sm.campaign.store import is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
-from pirate_sm.errors import UsageError
-from pirate_sm.expressions import Vocabulary
-from pirate_sm.on_disk import is_folder, is_there, why_hidden
-from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.replay.compare import Comparison, compare, compared_run
-from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.replay.setup_differences import unlike
-from pirate_sm.units import format_quantity
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.expressions import Vocabulary
+from pirate_sm.core.on_disk import is_folder, is_there, why_hidden
+from pirate_sm.core.units import format_quantity
+from pirate_sm.lab.campaign.store import is_store
+from pirate_sm.running.recording.format.header import RunHeader
+from pirate_sm.running.recording.replay.compare import Comparison, compare, compared_run
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay.setup_differences import unlike
 
 SAME, DIFFERENT, UNREADABLE = 0, 1, 2
 
@@ -71,9 +71,9 @@ def _refuse_folders(*places: Path) -> None:
 
 
 def _compare_campaigns(first: Path, second: Path) -> int:
-    from pirate_sm.campaign.comparing import compare as compare_campaigns
-    from pirate_sm.campaign.comparing import comparison_text
-    from pirate_sm.campaign.conductor import stored
+    from pirate_sm.lab.campaign.comparing import compare as compare_campaigns
+    from pirate_sm.lab.campaign.comparing import comparison_text
+    from pirate_sm.lab.campaign.conductor import stored
 
     both = stored(first), stored(second)
     for name, place, each in zip("AB", (first, second), both, strict=True):

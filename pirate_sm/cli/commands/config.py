@@ -9,7 +9,7 @@ from pirate_sm.cli import settings
 from pirate_sm.cli.commands.list import print_table
 from pirate_sm.cli.options.files import ConfigOptions
 from pirate_sm.cli.settings import SETTINGS, SettingValue
-from pirate_sm.visible import visible
+from pirate_sm.core.visible import visible
 
 FORMAT = 1
 """Changes when a reader of the JSON would have to."""

@@ -14,21 +14,21 @@ from pirate_sm.cli.output.encoding import shows_signs
 from pirate_sm.cli.output.progress import progress
 from pirate_sm.cli.output.terminal import is_terminal
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.mission.manual_mission import BY_HAND
-from pirate_sm.palette import Theme
-from pirate_sm.runtime.outcome import BUG, SUCCEEDED
-from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.visible import visible
-from pirate_sm.wiring import Order, Prepared, load, prepare
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import BY_HAND
+from pirate_sm.core.palette import Theme
+from pirate_sm.core.visible import visible
+from pirate_sm.running.runtime.outcome import BUG, SUCCEEDED
+from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:
-    from pirate_sm.console.app import Console
-    from pirate_sm.console.session import OperatorSession
-    from pirate_sm.control_panel.panel_reader import PanelReader
-    from pirate_sm.loading.mission import LoadedMission
-    from pirate_sm.runtime.pump import Resuming
-    from pirate_sm.wiring.run_recorder import Kept
+    from pirate_sm.core.loading import LoadedMission
+    from pirate_sm.robot.control_panel.panel_reader import PanelReader
+    from pirate_sm.running.runtime.pump import Resuming
+    from pirate_sm.running.wiring.run_recorder import Kept
+    from pirate_sm.views.console.app import Console
+    from pirate_sm.views.console.session import OperatorSession
 
 _LOOK_EVERY_S = 0.1
 
@@ -78,10 +78,10 @@ def open_console(options: ConsoleOptions) -> int:
                 prepared, begun = take_over(unchecked, options, requests)
             prepared = replace(prepared, order=replace(prepared.order, check=order.check))
         session = _session(prepared, factor, recording, begun)
-    from pirate_sm.console.app import Console
-    from pirate_sm.console.check_process import CheckProcess
-    from pirate_sm.console.quitting import Watchdog, ender
-    from pirate_sm.console.terminal_driver import StopDriver
+    from pirate_sm.views.console.app import Console
+    from pirate_sm.views.console.check_process import CheckProcess
+    from pirate_sm.views.console.quitting import Watchdog, ender
+    from pirate_sm.views.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
     with ExitStack() as stack, CaughtSignals(session.quitting, ends_process=True):
@@ -134,7 +134,7 @@ def _session(
     then: LoadedMission | None = None,
 ) -> OperatorSession:
     """Return a session of the console with a recording of each mission."""
-    from pirate_sm.console.session import OperatorSession, unkept
+    from pirate_sm.views.console.session import OperatorSession, unkept
 
     def keep(prepared: Prepared) -> AbstractContextManager[Kept]:
         if prepared.loaded.mission.mission == BY_HAND:
@@ -152,11 +152,11 @@ def _view(path: str, theme: Theme) -> int:
     """
     from pathlib import Path
 
-    from pirate_sm.console.quitting import LeaveRequests, Watchdog, ender
-    from pirate_sm.console.recorded_snapshots import recorded_snapshots
-    from pirate_sm.console.recording_viewer import RecordingViewer
-    from pirate_sm.console.terminal_driver import StopDriver
-    from pirate_sm.recording.read.reader import read_recording
+    from pirate_sm.running.recording.read.reader import read_recording
+    from pirate_sm.views.console.quitting import LeaveRequests, Watchdog, ender
+    from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
+    from pirate_sm.views.console.recording_viewer import RecordingViewer
+    from pirate_sm.views.console.terminal_driver import StopDriver
 
     with progress(f"reading {visible(path)}") as watch:
         reel = recorded_snapshots(read_recording(Path(path), watch))
@@ -171,7 +171,7 @@ def _view(path: str, theme: Theme) -> int:
 
 
 def _prepared(order: Order) -> Prepared:
-    from pirate_sm.console.mission_list import without_mission
+    from pirate_sm.views.console.mission_list import without_mission
 
     if order.mission:
         return prepare(order, load(order), say=say)
@@ -184,7 +184,7 @@ def _prepared(order: Order) -> Prepared:
 
 def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
     """Print how the session ended and how it left the robot; return the exit code."""
-    from pirate_sm.showing.left_state import left_state
+    from pirate_sm.views.showing.left_state import left_state
 
     if parting := session.prepared.parting():
         say(parting)

@@ -18,9 +18,13 @@ from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import columns_of, is_terminal, wrapped
 from pirate_sm.cli.scene_steps import simulating, why_refused, why_unplayable
-from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.experiments.needed_extras import is_missing
-from pirate_sm.gallery.scene_file import (
+from pirate_sm.core.campaign import Scene, SceneStep
+from pirate_sm.core.effects import PhaseChange
+from pirate_sm.core.errors import RecordingError, UsageError
+from pirate_sm.core.files import is_below, library
+from pirate_sm.core.visible import visible
+from pirate_sm.lab.experiments.needed_extras import is_missing
+from pirate_sm.lab.gallery.scene_file import (
     HERE,
     OUT,
     load_scene,
@@ -28,15 +32,10 @@ from pirate_sm.gallery.scene_file import (
     without_recording,
     words_of,
 )
-from pirate_sm.loading import library
-from pirate_sm.loading.foreign import is_below
-from pirate_sm.model.effects import PhaseChange
-from pirate_sm.model.scene import Scene, SceneStep
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.visible import visible
+from pirate_sm.running.recording.read.reader import read_recording
 
 if TYPE_CHECKING:
-    from pirate_sm.gallery.gallery_page import PlayedScene, PlayedStep
+    from pirate_sm.lab.gallery.gallery_page import PlayedScene, PlayedStep
 
 AS_EXPECTED, NOT_SO = 0, 1
 PAGE = "index.html"
@@ -103,7 +102,7 @@ def _missing(scene: Scene) -> str:
 
 
 def _play_one(path: Path, options: DemoOptions) -> int:
-    from pirate_sm.gallery.gallery_page import verdict_of
+    from pirate_sm.lab.gallery.gallery_page import verdict_of
 
     scene = _loaded(path, options.output)
     if missing := _missing(scene):
@@ -131,7 +130,7 @@ def _folders(path: Path, output: Path) -> dict[str, Path]:
 
 
 def _play_all(options: DemoOptions) -> int:
-    from pirate_sm.gallery.gallery_page import PlayedScene, gallery_page, verdict_of
+    from pirate_sm.lab.gallery.gallery_page import PlayedScene, gallery_page, verdict_of
 
     scenes, known = [], [(path, _loaded(path, options.output)) for path in library.scenes()]
     pages = [options.output / scene.scene / PAGE for _, scene in known]
@@ -153,7 +152,7 @@ def _play(
     scene: Scene, path: Path, output: Path, speed: str, *, quiet: bool = False
 ) -> PlayedScene:
     """Play the steps of a scene and write its page; ``quiet``: of runs only how they ended."""
-    from pirate_sm.gallery.gallery_page import PlayedScene, scene_page
+    from pirate_sm.lab.gallery.gallery_page import PlayedScene, scene_page
 
     folder = output / scene.scene
     if not is_below(folder, output):
@@ -180,8 +179,8 @@ def _near(folder: Path) -> Path:
 
 
 def _play_step(step: SceneStep, words: list[str], folder: Path, of_a_run: list[str]) -> PlayedStep:
-    from pirate_sm.gallery.gallery_page import PlayedStep
-    from pirate_sm.gallery.scene_verdict import unmet
+    from pirate_sm.lab.gallery.gallery_page import PlayedStep
+    from pirate_sm.lab.gallery.scene_verdict import unmet
 
     if why := why_refused(words, folder):  # an earlier step may have written what it reads
         raise UsageError(why)
@@ -298,8 +297,8 @@ def _started(words: list[str], **pipes: Any) -> Iterator[subprocess.Popen[str]]:
 
 def _report(recording: Path, folder: Path) -> str:
     """Write the report of a run; return its name, empty if the plotting library is missing."""
-    from pirate_sm.report.recording_report import report_of
-    from pirate_sm.report.report_page import html
+    from pirate_sm.views.report.recording_report import report_of
+    from pirate_sm.views.report.report_page import html
 
     try:
         page = recording.with_suffix(".html")

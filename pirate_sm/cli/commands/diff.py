@@ -15,11 +15,10 @@ from pirate_sm.checking.diff.read_behaviour import abilities_of
 from pirate_sm.cli.options.checks import DiffOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import library, shown
+from pirate_sm.core.loading import load_mission
+from pirate_sm.core.visible import visible
 
 SAME, DIFFERENT = 0, 1
 

@@ -14,12 +14,12 @@ from pirate_sm.cli.output.doctor_tables import LiveTables, plain_text
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.robot_connection import connection, find_loaded, named_port, subject_of
 from pirate_sm.cli.stop_checks import StoppedError
-from pirate_sm.diagnosis.facts import DoctorFinding, ExpectedRobot, Facts
-from pirate_sm.diagnosis.judgement import judged
-from pirate_sm.diagnosis.listening import Listening
-from pirate_sm.diagnosis.moving import DUTY, TURN_FOR_S, Moving
-from pirate_sm.loading.robot.calibration_files import newest_calibration, summary, with_zeros
-from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.core.loading import newest_calibration, summary, with_zeros
+from pirate_sm.robot.diagnosis.facts import DoctorFinding, ExpectedRobot, Facts
+from pirate_sm.robot.diagnosis.judgement import judged
+from pirate_sm.robot.diagnosis.listening import Listening
+from pirate_sm.robot.diagnosis.moving import DUTY, TURN_FOR_S, Moving
+from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
 
 GO, NO_GO = 0, 1
 

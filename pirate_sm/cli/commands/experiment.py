@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 from pirate_sm.cli.options.estimates import ExperimentOptions
 from pirate_sm.cli.output.files import csv_line, refuse_losses, write_csv, write_file
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.visible import visible
+from pirate_sm.core.visible import visible
 
 if TYPE_CHECKING:
-    from pirate_sm.experiments.experiment_files import Setup
-    from pirate_sm.experiments.experiment_result import ExperimentResult
-    from pirate_sm.experiments.thesis_rows import ComparedRow
-    from pirate_sm.model.profile import Profile
+    from pirate_sm.core.profile import Profile
+    from pirate_sm.lab.experiments.experiment_files import Setup
+    from pirate_sm.lab.experiments.experiment_result import ExperimentResult
+    from pirate_sm.lab.experiments.thesis_rows import ComparedRow
 
 NOT_REPRODUCED = 1
 _WIDE = 100
@@ -32,11 +32,11 @@ def run_experiment(options: ExperimentOptions) -> int:
     """
     places = [each for each in (options.output, options.csv) if each]
     refuse_losses(places, tables=[csv_line(_HEADER)], overwrite=options.overwrite)
-    from pirate_sm.experiments.experiment_files import chosen, load_experiments
-    from pirate_sm.experiments.thesis_rows import compared
-    from pirate_sm.loading import library
-    from pirate_sm.loading.robot.loader import load_robot
-    from pirate_sm.report.figure_page import FigureSection, figure_page
+    from pirate_sm.core.files import library
+    from pirate_sm.core.loading import load_robot
+    from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
+    from pirate_sm.lab.experiments.thesis_rows import compared
+    from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
     profile = load_robot(folder).profile
@@ -68,11 +68,11 @@ def _repeated(
     profile: Profile, setup: Setup, parts: tuple[str, ...], options: ExperimentOptions
 ) -> ExperimentResult:
     """Return what came of an experiment."""
-    from pirate_sm.experiments.bend import repeat_bend
-    from pirate_sm.experiments.mission_setups import BendSetup
-    from pirate_sm.experiments.straight_pipe import repeat_straight_pipe
-    from pirate_sm.experiments.traction_experiment import repeat_traction
-    from pirate_sm.experiments.traction_setup import TractionSetup
+    from pirate_sm.lab.experiments.bend import repeat_bend
+    from pirate_sm.lab.experiments.mission_setups import BendSetup
+    from pirate_sm.lab.experiments.straight_pipe import repeat_straight_pipe
+    from pirate_sm.lab.experiments.traction_experiment import repeat_traction
+    from pirate_sm.lab.experiments.traction_setup import TractionSetup
 
     with progress(f"experiment {setup.experiment}") as watch:
         if isinstance(setup, TractionSetup):

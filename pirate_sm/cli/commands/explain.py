@@ -8,14 +8,14 @@ from pirate_sm.checking import catalogue
 from pirate_sm.checking.reports.text import explained, listed
 from pirate_sm.cli.options.checks import ExplainOptions
 from pirate_sm.cli.output.encoding import writable
-from pirate_sm.drawing.robot.control_text import control_text
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.model.fault_codes import BUILT_IN_FAULTS
-from pirate_sm.model.profile import Profile
-from pirate_sm.spelling import meant
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import BUILT_IN_FAULTS
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.spelling import meant
+from pirate_sm.core.visible import visible
+from pirate_sm.views.drawing.robot.control_text import control_text
 
 
 def explain_code(options: ExplainOptions) -> int:

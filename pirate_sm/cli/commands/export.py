@@ -11,16 +11,16 @@ from typing import TypeAlias
 from pirate_sm.cli.opened_recording import opened_recording, print_visible
 from pirate_sm.cli.options.recordings import ExportOptions
 from pirate_sm.cli.output.files import first_line, refuse_losses, write_file
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.on_disk import is_there, take_place
-from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.recording.tables.csv_files import write_tables
-from pirate_sm.recording.viewers import layouts
-from pirate_sm.recording.viewers.complete_recording import write_complete
-from pirate_sm.recording.viewers.urdf import urdf
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import shown
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.on_disk import is_there, take_place
+from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.tables.csv_files import write_tables
+from pirate_sm.running.recording.viewers import layouts
+from pirate_sm.running.recording.viewers.complete_recording import write_complete
+from pirate_sm.running.recording.viewers.urdf import urdf
 
 Writer: TypeAlias = Callable[[Recording, LoadedMission, Path], None]
 """Writes a recording to a place that is new."""
@@ -78,7 +78,7 @@ def _table_writers(options: ExportOptions) -> Iterator[tuple[str, TableWriter]]:
     if options.csv is not None:
         yield options.csv, write_tables
     if options.parquet is not None:
-        from pirate_sm.recording.tables.parquet_files import write_parquet
+        from pirate_sm.running.recording.tables.parquet_files import write_parquet
 
         yield options.parquet, write_parquet
 
@@ -92,7 +92,7 @@ def _writers(options: ExportOptions) -> Iterator[tuple[str, Writer]]:
     if options.viewers is not None:
         yield options.viewers, write_complete
     if options.ros2 is not None:
-        from pirate_sm.recording.viewers.ros2_bag import write_bag
+        from pirate_sm.running.recording.viewers.ros2_bag import write_bag
 
         yield options.ros2, write_bag
 

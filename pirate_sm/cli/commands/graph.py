@@ -10,29 +10,30 @@ from typing import NamedTuple
 from pirate_sm.cli.options.files import GraphOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.files import refuse_losses, write_file
-from pirate_sm.drawing.graph.chart_graph import chart_graph
-from pirate_sm.drawing.graph.graph import Graph
-from pirate_sm.drawing.graph.highlight import Stop, highlight
-from pirate_sm.drawing.graph.mission_graph import called_missions, mission_graph
-from pirate_sm.drawing.graph.pipe_graph import pipe_graph
-from pirate_sm.drawing.svg.svg_writer import svg
-from pirate_sm.drawing.text_formats.dot import dot
-from pirate_sm.drawing.text_formats.mermaid import mermaid
-from pirate_sm.errors import UsageError
-from pirate_sm.interchange.scxml_writer import chart_scxml, mission_scxml
-from pirate_sm.loading import library
-from pirate_sm.loading.chart.outline import ChartOutline
-from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.file_names import PROFILE_FILE
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.pipe_shape import check_pipe
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.yaml.document import Document, read_document
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.on_disk import is_file, is_folder
-from pirate_sm.spelling import meant
+from pirate_sm.core.documents import Document, Problems, read_document
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.loading import (
+    ChartOutline,
+    LoadedMission,
+    check_pipe,
+    load_mission,
+    load_pipe,
+    load_robot,
+    outline_chart,
+)
+from pirate_sm.core.on_disk import is_file, is_folder
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.spelling import meant
+from pirate_sm.views.drawing.graph.chart_graph import chart_graph
+from pirate_sm.views.drawing.graph.graph import Graph
+from pirate_sm.views.drawing.graph.highlight import Stop, highlight
+from pirate_sm.views.drawing.graph.mission_graph import called_missions, mission_graph
+from pirate_sm.views.drawing.graph.pipe_graph import pipe_graph
+from pirate_sm.views.drawing.svg.svg_writer import svg
+from pirate_sm.views.drawing.text_formats.dot import dot
+from pirate_sm.views.drawing.text_formats.mermaid import mermaid
+from pirate_sm.views.interchange.scxml_writer import chart_scxml, mission_scxml
 
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
 _PIPES_HAVE = ("segments", "runs")

@@ -6,17 +6,17 @@ from collections.abc import Sequence
 from math import inf
 from pathlib import Path
 
-from pirate_sm.drawing.graph.highlight import RunPath
-from pirate_sm.drawing.graph.highlight import Stop as Reached
-from pirate_sm.errors import UsageError
-from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import Event
-from pirate_sm.runtime.course_player import CoursePlayer
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.runtime.outcome import SUCCEEDED
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
-from pirate_sm.wiring import Order, prepare
-from pirate_sm.wiring.trace import read_script
+from pirate_sm.core.effects import Effect
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Event
+from pirate_sm.running.runtime.course_player import CoursePlayer
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.outcome import SUCCEEDED
+from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.running.wiring.trace import read_script
+from pirate_sm.views.drawing.graph.highlight import RunPath
+from pirate_sm.views.drawing.graph.highlight import Stop as Reached
 
 
 def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> list[Reached]:

@@ -7,13 +7,12 @@ import sys
 from pirate_sm.cli.options.files import ImportOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.interchange.chart_text import chart_text
-from pirate_sm.interchange.scxml_chart_reader import read_chart
-from pirate_sm.loading.chart.table_cache import cached_table
-from pirate_sm.loading.file_names import shown
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.yaml.document import read_text
-from pirate_sm.visible import visible
+from pirate_sm.core.documents import Problems, read_text
+from pirate_sm.core.files import shown
+from pirate_sm.core.loading import cached_table
+from pirate_sm.core.visible import visible
+from pirate_sm.views.interchange.chart_text import chart_text
+from pirate_sm.views.interchange.scxml_chart_reader import read_chart
 
 
 def import_chart(options: ImportOptions) -> int:

@@ -8,20 +8,19 @@ from typing import Any
 
 from pirate_sm.cli.options.files import ListOptions
 from pirate_sm.cli.output.terminal import columns_of, wrapped
-from pirate_sm.errors import PirateError
-from pirate_sm.expressions import EnumType, NumberType
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.loading.yaml.document import read_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.camera import Camera
-from pirate_sm.model.defect_text import keys_of
-from pirate_sm.model.mission import Mission
-from pirate_sm.model.panel import Panel
-from pirate_sm.model.pipe import Pipe
-from pirate_sm.registry import Registry
-from pirate_sm.units import describe
-from pirate_sm.visible import visible
+from pirate_sm.core.camera import Camera
+from pirate_sm.core.documents import read_document
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.expressions import EnumType, NumberType
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedRobot, load_robot, validate
+from pirate_sm.core.mission import Mission
+from pirate_sm.core.options import keys_of
+from pirate_sm.core.panel import Panel
+from pirate_sm.core.pipe import Pipe
+from pirate_sm.core.registry import Registry
+from pirate_sm.core.units import describe
+from pirate_sm.core.visible import visible
 
 Row = Sequence[str]
 
@@ -90,13 +89,13 @@ def _cameras(_: Iterable[Path]) -> None:
 
 
 def _backends(_: Iterable[Path]) -> None:
-    from pirate_sm.wiring import BACKENDS
+    from pirate_sm.running.wiring import BACKENDS
 
     print_table("backends", _plugins(BACKENDS))
 
 
 def _detectors(_: Iterable[Path]) -> None:
-    from pirate_sm.detectors.registry import DETECTORS
+    from pirate_sm.robot.detectors.registry import DETECTORS
 
     print_table("detectors", _plugins(DETECTORS))
 

@@ -8,6 +8,7 @@ from importlib import resources
 from pathlib import Path
 from string import Template
 
+from pirate_sm.checking.schemas.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.cli.options.files import (
     NewCameraOptions,
     NewCampaignOptions,
@@ -16,21 +17,24 @@ from pirate_sm.cli.options.files import (
     NewPipeOptions,
     NewRobotOptions,
 )
-from pirate_sm.engine.robot.command_outcome import refusal
-from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.errors import UsageError
-from pirate_sm.experiments.needed_extras import is_missing
-from pirate_sm.loading import library
-from pirate_sm.loading.file_names import PROFILE_FILE
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.mission.route_mission import UndrivableError, course_along, mission_along
-from pirate_sm.loading.pipe_file import check_fit, load_pipe
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.model.travel import Travel
-from pirate_sm.on_disk import is_file, is_there
-from pirate_sm.schemas.schema_files import MODELINE, mission_schema_text, schema_text
-from pirate_sm.spelling import meant
+from pirate_sm.core.documents import Problems
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.loading import (
+    LoadedRobot,
+    UndrivableError,
+    check_fit,
+    course_along,
+    load_mission,
+    load_pipe,
+    load_robot,
+    mission_along,
+)
+from pirate_sm.core.on_disk import is_file, is_there
+from pirate_sm.core.profile import Travel
+from pirate_sm.core.robot import at_rest_in, refusal
+from pirate_sm.core.spelling import meant
+from pirate_sm.lab.experiments.needed_extras import is_missing
 
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,63}")
 _ROBOT_FILES = (

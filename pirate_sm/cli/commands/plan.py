@@ -17,17 +17,12 @@ from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
 from pirate_sm.checking.plans.ways_to_states import WayToStates, hindered, way_to
 from pirate_sm.cli.options.files import PlanOptions
 from pirate_sm.cli.options.values import read_pairs
-from pirate_sm.engine.robot.planning import Plan
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.robot.robot_state import RobotState, at_rest_in, states_of
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.loading.mission.manual_mission import by_hand
-from pirate_sm.loading.mission.start_configuration import read_states
-from pirate_sm.loading.robot import LoadedRobot, load_robot
-from pirate_sm.spelling import meant
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedRobot, by_hand, load_mission, load_robot, read_states
+from pirate_sm.core.robot import Plan, RobotSpec, RobotState, at_rest_in, states_of
+from pirate_sm.core.spelling import meant
+from pirate_sm.core.visible import visible
 
 FOUND, NONE = 0, 1
 

@@ -7,11 +7,11 @@ from pathlib import Path
 
 from pirate_sm.cli.options.recordings import RepairOptions
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.loading.file_names import shown
-from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.read.repair import Repaired, is_whole, repair
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import RecordingError, UsageError
+from pirate_sm.core.files import shown
+from pirate_sm.core.visible import visible
+from pirate_sm.running.recording.read.reader import Recording, read_recording
+from pirate_sm.running.recording.read.repair import Repaired, is_whole, repair
 
 
 def run_repair(options: RepairOptions) -> int:

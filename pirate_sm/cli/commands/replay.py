@@ -11,17 +11,20 @@ from typing import Any, NamedTuple
 
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import ReplayOptions
-from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.model.effect_display import with_reason
-from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import Tick
-from pirate_sm.recording.format.header import RunHeader
-from pirate_sm.recording.read.reader import Recording
-from pirate_sm.recording.replay.recorded_mission import as_recorded, recorded_fit, recorded_mission
-from pirate_sm.recording.replay.replay import Difference, Replayed, replay
-from pirate_sm.units import TIME, QuantityError, read_quantity
+from pirate_sm.core.effects import Effect, with_reason
+from pirate_sm.core.errors import RecordingError, UsageError
+from pirate_sm.core.events import Tick
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.units import TIME, QuantityError, read_quantity
+from pirate_sm.running.recording.format.header import RunHeader
+from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.replay.recorded_mission import (
+    as_recorded,
+    recorded_fit,
+    recorded_mission,
+)
+from pirate_sm.running.recording.replay.replay import Difference, Replayed, replay
 
 SAME, DIFFERENT = 0, 1
 
@@ -118,7 +121,7 @@ def _replayed(
         )
     jobs = 1 if other or recording.gaps else options.jobs or _jobs(recording, stretch)
     if jobs > 1 and next(recording.checkpoints(after), None) is not None:
-        from pirate_sm.recording.replay.parallel_replay import replay_shared
+        from pirate_sm.running.recording.replay.parallel_replay import replay_shared
 
         return replay_shared(recording, jobs, after=after, until_s=stretch.until_s)
     return replay(recording, loaded, changed=other, after=after, until_s=stretch.until_s)

@@ -8,20 +8,20 @@ from pathlib import Path
 from urllib.parse import quote
 
 from pirate_sm import __version__
-from pirate_sm.campaign.store import RECORDINGS, is_store
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.options.recordings import ReportOptions
 from pirate_sm.cli.output.files import HEAD, begins, is_recording, write_file
 from pirate_sm.cli.output.progress import progress
-from pirate_sm.errors import RecordingError, UsageError
-from pirate_sm.on_disk import is_folder, why_hidden
-from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.report import GENERATOR
-from pirate_sm.report.recording_report import report_of
-from pirate_sm.report.report_page import html
-from pirate_sm.report.run_list import ListedRun, listed, unreadable
-from pirate_sm.report.run_list_page import index_html
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import RecordingError, UsageError
+from pirate_sm.core.on_disk import is_folder, why_hidden
+from pirate_sm.core.visible import visible
+from pirate_sm.lab.campaign.store import RECORDINGS, is_store
+from pirate_sm.running.recording.read.reader import Recording, read_recording
+from pirate_sm.views.report import GENERATOR
+from pirate_sm.views.report.recording_report import report_of
+from pirate_sm.views.report.report_page import html
+from pirate_sm.views.report.run_list import ListedRun, listed, unreadable
+from pirate_sm.views.report.run_list_page import index_html
 
 WRITTEN, UNREADABLE = 0, 1
 
@@ -46,9 +46,9 @@ def write_reports(options: ReportOptions) -> int:
 
 def _write_campaign(folder: Path, output: Path | None) -> int:
     """Write the page of a campaign, in the folder of its results; return the exit code."""
-    from pirate_sm.campaign.conductor import stored
-    from pirate_sm.campaign.page import page_of
-    from pirate_sm.campaign.results import result_of
+    from pirate_sm.lab.campaign.conductor import stored
+    from pirate_sm.lab.campaign.page import page_of
+    from pirate_sm.lab.campaign.results import result_of
 
     place = output or folder / _INDEX
     _refuse_read_only(place)

@@ -15,17 +15,16 @@ from pirate_sm.cli.output.terminal import answered_line
 from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.cli.stop_checks import StoppedError, stopper
 from pirate_sm.cli.taking_over import ask_place
-from pirate_sm.engine.mission.program import HERE
-from pirate_sm.engine.resuming.entry import FAILURE
-from pirate_sm.engine.resuming.resumption import Resumption
-from pirate_sm.errors import UsageError
-from pirate_sm.model.run_options import OPTIONS
-from pirate_sm.recording.replay.end_of_run import EndOfRun, end_of_run
-from pirate_sm.runtime.pump import Resuming
-from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.visible import visible
-from pirate_sm.wiring import Prepared
-from pirate_sm.wiring.resume_offer import (
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.options import OPTIONS
+from pirate_sm.core.program import HERE
+from pirate_sm.core.resuming import FAILURE, Resumption
+from pirate_sm.core.visible import visible
+from pirate_sm.running.recording.replay.end_of_run import EndOfRun, end_of_run
+from pirate_sm.running.runtime.pump import Resuming
+from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.wiring import Prepared
+from pirate_sm.running.wiring.resume_offer import (
     Offer,
     Said,
     SeenRobot,
@@ -34,7 +33,7 @@ from pirate_sm.wiring.resume_offer import (
     offer,
     see,
 )
-from pirate_sm.wiring.resumed_run import driven_s, prepare_again, with_resumption
+from pirate_sm.running.wiring.resumed_run import driven_s, prepare_again, with_resumption
 
 CAN, CANNOT, LEFT = 0, 1, 2
 

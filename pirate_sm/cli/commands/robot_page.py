@@ -10,15 +10,15 @@ from pirate_sm.checking.allowances import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.files import RobotOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file
-from pirate_sm.drawing.robot.robot_page import robot_page
-from pirate_sm.drawing.robot.side_view import side_view
-from pirate_sm.drawing.robot.side_view_svg import side_svg
-from pirate_sm.drawing.robot.written_page import html as as_html
-from pirate_sm.drawing.robot.written_page import markdown
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.visible import visible
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
+from pirate_sm.core.visible import visible
+from pirate_sm.views.drawing.robot.robot_page import robot_page
+from pirate_sm.views.drawing.robot.side_view import side_view
+from pirate_sm.views.drawing.robot.side_view_svg import side_svg
+from pirate_sm.views.drawing.robot.written_page import html as as_html
+from pirate_sm.views.drawing.robot.written_page import markdown
 
 
 def write_page(options: RobotOptions) -> int:

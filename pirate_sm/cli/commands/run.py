@@ -10,9 +10,9 @@ from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.shown_run import Manner, run_prepared
-from pirate_sm.errors import UsageError
-from pirate_sm.runtime.stop_requests import CaughtSignals, StopRequests
-from pirate_sm.wiring import prepare
+from pirate_sm.core.errors import UsageError
+from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.wiring import prepare
 
 ON_A_TERMINAL = 4.0
 """Mission seconds per second if a person probably watches."""

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from pirate_sm.checking.schemas.schema_files import mission_schema_text, schema_text
 from pirate_sm.cli.options.files import SchemaOptions
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.schemas.schema_files import mission_schema_text, schema_text
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_robot
 
 
 def print_schema(options: SchemaOptions) -> int:

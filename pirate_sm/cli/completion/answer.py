@@ -20,7 +20,7 @@ from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.reading import OPEN, Candidate
-from pirate_sm.visible import visible
+from pirate_sm.core.visible import visible
 
 LINE = "PIRATE_SM_LINE"
 """The line up to the cursor, as it is typed."""

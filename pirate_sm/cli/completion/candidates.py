@@ -28,11 +28,10 @@ from pirate_sm.cli.completion.reading import (
     read_extended,
     recorded,
 )
-from pirate_sm.errors import UsageError
-from pirate_sm.loading import library
-from pirate_sm.loading.file_names import PROFILE_FILE
-from pirate_sm.model.defect_text import KEYS, keys_of
-from pirate_sm.on_disk import opened
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.on_disk import opened
+from pirate_sm.core.options import KEYS, keys_of
 
 LONGEST_LINE = 100_000
 """The most characters that are read of the first line of a table."""
@@ -178,14 +177,14 @@ def routes(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 def backends(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the backends, also of other packages."""
-    from pirate_sm.backends import known
+    from pirate_sm.robot.backends import known
 
     yield from _parts(known.ABOUT, known.GROUP)
 
 
 def detectors(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the detectors, also of other packages; after ``vision:`` the cameras."""
-    from pirate_sm.detectors import known
+    from pirate_sm.robot.detectors import known
 
     name, colon, camera = typed.partition(":")
     if not colon:
@@ -199,7 +198,7 @@ def detectors(context: typer.Context, typed: str) -> Iterator[Candidate]:
 def codes(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the codes of findings, and the controls of the robot."""
     from pirate_sm import checking
-    from pirate_sm.model.fault_codes import BUILT_IN_FAULTS
+    from pirate_sm.core.events import BUILT_IN_FAULTS
 
     for file in sorted(Path(checking.__file__).with_name("catalogue").glob("*.yaml")):
         for code, entry in mapping(read(file).get("codes")).items():
@@ -248,7 +247,7 @@ def _states(robot: Path, typed: str) -> Iterator[Candidate]:
 
 def _parts(ours: Mapping[str, str], group: str) -> Iterator[Candidate]:
     """Yield our parts of a kind, and the names of those of other packages."""
-    from pirate_sm.registry import package_name, points_of
+    from pirate_sm.core.registry import package_name, points_of
 
     yield from ours.items()
     for point in points_of(group):

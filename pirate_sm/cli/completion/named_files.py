@@ -13,9 +13,8 @@ from pathlib import Path
 import typer
 
 from pirate_sm.cli.completion.reading import RECORDING, Candidate, about_file, line, read
-from pirate_sm.loading import library
-from pirate_sm.loading.file_names import PROFILE_FILE
-from pirate_sm.on_disk import is_file, is_folder
+from pirate_sm.core.files import PROFILE_FILE, library
+from pirate_sm.core.on_disk import is_file, is_folder
 
 MOST_FILES = 1000
 """The most files of a folder that are read."""
@@ -125,6 +124,6 @@ def _entries(folder: Path) -> list[os.DirEntry[str]]:
 
 
 def _is(path: Path, kinds: Collection[str]) -> bool:
-    from pirate_sm.loading.file_kinds import kind_of
+    from pirate_sm.core.documents import kind_of
 
     return path.suffix in library.SUFFIXES and kind_of(path) in kinds

@@ -6,9 +6,9 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from pirate_sm.errors import PirateError
-from pirate_sm.loading import library
-from pirate_sm.on_disk import opened
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.files import library
+from pirate_sm.core.on_disk import opened
 
 Candidate: TypeAlias = tuple[str, str]
 """A value, and a line about it."""
@@ -21,7 +21,7 @@ RECORDING = ".mcap"
 
 def read(path: Path) -> Mapping[Any, Any]:
     """Return what is in a file; nothing if it cannot be read."""
-    from pirate_sm.loading.yaml.document import read_document
+    from pirate_sm.core.documents import read_document
 
     try:
         return mapping(read_document(path).data)
@@ -31,7 +31,7 @@ def read(path: Path) -> Mapping[Any, Any]:
 
 def read_extended(path: Path) -> Mapping[Any, Any]:
     """Return what is in a file and in the one that it extends; nothing if they cannot be read."""
-    from pirate_sm.loading import extended_file
+    from pirate_sm.core.documents import extended_file
 
     try:
         return mapping(extended_file.read_extended(path).data)
@@ -44,7 +44,7 @@ def recorded(path: Path, role: str) -> Mapping[Any, Any]:
     from mcap.records import Attachment, Chunk
     from mcap.stream_reader import StreamReader
 
-    from pirate_sm.loading.yaml.document import parse_document
+    from pirate_sm.core.documents import parse_document
 
     with opened(path) as file:
         for record in StreamReader(file, emit_chunks=True).records:

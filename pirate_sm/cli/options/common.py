@@ -19,9 +19,9 @@ def _print_version(wanted: bool) -> None:
         from typing import get_args
 
         from pirate_sm.cli.output.json_lines import FORMAT as LINES
-        from pirate_sm.model.base import Format
-        from pirate_sm.model.events import ALPHABET_VERSION
-        from pirate_sm.recording.format.header import FORMAT as RECORDING
+        from pirate_sm.core.events import ALPHABET_VERSION
+        from pirate_sm.core.profile import Format
+        from pirate_sm.running.recording.format.header import FORMAT as RECORDING
 
         (number,) = get_args(get_args(Format)[0])
         others = f"JSON {LINES}, recordings {RECORDING}, events {ALPHABET_VERSION}"

@@ -1,4 +1,4 @@
-"""Gives commands the options of runs, as :mod:`pirate_sm.model.run_options` declares them.
+"""Gives commands the options of runs, as :mod:`pirate_sm.core.options` declares them.
 
 What people write for them is read here, and nowhere else.
 """
@@ -16,16 +16,16 @@ import typer
 from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options.declaring import declared
 from pirate_sm.cli.options.values import read_duration, read_length, read_pairs
-from pirate_sm.errors import UsageError
-from pirate_sm.model.run_options import DIFFERS, JITTER, OPTIONS, RunOption
-from pirate_sm.spelling import meant
-from pirate_sm.units import LENGTH
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.options import DIFFERS, JITTER, OPTIONS, RunOption
+from pirate_sm.core.spelling import meant
+from pirate_sm.core.units import LENGTH
 
 if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
-    from pirate_sm.model.base import Frozen
-    from pirate_sm.runtime.trigger_script import Firing
+    from pirate_sm.core.profile import Frozen
+    from pirate_sm.running.runtime.trigger_script import Firing
 
     Choices = TypeVar("Choices", bound=Frozen)
 
@@ -102,7 +102,7 @@ def values_of(written: Mapping[str, Any]) -> dict[str, Any]:
         if not option.key
     }
     if written.get("jitter"):
-        from pirate_sm.model.variations import StartJitter
+        from pirate_sm.core.campaign import StartJitter
 
         jitter = read_choices("--jitter", written["jitter"], StartJitter)
         found |= {each.name: getattr(jitter, each.key) for each in JITTER}
@@ -128,7 +128,7 @@ def read_choices(option: str, texts: Iterable[str], model: type[Choices]) -> Cho
     """
     from pydantic import ValidationError
 
-    from pirate_sm.model.quantities import FROM_FILE
+    from pirate_sm.core.quantities import FROM_FILE
 
     pairs = read_pairs(option, texts, "NAME=VALUE")
     try:
@@ -145,7 +145,7 @@ def read_choices(option: str, texts: Iterable[str], model: type[Choices]) -> Cho
 
 
 def _refusal(error: ErrorDetails) -> str:
-    from pirate_sm.loading.yaml.error_wording import word
+    from pirate_sm.core.loading import word
 
     said = word(error, None)
     if said.suggestion:
@@ -159,7 +159,7 @@ def read_fire(texts: Iterable[str]) -> Iterator[Firing]:
     Raises:
         UsageError: A text has another form.
     """
-    from pirate_sm.runtime.trigger_script import Firing
+    from pirate_sm.running.runtime.trigger_script import Firing
 
     for text in texts:
         trigger, given, after = text.partition("=")

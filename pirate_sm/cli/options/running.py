@@ -11,11 +11,11 @@ from pirate_sm.cli.completion import candidates, named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
 from pirate_sm.cli.options.of_runs import ahead_of, of_all_runs, read_choices, read_fire, values_of
-from pirate_sm.palette import USUAL as USUAL_THEME
-from pirate_sm.palette import Theme
+from pirate_sm.core.palette import USUAL as USUAL_THEME
+from pirate_sm.core.palette import Theme
 
 if TYPE_CHECKING:
-    from pirate_sm.wiring import Order
+    from pirate_sm.running.wiring import Order
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -39,7 +39,7 @@ class _RobotRunOptions:
             LoadError: A file that belongs to it cannot be used.
             UsageError: An option does not have the right form.
         """
-        from pirate_sm.wiring import Order
+        from pirate_sm.running.wiring import Order
 
         return Order(self.mission or "", **values_of(self.written))
 
@@ -110,8 +110,8 @@ class RunOptions(_RobotRunOptions):
             LoadError: The script cannot be used; it lists all that is wrong.
             UsageError: An option does not have the right form.
         """
-        from pirate_sm.model.variations import LineFaults
-        from pirate_sm.wiring.trace import read_script
+        from pirate_sm.core.campaign import LineFaults
+        from pirate_sm.running.wiring.trace import read_script
 
         listed, course = ((), ()) if self.script is None else read_script(Path(self.script))
         return replace(

@@ -6,9 +6,9 @@ import re
 from collections.abc import Iterable
 from math import inf, isfinite
 
-from pirate_sm.errors import UsageError
-from pirate_sm.spelling import meant
-from pirate_sm.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.spelling import meant
+from pirate_sm.core.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
 
 _CHOICE = re.compile(r"(?:Value error, )?'(.*)' is not one of ('.*')\.", re.DOTALL)
 _PLAIN = (

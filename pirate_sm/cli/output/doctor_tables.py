@@ -13,7 +13,7 @@ from rich.live import Live
 from rich.table import Table
 from rich.text import Text
 
-from pirate_sm.diagnosis.facts import BoardFact, Facts, TopicFact
+from pirate_sm.robot.diagnosis.facts import BoardFact, Facts, TopicFact
 
 _REFRESH_S = 0.25
 _STYLES = {"no-go": "bold red", "suspicious": "yellow", "note": "dim"}

@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING, TextIO
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.output.terminal import columns_of, wrapped
-from pirate_sm.model.effects import Effect, Ended
-from pirate_sm.model.fidelity import USUAL
-from pirate_sm.model.simulation import SIMULATORS
-from pirate_sm.runtime.first_choice import Answered
-from pirate_sm.runtime.stop_requests import StopRequests
-from pirate_sm.showing.effect_lines import UNCONFIRMED, Teller, away, summary
-from pirate_sm.visible import visible
-from pirate_sm.wiring import Order
+from pirate_sm.core.effects import Effect, Ended
+from pirate_sm.core.options import USUAL
+from pirate_sm.core.simulation import SIMULATORS
+from pirate_sm.core.visible import visible
+from pirate_sm.running.runtime.first_choice import Answered
+from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.wiring import Order
+from pirate_sm.views.showing.effect_lines import UNCONFIRMED, Teller, away, summary
 
 if TYPE_CHECKING:
-    from pirate_sm.backends.serial.health import LinkHealth
+    from pirate_sm.robot.backends.serial.health import LinkHealth
 
 
 _INDENT = 22

@@ -8,9 +8,9 @@ from contextlib import suppress
 from io import StringIO
 from pathlib import Path
 
-from pirate_sm.errors import UsageError
-from pirate_sm.on_disk import is_file, is_folder, is_there, opened, replace_file
-from pirate_sm.report import GENERATOR
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.on_disk import is_file, is_folder, is_there, opened, replace_file
+from pirate_sm.views.report import GENERATOR
 
 HEAD = 20_000
 """The part of a file in which a mark of this program is sought, bytes [decided]."""

@@ -9,11 +9,11 @@ from typing import Any, TextIO
 
 from pirate_sm import __version__
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.engine.evidence import Evidence
-from pirate_sm.model import effects as fx
-from pirate_sm.model.events import ALPHABET_VERSION
-from pirate_sm.model.unmet import Unmet
-from pirate_sm.runtime.first_choice import Answered
+from pirate_sm.core import effects as fx
+from pirate_sm.core.effects import Unmet
+from pirate_sm.core.engine import Evidence
+from pirate_sm.core.events import ALPHABET_VERSION
+from pirate_sm.running.runtime.first_choice import Answered
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""

@@ -14,16 +14,16 @@ from rich.theme import Theme
 from pirate_sm.cli.keyboard import Operator
 from pirate_sm.cli.output.event_lines import how_it_runs
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.detectors.operator_keys import WordKeys
-from pirate_sm.model.effects import Effect
-from pirate_sm.showing import alarms, panels, picture
-from pirate_sm.showing import body_panel as body
-from pirate_sm.showing import text_styles as styled
-from pirate_sm.showing.effect_lines import setpoint, summary
-from pirate_sm.showing.live_snapshots import Trends, scene_of, snapshot_of
-from pirate_sm.showing.run_history import Memory
-from pirate_sm.showing.snapshot import Snapshot
-from pirate_sm.showing.text_styles import BAD, FLAG, GOOD, MUTED, STRONG, WARN, fitted, line
+from pirate_sm.core.effects import Effect
+from pirate_sm.robot.detectors.operator_keys import WordKeys
+from pirate_sm.views.showing import alarms, panels, picture
+from pirate_sm.views.showing import body_panel as body
+from pirate_sm.views.showing import text_styles as styled
+from pirate_sm.views.showing.effect_lines import setpoint, summary
+from pirate_sm.views.showing.live_snapshots import Trends, scene_of, snapshot_of
+from pirate_sm.views.showing.run_history import Memory
+from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.text_styles import BAD, FLAG, GOOD, MUTED, STRONG, WARN, fitted, line
 
 _LEFT = 40
 """Width of the text column; a region and the longest usual name of a state fit in."""

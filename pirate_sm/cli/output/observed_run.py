@@ -6,14 +6,14 @@ from collections.abc import Sequence
 from math import isnan
 from typing import TYPE_CHECKING
 
-from pirate_sm.model.effects import Effect, Ended, Setpoints
-from pirate_sm.model.true_position import Truth
-from pirate_sm.showing.left_state import left_state
-from pirate_sm.wiring import Prepared
+from pirate_sm.core.effects import Effect, Ended, Setpoints
+from pirate_sm.core.simulation import Truth
+from pirate_sm.running.wiring import Prepared
+from pirate_sm.views.showing.left_state import left_state
 
 if TYPE_CHECKING:
-    from pirate_sm.engine.state import EngineState
-    from pirate_sm.runtime.loop import MissionRun
+    from pirate_sm.core.engine import EngineState
+    from pirate_sm.running.runtime.loop import MissionRun
 
 
 class ObservedRun:

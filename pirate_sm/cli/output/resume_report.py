@@ -6,14 +6,12 @@ from collections.abc import Iterator
 from math import inf
 from typing import NamedTuple
 
-from pirate_sm.engine.mission.program import Do, Program, Wait
-from pirate_sm.engine.mission.successors import successors
-from pirate_sm.engine.resuming.reconciling import Reconciled, VerdictTable
-from pirate_sm.engine.resuming.resumption import Resumption
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.recording.replay.end_of_run import EndOfRun
-from pirate_sm.wiring.resume_offer import Offer, Said
-from pirate_sm.wiring.resumed_run import first_wheel_m
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Do, Program, Wait, successors
+from pirate_sm.core.resuming import Reconciled, Resumption, VerdictTable
+from pirate_sm.running.recording.replay.end_of_run import EndOfRun
+from pirate_sm.running.wiring.resume_offer import Offer, Said
+from pirate_sm.running.wiring.resumed_run import first_wheel_m
 
 _NEXT = 3
 

@@ -9,7 +9,7 @@ import sys
 from collections.abc import Callable
 from typing import TextIO
 
-from pirate_sm.errors import UsageError
+from pirate_sm.core.errors import UsageError
 
 
 def is_terminal(stream: object) -> bool:

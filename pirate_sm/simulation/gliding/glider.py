@@ -9,17 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pirate_sm.engine.gliding.glided import Glide, Step
-from pirate_sm.engine.gliding.watch import Watch
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.conversion import ask
-from pirate_sm.engine.sensing.known_signals import MotorRequest
-from pirate_sm.expressions.bytecode import DEEPEST
-from pirate_sm.model.effects import WakeAt
-from pirate_sm.model.events import DetectorWord, SensorFrame, Tick
-from pirate_sm.model.frame_block import FrameBlock
-from pirate_sm.model.trail import Trail
-from pirate_sm.model.word_watch import WordWatch
+from pirate_sm.core.effects import WakeAt
+from pirate_sm.core.events import DetectorWord, FrameBlock, SensorFrame, Tick, WordWatch
+from pirate_sm.core.expressions import DEEPEST
+from pirate_sm.core.robot import RobotSpec
+from pirate_sm.core.sensing import Glide, MotorRequest, Step, Watch, ask
+from pirate_sm.core.simulation import Trail
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
 from pirate_sm.simulation.gliding.look_tables import LookTables

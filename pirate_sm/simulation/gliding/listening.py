@@ -14,7 +14,7 @@ def may_listen(
     """Return whether every board has reported lately, and nothing else is due.
 
     If not, the engine has to look. `heard_s` tells when each board last reported; see
-    :mod:`pirate_sm.engine.safety.faults`.
+    :mod:`pirate_sm.core.robot`.
     """
     if met[col.N_TICKS] == ticks.shape[0] or heard_s.shape[0] == 0:
         return False

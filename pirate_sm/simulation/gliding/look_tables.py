@@ -6,8 +6,8 @@ from math import inf
 
 import numpy as np
 
-from pirate_sm.engine.gliding.watch import Watch
-from pirate_sm.model.word_watch import Look, WordWatch
+from pirate_sm.core.events import Look, WordWatch
+from pirate_sm.core.sensing import Watch
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.gliding import columns as col
 

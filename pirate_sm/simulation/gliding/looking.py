@@ -1,8 +1,8 @@
 """Look for a detector by positions, in compiled code, as long as it has nothing to say.
 
 The same operations in the same order give the same bits as
-:class:`pirate_sm.detectors.word_timing.WordDetector` and
-:class:`pirate_sm.detectors.place_filter.Tracker`.
+:class:`pirate_sm.robot.detectors.word_timing.WordDetector` and
+:class:`pirate_sm.robot.detectors.place_filter.Tracker`.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""The stack machine of :mod:`pirate_sm.expressions.bytecode` in compiled code."""
+"""The stack machine of :mod:`pirate_sm.core.expressions` in compiled code."""
 
 from __future__ import annotations
 

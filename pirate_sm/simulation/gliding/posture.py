@@ -1,7 +1,7 @@
 """The robot's posture in the pipe by its signals, in compiled code.
 
 The same operations in the same order give the same bits as
-:meth:`pirate_sm.engine.sensing.body_spec.BodySpec.heading_in_pipe`.
+:meth:`pirate_sm.core.sensing.BodySpec.heading_in_pipe`.
 """
 
 from __future__ import annotations

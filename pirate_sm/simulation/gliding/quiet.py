@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from pirate_sm.engine.signals import evaluator
+from pirate_sm.core.sensing import evaluator
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import Posture, RobotRows, Scratch, Task
@@ -38,7 +38,7 @@ def holds_as_before(
 def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
     """Return whether every position loop gives the duty that was sent last.
 
-    See :class:`pirate_sm.engine.control.position_loop.RunningPositionLoop`.
+    See :class:`pirate_sm.core.robot.RunningPositionLoop`.
     """
     for p in range(duties.shape[0]):
         error = duties[p, col.P_TARGET] - numbers[int(duties[p, col.P_ANGLE])]

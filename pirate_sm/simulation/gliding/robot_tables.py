@@ -7,8 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.signals.table import Row, signal_table
+from pirate_sm.core.robot import RobotSpec
+from pirate_sm.core.sensing import Row, signal_table
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.sensors import BoardChannels

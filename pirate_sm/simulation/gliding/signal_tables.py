@@ -6,12 +6,17 @@ from math import inf
 
 import numpy as np
 
-from pirate_sm.engine.gliding.glided import Glided, sensing_after
-from pirate_sm.engine.gliding.watch import Watch
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing.environment import Surveyed
-from pirate_sm.engine.sensing.known_signals import MotorRequest, Sensing, nothing_known
-from pirate_sm.engine.signals.table import signal_table
+from pirate_sm.core.robot import RobotSpec
+from pirate_sm.core.sensing import (
+    Glided,
+    MotorRequest,
+    Sensing,
+    Surveyed,
+    Watch,
+    nothing_known,
+    sensing_after,
+    signal_table,
+)
 from pirate_sm.simulation.arrays import Floats
 
 
@@ -22,7 +27,7 @@ class SignalTables:
         robot: The robot.
 
     Attributes:
-        signals: The cells, see :class:`~pirate_sm.engine.signals.table.Layout`.
+        signals: The cells, see :class:`~pirate_sm.core.sensing.Layout`.
     """
 
     def __init__(self, robot: RobotSpec) -> None:

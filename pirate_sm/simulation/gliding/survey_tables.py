@@ -6,10 +6,8 @@ from math import inf
 
 import numpy as np
 
-from pirate_sm.engine.gliding.watch import Watch
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.engine.sensing import environment
-from pirate_sm.engine.sensing.environment import Surveyed
+from pirate_sm.core.robot import RobotSpec
+from pirate_sm.core.sensing import Surveyed, Watch, environment
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding import surveying

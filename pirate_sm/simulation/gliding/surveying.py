@@ -1,6 +1,6 @@
 """Survey the pipe around the robot in compiled code, as long as there is nothing to report.
 
-What is remembered is the same to the bit as in :mod:`pirate_sm.engine.sensing.environment`. What
+What is remembered is the same to the bit as in :mod:`pirate_sm.core.sensing`. What
 would be reported is only compared with the last report. Where rounding could decide, the engine
 surveys.
 """
@@ -11,20 +11,21 @@ from math import atan2, cos, pi, sin, sqrt
 
 import numpy as np
 
-from pirate_sm.engine.sensing.environment import (
+from pirate_sm.core.geometry import GRAVITY_M_S2
+from pirate_sm.core.sensing import (
     AGREEING,
     AT_REST,
     COPLANAR_RAD,
     LEAST_SAMPLES,
+    NOISE_M,
+    NOISE_RAD,
     OPEN_RAD,
     SAMPLES,
+    STEP,
     SURVEY_EVERY_S,
     TURNED_RAD,
     UPRIGHT,
 )
-from pirate_sm.engine.sensing.environment_report import NOISE_M, NOISE_RAD
-from pirate_sm.engine.sensing.joint_around import STEP
-from pirate_sm.geometry.space import GRAVITY_M_S2
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.posture import heading_in_pipe

@@ -6,8 +6,8 @@ from collections.abc import Iterable
 
 import numpy as np
 
-from pirate_sm.engine.gliding.watch import Condition, SameDuty, Watch
-from pirate_sm.expressions.bytecode import DEEPEST, Code, depth_of
+from pirate_sm.core.expressions import DEEPEST, Code, depth_of
+from pirate_sm.core.sensing import Condition, SameDuty, Watch
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.groups import Task

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 from types import FunctionType, ModuleType
 from typing import Any, TypeVar, cast
 
-from pirate_sm.errors import UsageError
+from pirate_sm.core.errors import UsageError
 from pirate_sm.simulation.machine_code.built_library import find_library
 from pirate_sm.simulation.machine_code.entry_points import BY_PLACE
 

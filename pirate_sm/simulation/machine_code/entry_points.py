@@ -152,7 +152,7 @@ ENTRY_POINTS = (
         "pirate_sm.simulation.digitizing:digitize", "Floats2 int int Floats1 Floats1 Words1"
     ),
     entry_point(
-        "pirate_sm.experiments.reduced.kernel:simulate",
+        "pirate_sm.lab.experiments.reduced.kernel:simulate",
         "Floats2 Floats1 Floats2 Floats2 Floats2 bool int Floats2 Floats2",
     ),
 )

@@ -27,7 +27,7 @@ def files_behind(modules: Iterable[str], package: Path = PACKAGE) -> tuple[str, 
         file = left.pop()
         if file not in found:
             found.add(file)
-            left += [each for name in _imports(file) if (each := _file_of(name, package))]
+            left += [each for name in _imports(file, package) if (each := _file_of(name, package))]
     return tuple(sorted(file.relative_to(package).as_posix() for file in found))
 
 
@@ -55,11 +55,20 @@ def _file_of(module: str, package: Path) -> Path | None:
     return None
 
 
-def _imports(file: Path) -> Iterator[str]:
+def _imports(file: Path, package: Path) -> Iterator[str]:
     """Yield the names of the modules that a file imports, and some that are no modules."""
     for node in ast.walk(ast.parse(file.read_bytes())):
         if isinstance(node, ast.Import):
             yield from (each.name for each in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
-            yield node.module
-            yield from (f"{node.module}.{each.name}" for each in node.names)
+            for each in node.names:
+                yield from _origin(node.module, each.name, package)
+
+
+def _origin(module: str, name: str, package: Path) -> tuple[str, str]:
+    """Return the module that a name is from, past those that only hand it on, and both joined."""
+    file = _file_of(module, package)
+    for node in ast.parse(file.read_bytes()).body if file else ():
+        if isinstance(node, ast.ImportFrom) and any(each.name == name for each in node.names):
+            return _origin(node.module or module, name, package)
+    return module, f"{module}.{name}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 import mujoco
 import numpy as np
 
-from pirate_sm.geometry.space import Vector
+from pirate_sm.core.geometry import Vector
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.names import LINK, WHEEL

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from xml.etree.ElementTree import Element, SubElement, tostring
 
-from pirate_sm.geometry.route import Route
+from pirate_sm.core.geometry import Route
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.names import numbers
 from pirate_sm.simulation.mujoco.pipe_model import add_pipe

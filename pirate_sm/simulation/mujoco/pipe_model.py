@@ -5,10 +5,8 @@ from __future__ import annotations
 from math import atan2, cos, dist, pi, sin, tan
 from xml.etree.ElementTree import Element, SubElement
 
-from pirate_sm.errors import UsageError
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.plane import flat, walls
-from pirate_sm.geometry.route import Route
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.geometry import Piece, Route, flat, walls
 from pirate_sm.simulation.mujoco.names import BOTH_BITS, OBSTACLE, WHEEL_BIT, numbers
 
 PLATES = 24

@@ -8,8 +8,7 @@ from math import copysign, cos, inf, sin
 import mujoco
 import numpy as np
 
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Vector
+from pirate_sm.core.geometry import Route, Vector
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.names import WHEEL, X_DRAG, Y_DRAG

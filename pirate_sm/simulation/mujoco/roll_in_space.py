@@ -8,7 +8,7 @@ from math import atan2
 import mujoco
 import numpy as np
 
-from pirate_sm.geometry.route import Route
+from pirate_sm.core.geometry import Route
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.names import LINK, ROLL, ROLL_REAR

@@ -9,9 +9,9 @@ from typing import Any
 
 import mujoco.viewer
 
-from pirate_sm.errors import Hint, UsageError
-from pirate_sm.geometry.route import Route
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.errors import Hint, UsageError
+from pirate_sm.core.geometry import Route
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import StartPose

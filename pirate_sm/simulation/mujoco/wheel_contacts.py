@@ -8,8 +8,8 @@ from typing import NamedTuple
 import mujoco
 import numpy as np
 
-from pirate_sm.geometry.space import Vector, crossed, dot
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import Vector, crossed, dot
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.names import LINK, OBSTACLE, WHEEL

@@ -8,10 +8,9 @@ from math import atan2, cos, sin
 import mujoco
 import numpy as np
 
-from pirate_sm.errors import BackendError
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.errors import BackendError
+from pirate_sm.core.geometry import GRAVITY_M_S2, Route, Vector
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.inertial_unit import InertialUnit

@@ -6,7 +6,7 @@ import math
 
 import numpy as np
 
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody, JointBody
 from pirate_sm.simulation.xpbd import columns

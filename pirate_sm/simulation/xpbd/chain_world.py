@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import own_call
 from pirate_sm.simulation.mechanics import ChainBody

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pirate_sm.model.fidelity import USUAL, Fidelity
+from pirate_sm.core.options import USUAL, Fidelity
 
 STEP_S = 0.002
 

@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
-from pirate_sm.geometry.network import Section
-from pirate_sm.geometry.route import Route
-from pirate_sm.model.fidelity import USUAL, Fidelity
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import Route, Section
+from pirate_sm.core.options import USUAL, Fidelity
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation import digitizing
 from pirate_sm.simulation.machine_code import is_kept
 from pirate_sm.simulation.mechanics import ChainBody

@@ -6,10 +6,7 @@ import math
 
 import numpy as np
 
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.plane import flat, walls
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
+from pirate_sm.core.geometry import GRAVITY_M_S2, Piece, Route, Vector, flat, walls
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd import columns
 

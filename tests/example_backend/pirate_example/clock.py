@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from pirate_sm.detectors.registry import Asked, Detecting, MakeDetector
-from pirate_sm.errors import UsageError
-from pirate_sm.model.effects import Effect
-from pirate_sm.model.events import DetectorWord, Event
-from pirate_sm.registry import Plugin
+from pirate_sm import UsageError
+from pirate_sm.plugins import Asked, Detecting, DetectorWord, Effect, Event, MakeDetector, Plugin
 
 
 class Clock:

@@ -5,14 +5,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from math import inf
 
-from pirate_sm.backends.protocol import Completion
-from pirate_sm.errors import BackendError, UsageError
-from pirate_sm.loading.mission import LoadedMission
-from pirate_sm.model.events import Event, SubmitResult
-from pirate_sm.registry import Plugin
-from pirate_sm.runtime.trigger_script import TriggerScript
-from pirate_sm.wiring import Order
-from pirate_sm.wiring.prepared import Equipment, MakeBackend, Say
+from pirate_sm import BackendError, LoadedMission, UsageError
+from pirate_sm.plugins import (
+    Completion,
+    Equipment,
+    Event,
+    MakeBackend,
+    Order,
+    Plugin,
+    Say,
+    SubmitResult,
+    TriggerScript,
+)
 
 ANSWER_S = 0.25
 

@@ -5,7 +5,7 @@ import pytest
 
 import pirate_sm
 from benchmarks.batch import course_of, replayed
-from pirate_sm.wiring import Order, load
+from pirate_sm.running.wiring import Order, load
 
 
 @pytest.mark.thorough

@@ -13,8 +13,8 @@ import pandas as pd
 import pytest
 
 import pirate_sm
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.read.repair import repair
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.read.repair import repair
 
 from .conftest import PATROL
 

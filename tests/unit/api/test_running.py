@@ -6,7 +6,7 @@ from typing import Any
 import pytest
 
 import pirate_sm
-from pirate_sm.backends.trace import TraceBackend
+from pirate_sm.robot.backends.trace import TraceBackend
 
 from .conftest import PATROL
 

@@ -7,8 +7,8 @@ from pathlib import Path
 import pytest
 
 import pirate_sm
-from pirate_sm.backends.trace import TraceBackend
-from pirate_sm.model.events import Event
+from pirate_sm.core.events import Event
+from pirate_sm.robot.backends.trace import TraceBackend
 
 from .conftest import PATROL
 

@@ -4,7 +4,7 @@ import pandas as pd
 import pytest
 
 import pirate_sm
-from pirate_sm.errors import UsageError
+from pirate_sm.core.errors import UsageError
 
 from .conftest import PATROL
 

@@ -7,10 +7,8 @@ import pytest
 from benchmarks.belief import Claim, judged
 from benchmarks.belief_cases import TROUBLES, WAYS, case_of
 from benchmarks.robots import twin_of
-from pirate_sm.loading import library
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.robot.twin_file import load_twin
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_pipe, load_robot, load_twin
 from pirate_sm.simulation.defects import named
 
 

@@ -6,41 +6,47 @@ from benchmarks.mutants.__main__ import mirrored, nearby, sample
 
 
 def test_what_runs_in_another_process_is_tried_by_the_file_that_mirrors_it() -> None:
-    guardian = "backends/serial/guardian"
+    guardian = "robot/backends/serial/guardian"
 
     assert mirrored(f"pirate_sm/{guardian}/process.py") == [
         f"tests/unit/{guardian}/test_process.py"
     ]
-    assert mirrored("pirate_sm/engine/engine.py") == []
+    assert mirrored("pirate_sm/core/_engine/engine.py") == []
 
 
 def test_a_file_is_tried_by_the_tests_that_mirror_it_and_then_by_those_next_to_them() -> None:
-    folder = "tests/unit/engine/resuming"
+    folder = "tests/unit/core/_engine/resuming"
 
-    mirror, next_to_it, _ = nearby("pirate_sm/engine/resuming/entry.py")
+    mirror, next_to_it, _ = nearby("pirate_sm/core/_engine/resuming/entry.py")
 
     assert (mirror, next_to_it) == ([f"{folder}/test_entry.py"], [folder])
-    assert nearby("pirate_sm/engine/resuming/no_test.py")[0] == [folder]
-    assert nearby("pirate_sm/engine/gliding/no_tests/file.py")[0] == ["tests/unit/engine/gliding"]
+    assert nearby("pirate_sm/core/_engine/resuming/no_test.py")[0] == [folder]
+    assert nearby("pirate_sm/core/_engine/gliding/no_tests/file.py")[0] == [
+        "tests/unit/core/_engine/gliding"
+    ]
 
 
 def test_a_file_is_tried_last_by_the_tests_in_the_folders_above() -> None:
-    backends = "tests/unit/backends"
+    backends = "tests/unit/robot/backends"
 
-    above = nearby("pirate_sm/backends/serial/link/exchange.py")[-1]
+    above = nearby("pirate_sm/robot/backends/serial/link/exchange.py")[-1]
 
     assert f"{backends}/serial/test_backend.py" in above
-    assert {each.rpartition("/")[0] for each in above} <= {f"{backends}/serial", backends}
+    assert {each.rpartition("/")[0] for each in above} <= {
+        f"{backends}/serial",
+        backends,
+        "tests/unit/robot",
+    }
 
 
 def test_another_seed_makes_other_mutants_of_the_same_files() -> None:
-    packages = {"some": ("pirate_sm/engine/resuming", "pirate_sm/geometry/joints.py")}
+    packages = {"some": ("pirate_sm/core/_engine/resuming", "pirate_sm/core/_geometry/joints.py")}
 
     one, again, other = (sample(packages, 12, seed, None)["some"] for seed in (1, 1, 2))
 
     assert len(one) == 12
     assert one == again != other
     assert {each.path.rpartition("/")[0] for each in (*one, *other)} <= {
-        "pirate_sm/engine/resuming",
-        "pirate_sm/geometry",
+        "pirate_sm/core/_engine/resuming",
+        "pirate_sm/core/_geometry",
     }

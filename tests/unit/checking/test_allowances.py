@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.checking.allowances import allowances, settle
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.loading.problems import Place
+from pirate_sm.core.documents import Place
 
 
 def found(line: int, code: str, file: str = "m.yaml") -> Finding:

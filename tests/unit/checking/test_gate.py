@@ -9,8 +9,8 @@ import pytest
 from checking.robots import NEWT, changed
 from checking.small_missions import MISSION
 from pirate_sm.checking.gate import CheckError, pass_or_raise
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.core.loading import load_mission
+from pirate_sm.running.wiring import Order, prepare
 
 
 def passes(folder: Path, text: str) -> None:

@@ -51,7 +51,7 @@ def test_ctrl_c_while_a_file_is_read_ends_the_command(
     """Compiled code that checks a file may turn the exception into another one, or drop it."""
     code = f"""
 import signal
-import pirate_sm.loading.yaml.document as document
+import pirate_sm.core._loading.yaml.document as document
 read = document.read_document
 def interrupted(*given, **more):
     try:

@@ -6,8 +6,8 @@ from math import inf
 import pytest
 
 from pirate_sm.cli.keyboard import AllKeys, Operator
-from pirate_sm.model.effects import Ask, TriggerFired, WaitArmed
-from pirate_sm.model.events import Answer, Event
+from pirate_sm.core.effects import Ask, TriggerFired, WaitArmed
+from pirate_sm.core.events import Answer, Event
 
 
 class Keyboard:

@@ -10,11 +10,12 @@ from pathlib import Path
 import pytest
 from typer.testing import Result
 
-from pirate_sm.campaign.store import MARK, Store
 from pirate_sm.cli.entry import COMMANDS, _found
-from pirate_sm.errors import UsageError
-from pirate_sm.model.camera_source import FileSource, ImagesSource
-from pirate_sm.vision.captures import open_capture
+from pirate_sm.core._model.camera_source import FileSource
+from pirate_sm.core.camera import ImagesSource
+from pirate_sm.core.errors import UsageError
+from pirate_sm.lab.campaign.store import MARK, Store
+from pirate_sm.robot.vision.captures import open_capture
 
 READING = [
     "run x.yaml",

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.errors import UsageError
-from pirate_sm.runtime.trigger_script import Firing
-from pirate_sm.wiring import Order
+from pirate_sm.core.errors import UsageError
+from pirate_sm.running.runtime.trigger_script import Firing
+from pirate_sm.running.wiring import Order
 
 SHARED: dict[str, Any] = {
     "backend": "serial",

@@ -13,10 +13,10 @@ from typing import Any
 import pytest
 from typer.testing import Result
 
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.viewers import live_server as live
-from pirate_sm.recording.write import recorder
-from pirate_sm.recording.write.recording_file import DiskFile, RecordingFile
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.viewers import live_server as live
+from pirate_sm.running.recording.write import recorder
+from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
 
 TRACE = ("mitre_bend", "--backend", "trace", "--quiet")
 Run = Callable[..., Result]

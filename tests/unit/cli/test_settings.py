@@ -11,7 +11,7 @@ import pytest
 from typer.testing import Result
 
 from pirate_sm.cli import settings
-from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.running.recording.read.reader import read_recording
 
 from .conftest import NEWT
 

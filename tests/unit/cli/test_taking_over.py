@@ -11,18 +11,18 @@ import pytest
 
 from benchmarks.resume_rides import World, _Grip, prepared_on, ride_on, world
 from pirate_sm.api.stepping import Session
-from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.checking.gate import CheckError
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.cli.taking_over import take_over
-from pirate_sm.detectors.registry import Detecting
-from pirate_sm.engine.robot.robot_state import states_of
-from pirate_sm.errors import UsageError
-from pirate_sm.model.events import OperatorCommand
-from pirate_sm.recording.replay.end_of_run import end_of_run
-from pirate_sm.runtime.pump import Pump
-from pirate_sm.runtime.stop_requests import BY_SIGNAL, StopRequests
-from pirate_sm.wiring import Prepared
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import OperatorCommand
+from pirate_sm.core.robot import states_of
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.detectors.registry import Detecting
+from pirate_sm.running.recording.replay.end_of_run import end_of_run
+from pirate_sm.running.runtime.pump import Pump
+from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, StopRequests
+from pirate_sm.running.wiring import Prepared
 
 ADOPT = RunOptions(adopt=True)
 Says = Callable[..., None]
@@ -231,7 +231,7 @@ def test_a_robot_whose_wheels_turn_is_not_adopted(
     clamped: World, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The engine stops them, and refuses the start."""
-    monkeypatch.setattr("pirate_sm.engine.resuming.reconciling.turning", lambda *_: True)
+    monkeypatch.setattr("pirate_sm.core._engine.resuming.reconciling.turning", lambda *_: True)
     _, begun = take_over(prepared_on(clamped, clamped.port), ADOPT, StopRequests())
 
     assert begun is not None

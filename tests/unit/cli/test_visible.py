@@ -4,7 +4,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.visible import visible
+from pirate_sm.core.visible import visible
 
 from .conftest import NEWT
 

@@ -11,10 +11,10 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.backends.trace import TraceBackend
-from pirate_sm.engine.engine import Engine
-from pirate_sm.errors import BackendError
-from pirate_sm.runtime.stop_requests import BY_SIGNAL
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.errors import BackendError
+from pirate_sm.robot.backends.trace import TraceBackend
+from pirate_sm.running.runtime.stop_requests import BY_SIGNAL
 
 from .conftest import NEWT
 

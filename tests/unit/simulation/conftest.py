@@ -9,13 +9,12 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.geometry.network import Mitre, Network, Straight, planar
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import dot
-from pirate_sm.loading.yaml.document import read_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core._geometry.network import Mitre, Straight, planar
+from pirate_sm.core.documents import read_document
+from pirate_sm.core.geometry import Network, Route, dot
+from pirate_sm.core.loading import validate
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.actuators import routes_of
 from pirate_sm.simulation.electronics import Electronics
 from pirate_sm.simulation.mechanics import ChainBody, chain_of

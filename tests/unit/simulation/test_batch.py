@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from pirate_sm import UsageError
-from pirate_sm.model.pipe import Attitude, Blockage, Pipe, Start, Turns
-from pirate_sm.model.pipe_segments import Elbow, Mitre, Straight
-from pirate_sm.model.profile import Profile
+from pirate_sm.core._model.pipe import Attitude, Blockage, Start
+from pirate_sm.core.pipe import Elbow, Mitre, Pipe, Straight, Turns
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.batch import Batch
 from pirate_sm.simulation.gliding import columns as col

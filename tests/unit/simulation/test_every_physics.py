@@ -8,7 +8,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.core.geometry import GRAVITY_M_S2
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld

@@ -1,6 +1,6 @@
 from __future__ import annotations
 
-from pirate_sm.model.profile import Profile
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
 
 

@@ -8,10 +8,9 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from pirate_sm.model.pipe import Pipe, Turns
-from pirate_sm.model.pipe_runs import Patch
-from pirate_sm.model.pipe_segments import Straight
-from pirate_sm.model.profile import Profile
+from pirate_sm.core._model.pipe_runs import Patch
+from pirate_sm.core.pipe import Pipe, Straight, Turns
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.pipe_changes import gravity_of

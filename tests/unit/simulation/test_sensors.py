@@ -7,8 +7,8 @@ from collections.abc import Callable
 
 import pytest
 
-from pirate_sm.model.derived import TorqueOf
-from pirate_sm.model.profile import Profile
+from pirate_sm.core._model.derived import TorqueOf
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
 from pirate_sm.simulation.sensors import scale_of, sensors_of
 

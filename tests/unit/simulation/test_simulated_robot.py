@@ -9,11 +9,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pirate_sm.model.pipe import Attitude, Pipe, Start
-from pirate_sm.model.pipe_runs import Junction, PipeRun
-from pirate_sm.model.pipe_segments import Straight
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Defect
+from pirate_sm.core._model.pipe import Attitude, Start
+from pirate_sm.core._model.pipe_runs import Junction
+from pirate_sm.core.pipe import Pipe, PipeRun, Straight
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 from pirate_sm.simulation.xpbd.kinematic import kinematic
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld

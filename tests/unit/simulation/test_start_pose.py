@@ -4,7 +4,7 @@ from collections.abc import Callable
 
 import pytest
 
-from pirate_sm.errors import UsageError
+from pirate_sm.core.errors import UsageError
 
 from .conftest import Driver, bend, straight
 

@@ -3,11 +3,11 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pirate_sm.errors import UsageError
-from pirate_sm.model.pipe import Blockage, Pipe, Start
-from pirate_sm.model.pipe_segments import Mitre, Straight
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core._model.pipe import Blockage, Start
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.pipe import Mitre, Pipe, Straight
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, Surroundings, surroundings_of
 

@@ -6,7 +6,7 @@ import pytest
 
 import pirate_sm
 from pirate_sm.cli.entry import COMMANDS
-from pirate_sm.model.fault_codes import BUILT_IN_FAULTS
+from pirate_sm.core.events import BUILT_IN_FAULTS
 from website.generated import MERMAID, pages, with_drawings
 
 

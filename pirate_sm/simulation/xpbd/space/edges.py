@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.geometry.space import Frame, Vector, combined, crossed, dot, scaled
+from pirate_sm.core.geometry import Frame, Vector, combined, crossed, dot, scaled
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
 from pirate_sm.simulation.xpbd.space.solids import Hole

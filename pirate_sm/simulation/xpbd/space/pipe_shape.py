@@ -8,11 +8,18 @@ from typing import NamedTuple
 
 import numpy as np
 
-from pirate_sm.geometry.network import BRANCH, IN, ON, Network, port_of
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.placement import Placement
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import Frame, combined
+from pirate_sm.core.geometry import (
+    BRANCH,
+    IN,
+    ON,
+    Frame,
+    Network,
+    Piece,
+    Placement,
+    Route,
+    combined,
+    port_of,
+)
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
 from pirate_sm.simulation.xpbd.space.edges import WallEdge, edge_rows, mitre_edge, mouth, ring

@@ -12,8 +12,7 @@ from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from pirate_sm.geometry.piece import Arc
-from pirate_sm.geometry.space import Frame, Vector, combined, crossed, dot
+from pirate_sm.core.geometry import Arc, Frame, Vector, combined, crossed, dot
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pirate_sm.geometry.space import Vector
+from pirate_sm.core.geometry import Vector
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.xpbd.space import columns

@@ -6,10 +6,9 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2, Vector
-from pirate_sm.model.fidelity import USUAL, Fidelity
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import GRAVITY_M_S2, Route, Vector
+from pirate_sm.core.options import USUAL, Fidelity
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.physics import StartPose

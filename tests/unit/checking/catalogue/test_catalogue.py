@@ -11,19 +11,21 @@ import pytest
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Severity
-from pirate_sm.loading.yaml.composer import compose
+from pirate_sm.core._loading.yaml.composer import compose
 
 from ..robots import ROOT
 
 PACKAGE = ROOT / "pirate_sm"
 SOURCES = [
-    *sorted((PACKAGE / "loading").rglob("*.py")),
+    *sorted((PACKAGE / "core" / "_loading").rglob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
-    PACKAGE / "experiments" / "check_experiment.py",
-    PACKAGE / "gallery" / "scene_file.py",
-    PACKAGE / "campaign" / "campaign_file.py",
-    PACKAGE / "campaign" / "named_parts.py",
-    *sorted(set((PACKAGE / "model").glob("*.py")) - {PACKAGE / "model" / "fault_codes.py"}),
+    PACKAGE / "lab" / "experiments" / "check_experiment.py",
+    PACKAGE / "lab" / "gallery" / "scene_file.py",
+    PACKAGE / "lab" / "campaign" / "campaign_file.py",
+    PACKAGE / "lab" / "campaign" / "named_parts.py",
+    *(each for each in (PACKAGE / "core" / "_model").glob("*.py") if each.name != "fault_codes.py"),
+    *sorted((PACKAGE / "robot").glob("*.py")),
+    *sorted((PACKAGE / "robot" / "control_panel").glob("*.py")),
     PACKAGE / "cli" / "commands" / "check.py",
     PACKAGE / "cli" / "commands" / "new.py",
 ]
@@ -76,7 +78,7 @@ def codes_in(node: ast.AST) -> Iterator[str]:
 def form_codes_in(file: Path) -> Iterator[str]:
     """Codes without a group, which only loading raises."""
     for node in ast.walk(ast.parse(file.read_text("utf-8"))):
-        if "loading" in file.parts and isinstance(node, ast.Call) and _name(node) in FORM:
+        if "_loading" in file.parts and isinstance(node, ast.Call) and _name(node) in FORM:
             first = (each.value for each in node.args[:3] if isinstance(each, ast.Constant))
             yield from [text for text in first if isinstance(text, str)][:1]
 

@@ -10,7 +10,7 @@ from representative import MISSIONS, thorough_but
 
 from pirate_sm.checking.diff.differences import MissionDifference, compare
 from pirate_sm.checking.diff.read_behaviour import abilities_of
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.core.loading import load_mission
 
 ROOT = Path(__file__).resolve().parents[4]
 SHIPPED = sorted(path.stem for path in (ROOT / "sequences").glob("*.yaml"))

@@ -11,10 +11,10 @@ from checking.small_missions import write
 from pirate_sm.checking.exploring.alternating_sensors import lasting
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.engine.state import EngineState
-from pirate_sm.loading.mission import LoadedMission, load_mission
-from pirate_sm.model.effects import Ended
+from pirate_sm.core.effects import Ended
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.loading import LoadedMission, load_mission
+from pirate_sm.core.program import Wait
 
 KNOWN = ("known(neck)", "2 s")
 UNKNOWN = ("not known(neck)", "2 s")

@@ -8,7 +8,7 @@ from checking.small_missions import checked, told, write
 from pirate_sm.checking.exploring.exploration_index import Visits, index_exploration
 from pirate_sm.checking.exploring.explore import explore
 from pirate_sm.checking.mission.explore_mission import conditions_of
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.core.loading import load_mission
 
 SKIPPED_OR_IMPOSSIBLE = """
 start: p

@@ -16,11 +16,11 @@ from pirate_sm.checking.exploring.story import story
 from pirate_sm.checking.mission.check_mission import check_mission
 from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.reports.counterexamples import write_counterexample
-from pirate_sm.loading.mission import load_mission
-from pirate_sm.model.effects import CommandStatus, Effect
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
-from pirate_sm.wiring.trace import read_script
+from pirate_sm.core.effects import CommandStatus, Effect
+from pirate_sm.core.loading import load_mission
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.running.wiring.trace import read_script
 
 ONE = "start: p\nphases: {p: {do: [HoldNose], go: good}}\n"
 WAITING = """

@@ -10,8 +10,8 @@ import pytest
 from checking.robots import changed
 from checking.small_missions import NEWT
 from pirate_sm.checking.exploring.signal_ranges import ranges
-from pirate_sm.expressions.vocabulary import change_of
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.expressions import change_of
+from pirate_sm.core.loading import load_robot
 
 PIRATE = NEWT.parents[2] / "hardware_profiles" / "pirate_ii"
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.checking.mission.check_mission import check_mission
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.problems import LoadError
+from pirate_sm.core.documents import LoadError
+from pirate_sm.core.loading import load_pipe
 
 MISSION = """\
 format: 1

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.checking.mission.wait_triggers import at_beginning
-from pirate_sm.expressions import NumberType, Vocabulary, compile_condition
-from pirate_sm.units import DIMENSIONLESS
+from pirate_sm.core.expressions import NumberType, Vocabulary, compile_condition
+from pirate_sm.core.units import DIMENSIONLESS
 
 NAMES = Vocabulary({name: NumberType(DIMENSIONLESS) for name in ("turned", "rolled", "still")})
 CHANGES = frozenset({"turned", "rolled"})

@@ -11,10 +11,9 @@ from pirate_sm.checking.exploring.explore import MOST_WORK
 from pirate_sm.checking.mission import flow
 from pirate_sm.checking.mission.check_mission import check_mission
 from pirate_sm.checking.plans.phase_entry import refused_from
-from pirate_sm.engine.mission.program import Program
-from pirate_sm.engine.mission.successors import successors
-from pirate_sm.engine.robot.robot_state import RobotState
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Program, successors
+from pirate_sm.core.robot import RobotState
 
 CLAMP = "  a: {do: [ClampFront, ClampRear], go: b}\n"
 DRIVE = (

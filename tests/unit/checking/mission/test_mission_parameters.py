@@ -6,10 +6,10 @@ import pytest
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_parameters import unused_in
-from pirate_sm.loading import library
-from pirate_sm.loading.yaml.document import parse_document, read_document
-from pirate_sm.loading.yaml.validation import validate
-from pirate_sm.model.mission import Mission
+from pirate_sm.core.documents import parse_document, read_document
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import validate
+from pirate_sm.core.mission import Mission
 
 from ..robots import NEWT, ROOT
 

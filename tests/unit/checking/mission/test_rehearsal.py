@@ -13,7 +13,7 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.text import text_report
-from pirate_sm.loading.mission import LoadedMission
+from pirate_sm.core.loading import LoadedMission
 
 GOOD = RehearsedRun(0, "succeeded", "ok", 3.0)
 BAD = RehearsedRun(1, "failed", "no bend", 7.25)

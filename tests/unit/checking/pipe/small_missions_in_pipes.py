@@ -6,7 +6,7 @@ from pathlib import Path
 
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings, view_in_pipe
-from pirate_sm.loading.mission import LoadedMission, load_mission
+from pirate_sm.core.loading import LoadedMission, load_mission
 
 
 def mission(do: str, pipe: str, *lines: str) -> str:

@@ -10,8 +10,8 @@ import pytest
 from pirate_sm.checking.actuation_in_force import Actuated
 from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.loading import library
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import load_mission
 
 from ..robots import NEWT, PIRATE, ROOT, changed, told
 from .small_missions_in_pipes import findings, found_in, mission, pipe

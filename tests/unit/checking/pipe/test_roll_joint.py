@@ -9,8 +9,8 @@ import pytest
 
 from pirate_sm.checking.actuation_in_force import InForce
 from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
-from pirate_sm.engine.robot.robot_spec import RobotSpec
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.core.loading import LoadedRobot, load_robot
+from pirate_sm.core.robot import RobotSpec
 
 from ..robots import NEWT, PIRATE
 

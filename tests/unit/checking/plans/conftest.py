@@ -6,8 +6,8 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.core.loading import load_mission
+from pirate_sm.core.robot import at_rest_in
 
 ROOT = Path(__file__).resolve().parents[4]
 

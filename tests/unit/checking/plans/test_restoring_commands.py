@@ -9,7 +9,7 @@ import pytest
 from checking.plans.conftest import standing
 from pirate_sm.checking.plans.phase_entry import why_not_from
 from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
-from pirate_sm.engine.robot.robot_state import STOPPED, Mark
+from pirate_sm.core.robot import STOPPED, Mark
 
 
 @pytest.fixture(scope="module")

@@ -8,15 +8,20 @@ import pytest
 
 from checking.plans.conftest import ROOT
 from pirate_sm.checking.plans.resume_forecast import forecast
-from pirate_sm.engine.engine import Engine
-from pirate_sm.engine.mission.program import Wait
-from pirate_sm.engine.resuming.dark_way import DarkWay
-from pirate_sm.engine.resuming.hypotheses import hypotheses
-from pirate_sm.engine.resuming.reconciling import StateVerdict, VerdictTable
-from pirate_sm.engine.resuming.resumption import Resumption, resumption
-from pirate_sm.engine.resuming.unknowns import unknown_position, unknowns
-from pirate_sm.engine.robot.robot_state import at_rest_in
-from pirate_sm.loading.mission import load_mission
+from pirate_sm.core._engine.resuming.reconciling import StateVerdict
+from pirate_sm.core.engine import Engine
+from pirate_sm.core.loading import load_mission
+from pirate_sm.core.program import Wait
+from pirate_sm.core.resuming import (
+    DarkWay,
+    Resumption,
+    VerdictTable,
+    hypotheses,
+    resumption,
+    unknown_position,
+    unknowns,
+)
+from pirate_sm.core.robot import at_rest_in
 
 KNOWN = DarkWay(0.0, 0.0, True, "known")
 UNKNOWN = DarkWay(-inf, inf, False, "unknown")

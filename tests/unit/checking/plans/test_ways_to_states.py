@@ -8,10 +8,8 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.plans.ways_to_states import way_to
-from pirate_sm.engine.robot.robot_state import at_rest_in, states_of
-from pirate_sm.loading.mission.manual_mission import by_hand
-from pirate_sm.loading.mission.start_configuration import read_states
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.loading import by_hand, load_robot, read_states
+from pirate_sm.core.robot import at_rest_in, states_of
 
 ROOT = Path(__file__).resolve().parents[4]
 

@@ -16,9 +16,8 @@ from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.sarif import sarif_report
 from pirate_sm.checking.reports.text import text_report
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.file_kinds import FileKind
-from pirate_sm.loading.problems import Place
+from pirate_sm.core.documents import FileKind, Place
+from pirate_sm.core.errors import UsageError
 
 from ..robots import NEWT, ROOT, changed, swap
 

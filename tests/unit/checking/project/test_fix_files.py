@@ -13,8 +13,8 @@ from checking.small_missions import MISSION
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.project.fix_files import FileChange, changes_of
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.problems import Edit, Place
+from pirate_sm.core.documents import Edit, Place
+from pirate_sm.core.errors import UsageError
 
 SHORT = MISSION.replace("[ClampFront]", "ClampFront")
 """With one fault of which nobody can doubt what was meant."""

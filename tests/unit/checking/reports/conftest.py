@@ -6,8 +6,7 @@ import pytest
 
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
-from pirate_sm.loading.file_kinds import FileKind
-from pirate_sm.loading.problems import Edit, Place
+from pirate_sm.core.documents import Edit, FileKind, Place
 
 LINE = "  - {command: RelaxRear, if: 'speed > 2 m/s'}  # 100 %, really: ünusual"
 

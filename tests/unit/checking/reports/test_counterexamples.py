@@ -15,8 +15,8 @@ from pirate_sm.checking.project.check_options import Wishes
 from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.cli.entry import only_run
-from pirate_sm.errors import UsageError
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.loading import load_robot
 
 BAD = """\
 format: 1

@@ -16,7 +16,7 @@ from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.checking.reports.json import json_report
 from pirate_sm.checking.reports.junit import junit_report
 from pirate_sm.checking.reports.sarif import sarif_report
-from pirate_sm.loading.problems import Place
+from pirate_sm.core.documents import Place
 
 from ..robots import ROOT
 

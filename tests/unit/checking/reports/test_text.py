@@ -7,7 +7,7 @@ import pytest
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.reports.check_report import CheckReport, end_column, marked
 from pirate_sm.checking.reports.text import explained, listed, text_report
-from pirate_sm.loading.problems import Place
+from pirate_sm.core.documents import Place
 
 
 def plain(_: str, text: str) -> str:

@@ -13,11 +13,9 @@ from hypothesis import strategies as st
 from pirate_sm.checking.robot import guard_logic as guards
 from pirate_sm.checking.robot.check_chart import check_chart, examine
 from pirate_sm.checking.robot.check_robot import check_robot
-from pirate_sm.loading.chart.exploration import compile_chart
-from pirate_sm.loading.chart.outline_reader import outline_chart
-from pirate_sm.loading.problems import Problems
-from pirate_sm.loading.robot import load_robot
-from pirate_sm.loading.yaml.document import parse_document
+from pirate_sm.core._loading.chart.exploration import compile_chart
+from pirate_sm.core.documents import Problems, parse_document
+from pirate_sm.core.loading import load_robot, outline_chart
 
 from ..robots import NEWT, PIRATE, changed, told
 

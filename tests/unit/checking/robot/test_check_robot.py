@@ -16,7 +16,7 @@ from pirate_sm.checking.robot.check_robot import (
     robot_findings,
 )
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.loading import load_robot
 
 from ..robots import NEWT, PIRATE, changed, told
 

@@ -17,7 +17,7 @@ from pirate_sm.checking.findings import Severity
 from pirate_sm.checking.robot.check_robot import check_robot
 from pirate_sm.cli.commands.new import write_robot
 from pirate_sm.cli.options.files import NewRobotOptions
-from pirate_sm.loading.robot import LoadedRobot, load_robot
+from pirate_sm.core.loading import LoadedRobot, load_robot
 
 from ..robots import NEWT, PIRATE, changed, told
 

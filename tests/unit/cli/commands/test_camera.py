@@ -14,13 +14,13 @@ import pytest
 from numpy.typing import NDArray
 
 from pirate_sm.cli.commands import camera
-from pirate_sm.loading import library
-from pirate_sm.loading.camera_file import load_camera
-from pirate_sm.vision.opencv import cv2
-from pirate_sm.vision.seeing import eye_of
-from pirate_sm.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.vision.synthetic.shown_scene import ShownLink, ShownScene
-from tests.unit.vision.rendered_boards import RenderedLens
+from pirate_sm.core.files import library
+from pirate_sm.robot.camera_file import load_camera
+from pirate_sm.robot.vision.opencv import cv2
+from pirate_sm.robot.vision.seeing import eye_of
+from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
+from pirate_sm.robot.vision.synthetic.shown_scene import ShownLink, ShownScene
+from tests.unit.robot.vision.rendered_boards import RenderedLens
 
 ROOT = Path(__file__).resolve().parents[4]
 

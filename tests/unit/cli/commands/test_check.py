@@ -18,7 +18,7 @@ from checking.small_missions import MISSION
 from pirate_sm.cli.commands import check
 from pirate_sm.cli.options.checks import CheckOptions
 from pirate_sm.cli.output.progress import Show
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.loading import load_robot
 
 from ..conftest import ROOT
 

@@ -9,8 +9,8 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pirate_sm.backends.simulated import SimulatorBackend
-from pirate_sm.wiring.sim import COMPILING
+from pirate_sm.running.wiring.sim import COMPILING
+from pirate_sm.simulation.backend import SimulatorBackend
 
 from ..conftest import NEWT, ROOT
 

@@ -15,8 +15,8 @@ from representative import thorough_but
 from typer.testing import Result
 
 from pirate_sm.cli.commands import demo
-from pirate_sm.gallery.scene_file import load_scene
-from pirate_sm.loading import library
+from pirate_sm.core.files import library
+from pirate_sm.lab.gallery.scene_file import load_scene
 
 ROOT = Path(__file__).parents[4]
 SCENES = [path.stem for path in library.scenes()]

@@ -12,13 +12,12 @@ import pytest
 from jsonschema import Draft202012Validator
 from typer.testing import Result
 
-from pirate_sm.backends.serial.backend import SerialBackend
-from pirate_sm.bay.switches import Switches
-from pirate_sm.bay.terminal import Terminal, serve
-from pirate_sm.bay.texts import message_texts
-from pirate_sm.bay.virtual import VirtualBay
-from pirate_sm.loading.pipe_file import load_pipe
-from pirate_sm.loading.robot import load_robot
+from pirate_sm.core.loading import load_pipe, load_robot
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.simulation.bay.switches import Switches
+from pirate_sm.simulation.bay.terminal import Terminal, serve
+from pirate_sm.simulation.bay.texts import message_texts
+from pirate_sm.simulation.bay.virtual import VirtualBay
 
 ROOT = Path(__file__).resolve().parents[4]
 PATIENCE_S = 10.0

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.experiments import needed_extras
+from pirate_sm.lab.experiments import needed_extras
 
 from ..conftest import NEWT
 

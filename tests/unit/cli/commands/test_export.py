@@ -7,7 +7,7 @@ from xml.etree import ElementTree
 
 import pytest
 
-from pirate_sm.recording.read.reader import read_recording
+from pirate_sm.running.recording.read.reader import read_recording
 
 from ..conftest import NEWT
 

@@ -9,7 +9,7 @@ import jsonschema
 import pytest
 
 import pirate_sm
-from pirate_sm.loading.yaml.document import read_document
+from pirate_sm.core.documents import read_document
 
 from ..conftest import NEWT
 

@@ -14,10 +14,10 @@ from typer.testing import CliRunner
 
 from pirate_sm.cli.commands.replay import field_words
 from pirate_sm.cli.entry import only_run
-from pirate_sm.model import effects as fx
-from pirate_sm.model.events import Answer, Tick
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.recording.write import piece_maker, recorder
+from pirate_sm.core import effects as fx
+from pirate_sm.core.events import Answer, Tick
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.write import piece_maker, recorder
 
 ROOT = Path(__file__).resolve().parents[4]
 PIPE = "sequences/pipes/mitre_90.yaml"

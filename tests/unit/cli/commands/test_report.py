@@ -9,8 +9,8 @@ import pytest
 from checking.robots import changed
 
 from pirate_sm import __version__
-from pirate_sm.recording.read.reader import read_recording
-from pirate_sm.report.recording_report import report_of
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.views.report.recording_report import report_of
 
 from ..conftest import NEWT
 

@@ -13,19 +13,19 @@ from click.testing import Result
 from typer.testing import CliRunner
 
 from benchmarks.resume_rides import LIES, World, _Grip, prepared_on, ride_on, world
-from pirate_sm.backends.serial.backend import SerialBackend
 from pirate_sm.cli.commands.resume import ResumeDialog, _Wishes
 from pirate_sm.cli.entry import commands, only_run
-from pirate_sm.detectors.registry import Detecting
-from pirate_sm.recording.format.header import CHECKPOINT
-from pirate_sm.recording.read.reader import Recording, read_recording
-from pirate_sm.recording.replay.end_of_run import end_of_run
-from pirate_sm.recording.write import recorder
-from pirate_sm.runtime.stop_requests import StopRequests
-from pirate_sm.wiring import Order, placed
-from pirate_sm.wiring.resume_offer import Said
-from pirate_sm.wiring.resumed_run import first_wheel_m
-from tests.unit.recording.recording_runs import record_cut_off
+from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.detectors.registry import Detecting
+from pirate_sm.running.recording.format.header import CHECKPOINT
+from pirate_sm.running.recording.read.reader import Recording, read_recording
+from pirate_sm.running.recording.replay.end_of_run import end_of_run
+from pirate_sm.running.recording.write import recorder
+from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.wiring import Order, placed
+from pirate_sm.running.wiring.resume_offer import Said
+from pirate_sm.running.wiring.resumed_run import first_wheel_m
+from tests.unit.running.recording.recording_runs import record_cut_off
 
 from ..terminals import on_a_terminal, once
 

@@ -16,14 +16,14 @@ import pytest
 import typer
 from typer.core import TyperOption
 
-from pirate_sm.backends import known as backends
 from pirate_sm.checking import catalogue
 from pirate_sm.cli import entry
 from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.answer import answered
-from pirate_sm.loading import library
-from pirate_sm.model.campaign import LineFaults, StartJitter
-from pirate_sm.wiring import BACKENDS
+from pirate_sm.core._model.campaign import LineFaults, StartJitter
+from pirate_sm.core.files import library
+from pirate_sm.robot.backends import known as backends
+from pirate_sm.running.wiring import BACKENDS
 
 from ..conftest import NEWT, ROOT
 
@@ -300,7 +300,7 @@ def test_names_of_other_packages_are_offered_without_importing_them(
     here: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     point = EntryPoint("other", "no_such_package_at_all:PART", "pirate_sm.backends")
-    monkeypatch.setattr("pirate_sm.registry.entry_points", lambda group: [point])
+    monkeypatch.setattr("pirate_sm.core.registry.entry_points", lambda group: [point])
 
     assert "other" in values("pirate run --backend ")
     assert "other" in values("pirate run --detector ")

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.cli.commands.run import ON_A_TERMINAL
 from pirate_sm.cli.options.values import read_duration, read_length, read_settings, read_speed
-from pirate_sm.errors import UsageError
+from pirate_sm.core.errors import UsageError
 
 
 def test_a_terminal_has_a_speed_at_which_one_can_watch() -> None:

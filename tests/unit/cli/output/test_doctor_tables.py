@@ -9,7 +9,7 @@ import pytest
 from rich.console import Console
 
 from pirate_sm.cli.output.doctor_tables import link_lines, plain_text, sensors_now, verdict
-from pirate_sm.diagnosis.facts import (
+from pirate_sm.robot.diagnosis.facts import (
     BoardFact,
     ChannelFact,
     DoctorFinding,

@@ -4,10 +4,10 @@ from math import nan
 
 import pytest
 
-from pirate_sm.backends.serial.health import LinkHealth
 from pirate_sm.cli.output.event_lines import SaysWhyItWaits
-from pirate_sm.model.effects import Ended
-from pirate_sm.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.core.effects import Ended
+from pirate_sm.robot.backends.serial.health import LinkHealth
+from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
 
 WELL = LinkHealth(9, 0, 3, 0, 0, nan, 0.0, "")
 AWAY = WELL._replace(trouble="nothing comes from the robot", silent_s=2.5, patience_s=7.6)

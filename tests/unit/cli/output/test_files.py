@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.cli.output.files import refuse_losses, write_file
-from pirate_sm.errors import UsageError
+from pirate_sm.core.errors import UsageError
 
 MISSION = "mission: mine\n"
 

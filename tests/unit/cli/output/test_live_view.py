@@ -11,11 +11,11 @@ from rich.console import Console
 
 from pirate_sm.cli.output.live_view import LiveView
 from pirate_sm.cli.output.observed_run import ObservedRun
-from pirate_sm.drawing.canvas import Canvas
-from pirate_sm.model.effects import Effect
-from pirate_sm.runtime.first_choice import FirstChoice
-from pirate_sm.runtime.loop import MissionRun
-from pirate_sm.wiring import Order, prepare
+from pirate_sm.core.effects import Effect
+from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.views.drawing.canvas import Canvas
 
 from ..conftest import NEWT, ROOT
 from ..terminals import on_a_terminal, once

@@ -8,8 +8,9 @@ from random import Random
 import numpy as np
 import pytest
 
-from pirate_sm.expressions import BOOLEAN, Expression, bytecode, tree
-from pirate_sm.expressions.bytecode import DEEPEST, code_of, depth_of, never_true, words_in
+from pirate_sm.core._expressions import bytecode
+from pirate_sm.core._expressions.bytecode import code_of, never_true, words_in
+from pirate_sm.core.expressions import BOOLEAN, DEEPEST, Expression, depth_of, tree
 from pirate_sm.simulation.gliding import machine
 
 VALUES = (nan, nan, 0.0, -0.0, 1.0, -1.0, 0.1, 0.30000000000000004, 3.0, -2.5, inf, 1e-300)

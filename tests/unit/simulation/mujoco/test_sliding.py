@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.geometry import GRAVITY_M_S2, Route
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import QuantityLayout

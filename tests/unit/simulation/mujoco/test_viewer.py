@@ -6,9 +6,9 @@ import mujoco.viewer
 import pytest
 from viewer_window import Window
 
-from pirate_sm.errors import UsageError
-from pirate_sm.geometry.route import Route
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.geometry import Route
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.viewer import WatchedWorld
 from pirate_sm.simulation.start_pose import stand

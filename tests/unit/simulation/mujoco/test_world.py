@@ -8,10 +8,10 @@ from xml.etree.ElementTree import fromstring
 import numpy as np
 import pytest
 
-from pirate_sm.errors import BackendError, UsageError
-from pirate_sm.geometry.route import Route
-from pirate_sm.model.profile import Profile
-from pirate_sm.model.simulation import Friction
+from pirate_sm.core.errors import BackendError, UsageError
+from pirate_sm.core.geometry import Route
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.mujoco.model_text import model_text
 from pirate_sm.simulation.mujoco.world import MujocoWorld

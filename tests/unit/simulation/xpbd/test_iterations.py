@@ -8,7 +8,7 @@ from functools import partial
 
 import pytest
 
-from pirate_sm.model.fidelity import Fidelity
+from pirate_sm.core.options import Fidelity
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.xpbd.iterations import notice_of
 from pirate_sm.simulation.xpbd.kinematic import kinematic

@@ -4,9 +4,8 @@ import math
 
 import pytest
 
-from pirate_sm.geometry.network import Mitre, Straight, planar
-from pirate_sm.geometry.route import Route
-from pirate_sm.geometry.space import GRAVITY_M_S2
+from pirate_sm.core._geometry.network import Mitre, Straight, planar
+from pirate_sm.core.geometry import GRAVITY_M_S2, Route
 from pirate_sm.simulation.xpbd.pipe_arrays import leg_rows, wall_rows
 
 RADIUS = 0.06

@@ -9,18 +9,16 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from pirate_sm.geometry.network import (
+from pirate_sm.core._geometry.network import (
     Elbow,
     Mitre,
-    Network,
     NetworkRun,
     Reducer,
     Straight,
     Tee,
     planar,
 )
-from pirate_sm.geometry.piece import Piece
-from pirate_sm.geometry.route import Route
+from pirate_sm.core.geometry import Network, Piece, Route
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns, walls
 from pirate_sm.simulation.xpbd.space.pipe_shape import PipeShape, shape_of

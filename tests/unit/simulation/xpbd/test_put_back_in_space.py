@@ -6,11 +6,11 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.runtime.loop import MissionRun
+from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.simulation.physics import StartPose
 from pirate_sm.simulation.start_pose import normals_of
 from pirate_sm.simulation.xpbd.space import columns
-from pirate_sm.wiring import Order, prepare
 
 
 @pytest.mark.parametrize("mission", ["take_branch", "two_bends_up"])

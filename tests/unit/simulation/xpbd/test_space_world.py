@@ -6,9 +6,9 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pirate_sm.geometry.network import Mitre, Network, Reducer, Straight, planar
-from pirate_sm.geometry.space import Vector
-from pirate_sm.model.profile import Profile
+from pirate_sm.core._geometry.network import Mitre, Reducer, Straight, planar
+from pirate_sm.core.geometry import Network, Vector
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE
 from pirate_sm.simulation.xpbd import columns as plane

@@ -6,7 +6,7 @@ from collections.abc import Callable
 import numpy as np
 import pytest
 
-from pirate_sm.model.profile import Profile
+from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mechanics import chain_of
 from pirate_sm.simulation.physics import PER_WHEEL, SINGLE
 from pirate_sm.simulation.xpbd import columns

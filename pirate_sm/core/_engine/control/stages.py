@@ -1,0 +1,242 @@
+"""Compute what a stage of a command's actuation writes, and whether it has been reached.
+
+A command with a posture first brings the robot to the posture, in the stage ``POSTURE``. The
+stages of the states that it leads to follow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isnan
+
+from pirate_sm.core._engine.control.loops import Loop, Loops, begun, ends_with_command, quantised
+from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
+from pirate_sm.core._engine.control.torque_loop import RunningTorqueLoop
+from pirate_sm.core._engine.control.velocity_loop import RunningVelocityLoop
+from pirate_sm.core._engine.control.wheel_torque_loop import WheelTorqueLoop
+from pirate_sm.core._engine.robot.command_spec import StageSpec
+from pirate_sm.core._engine.robot.criteria import CriterionSpec, ReachedSpec
+from pirate_sm.core._engine.robot.done import RESTORING, holds
+from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.robot_state import (
+    POSTURE,
+    STOPPED,
+    Mark,
+    Motion,
+    Numbers,
+    RobotState,
+    known_values,
+    posture_of,
+    states_of,
+)
+from pirate_sm.core._engine.robot.unmet_conditions import posture_bounds
+from pirate_sm.core._engine.sensing.known_signals import Sensing
+
+
+def stage_array(
+    robot: RobotSpec,
+    state: RobotState,
+    motion: Motion,
+    sensing: Sensing,
+    regions: tuple[int, ...],
+    stage: int,
+) -> tuple[Numbers, Loops]:
+    """Return the array and the loops of one stage of the regions' states.
+
+    A loop of a state continues where the stage does not write its slot. A posture that depends on
+    an unknown angle changes nothing.
+    """
+    target = robot.table.configurations[motion.target]
+    values = list(known_values(state.latest, sensing.numbers, robot))
+    loops = {each.slot: each for each in state.loops if not ends_with_command(each)}
+    posture = posture_of(robot, motion) if stage == POSTURE else None
+    if posture is not None:
+        if not motion.blind:
+            _write(robot, sensing, posture.writes, values, loops)
+        return tuple(values), tuple(loops.values())
+    for region in regions:
+        stages = state.stages(robot, region, target[region])
+        writes = _slowed(robot, stages[min(stage, len(stages) - 1)], motion.share)
+        _write(robot, sensing, writes, values, loops)
+    return tuple(values), tuple(loops.values())
+
+
+def followed(robot: RobotSpec, state: RobotState, motion: Motion, sensing: Sensing) -> RobotState:
+    """Return the state with the angles that its position loops begin at and go to, as known now.
+
+    A joint that a posture moves may open the apex whose angle the posture names.
+    """
+    if (known := _known_origin(state, motion, sensing)) is not motion:
+        state = state._replace(motion=known)
+    posture = posture_of(robot, motion) if motion.stage == POSTURE else None
+    if posture is None:
+        return state
+    shares = {write.slot: write for write in posture.writes if write.share_of >= 0}
+    loops = list(state.loops)
+    for at, loop in enumerate(loops):
+        if write := shares.get(loop.slot):
+            loops[at] = begun(write, robot.slots[loop.slot], sensing.numbers, loop) or loop
+    return state if tuple(loops) == state.loops else state._replace(loops=tuple(loops))
+
+
+def switched_array(
+    robot: RobotSpec, state: RobotState, sensing: Sensing, control: int
+) -> tuple[Numbers, Loops]:
+    """Return the array and the loops that actuate the present states by another control.
+
+    Only slots are written to which the two controls write something else. Wheels that were stopped
+    from outside their state stay stopped, and a joint that a command has brought to an angle stays
+    there: commands alone drive and seek. Wheels keep to the speed that an operator has chosen. A
+    joint is kept at its torque again if a pause or a fault has stopped its loop.
+    """
+    values = list(known_values(state.latest, sensing.numbers, robot))
+    loops = {each.slot: each for each in state.loops}
+    after = state._replace(control=control)
+    for region, name in enumerate(states_of(robot, state)):
+        if Mark("region", region, STOPPED) in state.marks:
+            continue
+        before = state.stages(robot, region, name)[-1]
+        stage = after.stages(robot, region, name)[-1]
+        changed = tuple(
+            write._replace(how="set", value=0.0) if write.how == "seek" else write
+            for write in stage
+            if write not in before or (write.how == "bear" and _let_go(robot, write.slot, loops))
+        )
+        share = _share_in_force(robot, before, values, loops)
+        _write(robot, sensing, _slowed(robot, changed, share), values, loops)
+    return tuple(values), tuple(loops.values())
+
+
+def _share_in_force(
+    robot: RobotSpec, stage: StageSpec, values: Sequence[float], loops: Mapping[int, Loop]
+) -> float:
+    """Return the share, 0 to 1, that wheels now have of what the stage writes to them.
+
+    It is less than 1 while an operator drives by hand at a lower speed.
+    """
+    driven = (it for it in stage if it.slot in robot.safe_zero and it.value)
+    shares = [_asked(loops.get(it.slot), values[it.slot]) / it.value for it in driven]
+    return max(0.0, min(1.0, max(shares, default=1.0)))
+
+
+def _asked(loop: Loop | None, value: float) -> float:
+    """Return what a wheel is asked for: the target of its loop, else its value."""
+    match loop:
+        case RunningVelocityLoop(target_rad_s=target) | WheelTorqueLoop(target_nm=target):
+            return target
+        case _:
+            return value
+
+
+def _let_go(robot: RobotSpec, slot: int, loops: Mapping[int, Loop]) -> bool:
+    """Return whether a joint's torque loop should run and does not."""
+    return robot.slots[slot].held_torque is not None and slot not in loops
+
+
+def unsettled(state: RobotState, sensing: Sensing) -> list[int]:
+    """Return the slots whose joint does not bear the torque that its torque loop asks for."""
+    loops = [each for each in state.loops if isinstance(each, RunningTorqueLoop)]
+    return [each.slot for each in loops if not each.settled(sensing.numbers)]
+
+
+def unknown_angle(robot: RobotSpec, stage: StageSpec, sensing: Sensing) -> str:
+    """Return which unknown signal the stage's angles depend on, as a reason; empty if none."""
+    for write in stage:
+        if write.share_of >= 0 and isnan(sensing.numbers[write.share_of]):
+            name = robot.vocabulary.numbers[write.share_of]
+            return f"{name} is unknown, which the angle for {robot.slots[write.slot].name} needs"
+    return ""
+
+
+def is_done(
+    robot: RobotSpec, state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
+) -> bool:
+    """Whether the stage in force is done; a posture also needs every joint at its angle."""
+    if motion.blind or not holds(done, sensing.numbers, state.values, state.loops):
+        return False
+    return all(each.holds(sensing.numbers) for each in posture_bounds(robot, state, motion))
+
+
+def stage_origin(state: RobotState, stage: int, sensing: Sensing) -> Numbers:
+    """Return the signals when a stage began: now, or in the first try of a repeated command."""
+    tried = state.tried
+    return tried.origin if tried is not None and tried.stage == stage else sensing.numbers
+
+
+def _known_origin(state: RobotState, motion: Motion, sensing: Sensing) -> Motion:
+    """Return the motion with the first known angle of each joint whose board was silent before."""
+    origin, numbers = list(motion.origin), sensing.numbers
+    for loop in state.seekers if origin else ():
+        if isnan(origin[loop.angle]):
+            origin[loop.angle] = numbers[loop.angle]
+    return motion if tuple(origin) == motion.origin else motion._replace(origin=tuple(origin))
+
+
+def unmoved_loops(
+    state: RobotState, motion: Motion, done: CriterionSpec, sensing: Sensing
+) -> tuple[RunningPositionLoop, ...]:
+    """Return the position loops if none of their joints has moved: no wall has stopped them.
+
+    A command that restores what a run had before it was cut off, and one that repeats a stage
+    which an earlier try has passed, finds its joints moved already.
+    """
+    passed = state.tried is not None and motion.stage < state.tried.stage
+    if passed or motion.place == RESTORING or not isinstance(done, ReachedSpec):
+        return ()
+    numbers, moved_rad, loops = sensing.numbers, done.moved_rad, state.seekers
+    unmoved = all(loop.unmoved(numbers, motion.origin, moved_rad) for loop in loops)
+    return loops if unmoved else ()
+
+
+def pushed_harder(state: RobotState, unmoved: Loops) -> Loops:
+    """Return the running loops, of which these push with all that they may."""
+    return tuple(
+        each.harder() if isinstance(each, RunningPositionLoop) and each in unmoved else each
+        for each in state.loops
+    )
+
+
+def looped_values(robot: RobotSpec, state: RobotState, sensing: Sensing) -> Numbers:
+    """Return the accepted values with the present duty of each loop."""
+    values = list(state.values)
+    for loop in state.loops:
+        resolution = robot.slots[loop.slot].resolution
+        values[loop.slot] = quantised(loop.duty(sensing.numbers, sensing.loss), resolution)
+    return tuple(values)
+
+
+def without_loops(state: RobotState) -> Numbers:
+    """Return the newest values with zero for every slot that a position loop has driven."""
+    driven = state.seeking.difference(
+        each.slot for each in state.loops if not ends_with_command(each)
+    )
+    if not driven:
+        return state.latest
+    return tuple(0.0 if slot in driven else value for slot, value in enumerate(state.latest))
+
+
+def _slowed(robot: RobotSpec, stage: StageSpec, share: float) -> StageSpec:
+    """Return the stage with this share of what it writes to wheels."""
+    if share == 1.0:
+        return stage
+    slowed = robot.safe_zero
+    return tuple(it._replace(value=it.value * share) if it.slot in slowed else it for it in stage)
+
+
+def _write(
+    robot: RobotSpec,
+    sensing: Sensing,
+    stage: StageSpec,
+    values: list[float],
+    loops: dict[int, Loop],
+) -> None:
+    for write in stage:
+        slot = robot.slots[write.slot]
+        if write.how == "set":
+            values[write.slot] = write.value
+            loops.pop(write.slot, None)
+        elif loop := begun(write, slot, sensing.numbers, loops.get(write.slot)):
+            loops[write.slot] = loop
+            values[write.slot] = quantised(
+                loop.duty(sensing.numbers, sensing.loss), slot.resolution
+            )

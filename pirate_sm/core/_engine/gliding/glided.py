@@ -1,0 +1,113 @@
+"""The signals after frames that have changed nothing else."""
+
+from __future__ import annotations
+
+from bisect import bisect_right
+from collections.abc import Iterator, Sequence
+from math import inf
+from typing import NamedTuple, TypeAlias
+
+from pirate_sm.core._engine.sensing.environment import Surveyed
+from pirate_sm.core._engine.sensing.known_signals import MotorRequest, Numbers, Sensing
+from pirate_sm.core._engine.state import EngineState
+from pirate_sm.core._model.effects import Effect
+from pirate_sm.core._model.events import Event, SensorFrame
+from pirate_sm.core._model.frame_block import FrameBlock
+from pirate_sm.core._model.trail import Trail
+from pirate_sm.core._model.word_watch import Look
+
+
+class Glided(NamedTuple):
+    """What quiet frames change.
+
+    The first are as in :class:`~pirate_sm.core._engine.sensing.known_signals.Sensing`; ``surveyed``
+    is what the survey remembers, ``wake_at_s`` the next time at which something changes without an
+    event, ``word_until_s`` the end of the validity of the detector's word.
+    """
+
+    numbers: Numbers
+    heard_s: Numbers
+    shares: Numbers
+    angles: Numbers
+    asked: MotorRequest
+    loss: float
+    motion: Numbers
+    checked_s: float
+    wake_at_s: float
+    word_until_s: float
+    surveyed: Surveyed
+
+
+Step: TypeAlias = tuple[float, Event, tuple[Effect, ...]]
+"""A step of the engine: its time, its event, its effects."""
+
+
+class Glide(NamedTuple):
+    """Cycles that have passed without the engine.
+
+    Attributes:
+        now_s: The time reached.
+        after: The signals after them; None where nothing has been taken.
+        frames: The frames that were taken.
+        steps: What else has happened, with time, event and effects: silent boards were looked for,
+            which may be in the step of one of the frames, or the detector's word was repeated.
+        looks: The looks that were made for a detector.
+        due_s: When its next one is due.
+        said_s: When its word was repeated last; None if it was not.
+        trail: Where the robot was at each step; None where nobody knows.
+    """
+
+    now_s: float
+    after: Glided | None
+    frames: FrameBlock
+    steps: Sequence[Step] = ()
+    looks: Sequence[Look] = ()
+    due_s: float = inf
+    said_s: float | None = None
+    trail: Trail | None = None
+
+    def times_s(self) -> Sequence[float]:
+        """Return the times of all steps in their order, s; of a frame twice if it has effects."""
+        if not self.steps:
+            return self.frames.times_s
+        return sorted((*self.frames.times_s, *(step[0] for step in self.steps)))
+
+    def in_order(self) -> Iterator[Step]:
+        """Yield all steps, those of the frames too, in the order of time.
+
+        A step of a frame takes the place of this frame; any other one comes after the frames of
+        its time.
+        """
+        frames, begin = self.frames, 0
+        for step in self.steps:
+            end = bisect_right(frames.times_s, step[0])
+            own = isinstance(step[1], SensorFrame)
+            yield from _quiet(frames, begin, end - own)
+            yield step
+            begin = end
+        yield from _quiet(frames, begin, len(frames))
+
+
+def _quiet(frames: FrameBlock, begin: int, end: int) -> Iterator[Step]:
+    for at in range(begin, end):
+        yield frames.times_s[at], frames.frame(at), ()
+
+
+def after_glide(state: EngineState, after: Glided) -> EngineState:
+    """Return the state with the signals after quiet frames."""
+    sensing = sensing_after(state.sensing, after)
+    return state._replace(
+        sensing=sensing,
+        surveyed=after.surveyed,
+        wake_at_s=after.wake_at_s,
+        word_until_s=after.word_until_s,
+    )
+
+
+def sensing_after(sensing: Sensing, after: Glided) -> Sensing:
+    """Return the signals after quiet frames."""
+    numbers, heard_s, shares, angles, asked, loss, motion, checked_s, *_ = after
+    return Sensing(
+        *(numbers, heard_s, checked_s, sensing.stale, shares, angles, sensing.records, asked),
+        *(loss, motion, *sensing[10:]),
+    )

@@ -1,0 +1,66 @@
+"""The working context of one engine step: robot, program, time and the effects so far."""
+
+from __future__ import annotations
+
+from pirate_sm.core._engine.mission.program import Program
+from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._model.effects import Effect, Log
+from pirate_sm.core._model.events import ALPHABET_VERSION
+
+
+class Moment:
+    """The context of one step of the engine.
+
+    Functions take a state and return the next one. They add what the runtime must do or report to
+    ``effects``, in order.
+
+    Args:
+        robot: The robot.
+        program: The mission.
+        nominal: Whether commands count as done after their nominal duration.
+        now_s: Seconds since the run began.
+        follows_traction: Whether the signals of slip and friction are estimated in every round.
+        alphabet: The version of the alphabet by whose rules the engine decides.
+
+    Attributes:
+        effects: The effects so far, in order.
+        emit: Appends one effect.
+    """
+
+    __slots__ = (
+        "alphabet",
+        "effects",
+        "emit",
+        "follows_traction",
+        "nominal",
+        "now_s",
+        "program",
+        "robot",
+    )
+
+    def __init__(
+        self,
+        robot: RobotSpec,
+        program: Program,
+        nominal: bool,
+        now_s: float,
+        follows_traction: bool = False,
+        alphabet: int = ALPHABET_VERSION,
+    ) -> None:
+        self.robot = robot
+        self.program = program
+        self.now_s = now_s
+        self.nominal = nominal
+        self.follows_traction = follows_traction
+        self.alphabet = alphabet
+        self.effects: list[Effect] = []
+        self.emit = self.effects.append
+
+    def trial(self) -> Moment:
+        """Return a copy without effects, to try a step whose effects are discarded."""
+        same = self.robot, self.program, self.nominal, self.now_s
+        return Moment(*same, self.follows_traction, self.alphabet)
+
+    def warn(self, message: str) -> None:
+        """Append a warning for the operator to the effects."""
+        self.effects.append(Log("warning", message))

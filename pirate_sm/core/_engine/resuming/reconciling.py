@@ -1,0 +1,351 @@
+"""Compare where a robot may be after a crash with what its boards show."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from itertools import compress
+from math import acos, degrees, hypot, inf, nan
+from typing import Literal, NamedTuple, TypeAlias
+
+from pirate_sm.core._engine.deadlines import has_come
+from pirate_sm.core._engine.mission.program import Program
+from pirate_sm.core._engine.resuming.dark_way import DarkWay, dark_way
+from pirate_sm.core._engine.resuming.hypotheses import Hypothesis, hypotheses
+from pirate_sm.core._engine.robot.confirmation import since
+from pirate_sm.core._engine.robot.confirmation_spec import DrivenSpec, StandingSpec
+from pirate_sm.core._engine.robot.criteria import AcceptedSpec
+from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.robot.robot_state import (
+    DECLARED,
+    DENIED,
+    STOPPED,
+    Mark,
+    Marks,
+    RobotState,
+    at_rest_in,
+    states_of,
+)
+from pirate_sm.core._engine.robot.sensor_verdict import Shown, shown_by, spec_of, verdict
+from pirate_sm.core._engine.sensing.conversion import forget_stale, observe
+from pirate_sm.core._engine.sensing.known_signals import Numbers, Sensing, nothing_known
+from pirate_sm.core._engine.state import OUTSIDE, EngineState
+from pirate_sm.core._model.events import SensorFrame
+
+Frames: TypeAlias = Sequence[tuple[float, SensorFrame]]
+"""Frames of the boards, each with the time of its arrival, s."""
+
+Word = Literal["confirmed", "contradicted", "unknown"]
+
+
+class StateVerdict(NamedTuple):
+    """What the sensors show about one region's state or one part's clamp.
+
+    Attributes:
+        mark: The region or part.
+        about: Its name.
+        state: The name of the region's state; ``holds`` for a part.
+        why: Why it is not confirmed; empty if it is.
+        shown: What was compared.
+    """
+
+    mark: Mark
+    about: str
+    state: str
+    word: Word
+    why: str
+    shown: tuple[Shown, ...]
+
+
+class VerdictTable(NamedTuple):
+    """What the sensors show about one hypothesis.
+
+    Attributes:
+        refusals: Why the mission must not go on if the robot is there.
+    """
+
+    hypothesis: Hypothesis
+    verdicts: tuple[StateVerdict, ...]
+    refusals: tuple[str, ...] = ()
+
+    def having(self, word: Word) -> frozenset[str]:
+        """Return the names of the regions and parts that have this verdict.
+
+        Without the names of their states: wheels that stand confirm several of these.
+        """
+        return frozenset(each.about for each in self.verdicts if each.word == word)
+
+
+class Reconciled(NamedTuple):
+    """What looking at the robot has shown.
+
+    Attributes:
+        tables: One for each hypothesis, the recorded one first.
+        chosen: The table of the hypothesis that counts; None if there is none, or a person must
+            choose.
+        choices: The tables among which a person must choose.
+        refusals: Why the mission cannot go on, whatever a person says. Empty if it can.
+        questions: What the wheels show that the motors cannot have done; a person must say
+            where the robot is.
+        turning: Whether a wheel turns: send the safe array, then look again.
+        way: How far the robot has driven meanwhile.
+        numbers: The signals at the end of the look.
+    """
+
+    tables: tuple[VerdictTable, ...]
+    chosen: VerdictTable | None
+    choices: tuple[VerdictTable, ...]
+    refusals: tuple[str, ...]
+    questions: tuple[str, ...]
+    turning: bool
+    way: DarkWay
+    numbers: Numbers
+
+    def is_as(self, before: Reconciled, robot: RobotSpec) -> bool:
+        """Return whether the robot is still as an earlier look has shown it."""
+        words = [
+            [(each.mark, each.word) for table in seen.tables for each in table.verdicts]
+            for seen in (self, before)
+        ]
+        rolled_m = [
+            abs((self.numbers[wheel.angle] - before.numbers[wheel.angle]) * wheel.metres_per_rad)
+            for wheel in robot.wheels
+        ]
+        rolled = any(way_m > robot.sight.dark.agree_m for way_m in rolled_m)
+        return words[0] == words[1] and self.refusals == before.refusals and not rolled
+
+
+def reconcile(
+    robot: RobotSpec,
+    program: Program,
+    last: EngineState,
+    frames: Frames,
+    now_s: float,
+    driven_s: float,
+    maybe: int | None = None,
+    found: Sequence[Hypothesis] = (),
+) -> Reconciled:
+    """Return what the boards have shown, and which hypothesis counts.
+
+    Args:
+        robot: The robot.
+        program: The mission.
+        last: The engine's last recorded state.
+        frames: What the boards have reported while nothing but a stop was written, in order of
+            time. A second is enough; ``for`` of the profile's ``seen`` is the least.
+        now_s: The end of the look, by the clock of the frames.
+        driven_s: How long the wheels may have been driven since ``last``; infinite if nobody knows.
+        maybe: As for :func:`.hypotheses.hypotheses`.
+        found: Where the robot may be, if that is not what follows from the recording.
+    """
+    found = found or hypotheses(robot, program, last, maybe)
+    tables = tuple(verdicts(robot, program, last, each, frames, now_s) for each in found)
+    *_, (_, sensing) = _course(robot, found[0], frames, now_s)
+    drove = any(last.robot.latest[slot] for slot in robot.safe_zero)
+    driven_s = driven_s if drove or any(each.drives for each in found) else 0.0
+    way = dark_way(robot, last, sensing.numbers, driven_s)
+    refusals = list(_silent(robot, frames, now_s))
+    if last.robot.motion is None and not driven_s:
+        refusals += changed(robot, last.sensing.numbers, found[0].body.marks, sensing.numbers)
+    chosen, choices, none = _choose(robot, tables)
+    return Reconciled(
+        tables,
+        chosen,
+        choices,
+        (*refusals, *(chosen.refusals if chosen else ()), *none),
+        (way.moved,) if way.moved else (),
+        turning(robot, sensing.numbers),
+        way,
+        sensing.numbers,
+    )
+
+
+def verdicts(
+    robot: RobotSpec,
+    program: Program,
+    last: EngineState,
+    hypothesis: Hypothesis,
+    frames: Frames,
+    now_s: float,
+) -> VerdictTable:
+    """Return what the sensors show about a hypothesis; the arguments are those of `reconcile`.
+
+    A verdict counts if it has lasted, to the end of the look, as long as the profile asks for. What
+    is unknown agrees with nothing. What the recording had not confirmed is not contradicted: its
+    command was under way.
+    """
+    body, diameter_m = hypothesis.body, program.diameter_m
+    names, setpoints = states_of(robot, body), at_rest_in(robot, body.configuration).values
+    marks = sorted(mark for mark in body.marks if mark.command != STOPPED)
+    agrees, against = dict.fromkeys(marks, nan), dict.fromkeys(marks, nan)
+    fatal = [rule for rule in robot.faults if not rule.catchable]
+    raised = [nan] * len(fatal)
+    words = (*names, *(None for _ in OUTSIDE))
+    for at_s, sensing in _course(robot, hypothesis, frames, now_s):
+        for mark in marks:
+            found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
+            agrees[mark] = since(agrees[mark], found.agrees, at_s)
+            against[mark] = since(against[mark], bool(found.against), at_s)
+        for number, rule in enumerate(fatal):
+            true = rule.when.evaluate(sensing.numbers, words) is True
+            raised[number] = since(raised[number], true, at_s)
+    judged = []
+    for mark in marks:
+        found = verdict(robot, setpoints, body, mark, sensing.numbers, diameter_m)
+        confirmed = has_come(now_s, agrees[mark] + found.for_s)
+        denied = mark.command == DECLARED and has_come(now_s, against[mark] + found.for_s)
+        word: Word = "confirmed" if confirmed else "contradicted" if denied else "unknown"
+        why = "" if confirmed else found.against if denied else _why_unknown(robot, names, mark)
+        if mark.kind == "region":
+            about, state = robot.regions[mark.which], names[mark.which]
+        else:
+            about, state = robot.parts[mark.which], "holds"
+        spec = spec_of(robot, names, mark)
+        shown = shown_by(robot, spec, last.sensing.numbers, sensing.numbers, diameter_m)
+        judged.append(StateVerdict(mark, about, state, word, why, shown))
+    refusals = [
+        f"{rule.code}: {rule.message}"
+        for rule, since_s in zip(fatal, raised, strict=True)
+        if has_come(now_s, since_s + rule.held_s)
+    ]
+    hypothesis = hypothesis._replace(body=_redeclared(last, body, judged))
+    return VerdictTable(hypothesis, tuple(judged), tuple(dict.fromkeys(refusals)))
+
+
+def turning(robot: RobotSpec, numbers: Numbers) -> bool:
+    """Return whether a wheel turns that would stand still if it were stopped."""
+    return any(
+        abs(numbers[speed]) >= spec.below
+        for states in robot.sight.states
+        for spec in states.values()
+        if isinstance(spec, StandingSpec)
+        for speed in spec.speeds
+    )
+
+
+def changed(robot: RobotSpec, was: Numbers, marks: Marks, numbers: Numbers) -> Iterator[str]:
+    """Yield what a robot at rest does not change by itself: its attitude, its clamped joints.
+
+    Args:
+        robot: The robot.
+        was: Signals as they were, SI.
+        marks: The marks; the joints of a part that is declared to hold are compared.
+        numbers: Signals now, SI.
+    """
+    dark = robot.sight.dark
+    tilt = _tilt_rad(robot, was, numbers)
+    if tilt > dark.tilt_rad:
+        yield (
+            f"the robot lies {degrees(tilt):z.0f} deg otherwise than before, "
+            f"limit {degrees(dark.tilt_rad):z.0f} deg"
+        )
+    for part in sorted(m.which for m in marks if m.kind == "part" and m.command == DECLARED):
+        spec = robot.sight.parts[part] if robot.sight.parts else None
+        for joint in () if spec is None else spec.joints:
+            angle = robot.slots[joint.slot].angle
+            off = abs(numbers[angle] - was[angle])
+            if off > dark.joint_rad:
+                yield (
+                    f"{robot.vocabulary.numbers[angle]} of the {robot.parts[part]} part shows "
+                    f"{degrees(numbers[angle]):z.1f} deg, before {degrees(was[angle]):z.1f} deg, "
+                    f"limit {degrees(dark.joint_rad):z.0f} deg off"
+                )
+
+
+# --- inside ---------------------------------------------------------------------------------
+
+
+def _course(
+    robot: RobotSpec, hypothesis: Hypothesis, frames: Frames, now_s: float
+) -> Iterator[tuple[float, Sensing]]:
+    """Yield the signals after each frame and at the end of the look; old ones are unknown."""
+    began_s = frames[0][0] if frames else now_s
+    sensing = nothing_known(robot)
+    sensing = sensing._replace(heard_s=(began_s,) * len(robot.boards), checked_s=began_s)
+    values = hypothesis.body.values
+    for at_s, frame in frames:
+        sensing, _ = observe(robot, sensing, frame, values, values, at_s, sent=False)
+        yield at_s, forget_stale(robot, sensing, at_s)
+    yield now_s, forget_stale(robot, sensing, now_s)
+
+
+def _redeclared(last: EngineState, body: RobotState, judged: Sequence[StateVerdict]) -> RobotState:
+    """Return the robot with what the sensors show now declared, although they had not before."""
+    shown = {
+        each.mark
+        for each in judged
+        if each.word == "confirmed" and each.mark not in last.robot.marks
+    }
+    again = {mark._replace(command=DECLARED) for mark in shown}
+    return body._replace(marks=(body.marks - shown) | again)
+
+
+def _why_unknown(robot: RobotSpec, names: tuple[str, ...], mark: Mark) -> str:
+    if mark.command >= 0:
+        return f"{robot.commands[mark.command].name} was not done when the recording ends"
+    if mark.command == DENIED:
+        return "it is contradicted in the recording already"
+    match spec_of(robot, names, mark):
+        case None:
+            return "no sensor shows it"
+        case AcceptedSpec():
+            return "nothing measures it; the first accepted array that holds it confirms it"
+        case DrivenSpec():
+            return "the wheels are taken to stand; a command must drive them again"
+        case _:
+            return "the sensors show it neither so nor otherwise for long enough"
+
+
+def _silent(robot: RobotSpec, frames: Frames, now_s: float) -> Iterator[str]:
+    """Yield the boards that do not report at the end of the look."""
+    heard = {frame.board: at_s for at_s, frame in frames}
+    for number, board in robot.boards.items():
+        if not now_s - heard.get(number, -inf) < robot.link.stale_after_s:
+            yield f"board {number} ({board.module}) does not report"
+
+
+def _tilt_rad(robot: RobotSpec, was: Numbers, now: Numbers) -> float:
+    """Return the angle between the recorded direction of gravity and that of now; NaN unknown."""
+    for board in robot.boards.values():
+        for sources in board.vectors:
+            before = [was[source] for source in sources]
+            after = [now[source] for source in sources]
+            size = hypot(*before) * hypot(*after)
+            if size > 0:
+                dot = sum(a * b for a, b in zip(before, after, strict=True)) / size
+                return acos(max(-1.0, min(1.0, dot)))
+    return nan
+
+
+def _choose(
+    robot: RobotSpec, tables: tuple[VerdictTable, ...]
+) -> tuple[VerdictTable | None, tuple[VerdictTable, ...], tuple[str, ...]]:
+    """Return the table that counts, or those among which a person chooses, or why there is none.
+
+    The one without a contradiction counts. Of several the one whose confirmations include those
+    of the others, and are more. Wheels are stopped before the look, so what they do says nothing:
+    of tables that differ in nothing else the first counts.
+    """
+    rolling = [
+        any(isinstance(spec, StandingSpec | DrivenSpec) for spec in states.values())
+        for states in robot.sight.states
+    ]
+    wheels = set(compress(robot.regions, rolling))
+    differing: dict[frozenset[tuple[str, str]], VerdictTable] = {}
+    for table in tables:
+        if not table.having("contradicted"):
+            states = {(each.about, each.state) for each in table.verdicts}
+            differing.setdefault(frozenset(s for s in states if s[0] not in wheels), table)
+    possible = tuple(differing.values())
+    for each in possible:
+        others = [other.having("confirmed") - wheels for other in possible if other is not each]
+        if all(each.having("confirmed") - wheels > other for other in others):
+            return each, (), ()
+    if possible:
+        return None, possible, ()
+    reasons = (
+        f"{each.about} was recorded as {each.state}, but {each.why}"
+        for table in tables
+        for each in table.verdicts
+        if each.word == "contradicted"
+    )
+    return None, (), tuple(dict.fromkeys(reasons))

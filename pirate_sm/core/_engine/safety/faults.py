@@ -1,0 +1,205 @@
+"""Find faults in the signals: rules of the profile, silent boards, channels without a value."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from math import inf, isnan, nan
+from typing import NamedTuple
+
+from pirate_sm.core._engine.deadlines import has_come
+from pirate_sm.core._engine.robot.robot_spec import RobotSpec
+from pirate_sm.core._engine.sensing import plausibility
+from pirate_sm.core._engine.sensing.board_spec import BoardSpec
+from pirate_sm.core._engine.sensing.distance import unheard
+from pirate_sm.core._engine.sensing.known_signals import Sensing, nothing_known
+from pirate_sm.core._engine.sensing.report_loss import silent_limit_s
+from pirate_sm.core._engine.state import FaultState, Words
+from pirate_sm.core._model.events import ALPHABET_VERSION, EVIDENCE_ENDS, FaultReport
+from pirate_sm.core._model.fault_codes import BuiltInFault
+
+ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
+"""Faults after which all signals are unknown again, and counters may start at zero.
+
+The robot is another one until its sensors show the one that was known."""
+
+
+class FoundFault(NamedTuple):
+    """A new fault.
+
+    Attributes:
+        denies: The parts whose clamps it shows not to hold.
+        of: The boards, joints, wheels and parts that it is a fault of.
+    """
+
+    code: str
+    message: str
+    catchable: bool
+    denies: frozenset[int] = frozenset()
+    of: tuple[str, ...] = ()
+
+    @classmethod
+    def built_in(cls, fault: BuiltInFault, message: str, *of: str) -> FoundFault:
+        """Return a built-in fault with its message."""
+        return cls(fault.code, message, fault.catchable, of=of)
+
+    @classmethod
+    @lru_cache(maxsize=256)
+    def reported(cls, robot: RobotSpec, report: FaultReport) -> FoundFault:
+        """Return the fault of a report."""
+        rule = robot.rule_of(report)
+        return cls(
+            report.code,
+            report.message,
+            robot.fault_codes.get(report.code, True),
+            rule.denies if rule else frozenset(),
+            report.of or (rule.of if rule else ()),
+        )
+
+
+def no_faults(robot: RobotSpec, now_s: float = 0.0) -> FaultState:
+    """Return the fault state of a robot without known faults, which is listened to from now on."""
+    return FaultState((nan,) * len(robot.faults), listening_s=now_s)
+
+
+def look(
+    robot: RobotSpec,
+    faults: FaultState,
+    board: BoardSpec,
+    sensing: Sensing,
+    words: Words,
+    now: float,
+) -> tuple[FaultState, tuple[FoundFault, ...]]:
+    """Return the fault state after a board's frame, and the faults that it shows.
+
+    Only rules that depend on the board's signals are evaluated. A rule is raised once its condition
+    has held long enough, and again only after the condition was false or unknown in between.
+    """
+    numbers = sensing.numbers
+    since: list[float] | None = None
+    raised = faults.raised
+    found: list[FoundFault] = []
+    for index in board.faults:
+        rule = robot.faults[index]
+        began = faults.since[index]
+        if rule.when.evaluate(numbers, words) is not True:
+            if not isnan(began):
+                since = list(faults.since) if since is None else since
+                since[index] = nan
+                raised -= {index}
+            continue
+        if isnan(began):
+            since = list(faults.since) if since is None else since
+            since[index] = began = now
+        if index not in raised and has_come(now, began + rule.held_s):
+            raised |= {index}
+            found.append(FoundFault(rule.code, rule.message, rule.catchable, rule.denies, rule.of))
+    blind, unseen = _blind(robot, faults.blind, board, sensing)
+    found += unseen
+    silent = faults.silent - {board.position} if faults.silent else faults.silent
+    if since is None and raised is faults.raised and blind is faults.blind:
+        return (faults if silent == faults.silent else faults._replace(silent=silent)), ()
+    times = faults.since if since is None else tuple(since)
+    known = faults._replace(since=times, raised=raised, silent=silent, blind=blind)
+    return known, tuple(found)
+
+
+def _blind(
+    robot: RobotSpec, blind: frozenset[int], board: BoardSpec, sensing: Sensing
+) -> tuple[frozenset[int], list[FoundFault]]:
+    """Return the channels without a value, and a fault for each one that has just lost its value.
+
+    An implausible value is reported separately and does not count as missing.
+    """
+    found: list[FoundFault] = []
+    numbers, doubted = sensing.numbers, sensing.records[board.position].doubted
+    if not blind and not isnan(sum([numbers[target] for _, target, _ in board.channels])):
+        return blind, found  # the sum is NaN if any value is
+    for _, target, _ in board.channels:
+        if (isnan(numbers[target]) and target not in doubted) != (target in blind):
+            blind ^= {target}
+            if target in blind:
+                name = robot.vocabulary.numbers[target]
+                of = robot.owners.measured[target]
+                message = f"{name} has no value"
+                found.append(FoundFault.built_in(BuiltInFault.SENSOR_SILENT, message, of))
+    return blind, found
+
+
+def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Words) -> FaultState:
+    """Restart the rules that no longer hold because boards have become silent (rule 7)."""
+    since = tuple(
+        began if rule.when.evaluate(sensing.numbers, words) is True else nan
+        for rule, began in zip(robot.faults, faults.since, strict=True)
+    )
+    raised = frozenset(index for index in faults.raised if not isnan(since[index]))
+    return faults._replace(since=since, raised=raised)
+
+
+def begin_anew(robot: RobotSpec, sensing: Sensing, now: float, away_s: float) -> Sensing:
+    """Return unknown signals, with the odometry kept: it omits what was rolled unobserved.
+
+    Args:
+        robot: The robot.
+        sensing: The signals before.
+        now: When it is.
+        away_s: How long the controller was silent; NaN if nobody knows.
+    """
+    fresh = nothing_known(robot)
+    numbers = list(fresh.numbers)
+    if robot.odometry >= 0:
+        numbers[robot.odometry] = sensing.numbers[robot.odometry]
+    heard_s = (now,) * len(fresh.heard_s)  # each board gets its full time to report
+    records = tuple(map(plausibility.begin_anew, sensing.records))
+    return fresh._replace(
+        numbers=tuple(numbers),
+        heard_s=heard_s,
+        checked_s=now,
+        records=records,
+        loss=sensing.loss,
+        adrift=sensing.adrift,
+        connection=sensing.connection + 1,
+        distance=unheard(robot, sensing, now, away_s),
+    )
+
+
+def listen(
+    robot: RobotSpec,
+    faults: FaultState,
+    sensing: Sensing,
+    now: float,
+    alphabet: int = ALPHABET_VERSION,
+) -> tuple[FaultState, tuple[FoundFault, ...]]:
+    """Report each board once that has been silent for too long; all boards together mean the link.
+
+    The limit of a single board is longer where reports are lost, and while nobody knows yet how
+    many are, except in recordings of an older alphabet. A single board is judged only while
+    others report: when the link fails, one board always becomes silent first.
+    """
+    silent_after_s, heard_s = robot.link.silent_after_s, sensing.heard_s
+    newest_s = max(heard_s, default=now)
+    if newest_s <= now - silent_after_s:
+        every = frozenset(range(len(heard_s)))
+        if every <= faults.silent:
+            return faults, ()
+        message = f"no board has reported for {silent_after_s:g} s"
+        return faults._replace(silent=every), (
+            FoundFault.built_in(BuiltInFault.LINK_SILENT, message),
+        )
+    if newest_s <= now - silent_after_s / 2:
+        return faults, ()
+    due = len(heard_s) * (now - faults.listening_s) / robot.link.period_s
+    due = due if alphabet >= EVIDENCE_ENDS else inf
+    limit_s = silent_limit_s(robot.link, sensing.loss, due)
+    silent = frozenset(at for at, each_s in enumerate(heard_s) if each_s <= now - limit_s)
+    new = silent - faults.silent
+    if not new:
+        return faults, ()
+    return faults._replace(silent=silent | faults.silent), tuple(
+        FoundFault.built_in(
+            BuiltInFault.SENSOR_SILENT,
+            f"board {board.id} ({board.module}) has not reported for {limit_s:.3g} s",
+            board.name,
+        )
+        for board in robot.boards.values()
+        if board.position in new
+    )

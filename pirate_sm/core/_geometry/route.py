@@ -1,0 +1,165 @@
+"""A route through a network: arc length ↔ point, frame and diameter, and the joints on the way."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from math import inf
+
+from pirate_sm.core._geometry.joints import Passage, bend_at, joints_of
+from pirate_sm.core._geometry.network import Network, port_of
+from pirate_sm.core._geometry.piece import Piece
+from pirate_sm.core._geometry.placement import place
+from pirate_sm.core._geometry.space import Frame, Vector
+
+_SAME_RAD = 1e-9
+
+
+class Route:
+    """The pieces of a route through a network, in order.
+
+    Args:
+        network: The pipes.
+        name: Name of the route; may be omitted if there is only one.
+
+    Attributes:
+        network: The pipes.
+        placement: Where all pipes of the network are.
+        pieces: The pieces in order.
+        joints: The fittings and junctions in order.
+        crossings_m: Arc lengths at which it turns in a fitting or a junction.
+        bends: The same places, with how far elbows reach.
+        length_m: Length of the route.
+        ends: Where it begins and where it ends.
+        up: The unit vector opposite to gravity.
+        section: What the walls of its first run are.
+
+    Raises:
+        ValueError: Two runs that follow each other do not meet.
+    """
+
+    def __init__(self, network: Network, name: str = "") -> None:
+        runs = network.routes[name or next(iter(network.routes))]
+        self.network, self.placement = network, place(network)
+        passages = passages_of(network, runs)
+        self.pieces = tuple(_carried(self._strung(passages)))
+        self.joints = tuple(joints_of(self.pieces, passages, self.placement.tees))
+        turning = [joint for joint in self.joints if joint.turn_rad]
+        self.crossings_m = tuple(joint.arc_m for joint in turning)
+        self.length_m = self.pieces[-1].ends_m
+        self.ends = passages[0].comes, passages[-1].goes
+        self._begins = dict(self._run_begins(passages))
+        self.up = network.up
+        self.bends = tuple(bend_at(each, self.diameter_at(each.arc_m)) for each in turning)
+        self.section = self.pieces[0].section
+
+    def piece_at(self, arc_m: float) -> Piece:
+        """Return the piece at an arc length; the first and the last extend without limit."""
+        return next((piece for piece in self.pieces if arc_m <= piece.ends_m), self.pieces[-1])
+
+    def frame_at(self, arc_m: float) -> Frame:
+        """Return the frame of the centre line at an arc length."""
+        return self.piece_at(arc_m).frame_at(arc_m)
+
+    def diameter_at(self, arc_m: float) -> float:
+        """Return the inner diameter at an arc length, m."""
+        return self.piece_at(arc_m).diameter_at(arc_m)
+
+    def arc_in(self, run: str, along_m: float) -> float:
+        """Return the arc length of a place in a run of the route, m from the run's beginning."""
+        begin, forward = self._begins[run]
+        return begin + along_m if forward else begin - along_m
+
+    def arc_of(self, point: Vector) -> float:
+        """Return the arc length of the nearest point of the centre line, m."""
+        return self.nearest(point)[0]
+
+    def nearest(self, point: Vector) -> tuple[float, float]:
+        """Return the arc length of the nearest point of the centre line, and its distance, m."""
+        nearest, found, last = inf, 0.0, len(self.pieces) - 1
+        for number, piece in enumerate(self.pieces):
+            least = 0.0 if number > 0 else -inf
+            most = piece.length_m if number < last else inf
+            away, along = piece.nearest(point, least, most)
+            if away < nearest:
+                nearest, found = away, piece.arc_m + along
+        return found, nearest
+
+    def _run_begins(self, passages: Sequence[Passage]) -> Iterator[tuple[str, tuple[float, bool]]]:
+        """Yield for each run the arc length of its beginning, and whether it is passed forward."""
+        for name, forward, _, _ in passages:
+            own = [piece for piece in self.pieces if piece.run == name]
+            yield name, (own[0].arc_m if forward else own[-1].ends_m, forward)
+
+    def _strung(self, passages: Sequence[Passage]) -> Iterator[Piece]:
+        """Yield the pieces of the runs in order, with arc lengths of the route."""
+        arc_m = 0.0
+        for passage in passages:
+            for piece in _directed(self.placement.runs[passage.run], passage.forward):
+                yield piece._replace(arc_m=arc_m)
+                arc_m += piece.length_m
+
+
+def passages_of(network: Network, runs: Sequence[str]) -> tuple[Passage, ...]:
+    """Return the runs of a route with their directions.
+
+    Raises:
+        ValueError: Two runs that follow each other do not meet.
+    """
+    return tuple(_passages(network, runs))
+
+
+def _passages(network: Network, runs: Sequence[str]) -> Iterator[Passage]:
+    """Yield the runs of a route with their directions."""
+    before = ""
+    for name, after in zip(runs, (*runs[1:], ""), strict=True):
+        forth = _forth(network, name)
+        possible = [forth, forth._replace(forward=False, comes=forth.goes, goes=forth.comes)]
+        if before:
+            possible = [each for each in possible if _meet(network, before, each.comes)]
+        elif after:
+            ends = _forth(network, after)[2:]
+            possible = [
+                each for each in possible if any(_meet(network, each.goes, end) for end in ends)
+            ] or possible
+        if not possible:
+            raise ValueError(f"run '{name}' does not begin or end at '{before}'")
+        before = possible[0].goes
+        yield possible[0]
+
+
+def _forth(network: Network, name: str) -> Passage:
+    return Passage(name, True, network.runs[name].begins, network.runs[name].ends)
+
+
+def _meet(network: Network, one: str, other: str) -> bool:
+    """Return whether two ends of runs meet in a junction."""
+    junction = port_of(one)[0]
+    if junction in network.tees:
+        return one != other and junction == port_of(other)[0]
+    return one == other
+
+
+def _directed(pieces: Sequence[Piece], forward: bool) -> Sequence[Piece]:
+    """Return the pieces of a run in the order and direction in which a route passes them."""
+    if forward:
+        return pieces
+    bends = (None, *(piece.bend for piece in pieces[:-1]))
+    turned = zip(reversed(pieces), reversed(bends), strict=True)
+    return [
+        piece.turned_round(bend and replace(bend, angle_rad=-bend.angle_rad))
+        for piece, bend in turned
+    ]
+
+
+def _carried(pieces: Iterator[Piece]) -> Iterator[Piece]:
+    """Yield the pieces with frames that are carried along the route without twist."""
+    before: Piece | None = None
+    for piece in pieces:
+        if before is not None:
+            carried = before.frame_at(before.ends_m).led_to(piece.frame.ahead)
+            twist = piece.frame.roll_of(carried.side)
+            if abs(twist) > _SAME_RAD:
+                piece = piece.twisted(twist)  # noqa: PLW2901
+        before = piece
+        yield before

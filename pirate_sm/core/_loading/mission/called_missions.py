@@ -1,0 +1,150 @@
+"""Read the missions that a mission calls, each once, and count their instructions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path as FilePath
+
+from pirate_sm.core._loading import library, references
+from pirate_sm.core._loading.extended_file import extended_folders
+from pirate_sm.core._loading.file_names import PROFILE_FILE
+from pirate_sm.core._loading.mission import parameter_values as parameters
+from pirate_sm.core._loading.mission.parameter_values import Values
+from pirate_sm.core._loading.mission.scope import Scope, Source
+from pirate_sm.core._loading.problems import LoadError, Path
+from pirate_sm.core._loading.yaml.document import Document, read_document
+from pirate_sm.core._loading.yaml.validation import validate
+from pirate_sm.core._model import mission as model
+from pirate_sm.core.errors import PirateError
+
+DEEPEST_CALL = 16
+
+
+@dataclass
+class Calls:
+    """The files of called missions, read on demand.
+
+    Attributes:
+        files: Every file that was read.
+    """
+
+    files: dict[FilePath, Document] = field(default_factory=dict)
+    _known: dict[FilePath, Source] = field(default_factory=dict)
+    _lengths: dict[FilePath, int] = field(default_factory=dict)
+
+    def least_length(self, source: Source, calls: frozenset[FilePath] = frozenset()) -> int:
+        """Return the smallest number of instructions of a mission, each repeat counted once.
+
+        Each file is counted once, however often it is called: thirty levels of doubled calls are
+        counted at once, but would take far too long to write.
+        """
+        if source.path in calls:
+            return 0  # a recursion, which is reported at the call
+        if source.path not in self._lengths:
+            inner = len(source.mission.ends)
+            for phase in source.mission.phases.values():
+                inner += 1 + bool(phase.wait)
+                for step, _ in model.every_step(phase.do):
+                    inner += not isinstance(step, model.RepeatStep)
+                    if isinstance(step, model.CallStep):
+                        called = self._quietly(step.call, source.path.resolve().parent)
+                        if called is not None:
+                            inner += self.least_length(called, calls | {source.path})
+            self._lengths[source.path] = inner
+        return self._lengths[source.path]
+
+    def source(self, name: str, scope: Scope, path: Path) -> Source | None:
+        """Return the called mission, cached; None after reporting why it cannot be used."""
+        folder = scope.source.path.resolve().parent
+        try:
+            found = self._read(name, folder)
+        except LoadError as error:
+            references.tell(
+                error, library.find_mission(name, folder), references.MISSION, path, scope.problems
+            )
+            return None
+        except PirateError as error:
+            scope.problems.add(references.code_of(error, "mission.call"), path, str(error))
+            return None
+        return None if _is_too_deep(found, scope, path) else found
+
+    def _quietly(self, name: str, folder: FilePath) -> Source | None:
+        """Return the mission that a file in this folder calls; None where it cannot be used."""
+        try:
+            return self._read(name, folder)
+        except (LoadError, PirateError):
+            return None  # reported at the call
+
+    def _read(self, name: str, folder: FilePath) -> Source:
+        file = references.followed(library.find_mission(name, folder), folder).resolve()
+        if file not in self._known:
+            document = read_document(file)
+            self.files[file] = document
+            self._known[file] = Source(validate(document, model.Mission), document, file)
+        return self._known[file]
+
+
+def suits(called: Source, calling: Source) -> bool:
+    """Return whether a mission is for the robot of the mission that calls it, or for one below.
+
+    Different paths to a robot are the same. Files are read only where the robots differ.
+    """
+    own, other = _robot_of(calling), _robot_of(called)
+    if own is None or other is None:
+        return own is other and called.mission.robot == calling.mission.robot
+    try:
+        return other == own or other in extended_folders(own / PROFILE_FILE)
+    except PirateError:
+        return False  # reported with the robot
+
+
+def _robot_of(source: Source) -> FilePath | None:
+    """Return the folder of a mission's robot; None if there is none."""
+    try:
+        return library.find_robot(source.mission.robot, source.path.resolve().parent).resolve()
+    except PirateError:
+        return None
+
+
+def _is_too_deep(found: Source, scope: Scope, path: Path) -> bool:
+    """Return whether the mission calls itself, or too many call each other; report that."""
+    if found.path in scope.calls:
+        chain = " → ".join(each.stem for each in (*scope.calls, found.path))
+        scope.problems.add("mission.recursion", path, f"a mission cannot call itself: {chain}")
+        return True
+    if len(scope.calls) >= DEEPEST_CALL:
+        scope.problems.add("mission.depth", path, f"calls are nested more than {DEEPEST_CALL}")
+        return True
+    return False
+
+
+def arguments_of(step: model.CallStep, source: Source, scope: Scope, path: Path) -> Values:
+    """Return the values of the parameters of a called mission."""
+    mission = source.mission
+    at = (*path, "with")
+    values = parameters.defaults(mission.parameters, scope.problems.about(source.document))
+    given = {name: scope.argument(v, (*at, name)) for name, v in step.arguments.items()}
+    values |= parameters.given(mission.parameters, given, at, scope.problems)
+    for name in mission.parameters.keys() - values.keys():
+        values[name] = parameters.stand_in(mission.parameters[name])
+        scope.problems.add(
+            "mission.parameter", path, f"'{mission.mission}' needs the parameter '{name}'"
+        )
+    return values
+
+
+def check_call(source: Source, scope: Scope, path: Path) -> bool:
+    """Return whether a called mission is for this robot, or report why it is not.
+
+    A mission for a robot that this one extends is: it has all of its states and commands.
+    """
+    mission, own = source.mission, scope.source
+    polarity = scope.robot.polarity
+    if mission.polarity not in {None, polarity}:
+        message = f"'{mission.mission}' is {mission.polarity}, this mission is {polarity}"
+        scope.problems.add("mission.polarity", path, message)
+    if not suits(source, own):
+        message = f"'{mission.mission}' is for the robot '{mission.robot}'"
+        scope.problems.add("mission.robot", path, message)
+        return False
+    return True

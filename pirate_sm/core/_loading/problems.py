@@ -1,0 +1,293 @@
+"""Problems of a file: message, place, expected input and suggestion."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterable
+from dataclasses import dataclass
+from enum import IntEnum
+from typing import TYPE_CHECKING, ClassVar, Protocol, TypeAlias
+
+from pirate_sm.core._loading.idioms import expression_form
+from pirate_sm.core.errors import PirateError
+from pirate_sm.core.spelling import nearest, one_of
+
+if TYPE_CHECKING:
+    from pirate_sm.core._expressions import ExpressionError
+
+Path: TypeAlias = tuple[str | int, ...]
+
+_EXCERPT_WIDTH = 100
+_LONGEST_MESSAGE = 300
+_MOST_SHOWN = 50
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Place:
+    """A place in a file, counted from 1; line 0 is the file as a whole."""
+
+    file: str
+    line: int = 0
+    column: int = 0
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}" if self.line else self.file
+
+    @classmethod
+    def read(cls, text: str) -> Place:
+        """Return the place of ``file:line:column``."""
+        file, line, column = text.rsplit(":", 2)
+        return cls(file, int(line), int(column))
+
+
+@dataclass(frozen=True, slots=True, order=True)
+class Edit:
+    """A change within one line of a file that removes a fault.
+
+    Attributes:
+        place: Where the replaced text begins.
+        end_column: The column after it; that of the place if text is only inserted.
+        text: The replacement.
+        safe: Whether nothing else can have been meant.
+    """
+
+    place: Place
+    end_column: int
+    text: str
+    safe: bool = False
+
+
+class Severity(IntEnum):
+    """The severity of a problem or a finding of the check; a greater value is worse.
+
+    ``POSSIBLE``: depends on something that the check cannot decide, such as a comparison of two
+    sensors. ``WARNING``: can run, but is probably a mistake. ``ERROR``: is refused or goes wrong.
+    """
+
+    POSSIBLE = 1
+    WARNING = 2
+    ERROR = 3
+
+    @property
+    def word(self) -> str:
+        """Return the name of the severity in messages and files."""
+        return self.name.lower()
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One fault of a file.
+
+    Attributes:
+        code: A stable identifier for programs, such as `unknown-key`.
+        place: The place of the fault.
+        message: What is wrong, for users.
+        expected: The expected input; empty if the message contains it.
+        suggestion: The text that was probably meant; empty if there is none.
+        excerpt: The line of the file at the place.
+        severity: Whether the file can be used nevertheless.
+        edit: The change that removes the fault; None if it is not known.
+    """
+
+    code: str
+    place: Place
+    message: str
+    expected: str = ""
+    suggestion: str = ""
+    excerpt: str = ""
+    severity: Severity = Severity.ERROR
+    edit: Edit | None = None
+
+    def render(self) -> str:
+        """Return the problem as lines of plain text: place and message, the line, hints."""
+        warning = "warning: " if self.severity is Severity.WARNING else ""
+        lines = [f"{self.place}: {warning}{cut(self.message)}"]
+        if self.excerpt.strip():
+            lines += _marked(self.excerpt, self.place.column)
+        if self.expected:
+            lines.append(f"  expected {cut(self.expected)}")
+        if self.suggestion:
+            lines.append(f"  did you mean '{cut(self.suggestion)}'?")
+        return "\n".join(lines)
+
+    def __str__(self) -> str:
+        return self.render()
+
+
+def cut(text: str) -> str:
+    """Return the text, shortened for a message: a name in a hostile file can be very long."""
+    return text if len(text) <= _LONGEST_MESSAGE else f"{text[: _LONGEST_MESSAGE - 1]}…"
+
+
+def _marked(line: str, column: int) -> list[str]:
+    """Return the line, with a caret under `column`, cut to the width of a terminal."""
+    flat = "".join(char if char.isprintable() else " " for char in line.rstrip())
+    caret = max(column - 1, 0)
+    start = 0
+    if len(flat) > _EXCERPT_WIDTH:
+        start = max(0, min(caret - _EXCERPT_WIDTH // 2, len(flat) - _EXCERPT_WIDTH))
+        flat = flat[start : start + _EXCERPT_WIDTH]
+        if start:
+            flat = "…" + flat[1:]
+    return [f"    {flat}", f"    {' ' * (caret - start)}^"]
+
+
+class LoadError(PirateError):
+    """Raised for files that cannot be used; holds all their problems, ordered by place."""
+
+    exit_code: ClassVar[int] = 2
+
+    def __init__(self, problems: Iterable[Problem]) -> None:
+        self.problems = tuple(sorted(problems, key=lambda problem: problem.place))
+        lines = [problem.render() for problem in self.problems[:_MOST_SHOWN]]
+        if len(self.problems) > _MOST_SHOWN:
+            lines.append(f"… and {len(self.problems) - _MOST_SHOWN} more problems")
+        super().__init__("\n".join(lines))
+
+
+class Locator(Protocol):
+    """Finds the place of a value in a file; `loading.yaml.document.Document` is one."""
+
+    def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
+        """Return the place of the value at `path`, or of its key."""
+
+    def excerpt(self, line: int, file: str = "") -> str:
+        """Return a line of the file, or of one that it extends; empty when there is none."""
+
+    def edit_of(
+        self, path: Path, text: str, *, key: bool, within: tuple[int, int] | None, safe: bool
+    ) -> Edit | None:
+        """Return the change that writes another text at a path; None if it cannot be made."""
+
+
+class Problems:
+    """Collects the problems of one load, over all the files that take part in it."""
+
+    def __init__(self, document: Locator | None = None) -> None:
+        self._document = document
+        self._found: dict[Problem, None] = {}  # in order of discovery, without duplicates
+
+    def about(self, document: Locator) -> Problems:
+        """Return a collector for another document that adds to the same problems."""
+        view = Problems(document)
+        view._found = self._found
+        return view
+
+    def put(self, problem: Problem) -> None:
+        """Add a problem with its place, unless it is known already."""
+        self._found[problem] = None
+
+    def take(self, error: LoadError, code: str = "", path: Path = ()) -> None:
+        """Add the problems of a file; with a code, those without a line there at a path here."""
+        for problem in error.problems:
+            if code and not problem.place.line:
+                self.add(code, path, f"{problem.place}: {problem.message}")
+            else:
+                self.put(problem)
+
+    def add(
+        self,
+        code: str,
+        path: Path,
+        message: str,
+        *,
+        expected: str = "",
+        suggestion: str = "",
+        key: bool = False,
+        offset: int | None = None,
+        length: int = 1,
+        write: str = "",
+        severity: Severity = Severity.ERROR,
+    ) -> None:
+        """Add a problem with the value at `path` of the document.
+
+        Args:
+            code: A stable identifier for programs.
+            path: Keys and list indexes from the root of the document, as far as they exist.
+            message: What is wrong.
+            expected: The expected input.
+            suggestion: The text that was probably meant.
+            key: Point at the key instead of at its value.
+            offset: Point this many characters into the text of the value.
+            length: How many characters are wrong from there.
+            write: What is to be written as the value, if nothing else can have been meant.
+            severity: Whether the file can be used nevertheless.
+        """
+        if self._document is None:
+            raise ValueError("these problems are not about a document: use about()")
+        place = self._document.place_of(path, key=key, offset=offset)
+        excerpt = self._document.excerpt(place.line, place.file)
+        edit = None
+        if new := write or suggestion:
+            within = None if offset is None else (offset, offset + length)
+            edit = self._document.edit_of(
+                path, new, key=key and not write, within=within, safe=bool(write)
+            )
+        meant = suggestion.strip()
+        self.put(Problem(code, place, message, expected, meant, excerpt, severity, edit))
+
+    def add_unknown(
+        self,
+        code: str,
+        path: Path,
+        kind: str,
+        name: str,
+        known: Iterable[str],
+        *,
+        message: str = "",
+        none: str = "",
+        key: bool = False,
+    ) -> None:
+        """Add a problem with an unknown name, and suggest the name that was probably meant.
+
+        Args:
+            code: A stable identifier for programs.
+            path: Path of the name.
+            kind: What is named, such as `joint`.
+            name: The unknown name.
+            known: The valid names.
+            message: What is wrong, instead of `there is no KIND 'NAME'`.
+            none: What is expected if no name is valid.
+            key: Point at the key instead of at its value.
+        """
+        names = list(known)
+        self.add(
+            code,
+            path,
+            message or f"there is no {kind} '{name}'",
+            expected=none if none and not names else one_of(names),
+            suggestion=nearest(name, names) or "",
+            key=key,
+        )
+
+    def add_expression(self, path: Path, error: ExpressionError) -> None:
+        """Add each fault of the expression at `path`, at its own column."""
+        for fault in error.faults:
+            self.add(
+                "expression",
+                path,
+                fault.message,
+                expected=expression_form(fault),
+                suggestion=fault.suggestion,
+                offset=fault.offset,
+                length=fault.length,
+                write=fault.suggestion if fault.certain else "",
+            )
+
+    @property
+    def all(self) -> tuple[Problem, ...]:
+        """Return errors and warnings, ordered by place."""
+        return tuple(sorted(self._found, key=lambda problem: problem.place))
+
+    @property
+    def errors(self) -> tuple[Problem, ...]:
+        """Return the errors, ordered by place."""
+        return tuple(problem for problem in self.all if problem.severity is Severity.ERROR)
+
+    def raise_errors(self, but: Collection[str] = ()) -> None:
+        """Raise an error if there are errors of codes that the caller does not tolerate.
+
+        Raises:
+            LoadError: There are such errors; holds all errors and warnings.
+        """
+        if any(problem.code not in but for problem in self.errors):
+            raise LoadError(self._found)

@@ -1,0 +1,344 @@
+"""Compile commands, held parts and fault rules, with the names in criteria as indexes."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from math import inf
+
+from pirate_sm.core._engine.robot.chart_table import ChartTable
+from pirate_sm.core._engine.robot.command_spec import CommandSpec, PostureSpec
+from pirate_sm.core._engine.robot.criteria import (
+    AcceptedSpec,
+    AlignedSpec,
+    BelowSpec,
+    CriterionSpec,
+    LoadSpec,
+    ReachedSpec,
+    StalledSpec,
+    StoppedSpec,
+    TurningSpec,
+)
+from pirate_sm.core._engine.robot.robot_spec import FaultSpec, Owners
+from pirate_sm.core._engine.sensing.board_spec import board_name
+from pirate_sm.core._expressions import Expression, ExpressionError, NumberType, compile_condition
+from pirate_sm.core._loading.problems import Path, Problems
+from pirate_sm.core._loading.robot.signals import Signals
+from pirate_sm.core._model import criteria
+from pirate_sm.core._model import profile as model
+from pirate_sm.core._model.fault_codes import BuiltInFault
+from pirate_sm.core.spelling import one_of
+from pirate_sm.core.units import ANGLE, ANGULAR_SPEED, CURRENT, SPEED, TORQUE, Quantity, describe
+
+
+def resolve_parts(
+    table: ChartTable, signals: Signals
+) -> tuple[tuple[str, ...], tuple[frozenset[int], ...], tuple[frozenset[int], ...]]:
+    """Return the parts, those held in each configuration, and the regions that hold each part."""
+    conditions = []
+    for name, part in signals.profile.body.parts.items():
+        path: Path = ("body", "parts", name, "held")
+        conditions.append(on_states(part.held, table, signals, path))
+        joints = [joint.name for joint in signals.profile.body.joints]
+        if part.apex not in joints:
+            signals.problems.add_unknown(
+                "robot.joint", ("body", "parts", name, "apex"), "joint", part.apex, joints
+            )
+    held = tuple(
+        frozenset(i for i, condition in enumerate(conditions) if is_true(condition, states))
+        for states in table.configurations
+    )
+    for number, name in enumerate(signals.profile.body.parts):
+        if conditions[number] is not None and not any(number in parts for parts in held):
+            path = ("body", "parts", name, "held")
+            signals.problems.add(
+                "robot.condition", path, f"no configuration ever holds the part '{name}'"
+            )
+    regions = tuple(
+        frozenset(table.regions.index(name) for name in condition.names)
+        if condition
+        else frozenset()
+        for condition in conditions
+    )
+    return tuple(signals.profile.body.parts), held, regions
+
+
+def resolve_commands(
+    table: ChartTable,
+    held: tuple[frozenset[int], ...],
+    signals: Signals,
+    postures: Mapping[str, tuple[PostureSpec | None, ...]],
+) -> tuple[tuple[CommandSpec, ...], tuple[tuple[bool, ...], ...]]:
+    """Return the commands, and per configuration which of them are unneeded."""
+    specs: list[CommandSpec] = []
+    unneeded: list[list[bool]] = []
+    for name in table.commands:
+        command = signals.profile.commands[name]
+        path: Path = ("commands", name)
+        asks = on_states(command.asks_for, table, signals, (*path, "asks_for"))
+        done = resolve_criterion(command.done, signals, (*path, "done"))
+        met = [is_true(asks, states) for states in table.configurations]
+        parts = [parts for parts, is_met in zip(held, met, strict=True) if is_met]
+        every = frozenset.intersection(*parts) if parts else frozenset[int]()
+        unneeded.append(met)
+        posture = command.posture
+        if posture is not None and posture not in postures:
+            signals.problems.add_unknown(
+                "robot.name", (*path, "posture"), "posture", posture, postures, none="no posture"
+            )
+        specs.append(
+            CommandSpec(
+                name,
+                done,
+                command.timeout,
+                command.nominal,
+                command.lets_go,
+                postures.get(posture or "", ()),
+                asks,
+                every,
+            )
+        )
+    return tuple(specs), tuple(zip(*unneeded, strict=True))
+
+
+def resolve_owners(signals: Signals) -> Owners:
+    """Return the boards, joints, wheels and parts that a fault can be of."""
+    profile, names = signals.profile, signals.vocabulary.numbers
+    drives = {slot.name: slot.drives for slot in profile.slots}
+    things: dict[str, frozenset[str]] = {}
+    measured: dict[int, str] = {}
+    for board in profile.heard:
+        name = board_name(board.id)
+        of = {
+            names.index(each.signal): drives.get(each.slot or "") or name
+            for each in board.channels
+            if each.signal
+        }
+        measured |= of
+        things[name] = frozenset(of.values()) or frozenset({name})
+    body = profile.body
+    for part in body.parts:
+        joints = {joint.name for joint in body.joints if joint.part == part}
+        things[part] = frozenset(joints | {each.name for each in body.wheels if each.part == part})
+    things |= {name: frozenset({name}) for name in drives.values() if name}
+    return Owners(things, measured)
+
+
+def resolve_faults(signals: Signals, parts: Sequence[str], owners: Owners) -> tuple[FaultSpec, ...]:
+    """Return the fault rules, with one rule for each number of a ``for_each``.
+
+    Conditions may use the numbers of :func:`constants_of`.
+    """
+    rules: list[FaultSpec] = []
+    constants = constants_of(signals.profile)
+    for number, fault in enumerate(signals.profile.faults):
+        denies = frozenset(_denied(fault, number, parts, signals.problems))
+        for index in fault.for_each or (None,):
+            when, message = fault.when, fault.message
+            if index is not None:
+                when, message = when.replace("{i}", str(index)), message.replace("{i}", str(index))
+            try:
+                condition = compile_condition(when, signals.vocabulary, constants)
+            except ExpressionError as error:
+                signals.problems.add_expression(("faults", number, "when"), error)
+                break
+            _check_catchable(fault, number, rules, signals.problems)
+            of = tuple(name.replace("{i}", str(index)) for name in fault.of)
+            for place, name in enumerate(of):
+                if name not in owners.things:
+                    path: Path = ("faults", number, "of", place)
+                    kind = "board, joint, wheel or part"
+                    signals.problems.add_unknown("robot.name", path, kind, name, owners.things)
+            of = of or fault.denies
+            rules.append(
+                FaultSpec(fault.code, message, condition, fault.held, fault.catchable, denies, of)
+            )
+    return tuple(rules)
+
+
+def constants_of(profile: model.Profile) -> dict[str, Quantity]:
+    """Return the numbers of the robot that conditions may use, by name.
+
+    ``$JOINT_stop`` is a joint's end stop; ``$JOINT_stall`` and ``$JOINT_stall_current`` what its
+    motor bears and draws at full duty when it stands, likewise of a wheel. ``$WHEEL_no_load`` and
+    ``$WHEEL_no_load_rim`` are the speeds of its motor and its rim at full duty without load.
+    """
+    found = {f"{joint.name}_stop": Quantity(joint.end_stop, ANGLE) for joint in profile.body.joints}
+    for slot in profile.slots:
+        motor, driven = profile.motors.get(slot.motor), slot.joint or slot.wheel
+        if motor is None or driven is None:
+            continue
+        if motor.stall_torque is not None:
+            found[f"{driven}_stall"] = Quantity(motor.stall_torque, TORQUE)
+        if motor.stall_current is not None:
+            found[f"{driven}_stall_current"] = Quantity(motor.stall_current, CURRENT)
+        if slot.wheel is not None and motor.no_load_speed is not None:
+            rim_m_s = motor.no_load_speed * profile.body.wheel_radius
+            found[f"{driven}_no_load"] = Quantity(motor.no_load_speed, ANGULAR_SPEED)
+            found[f"{driven}_no_load_rim"] = Quantity(rim_m_s, SPEED)
+    return found
+
+
+def _denied(
+    fault: model.FaultRule, number: int, parts: Sequence[str], problems: Problems
+) -> Iterator[int]:
+    """Yield the indexes of the parts whose clamps the fault denies."""
+    for place, name in enumerate(fault.denies):
+        if name in parts:
+            yield parts.index(name)
+            continue
+        message = f"the robot has no part '{name}' that a chart state holds"
+        at: Path = ("faults", number, "denies", place)
+        problems.add_unknown("robot.name", at, "part", name, sorted(parts), message=message)
+
+
+def _check_catchable(
+    fault: model.FaultRule, number: int, rules: list[FaultSpec], problems: Problems
+) -> None:
+    """Report a code that is catchable in one rule and not in another."""
+    known = {each.code: each.catchable for each in (*rules, *BuiltInFault)}
+    if known.get(fault.code, fault.catchable) != fault.catchable:
+        can, must = ("can", "true") if known[fault.code] else ("cannot", "false")
+        key = "catchable" if "catchable" in fault.model_fields_set else "code"
+        message = f"'{fault.code}' {can} be caught: `catchable` must be {must} here too"
+        problems.add("robot.fault", ("faults", number, key), message)
+
+
+def on_states(text: str, table: ChartTable, signals: Signals, path: Path) -> Expression | None:
+    """Return a condition on the states of the regions; None after reporting other names."""
+    try:
+        condition = compile_condition(text, signals.vocabulary)
+    except ExpressionError as error:
+        signals.problems.add_expression(path, error)
+        return None
+    others = sorted(condition.names - set(table.regions))
+    if others:
+        message = f"only states count here, not {', '.join(others)}"
+        signals.problems.add("robot.condition", path, message, expected=one_of(table.regions))
+        return None
+    return condition
+
+
+def is_true(condition: Expression | None, states: tuple[str, ...]) -> bool:
+    """Return whether a condition on the regions is true in these states."""
+    return condition is not None and condition.evaluate((), states) is True
+
+
+def resolve_criterion(  # noqa: C901 - one case per kind
+    done: criteria.Criterion, signals: Signals, path: Path
+) -> CriterionSpec:
+    """Return the criterion with all names resolved to indexes."""
+    wheels = signals.wheels
+    match done:
+        case criteria.Accepted():
+            return AcceptedSpec()
+        case criteria.Stalled():
+            rates = tuple(
+                _rate(name, signals, (*path, "joints", number))
+                for number, name in enumerate(done.joints)
+            )
+            loads = tuple(
+                resolve_load(done, name, _torque(name, signals, at), signals, at)
+                for number, name in enumerate(done.loaded)
+                if (at := (*path, "loaded", number))
+            )
+            full = StalledSpec(rates, loads, done.still, done.for_s)
+            if done.settled is None or done.at_least is None:
+                return full
+            weak = tuple(each._replace(full_nm=0.0, least_nm=done.at_least) for each in loads)
+            return full._replace(settled=full._replace(loads=weak, for_s=done.settled))
+        case criteria.Reached():
+            for joint in signals.profile.body.joints if done.or_still is not None else ():
+                _rate(joint.name, signals, path)
+            still = done.or_still or 0.0
+            spec = ReachedSpec(still, done.loaded, done.for_s, moved_rad=done.moved)
+            if done.settled is None or done.at_least is None:
+                return spec
+            eased = spec._replace(loaded=0.0, for_s=done.settled, least_nm=done.at_least)
+            return spec._replace(settled=eased)
+        case criteria.Turning():
+            above = turning_rad_s(done, signals, path)
+            return TurningSpec(tuple((w.slot, w.speed) for w in wheels), above)
+        case criteria.Stopped():
+            return StoppedSpec(_speeds_of_parts(signals), done.below, done.for_s)
+        case criteria.Aligned():
+            pairs = [
+                _angle_slot(name, signals, (*path, "slots", number))
+                for number, name in enumerate(done.slots)
+            ]
+            return AlignedSpec(tuple(pair for pair in pairs if pair), done.within, done.leaning)
+        case criteria.Below():
+            numbers = tuple(
+                signals.number(name, (*path, "signals", number))
+                for number, name in enumerate(done.signals)
+            )
+            kinds = {name: signals.vocabulary.types.get(name) for name in done.signals}
+            for name, kind in kinds.items():
+                if isinstance(kind, NumberType) and kind.dimension != done.limit.dimension:
+                    signals.problems.add(
+                        "robot.criterion",
+                        (*path, "limit"),
+                        f"'{name}' is {kind}, and this is {describe(done.limit.dimension)}",
+                    )
+                    break  # the other signals have the same limit
+            return BelowSpec(numbers, done.limit.value, done.for_s)
+
+
+def turning_rad_s(done: criteria.Turning, signals: Signals, path: Path) -> float:
+    """Return the speed above which a wheel turns; report motors without one."""
+    if done.share is None:
+        return done.above or 0.0
+    profile = signals.profile
+    motors = [profile.motors[slot.motor] for slot in profile.slots if slot.wheel is not None]
+    if any(motor.no_load_speed is None for motor in motors):
+        message = "a `share` needs the `no_load_speed` of the motors of all wheels"
+        signals.problems.add("robot.criterion", (*path, "share"), message)
+    return done.share * min((motor.no_load_speed or inf for motor in motors), default=inf)
+
+
+def resolve_load(
+    load: criteria.Load, joint: str, torque: int, signals: Signals, path: Path
+) -> LoadSpec:
+    """Return the torque that a joint must bear, with this number index; report a missing motor."""
+    profile = signals.profile
+    slot = next((at for at, each in enumerate(profile.slots) if each.joint == joint), -1)
+    motor = profile.motors.get(profile.slots[slot].motor) if slot >= 0 else None
+    if load.share is None or motor is None:
+        return LoadSpec(torque, slot, 0.0, load.torque or inf)
+    if motor.stall_torque is None:
+        message = f"a `share` needs the `stall_torque` of the motor of '{joint}'"
+        signals.problems.add("robot.criterion", path, message)
+        return LoadSpec(torque, slot, 0.0, inf)
+    return LoadSpec(torque, slot, load.share * motor.stall_torque, load.at_least or 0.0)
+
+
+def _speeds_of_parts(signals: Signals) -> tuple[tuple[int, ...], ...]:
+    """Return the number indexes of the wheels' speeds, part by part."""
+    wheels = signals.profile.body.wheels
+    return tuple(
+        tuple(spec.speed for spec in signals.wheels if wheels[spec.place].part == part)
+        for part in dict.fromkeys(wheel.part for wheel in wheels)
+    )
+
+
+def _rate(name: str, signals: Signals, path: Path) -> int:
+    rate = signals.rate_of(name)
+    if rate < 0:
+        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
+        signals.problems.add("robot.criterion", path, message)
+    return rate
+
+
+def _torque(name: str, signals: Signals, path: Path) -> int:
+    for place, joint in enumerate(signals.profile.body.joints):
+        if joint.name == name and joint.torque is not None:
+            return signals.number(joint.torque, ("body", "joints", place, "torque"))
+    signals.problems.add("robot.criterion", path, f"'{name}' is not a joint with a torque signal")
+    return -1
+
+
+def _angle_slot(name: str, signals: Signals, path: Path) -> tuple[int, int] | None:
+    for index, slot in enumerate(signals.profile.slots):
+        if slot.name == name and slot.unit == "angle" and slot.roll:
+            return index, signals.number(slot.roll, path)
+    signals.problems.add("robot.criterion", path, f"'{name}' is not a slot that takes an angle")
+    return None

@@ -1,0 +1,223 @@
+"""Resolve the criteria by which sensors confirm states, for one polarity."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from math import copysign, inf
+
+from pirate_sm.core._engine.robot.chart_table import ChartTable
+from pirate_sm.core._engine.robot.command_spec import SlotSpec, StageSpec, Write
+from pirate_sm.core._engine.robot.confirmation_spec import (
+    AnglesSpec,
+    DarkSpec,
+    DrivenSpec,
+    HeldSpec,
+    ImpliedSpec,
+    LoadedJoint,
+    SeenSpec,
+    Sight,
+    StandingSpec,
+)
+from pirate_sm.core._engine.robot.criteria import AcceptedSpec
+from pirate_sm.core._loading.problems import Path, Problems
+from pirate_sm.core._loading.robot.commands import resolve_load, turning_rad_s
+from pirate_sm.core._loading.robot.signals import Signals
+from pirate_sm.core._model import seen as model
+
+Actuation = tuple[Mapping[str, tuple[StageSpec, ...]], ...]
+
+
+def resolve_sight(
+    table: ChartTable, slots: tuple[SlotSpec, ...], actuation: Actuation, signals: Signals
+) -> Sight:
+    """Return the criteria that confirm or contradict each state and part; report their faults."""
+    profile, problems = signals.profile, signals.problems
+    seen = profile.seen
+    parts, regions = tuple(profile.body.parts), table.regions
+    _check_names(seen.parts, parts, ("seen", "parts"), "part", problems)
+    _check_names(seen.states, regions, ("seen", "states"), "region", problems)
+    states: list[Mapping[str, SeenSpec]] = []
+    for number, region in enumerate(regions):
+        given = seen.states.get(region, {})
+        path: Path = ("seen", "states", region)
+        _check_names(given, table.states[number], path, "state", problems)
+        resolver = _States(slots, actuation[number], signals)
+        found = {
+            name: resolver.state(how, name, (*path, name))
+            for name, how in given.items()
+            if name in table.states[number]
+        }
+        states.append({name: spec for name, spec in found.items() if spec is not None})
+    held = tuple(
+        _part(name, seen.parts[name], actuation, signals) if name in seen.parts else None
+        for name in parts
+    )
+    return Sight(seen.within, held, tuple(states), _dark(signals))
+
+
+def _dark(signals: Signals) -> DarkSpec:
+    """Return what is compared besides when a run that was cut off is resumed."""
+    profile, seen = signals.profile, signals.profile.seen
+    absolute = {wheel.angle for wheel in profile.body.wheels if wheel.absolute}
+    motors = [profile.motors[slot.motor] for slot in profile.slots if slot.wheel is not None]
+    speeds = [getattr(motor, "no_load_speed", None) or inf for motor in motors]
+    return DarkSpec(
+        frozenset(
+            wheel.place
+            for wheel in signals.wheels
+            if signals.vocabulary.numbers[wheel.angle] in absolute
+        ),
+        max(speeds, default=0.0) * profile.body.wheel_radius,
+        seen.wheels_agree,
+        seen.tilt,
+        seen.joint_off,
+    )
+
+
+def _check_names(
+    given: Mapping[str, object], valid: tuple[str, ...], path: Path, kind: str, problems: Problems
+) -> None:
+    for name in given.keys() - set(valid):
+        problems.add_unknown("robot.seen", (*path, name), kind, name, valid, key=True)
+
+
+def _part(
+    name: str, how: model.HeldPart, actuation: Actuation, signals: Signals
+) -> HeldSpec | None:
+    path: Path = ("seen", "parts", name)
+    profile, problems = signals.profile, signals.problems
+    body = profile.body
+    apex, diameter = body.apex_of(name), profile.diameter_of(name)
+    if not diameter:
+        problems.add(
+            "robot.seen",
+            path,
+            f"whether '{name}' shows the pipe needs a derived signal {{diameter_of: {name}}}",
+            key=True,
+        )
+    if how.span >= how.span_off:
+        problems.add("robot.seen", (*path, "span_off"), "`span_off` must be larger than `span`")
+    joints = [
+        _joint(joint, how, actuation, signals, (*path, "loaded", number))
+        for number, joint in enumerate(how.loaded)
+    ]
+    if any(joint is not None and how.slack > joint.needed_nm for joint in joints):
+        key = "share" if how.torque is None else "torque"
+        problems.add("robot.seen", (*path, "slack"), f"`slack` cannot be more than the `{key}`")
+    if apex is None or not diameter:
+        return None
+    return HeldSpec(
+        tuple(joint for joint in joints if joint is not None),
+        how.slack,
+        how.still,
+        signals.number(diameter, path),
+        signals.number(apex.name, path),
+        apex.end_stop - how.end_stop,
+        how.span,
+        how.span_off,
+        how.for_s,
+        inf if how.settled is None else how.settled,
+    )
+
+
+def _joint(
+    name: str, how: model.HeldPart, actuation: Actuation, signals: Signals, path: Path
+) -> LoadedJoint | None:
+    profile, problems = signals.profile, signals.problems
+    joint = next((each for each in profile.body.joints if each.name == name), None)
+    joints = {each.name for each in profile.body.joints}
+    if any(slot.joint is not None and slot.joint not in joints for slot in profile.slots):
+        return None  # a slot without a joint is reported already
+    slot = next((n for n, each in enumerate(profile.slots) if each.joint == name), -1)
+    if joint is None or joint.torque is None or slot < 0:
+        names = [each.name for each in profile.body.joints if each.torque is not None]
+        problems.add_unknown(
+            "robot.seen",
+            path,
+            "",
+            name,
+            names,
+            message=f"'{name}' is not a driven joint with a torque signal",
+        )
+        return None
+    rate = signals.rate_of(name)
+    if rate < 0:
+        message = f"whether '{name}' stands still needs a derived signal {{rate_of: {name}}}"
+        problems.add("robot.seen", path, message)
+    load = resolve_load(how, name, signals.number(joint.torque, path), signals, path)
+    writes = (w for states in actuation for each in states.values() for w in each[-1])
+    duty = max((abs(w.value) for w in writes if w.slot == slot and w.how == "set"), default=0.0)
+    needed_nm = max(load.full_nm * (duty or 1.0), load.least_nm)
+    least_nm = max(how.slack, how.at_least or 0.0)
+    return LoadedJoint(slot, load.torque, rate, needed_nm, least_nm)
+
+
+class _States:
+    """Resolves the states of one region."""
+
+    def __init__(
+        self,
+        slots: tuple[SlotSpec, ...],
+        actuation: Mapping[str, tuple[StageSpec, ...]],
+        signals: Signals,
+    ) -> None:
+        self._slots = slots
+        self._actuation = actuation
+        self._speeds = {wheel.slot: wheel.speed for wheel in signals.wheels}
+        self._problems, self._signals = signals.problems, signals
+
+    def state(self, how: model.SeenState, name: str, path: Path) -> SeenSpec | None:
+        """Return the criterion of the state; None if no sensor can show it."""
+        match how:
+            case model.Angles():
+                beyond = inf if how.beyond is None else how.beyond
+                if beyond <= how.within:
+                    message = "`beyond` must be larger than `within`"
+                    self._problems.add("robot.seen", (*path, "beyond"), message)
+                targets = self._targets(name)
+                if not self._sets_angle(name):
+                    self._need((), path, f"{name} sets no angle")
+                return AnglesSpec(targets, how.within, beyond, how.for_s)
+            case model.StandingWheels():
+                still = tuple(speed for speed, way in self._wheels(name) if way == 0)
+                self._need(still, path, f"{name} stops no wheel")
+                return StandingSpec(still, how.below, how.for_s)
+            case model.TurningWheels():
+                driven = tuple((speed, way) for speed, way in self._wheels(name) if way)
+                self._need(driven, path, f"{name} drives no wheel")
+                return DrivenSpec(driven, turning_rad_s(how, self._signals, path), how.for_s)
+            case model.Accepted():
+                return AcceptedSpec()
+            case model.Implied():
+                return ImpliedSpec()
+            case model.Unknown():
+                return None
+
+    def _need(self, found: tuple[object, ...], path: Path, message: str) -> None:
+        if not found:
+            self._problems.add("robot.seen", (*path, "kind"), message)
+
+    def _sets_angle(self, name: str) -> bool:
+        return any(self._is_angle(write) for stage in self._actuation[name] for write in stage)
+
+    def _is_angle(self, write: Write) -> bool:
+        unit = self._slots[write.slot].unit
+        return write.how == "seek" or (write.how == "set" and unit == "angle")
+
+    def _targets(self, name: str) -> tuple[tuple[int, float], ...]:
+        """Return the number index and setpoint of each angle, from the first stage that sets it."""
+        found: dict[int, float] = {}
+        for stage in self._actuation[name]:
+            for write in stage:
+                angle = self._slots[write.slot].angle
+                if self._is_angle(write) and angle >= 0:
+                    found.setdefault(angle, write.value)
+        return tuple(found.items())
+
+    def _wheels(self, name: str) -> list[tuple[int, float]]:
+        """Return the number index of each wheel's speed, and its direction: 1, -1 or 0."""
+        return [
+            (self._speeds[write.slot], copysign(1.0, write.value) if write.value else 0.0)
+            for write in self._actuation[name][-1]
+            if write.slot in self._speeds and write.how in ("set", "turn")
+        ]

@@ -1,0 +1,263 @@
+"""Translate pydantic's errors into messages for authors of YAML files."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from contextlib import suppress
+from typing import Any, Final, NamedTuple, get_args
+
+from pydantic import StringConstraints
+from pydantic_core import ErrorDetails
+
+from pirate_sm.core._loading.idioms import meant_key, step_form
+from pirate_sm.core._loading.yaml.scalars import ScalarError, resolve_plain
+from pirate_sm.core._loading.yaml.schema_path import Schema
+from pirate_sm.core._model.base import FaultCode, Name
+from pirate_sm.core._model.calibration import Date
+from pirate_sm.core._model.pipe_runs import Port
+from pirate_sm.core._model.serial_link import TypeName
+from pirate_sm.core.spelling import nearest, one_of
+from pirate_sm.core.units import QuantityError, in_unit_of
+
+
+class Wording(NamedTuple):
+    """The message for an error; `write` is the value, as YAML, that alone can be meant."""
+
+    code: str
+    message: str
+    expected: str = ""
+    suggestion: str = ""
+    write: str = ""
+
+
+# The expected kind of value, by the type of pydantic's error.
+_WANTED: Final = {
+    **dict.fromkeys(
+        ("model_type", "model_attributes_type", "dict_type", "mapping_type", "dataclass_type"),
+        "a mapping",
+    ),
+    **dict.fromkeys(
+        ("list_type", "tuple_type", "set_type", "frozen_set_type", "iterable_type"), "a list"
+    ),
+    **dict.fromkeys(("string_type",), "text"),
+    **dict.fromkeys(("int_type", "int_parsing", "int_from_float"), "a whole number"),
+    **dict.fromkeys(("float_type", "float_parsing"), "a number"),
+    **dict.fromkeys(("bool_type", "bool_parsing"), "true or false"),
+    **dict.fromkeys(("none_required",), "nothing"),
+}
+_SWITCHES: Final = {
+    **dict.fromkeys(("on", "yes", "y", "1"), "true"),
+    **dict.fromkeys(("off", "no", "n", "0"), "false"),
+}
+
+
+def kind_of(value: object) -> str:
+    """Return a description of a value: `the number 12`, `a mapping`."""
+    if value is None:
+        return "nothing"
+    if isinstance(value, bool):
+        return str(value).lower()
+    if isinstance(value, int | float):
+        return f"the number {value}"
+    if isinstance(value, str):
+        return f"the text '{value if len(value) <= 40 else value[:39] + '…'}'"
+    return "a mapping" if isinstance(value, Mapping) else "a list"
+
+
+def wanted_kind(error: ErrorDetails) -> str | None:
+    """Return the expected kind of value if the error is a wrong kind; otherwise None."""
+    kind = _WANTED.get(error["type"])
+    if kind is None and not isinstance(error["input"], str):
+        if error["type"] in ("literal_error", "enum"):
+            return "text"
+        if error["type"] == "quantity" and isinstance(error["input"], Mapping | list):
+            return "a quantity"
+    return kind
+
+
+def word(error: ErrorDetails, schema: Schema | None) -> Wording:
+    """Return the message for an error.
+
+    Args:
+        error: The error from pydantic.
+        schema: The model's schema of the value, if known.
+    """
+    wanted = _WANTED.get(error["type"])
+    if wanted is not None:
+        return _wrong_kind(wanted, error["input"], schema or {})
+    speak = _SPEAKERS.get(error["type"])
+    if speak is not None:
+        return speak(error, schema)
+    context = error.get("ctx", {})
+    _, meant = misspelt_kind(error, schema) or ("", "")
+    is_step = error["type"] == "step" and isinstance(error["input"], Mapping)
+    return Wording(
+        error["type"].replace("_", "-"),
+        error["msg"],
+        step_form(error["input"]) if is_step else str(context.get("expected", "")),
+        str(context.get("suggestion", meant)),
+    )
+
+
+def _wrong_kind(wanted: str, value: object, schema: Mapping[str, Any]) -> Wording:
+    message = f"expected {wanted}, got {kind_of(value)}"
+    if wanted == "text" and isinstance(value, bool | int | float):
+        shown = str(value).lower() if isinstance(value, bool) else value
+        return Wording("kind", message, f"text; in quotes ('{shown}') it is text")
+    if wanted == "true or false" and isinstance(value, str):
+        switch = _SWITCHES.get(value.lower(), "")
+        return Wording("kind", message, suggestion=switch, write=switch)
+    if wanted == "a whole number" and isinstance(value, str):
+        with suppress(ScalarError):
+            number = resolve_plain(value.strip())
+            if type(number) is int and number >= schema.get("ge", number):
+                return Wording("kind", message, suggestion=value.strip(), write=value.strip())
+    return Wording("kind", message)
+
+
+def _choice(error: ErrorDetails, schema: Schema | None) -> Wording:
+    value = error["input"]
+    if schema is not None and schema["type"] == "literal":
+        valid = [str(choice) for choice in schema["expected"]]
+    elif schema is not None and schema["type"] == "enum":
+        valid = [str(member.value) for member in schema["members"]]
+    else:
+        valid = re.findall(r"'([^']*)'", str(error.get("ctx", {}).get("expected", "")))
+    if error["loc"][-1:] == ("format",) and _is_newer(value, valid):
+        message = f"this program reads format {valid[-1]}, and this is format {value}"
+        return Wording("choice", message, f"`format: {valid[-1]}`; a newer program may read this")
+    suggestion = nearest(value, valid) if isinstance(value, str) else None
+    message = f"expected {one_of(valid)}, got {kind_of(value)}"
+    return Wording("choice", message, suggestion=suggestion or "")
+
+
+def _is_newer(value: object, known: list[str]) -> bool:
+    """Return whether a value is the number of a format that came after the known ones."""
+    return type(value) is int and value > max(map(int, known))
+
+
+def _tag(error: ErrorDetails, schema: Schema | None) -> Wording:
+    context = error.get("ctx", {})
+    value = error["input"]
+    valid = list(_tags(schema)) or re.findall(r"'([^']*)'", str(context.get("expected_tags", "")))
+    written = [str(context["tag"])] if "tag" in context else []
+    if isinstance(value, Mapping) and not written:
+        written = [key for key in value if isinstance(key, str)]
+    elif isinstance(value, str):
+        written = [value]
+    near = (nearest(name, valid) for name in written)
+    suggestion = next((name for name in near if name is not None), "")
+    if isinstance(value, Mapping) and written:
+        got = ", ".join(f"'{name}'" for name in written[:4])
+    else:
+        got = kind_of(value)
+    return Wording("choice", f"expected {one_of(valid)}, got {got}", suggestion=suggestion)
+
+
+def misspelt_kind(error: ErrorDetails, schema: Schema | None) -> tuple[str, str] | None:
+    """Return the key instead of the one that says a mapping's kind, and what that should be."""
+    if schema is None or schema.get("custom_error_type") != error["type"]:
+        return None
+    known, value = _tags(schema), error["input"]
+    written = [key for key in value if isinstance(key, str)] if isinstance(value, Mapping) else []
+    pairs = ((key, meant_key(key, known)) for key in written)
+    return next(((key, close) for key, close in pairs if close), None)
+
+
+def _tags(schema: Schema | None) -> list[str]:
+    if schema is None or schema["type"] != "tagged-union":
+        return []
+    return [str(getattr(name, "value", name)) for name in schema["choices"]]
+
+
+_BOUNDS: Final = {
+    "greater_than": ("gt", "more than"),
+    "greater_than_equal": ("ge", "at least"),
+    "less_than": ("lt", "less than"),
+    "less_than_equal": ("le", "at most"),
+}
+
+
+def _bound(error: ErrorDetails, _: Schema | None) -> Wording:
+    """Return the message for a value out of limits, with the limit in the value's unit."""
+    key, relation = _BOUNDS[error["type"]]
+    limit, value = error.get("ctx", {})[key], error["input"]
+    shown = f"{limit}"
+    if isinstance(value, str):
+        with suppress(QuantityError):
+            shown = in_unit_of(value, limit)
+    return Wording("range", f"expected {relation} {shown}, got '{value}'")
+
+
+def _length(error: ErrorDetails, _: Schema | None) -> Wording:
+    context = error.get("ctx", {})
+    what = "characters" if error["type"].startswith("string") else "entries"
+    if "min_length" in context:
+        if context["min_length"] == 1:
+            return Wording("length", "this is empty", f"at least one of its {what}")
+        return Wording("length", f"expected at least {context['min_length']} {what}")
+    return Wording("length", f"expected at most {context.get('max_length')} {what}")
+
+
+def _raised(error: ErrorDetails, _: Schema | None) -> Wording:
+    """Return the message of a ValueError that a validator of the model raised."""
+    cause = error.get("ctx", {}).get("error")
+    if isinstance(cause, QuantityError):
+        return Wording("quantity", cause.message, suggestion=cause.suggestion)
+    return Wording("value", str(cause) if cause is not None else error["msg"])
+
+
+def _quantity(error: ErrorDetails, _: Schema | None) -> Wording:
+    context = error.get("ctx", {})
+    return Wording("quantity", context["message"], context["expected"], context["suggestion"])
+
+
+def _key(error: ErrorDetails, _: Schema | None) -> Wording:
+    context = error.get("ctx", {})
+    return Wording("value", context["message"], context["expected"])
+
+
+_WRITTEN: Final = {
+    Name: "a letter, then letters, digits and underscores",
+    FaultCode: "a family and a detail in small letters, such as clamp.lost",
+    Date: "a date such as 2026-01-31",
+    Port: "an end, a junction, or a port of a tee such as t1.on or t1.branch",
+    TypeName: "a package and a name, such as std_msgs/String",
+}
+_PATTERNS: Final = {
+    part.pattern: text
+    for kind, text in _WRITTEN.items()
+    for part in get_args(kind)
+    if isinstance(part, StringConstraints)
+}
+"""Descriptions of the texts that have patterns."""
+
+
+def _pattern(error: ErrorDetails, _: Schema | None) -> Wording:
+    pattern = error.get("ctx", {}).get("pattern")
+    how = _PATTERNS.get(pattern, f"text like {pattern}")
+    return Wording("pattern", f"{kind_of(error['input'])} does not fit", how)
+
+
+def _infinite(error: ErrorDetails, _: Schema | None) -> Wording:
+    return Wording("number", f"expected a finite number, got '{error['input']}'")
+
+
+_SPEAKERS: Final[dict[str, Callable[[ErrorDetails, Schema | None], Wording]]] = {
+    **dict.fromkeys(("literal_error", "enum"), _choice),
+    **dict.fromkeys(("union_tag_invalid", "union_tag_not_found"), _tag),
+    **dict.fromkeys(_BOUNDS, _bound),
+    **dict.fromkeys(("too_short", "too_long", "string_too_short", "string_too_long"), _length),
+    **dict.fromkeys(("value_error", "assertion_error"), _raised),
+    "quantity": _quantity,
+    "key": _key,
+    "string_pattern_mismatch": _pattern,
+    "finite_number": _infinite,
+}
+
+
+def merged(wanted: list[str], value: Any) -> Wording:
+    """Return the message for a value that is of none of several kinds."""
+    kinds = " or ".join(dict.fromkeys(wanted))
+    return Wording("kind", f"expected {kinds}, got {kind_of(value)}")

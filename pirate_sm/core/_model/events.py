@@ -1,0 +1,248 @@
+"""Events: the closed set of the engine's inputs.
+
+Every input of a run is one of these, so a recording of them can be replayed exactly. Time is not
+part of an event: the engine receives it separately, in seconds since the run began.
+``ALPHABET_VERSION`` changes with every change of a class or field here or in
+:mod:`pirate_sm.core._model.effects`, and with every change of the engine's results for the same
+events.
+"""
+
+from __future__ import annotations
+
+from math import inf, isnan, nan
+from typing import Literal, NamedTuple, TypeAlias
+
+ALPHABET_VERSION = 10
+
+READABLE_ALPHABETS = (5, 6, 7, 8, 9, 10)
+"""Recordings of these are read: 6 has an event more than 5."""
+
+EVIDENCE_ENDS = 10
+"""Since this alphabet belief ends with its evidence. Older recordings replay by their own rules."""
+
+SubmitStatus: TypeAlias = Literal["accepted", "superseded", "rejected", "unknown"]
+
+
+class Tick(NamedTuple):
+    """Time has passed; deadlines may be due."""
+
+
+class SensorFrame(NamedTuple):
+    """One board has reported its raw channel values.
+
+    Attributes:
+        board: Id of the board, as in the robot's profile.
+        values: Raw values in the order of the board's channels; NaN for a silent channel.
+    """
+
+    board: int
+    values: tuple[float, ...]
+
+
+class DetectorWord(NamedTuple):
+    """A detector has reported a word, which is valid for ``valid_for_s`` or until the next one."""
+
+    word: str
+    valid_for_s: float
+
+
+class EnvironmentReport(NamedTuple):
+    """An outside source has reported the pipe around the robot.
+
+    What it knows counts in place of what the engine derives from its signals, for as long as it is
+    valid; what it does not know the engine goes on deriving.
+
+    Attributes:
+        segment: ``Out``, ``Straight`` or ``Joint`` (thesis section 4-3-2); empty is unknown.
+        roll_rad: Roll of the robot about the axis of the pipe, against the horizontal; NaN is
+            unknown, as for the others.
+        pitch_rad: Pitch of the pipe's axis, positive where it climbs ahead of the robot.
+        diameter_m: Inner diameter, h + 2r (thesis eq. 3-2).
+        valid_for_s: How long it is valid, or until the next report; infinite: until then.
+        joint: As the next fields, see :class:`pirate_sm.core._model.effects.Environment`.
+        junction: Name of the junction.
+        opening_roll_rad: Direction of the opening.
+        distance_m: Distance to the joint.
+        diameter_ahead_m: Inner diameter behind the joint.
+        run: Name of the run.
+        arc_m: Place along the route.
+    """
+
+    segment: str
+    roll_rad: float
+    pitch_rad: float
+    diameter_m: float
+    valid_for_s: float = inf
+    joint: str = ""
+    junction: str = ""
+    opening_roll_rad: float = nan
+    distance_m: float = nan
+    diameter_ahead_m: float = nan
+    run: str = ""
+    arc_m: float = nan
+
+
+class OutsideNumber(NamedTuple):
+    """Somebody outside the robot has measured one of its outside signals.
+
+    Attributes:
+        signal: Its name in the profile.
+        value: In SI; NaN is unknown.
+        age_s: How long ago it was measured; it is taken off the validity.
+    """
+
+    signal: str
+    value: float
+    age_s: float = 0.0
+
+
+class SubmitResult(NamedTuple):
+    """The final result of a setpoint array.
+
+    Attributes:
+        setpoint_id: Id of the array.
+        status: ``accepted``: the robot has it. ``superseded``: a newer array replaced it before
+            it was sent. ``rejected``: it was never sent. ``unknown``: it may have been applied.
+        reason: Why, in words; empty when accepted.
+    """
+
+    setpoint_id: int
+    status: SubmitStatus
+    reason: str = ""
+
+
+class FaultReport(NamedTuple):
+    """A backend has found something wrong, e.g. ``link.lost``.
+
+    A report with code and message of one of the robot's fault rules counts as raised by that rule,
+    and denies the same clamps.
+
+    Attributes:
+        away_s: How long the controller was silent that is back; NaN if nobody knows.
+        of: The boards, joints, wheels and parts that it is a fault of; empty: nobody's.
+    """
+
+    code: str
+    message: str
+    away_s: float = nan
+    of: tuple[str, ...] = ()
+
+
+class OperatorCommand(NamedTuple):
+    """The operator gives a command that is not part of the mission.
+
+    Attributes:
+        command: Its name.
+        share: By how much the duties of wheels are multiplied, so that the robot drives slower.
+        at_once: Whether a command that stops the wheels ends another one of the operator that is
+            under way while the robot drives.
+    """
+
+    command: str
+    share: float = 1.0
+    at_once: bool = False
+
+
+class Observation(NamedTuple):
+    """A person says where the robot is or what they see there; it changes nothing of the robot.
+
+    Attributes:
+        text: What they see, such as ``crack, 3 o'clock``; empty where they only say the place.
+        place_m: Where the first wheel is along the route; NaN is unknown.
+    """
+
+    text: str
+    place_m: float = nan
+
+    @property
+    def words(self) -> str:
+        """Return it in words."""
+        place = "an unknown place" if isnan(self.place_m) else f"{self.place_m:.2f} m"
+        return f"seen at {place}: {self.text}" if self.text else f"wheel 1 is at {place}"
+
+
+class Answer(NamedTuple):
+    """The operator has chosen one of the possible answers."""
+
+    choice: str
+
+
+class Pause(NamedTuple):
+    """The operator pauses the mission, with the wheels stopped."""
+
+
+class Resume(NamedTuple):
+    """The operator resumes a paused mission."""
+
+
+class Step(NamedTuple):
+    """The operator lets a paused mission execute one step and pause again."""
+
+
+class GoTo(NamedTuple):
+    """The operator resumes a paused mission at the beginning of one of its phases.
+
+    Attributes:
+        phase: The phase.
+        states: State of each region when the phase was found to be possible.
+        unconfirmed: Regions that were unconfirmed then.
+    """
+
+    phase: str
+    states: tuple[str, ...]
+    unconfirmed: tuple[str, ...] = ()
+
+
+class Skip(NamedTuple):
+    """The operator skips the present wait, command or question.
+
+    Attributes:
+        trigger: In a wait, the name of the trigger to fire; empty for the first one.
+    """
+
+    trigger: str = ""
+
+
+class SignalReport(NamedTuple):
+    """A script provides signals and words in a run without sensors and detector.
+
+    It takes effect with the next event, as if both came at the same time.
+
+    Attributes:
+        numbers: Signals by name in SI, NaN for unknown; other signals keep their values.
+        words: The detector's word and the segment by name; None for unknown.
+    """
+
+    numbers: tuple[tuple[str, float], ...] = ()
+    words: tuple[tuple[str, str | None], ...] = ()
+
+
+class CommandFailed(NamedTuple):
+    """A script lets the command under way fail, in a run without sensors."""
+
+    reason: str
+
+
+class Abort(NamedTuple):
+    """The run must end now with the safe stop."""
+
+    reason: str
+
+
+Request: TypeAlias = (
+    OperatorCommand | Observation | Answer | Pause | Resume | Step | GoTo | Skip | Abort
+)
+"""A request of the operator, or of a program in place of an operator."""
+
+Event: TypeAlias = (
+    Tick
+    | SensorFrame
+    | DetectorWord
+    | EnvironmentReport
+    | OutsideNumber
+    | SubmitResult
+    | FaultReport
+    | SignalReport
+    | CommandFailed
+    | Request
+)

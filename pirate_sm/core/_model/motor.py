@@ -1,0 +1,131 @@
+"""Kinds of motors, and the loops that drive them to angles, speeds and torques."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, model_validator
+
+from pirate_sm.core._model.base import Frozen
+from pirate_sm.core._model.quantities import (
+    Angle,
+    AngularSpeed,
+    Current,
+    Inertia,
+    Number,
+    Ratio,
+    Stiffness,
+    Torque,
+)
+
+
+class PositionLoop(Frozen):
+    """A proportional position controller that ends at duty 0 within its threshold (alg. 3).
+
+    Attributes:
+        gain: Duty cycle per rad of error.
+        threshold: Largest error at which the joint has reached its angle.
+        least_duty: Smallest duty cycle that turns the motor.
+        limit: Largest duty cycle used.
+        unmoved_limit: Largest duty cycle for a joint that ``limit`` has not moved.
+    """
+
+    gain: Annotated[Number, Field(gt=0)]
+    threshold: Annotated[Angle, Field(gt=0)]
+    least_duty: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
+    unmoved_limit: Annotated[Ratio, Field(gt=0, le=1)] | None = None
+
+    @model_validator(mode="before")
+    @classmethod
+    def _by_its_name(cls, given: Any) -> Any:
+        """Take the name that the key has in some recordings."""
+        if isinstance(given, dict) and "held_limit" in given:
+            return {{"held_limit": "unmoved_limit"}.get(k, k): each for k, each in given.items()}
+        return given
+
+
+class VelocityLoop(Frozen):
+    """A controller that keeps a wheel at a speed, with its no-load speed and an integral.
+
+    Attributes:
+        gain: Share of the error that each new frame corrects.
+        limit: Largest duty cycle used.
+    """
+
+    gain: Annotated[Number, Field(gt=0, le=1)]
+    limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
+
+
+class TorqueLoop(Frozen):
+    """A controller that keeps a joint behind a self-locking worm at a torque.
+
+    Attributes:
+        gain: Duty cycle per Nm of error.
+        dead: Error within which the motor stands: the worm holds.
+        within: Error within which the joint counts as settled.
+        least_duty: Duty cycle below which the worm would stand still.
+        limit: Largest duty cycle used.
+    """
+
+    gain: Annotated[Number, Field(gt=0)]
+    dead: Annotated[Torque, Field(gt=0)]
+    within: Annotated[Torque, Field(gt=0)]
+    least_duty: Annotated[Ratio, Field(ge=0, le=1)] = 0.0
+    limit: Annotated[Ratio, Field(gt=0, le=1)] = 1.0
+
+    @model_validator(mode="after")
+    def _can_settle(self) -> TorqueLoop:
+        if self.within < self.dead:
+            raise ValueError("`within` must be at least `dead`: the motor stands inside of that")
+        if self.least_duty > self.limit:
+            raise ValueError("`least_duty` is more than `limit`: the worm would never move")
+        return self
+
+
+class Motor(Frozen):
+    """A kind of motor with its limits; the loader checks which keys a kind requires.
+
+    Attributes:
+        kind: ``sprung_worm``: self-locking, behind a series spring. ``geared``: a wheel.
+            ``position``: takes an angle, the board controls it. ``light``. ``none``.
+        stall_torque: Torque at full duty at standstill.
+        stall_current: Current at full duty at standstill.
+        no_load_speed: Speed at full duty without load.
+        hold_torque: Torque that turns a geared motor against its gearbox at duty 0.
+        dead_drag: Drag torque of a failed geared motor.
+        rotor_inertia: Moment of inertia of a geared motor's rotor, seen at the wheel: its own times
+            the squared ratio of the gear.
+        stiffness: Stiffness of the series spring.
+        position_loop: The loop that drives a duty slot to an angle.
+        velocity_loop: The loop that keeps a wheel at a speed; needs ``no_load_speed``.
+        torque_loop: The loop that keeps a joint at a torque; needs ``kind: sprung_worm`` and
+            ``stall_torque``. A wheel whose motor has ``stall_torque`` and ``no_load_speed`` needs
+            none.
+    """
+
+    kind: Literal["sprung_worm", "geared", "position", "light", "none"]
+    stall_torque: Torque | None = None
+    stall_current: Current | None = None
+    no_load_speed: AngularSpeed | None = None
+    hold_torque: Torque | None = None
+    dead_drag: Torque | None = None
+    rotor_inertia: Inertia | None = None
+    stiffness: Stiffness | None = None
+    position_loop: PositionLoop | None = None
+    velocity_loop: VelocityLoop | None = None
+    torque_loop: TorqueLoop | None = None
+
+    @property
+    def least_duty(self) -> float:
+        """Return the duty cycle below which the motor stands still, as its loops say."""
+        loops = (self.position_loop, self.torque_loop)
+        return max((loop.least_duty for loop in loops if loop is not None), default=0.0)
+
+    @model_validator(mode="after")
+    def _knows_its_speed(self) -> Motor:
+        if self.velocity_loop is not None and not self.no_load_speed:
+            raise ValueError("a `velocity_loop` needs the `no_load_speed` of the motor")
+        if self.torque_loop is not None and (self.kind != "sprung_worm" or not self.stall_torque):
+            raise ValueError("a `torque_loop` needs `kind: sprung_worm` and the `stall_torque`")
+        return self

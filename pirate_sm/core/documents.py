@@ -1,0 +1,28 @@
+"""YAML files as plain data with the place of every value, and what is wrong with them."""
+
+# ruff: noqa: F401
+# mypy: implicit-reexport
+from __future__ import annotations
+
+from pirate_sm.core._loading import extended_file, problems
+from pirate_sm.core._loading.extended_file import read_extended
+from pirate_sm.core._loading.file_kinds import FileKind, kind_of, kind_of_text
+from pirate_sm.core._loading.problems import (
+    Edit,
+    LoadError,
+    Locator,
+    Path,
+    Place,
+    Problem,
+    Problems,
+    Severity,
+    cut,
+)
+from pirate_sm.core._loading.yaml.document import (
+    LARGEST_FILE,
+    Document,
+    parse_document,
+    read_document,
+    read_text,
+)
+from pirate_sm.core._loading.yaml.nodes import YamlNode

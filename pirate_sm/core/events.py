@@ -1,0 +1,35 @@
+"""What can happen to a run: the events that the engine takes, faults, words of detectors."""
+
+# ruff: noqa: F401
+# mypy: implicit-reexport
+from __future__ import annotations
+
+from pirate_sm.core._model.events import (
+    ALPHABET_VERSION,
+    READABLE_ALPHABETS,
+    Abort,
+    Answer,
+    CommandFailed,
+    DetectorWord,
+    EnvironmentReport,
+    Event,
+    FaultReport,
+    GoTo,
+    Observation,
+    OperatorCommand,
+    OutsideNumber,
+    Pause,
+    Request,
+    Resume,
+    SensorFrame,
+    SignalReport,
+    Skip,
+    Step,
+    SubmitResult,
+    SubmitStatus,
+    Tick,
+)
+from pirate_sm.core._model.fault_codes import BUILT_IN_FAULTS, BuiltInFault, Origin
+from pirate_sm.core._model.frame_block import FrameBlock
+from pirate_sm.core._model.sighting import SeenMark, Sighting
+from pirate_sm.core._model.word_watch import Look, WordWatch

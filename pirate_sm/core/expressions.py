@@ -1,0 +1,20 @@
+"""Conditions and formulas, compiled and typed with units."""
+
+# ruff: noqa: F401
+# mypy: implicit-reexport
+from __future__ import annotations
+
+from pirate_sm.core._expressions import (
+    BOOLEAN,
+    EnumType,
+    Expression,
+    ExpressionError,
+    NumberType,
+    Vocabulary,
+    compile_condition,
+    compile_expression,
+    tree,
+)
+from pirate_sm.core._expressions.bytecode import DEEPEST, Code, depth_of
+from pirate_sm.core._expressions.tree import Signal, walk
+from pirate_sm.core._expressions.vocabulary import KEYWORDS, change_of

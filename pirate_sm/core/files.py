@@ -1,0 +1,10 @@
+"""Find files of robots, missions and pipes by name; importing it is quick."""
+
+# ruff: noqa: F401
+# mypy: implicit-reexport
+from __future__ import annotations
+
+from pirate_sm.core._loading import foreign, library
+from pirate_sm.core._loading.file_names import PROFILE_FILE, shown
+from pirate_sm.core._loading.foreign import SIMULATED, is_below, is_device
+from pirate_sm.core._loading.library import find_mission, is_path

@@ -1,0 +1,1 @@
+"""Research: campaigns, learning, fitting, mapping, the experiments of a thesis."""

@@ -1,0 +1,182 @@
+"""A chunk of runs of one cell: what a Dask worker is sent, does, and sends back."""
+
+from __future__ import annotations
+
+import pickle
+import traceback
+from collections import OrderedDict
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from math import nan
+from pathlib import Path
+from time import monotonic
+from typing import NamedTuple
+
+from pirate_sm.core.campaign import TrueEnd
+from pirate_sm.core.documents import LoadError
+from pirate_sm.core.errors import BackendError, UsageError
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.lab.campaign.code_version import code_version
+from pirate_sm.lab.campaign.factors import drawn_factors
+from pirate_sm.lab.campaign.verdict import RunVerdict, judge
+from pirate_sm.lab.campaign.watched_run import watched_run
+from pirate_sm.running.wiring import Order
+
+CHUNK = 20
+"""Runs of a chunk: Dask takes some 10 ms of the client's processor for a task of any length."""
+
+_LONGEST_S = 2.0
+"""A chunk that takes longer is given back with the runs that are done, so that they are counted."""
+
+_MOST_LOADED = 16
+"""The most loaded missions that a worker keeps."""
+
+
+class OtherVersionError(Exception):
+    """Raised on a worker whose code is not that of the client."""
+
+
+class RunRow(NamedTuple):
+    """The result of one run.
+
+    Attributes:
+        cell: Key of its cell.
+        outcome: As the mission says; ``bug``: this program raised an exception.
+        verdict: What it was in truth, see :class:`pirate_sm.lab.campaign.verdict.RunVerdict`.
+        why: Why it did not pass; empty if it did.
+        held: Whether it passed, or failed with the robot held.
+        unsafe: The rules of safety that it broke; empty for none.
+        short_m: How far a wheel was short of where the last word says; NaN if none was said.
+        deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
+        drawn: What it has drawn from its seed, see :mod:`pirate_sm.lab.campaign.factors`.
+    """
+
+    cell: str
+    seed: int
+    outcome: str
+    verdict: str
+    why: str
+    held: bool
+    unsafe: str
+    time_s: float
+    distance_m: float
+    short_m: float
+    deepest_m: float
+    drawn: Mapping[str, float] = {}
+
+
+class Sent(NamedTuple):
+    """A loaded mission on its way to the workers.
+
+    Attributes:
+        key: Digest of it.
+        pickled: The mission.
+    """
+
+    key: str
+    pickled: bytes
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Runs of one cell with some of its seeds.
+
+    Attributes:
+        cell: Key of the cell.
+        order: What is run.
+        end: What must be true when the mission has succeeded.
+        mission: Key of its loaded mission.
+        seeds: The seeds.
+    """
+
+    cell: str
+    order: Order
+    end: TrueEnd
+    mission: str
+    seeds: tuple[int, ...]
+
+
+_loaded: OrderedDict[str, LoadedMission] = OrderedDict()
+
+
+def run_chunk(chunk: Chunk, sent: Sent, version: str) -> list[RunRow]:
+    """Run a chunk on this worker; return a row for each of its first seeds, in their order.
+
+    These are all, unless the runs are so long that the others should be a chunk of their own.
+
+    Args:
+        chunk: The runs.
+        sent: Their mission; a process unpickles it once.
+        version: Version of the client's code.
+
+    Raises:
+        OtherVersionError: This worker's code is another one.
+    """
+    if version != code_version():
+        raise OtherVersionError(code_version())
+    loaded = loaded_mission(sent)
+    rows, began_s = list[RunRow](), monotonic()
+    for seed in chunk.seeds:
+        rows.append(run_seed(chunk, loaded, seed))
+        if monotonic() - began_s >= _LONGEST_S:
+            break
+    return rows
+
+
+def loaded_mission(sent: Sent) -> LoadedMission:
+    """Return a mission that was sent; this process keeps the last ones."""
+    if sent.key not in _loaded:
+        _loaded[sent.key] = pickle.loads(sent.pickled)
+        if len(_loaded) > _MOST_LOADED:
+            _loaded.popitem(last=False)
+    _loaded.move_to_end(sent.key)
+    return _loaded[sent.key]
+
+
+def run_seed(chunk: Chunk, loaded: LoadedMission, seed: int) -> RunRow:
+    """Run a mission with one seed; whatever exception it raises is its outcome."""
+    order, drawn = replace(chunk.order, seed=seed), dict[str, float]()
+    try:
+        drawn |= drawn_factors(order, loaded.loaded_robot.profile)
+        outcome = watched_run(order, loaded, slides=False)
+    except (UsageError, LoadError, BackendError) as error:
+        refused = RunVerdict("failed", str(error), False, "")
+        return _without_end(chunk.cell, seed, "refused", refused, drawn)
+    except Exception as error:
+        return bug_row(chunk.cell, seed, _described(error), drawn)
+    verdict = judge(outcome, chunk.end)
+    return RunRow(
+        chunk.cell,
+        seed,
+        outcome.outcome,
+        *verdict,
+        outcome.time_s,
+        outcome.distance_m,
+        outcome.short_m,
+        outcome.deepest_m,
+        drawn,
+    )
+
+
+def bug_row(cell: str, seed: int, why: str, drawn: Mapping[str, float]) -> RunRow:
+    """Return the result of a run that an internal error has ended."""
+    verdict = RunVerdict("bug", why, False, "did not end by itself")
+    return _without_end(cell, seed, "bug", verdict, drawn)
+
+
+def _without_end(
+    cell: str, seed: int, outcome: str, verdict: RunVerdict, drawn: Mapping[str, float]
+) -> RunRow:
+    return RunRow(cell, seed, outcome, *verdict, 0.0, 0.0, nan, nan, drawn)
+
+
+def _described(error: Exception) -> str:
+    """Return an exception with the place in our code that it comes from."""
+    text = f"{type(error).__name__}: {error}"
+    frames = traceback.extract_tb(error.__traceback__)
+    return f"{text} ({Path(frames[-1].filename).name}:{frames[-1].lineno})" if frames else text
+
+
+def cut(chunk: Chunk, seeds: Sequence[int]) -> Chunk:
+    """Return the part of a chunk that has these seeds."""
+    return replace(chunk, seeds=tuple(seeds))

@@ -1,0 +1,187 @@
+"""Runs a campaign: gives chunks to the crew and stores what comes back, until it is enough."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from itertools import groupby, islice
+from operator import attrgetter
+from pathlib import Path
+from typing import NamedTuple
+
+from pirate_sm.core.errors import UsageError
+from pirate_sm.lab.campaign.chunk import CHUNK, Chunk, RunRow, cut
+from pirate_sm.lab.campaign.crew import ChunkRunner
+from pirate_sm.lab.campaign.plan import FORMAT, CampaignPlan, Cell, plan_of
+from pirate_sm.lab.campaign.store import DamagedMarkError, Store
+from pirate_sm.lab.campaign.tally import Tally
+
+_LOOK_S = 0.5
+"""So often progress is shown when nothing comes."""
+
+
+class Progress(NamedTuple):
+    """How far a campaign is.
+
+    Attributes:
+        done: Runs that have results, though some may not count yet.
+        of: Runs in all, if no cell ends earlier.
+    """
+
+    done: int
+    of: int
+
+    def words(self, done_before: int, took_s: float) -> str:
+        """Return it for people, with the pace as soon as there is one.
+
+        Args:
+            done_before: How many runs had results when this process began.
+            took_s: How long it has been running.
+        """
+        new = self.done - done_before
+        pace = f"{new / max(took_s, 1e-3) * 3600:,.0f} per hour" if new else "none new yet"
+        return f" ({self.done:,} of {self.of:,} runs, {pace})"
+
+
+class Stored(NamedTuple):
+    """What is in a folder of results.
+
+    Attributes:
+        plan: The campaign, without its missions.
+        tallies: The counts of its cells that count.
+        damaged: What is wrong with files of results that cannot be read, and what to do.
+    """
+
+    plan: CampaignPlan
+    tallies: list[Tally]
+    damaged: tuple[str, ...]
+
+
+def stored_plan(store: Store) -> CampaignPlan:
+    """Return the plan of the campaign whose results are in a store.
+
+    Raises:
+        UsageError: There are none, or another version of the format.
+        DamagedMarkError: The description of the campaign is damaged.
+    """
+    mark = store.mark()
+    version, name = mark.get("format"), mark.get("campaign")
+    if version is None:
+        raise DamagedMarkError(store.folder, "`format` is missing", name)
+    if version != FORMAT:
+        raise UsageError(
+            f"the results in '{store.folder}' have format {version!r}, and this version reads "
+            f"{FORMAT}: use the version of this program that wrote them"
+        )
+    try:
+        return plan_of(mark)
+    except ValueError as error:
+        raise DamagedMarkError(store.folder, str(error), name) from None
+
+
+def stored(folder: Path) -> Stored:
+    """Return the campaign whose results are in a folder, with its counts.
+
+    Raises:
+        UsageError: There are none, or this version cannot read them.
+    """
+    store = Store(folder)
+    plan = stored_plan(store)
+    tallies = Conductor(plan, store).results
+    todo = (
+        "its runs do not count; the campaign's command with --resume repeats those that are missing"
+    )
+    damaged = tuple(f"'{file}' is damaged ({why}): {todo}" for file, why in store.damaged.items())
+    return Stored(plan, tallies, damaged)
+
+
+class Conductor:
+    """The course of a campaign.
+
+    Args:
+        plan: The campaign.
+        store: Where results are kept; what is in it already is not run again.
+
+    Attributes:
+        tallies: The counts of each cell, in the order of the plan.
+    """
+
+    def __init__(self, plan: CampaignPlan, store: Store) -> None:
+        self._plan = plan
+        self._store = store
+        self.tallies = [Tally(cell, plan.confidence, plan.stop) for cell in plan.cells]
+        self._by_key = {each.cell.key: each for each in self.tallies}
+        self._begun = dict.fromkeys(self._by_key, 0)
+        for rows in store.read():
+            self._count(rows)
+
+    @property
+    def results(self) -> list[Tally]:
+        """The cells that count: all, or those up to the first that is not as expected."""
+        if self._plan.stop.violated:
+            for number, tally in enumerate(self.tallies):
+                if tally.decided and tally.violated:
+                    return self.tallies[: number + 1]
+        return self.tallies
+
+    @property
+    def goes_on(self) -> bool:
+        """Whether more runs are needed."""
+        return not all(each.decided for each in self.results)
+
+    @property
+    def progress(self) -> Progress:
+        """How many runs are done, and of how many."""
+        ends = [each.runs if each.decided else len(each.cell.seeds) for each in self.results]
+        return Progress(sum(each.done for each in self.results), sum(ends))
+
+    def conduct(
+        self, crew: ChunkRunner, show: Callable[[Progress], None] = lambda progress: None
+    ) -> None:
+        """Run what has no result yet, until every cell has had enough runs.
+
+        Args:
+            crew: Runs the chunks.
+            show: Takes the progress.
+
+        Raises:
+            BackendError: The workers are lost; results so far are stored.
+            UsageError: Results cannot be stored, or workers cannot be used.
+        """
+        while self.goes_on:
+            for _ in range(crew.room):
+                chunk = self._next()
+                if chunk is None:
+                    break
+                crew.submit(chunk)
+            for done in crew.wait(_LOOK_S):
+                self._store.add(done.rows)
+                self._count(done.rows)
+                left = done.chunk.seeds[len(done.rows) :]
+                if left and not self._by_key[done.chunk.cell].decided:
+                    crew.submit(cut(done.chunk, left))
+            show(self.progress)
+
+    def _count(self, rows: Iterable[RunRow]) -> None:
+        """Count the rows of cells in the plan."""
+        for key, mine in groupby(rows, key=attrgetter("cell")):
+            if key in self._by_key:
+                self._by_key[key].add(mine)
+
+    def _next(self) -> Chunk | None:
+        """Return a chunk of the undecided cell that was given least so far; None if there is none.
+
+        So the chunks of a cell that may end early are not run far ahead.
+        """
+        open_ = [each for each in self.results if not each.decided]
+        for tally in sorted(open_, key=lambda each: self._begun[each.cell.key] - each.runs):
+            cell = tally.cell
+            positions = list(islice(tally.missing(self._begun[cell.key]), CHUNK))
+            if positions:
+                self._begun[cell.key] = positions[-1] + 1
+                return chunk_of(cell, [cell.seeds[position] for position in positions])
+        return None
+
+
+def chunk_of(cell: Cell, seeds: Iterable[int]) -> Chunk:
+    """Return the chunk with some seeds of a cell."""
+    return Chunk(cell.key, cell.order, cell.end, cell.mission, tuple(seeds))

@@ -1,0 +1,218 @@
+"""Repeats a traction experiment on the reduced physics: its values and figures 6-10 to 6-12."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass, field
+from statistics import median
+
+import numpy as np
+
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.spelling import one_of
+from pirate_sm.lab.experiments.experiment_result import ExperimentResult, Watch
+from pirate_sm.lab.experiments.own_loops import repeat_with_loops
+from pirate_sm.lab.experiments.reduced.reduced_traction import TractionRun, run_traction
+from pirate_sm.lab.experiments.traction_setup import NoiseLevel, TractionSetup
+from pirate_sm.lab.fitting.slip_curve import SlipCurve, fit_slip_curve
+from pirate_sm.lab.fitting.slip_plot import slip_plot
+from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
+
+_STICKING = "sticking"
+"""Level of values where friction sticks, with the noise of the last level that is run."""
+
+_DRAWN = 20
+"""Every twentieth tick is drawn."""
+
+
+def repeat_traction(
+    profile: Profile,
+    setup: TractionSetup,
+    parts: tuple[str, ...],
+    *,
+    noise: str | None = None,
+    seeds: int = 1,
+    watch: Watch = lambda share: None,
+) -> ExperimentResult:
+    """Return values and figures of the variants.
+
+    Args:
+        profile: Of the robot.
+        setup: The experiment.
+        parts: Names of the variants.
+        noise: Run this level of noise alone.
+        seeds: How many runs of each; values are medians.
+        watch: Receives the share that is done.
+
+    Raises:
+        UsageError: There is no such level of noise, or the setup does not fit the robot.
+    """
+    levels = [name for name in setup.noise if name != setup.curves.noise]
+    if noise is not None and noise not in levels:
+        raise UsageError(f"--noise {noise}: expected {one_of(levels)}")
+    levels = [noise] if noise else levels
+    # The missions of the loops take about as long as the reduced physics.
+    reduced: Watch = watch if setup.loops is None else lambda share: watch(0.5 * share)
+    work = _Work(profile, setup, seeds, reduced, len(parts) * (len(levels) + 1))
+    for part in parts:
+        for level in levels:
+            work.run(part, level, setup.noise[level])
+        work.run(part, _STICKING, setup.noise[levels[-1]], sticks=True)
+    result = ExperimentResult(dict(_values(work)))
+    result.figures = [*_places(work, levels), *_errors(work, levels)]
+    if setup.curves.of in parts and noise is None:
+        _add_curves(profile, setup, result)
+    if setup.loops is not None:
+        made = repeat_with_loops(
+            setup.loops, parts, seeds=seeds, watch=lambda share: watch(0.5 + 0.5 * share)
+        )
+        result.values |= made.values
+        result.values |= _compared_with_partners(setup, parts, setup.loops.backend, result.values)
+        result.notes += made.notes
+        result.figures += made.figures
+    return result
+
+
+@dataclass
+class _Work:
+    """Runs that have been made, by variant and level of noise."""
+
+    profile: Profile
+    setup: TractionSetup
+    seeds: int
+    watch: Watch
+    total: int
+    runs: dict[tuple[str, str], list[TractionRun]] = field(default_factory=dict)
+
+    def run(self, part: str, level: str, noise: NoiseLevel, *, sticks: bool = False) -> None:
+        self.watch(len(self.runs) / self.total)
+        self.runs[part, level] = [
+            run_traction(
+                self.profile, self.setup, self.setup.variants[part], noise, seed=seed, sticks=sticks
+            )
+            for seed in range(self.seeds)
+        ]
+
+    def median(self, part: str, level: str, value: Callable[[TractionRun], float]) -> float:
+        return median(value(run) for run in self.runs[part, level])
+
+
+def _values(work: _Work) -> dict[str, float]:
+    found: dict[str, float] = {}
+    for part, level in work.runs:
+        name = f"{part}.{level}"
+        found[f"{name}.error"] = work.median(part, level, _error_m)
+        found[f"{name}.way"] = work.median(part, level, lambda run: run.way_m)
+        found[f"{name}.place"] = work.median(part, level, lambda run: float(run.place_m[-1]))
+    for level in dict.fromkeys(level for _, level in work.runs):
+        found |= _compared_with_partners(work.setup, _parts(work), level, found)
+    return found
+
+
+def _compared_with_partners(
+    setup: TractionSetup, parts: Iterable[str], level: str, values: Mapping[str, float]
+) -> dict[str, float]:
+    """Return how each compensated variant differs from the one that is not, at a level."""
+    found: dict[str, float] = {}
+    for part in parts:
+        name, other = f"{part}.{level}", f"{_uncompensated(setup, part)}.{level}"
+        if f"{name}.error" in values and f"{other}.error" in values:
+            found[f"{name}.apart"] = abs(values[f"{name}.error"] - values[f"{other}.error"])
+            found[f"{name}.kept"] = values[f"{name}.place"] - values[f"{other}.place"]
+    return found
+
+
+def _error_m(run: TractionRun) -> float:
+    """Return the odometry error at the end, the mean of the wheels."""
+    return abs(float(run.odometry_error_m[-1].mean()))
+
+
+def _uncompensated(setup: TractionSetup, part: str) -> str | None:
+    """Return the variant that differs from this one by gravity compensation alone."""
+    its = setup.variants[part]
+    if not its.compensated:
+        return None
+    others = setup.variants.items()
+    return next((n for n, v in others if v.gripped == its.gripped and not v.compensated), None)
+
+
+def _places(work: _Work, levels: list[str]) -> list[Plot]:
+    return [
+        Plot(
+            f"Fig. 6-10, {level}: place in the pipe",
+            "time, s",
+            "x, m",
+            tuple(
+                PlotSeries(part, _thin(run.times_s), _thin(run.place_m), colour=number)
+                for number, part in enumerate(_parts(work))
+                for run in work.runs[part, level][:1]
+            ),
+        )
+        for level in levels
+    ]
+
+
+def _errors(work: _Work, levels: list[str]) -> list[Plot]:
+    """Return the odometry errors of all wheels, mean and standard deviation, at the last level."""
+    series = []
+    for number, part in enumerate(_parts(work)):
+        run = work.runs[part, levels[-1]][0]
+        errors = run.odometry_error_m[::_DRAWN]
+        mean, spread = errors.mean(axis=1), errors.std(axis=1)
+        times = _thin(run.times_s)
+        low, high = (mean - spread).tolist(), (mean + spread).tolist()
+        series += [
+            PlotSeries("", times, low, "band", high, colour=number),
+            PlotSeries(part, times, mean.tolist(), colour=number),
+        ]
+    title = f"Fig. 6-11, {levels[-1]}: odometry error, mean and std. of the wheels"
+    return [Plot(title, "time, s", "x - r sum(w dt), m", tuple(series))]
+
+
+def _parts(work: _Work) -> list[str]:
+    return list(dict.fromkeys(part for part, _ in work.runs))
+
+
+def _thin(values: np.ndarray) -> list[float]:
+    thinned: list[float] = values[::_DRAWN].tolist()
+    return thinned
+
+
+def _add_curves(profile: Profile, setup: TractionSetup, result: ExperimentResult) -> None:
+    """Fit the slip curves of the run apart, and draw fig. 6-12 of its first wheel."""
+    curves = setup.curves
+    run = run_traction(profile, setup, setup.variants[curves.of], setup.noise[curves.noise])
+    names = [wheel.name for wheel in profile.body.wheels]
+    driven = run.times_s > max(setup.timeline.clamp.values())
+    for number, wheel in enumerate(curves.wheels):
+        at = names.index(wheel)
+        slip, used = run.slip_m_s[driven, at], run.used_friction[driven, at]
+        curve = fit_slip_curve(slip, used, setup.physics.threshold)
+        result.values |= _curve_values(f"{curves.of}.{wheel}", curve)
+        if number == 0:
+            speed = run.speed_m_s[driven]
+            ratio = -slip / np.where(np.abs(speed) < 0.005, np.nan, speed)
+            what = "|v - w r|, m/s"
+            result.figures += [
+                _cloud("Fig. 6-12a: friction over slip ratio", "slip ratio", ratio, used),
+                _cloud("Fig. 6-12b: friction over slip speed", what, np.abs(slip), used),
+                slip_plot(curve, "Fig. 6-12c: both fits"),
+            ]
+
+
+def _curve_values(name: str, curve: SlipCurve) -> dict[str, float]:
+    return {
+        f"{name}.static": curve.static.value,
+        f"{name}.kinetic": curve.kinetic.value,
+        f"{name}.process_peak": curve.process_peak.value,
+        f"{name}.magic_plateau": curve.magic_plateau.value,
+        f"{name}.magic_peak": curve.magic_peak.value,
+    }
+
+
+def _cloud(title: str, x_label: str, x: np.ndarray, y: np.ndarray) -> Plot:
+    shown = (np.abs(x) <= 1) & np.isfinite(y)
+    step = max(int(np.count_nonzero(shown)) // 1500, 1)
+    dots = PlotSeries("", x[shown][::step].tolist(), y[shown][::step].tolist(), "dots")
+    return Plot(title, x_label, "friction in use |F| / N", (dots,))

@@ -1,0 +1,1 @@
+"""Real robots: backends and links, detectors, cameras, control panels, diagnosis."""

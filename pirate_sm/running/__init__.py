@@ -1,0 +1,1 @@
+"""Runs of a mission: the loop, what it is wired of, its recording."""

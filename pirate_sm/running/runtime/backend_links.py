@@ -1,0 +1,132 @@
+"""Companions between a backend and a run: pass on the safe array, remarks, and slides."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Collection, Sequence
+from math import inf
+
+from pirate_sm.core.effects import Effect, Log
+from pirate_sm.core.engine import Engine, EngineState
+from pirate_sm.core.events import BuiltInFault, Event, FaultReport
+from pirate_sm.core.robot import confirmed_parts
+
+_LOOK_S, _SLID_M = 0.6, 0.1
+"""A loose robot that straightens moves its wheels apart. One whose wheels have all moved the same
+way by more than this has slid. Its own sensors show a fall in less time [decided]."""
+
+
+class Holder:
+    """Passes the safe array to the backend at every turn, to be sent should this process die.
+
+    Args:
+        hold: Receives the present safe array and the slots that position loops drive.
+    """
+
+    due_s = inf
+    listening = False
+
+    def __init__(self, hold: Callable[[tuple[float, ...], Collection[int]], None]) -> None:
+        self._hold = hold
+        self._engine: Engine | None = None
+        self._state: Callable[[], EngineState | None] = lambda: None
+
+    def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
+        """Follow this run from now on."""
+        self._engine, self._state = engine, state
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Pass on the present safe array, and the slots that position loops drive."""
+        state = self._state()
+        if self._engine is not None and state is not None:
+            self._hold(self._engine.safe_values(state), self._engine.seeking(state))
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return nothing."""
+        return ()
+
+
+class Messenger:
+    """Passes the backend's remarks on to people while the mission itself stands still.
+
+    Args:
+        remark: Returns each remark of the backend once; empty if there is none.
+    """
+
+    listening = False
+
+    def __init__(self, remark: Callable[[], str]) -> None:
+        self._remark = remark
+        self._text = ""
+
+    @property
+    def due_s(self) -> float:
+        """Now, if there is a remark; else infinite."""
+        self._text = self._text or self._remark()
+        return -inf if self._text else inf
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Do nothing."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Return the backend's remark."""
+        text, self._text = self._text, ""
+        return (Log("warning", text),)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return nothing, because remarks do not concern the engine."""
+        return ()
+
+
+class SlideWatch:
+    """Reports that a simulated robot has slid while no part held it and no wheel was driven.
+
+    No sensor may show it: the wheels stand, and friction lets the robot weigh nearly what it does
+    at rest.
+
+    Args:
+        arcs_m: Returns the true position of each wheel along the pipe, m.
+        fault: Returns what else the surroundings have to report, looked for all the time; None for
+            a backend that reports it itself.
+    """
+
+    listening = False
+
+    def __init__(
+        self,
+        arcs_m: Callable[[], Sequence[float]],
+        fault: Callable[[], FaultReport | None] | None = None,
+    ) -> None:
+        self._arcs_m, self._fault = arcs_m, fault
+        self._from_m: Sequence[float] = ()
+        self._idle_s = inf if fault is None else _LOOK_S
+        self.due_s = 0.0
+
+    def follow(self, engine: Engine, state: Callable[[], EngineState | None]) -> None:
+        """Follow this run from now on."""
+        self._engine, self._state = engine, state
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Look from where the robot is loose, and once more when it is held or driven again."""
+        if self._is_loose() != bool(self._from_m):
+            self.due_s = now_s
+            self._from_m = self._from_m or self._arcs_m()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the fault of a robot that has slid, and those of the surroundings."""
+        ways_m = [now - then for now, then in zip(self._arcs_m(), self._from_m, strict=False)]
+        slid_m = max(min(ways_m), -max(ways_m)) if ways_m else 0.0
+        loose = self._is_loose()
+        self.due_s = now_s + (_LOOK_S if loose else self._idle_s)
+        found = [self._fault()] if self._fault is not None else []
+        if slid_m > _SLID_M:
+            message = f"it has slid {slid_m:.2g} m while no part held it and no wheel was driven"
+            found.append(BuiltInFault.ROBOT_SLID.report(message))
+        if not loose or slid_m > _SLID_M:
+            self._from_m = self._arcs_m() if loose else ()
+        return [fault for fault in found if fault is not None]
+
+    def _is_loose(self) -> bool:
+        state = self._state()
+        if state is None or confirmed_parts(self._engine.robot, state.robot):
+            return False
+        return not any(state.robot.values[slot] for slot in self._engine.robot.safe_zero)

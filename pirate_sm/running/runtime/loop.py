@@ -1,0 +1,229 @@
+"""Runs one mission from start to end: paced, observed, and stopped by signals.
+
+Every run ends in the safe state. The mission's own end and a first signal go through the engine,
+which waits for the result of the safe array. A second signal and any exception go through
+:meth:`Pump.abandon`, which sends the safe array once and closes the backend.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from math import inf
+from typing import TYPE_CHECKING
+
+from pirate_sm.core.companion import Companion
+from pirate_sm.core.effects import Effect, Ended, Fault
+from pirate_sm.core.errors import DetectorError
+from pirate_sm.core.events import BuiltInFault
+from pirate_sm.running.runtime.observers import PULSE_S, Observer, Tap, Watcher
+from pirate_sm.running.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
+from pirate_sm.running.runtime.pacer import Clock, Pacer, WallClock
+from pirate_sm.running.runtime.pump import BackendRaisedError, Pump, Resuming, described
+from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST, Stop, StopRequests
+
+if TYPE_CHECKING:
+    from pirate_sm.core.engine import Engine, EngineState
+    from pirate_sm.robot.backends.protocol import Backend
+
+BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code
+
+
+class _Insisted(Exception):  # noqa: N818 - not an error
+    """A second signal asks for an immediate stop."""
+
+
+def raised_by_part(failure: BaseException) -> BaseException | None:
+    """Return what a backend or a detector has raised, from what its pump raises."""
+    return failure.__cause__ if isinstance(failure, BackendRaisedError) else failure
+
+
+class MissionRun:
+    """Runs one mission on one backend."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        backend: Backend,
+        *,
+        observers: Sequence[Observer] = (),
+        watchers: Sequence[Watcher] = (),
+        companions: Sequence[Companion] = (),
+        tap: Tap | None = None,
+        requests: StopRequests | None = None,
+        clock: Clock | None = None,
+        factor: float = inf,
+        after: MissionRun | None = None,
+        resuming: Resuming | None = None,
+        paused: bool = False,
+        keep_open: bool = False,
+    ) -> None:
+        """Prepare a run without beginning it.
+
+        Args:
+            engine: The engine.
+            backend: The backend.
+            observers: Receive every effect.
+            watchers: Are called at intervals of the wall clock.
+            companions: Can give the engine events.
+            tap: Receives every input and output of the engine.
+            requests: Holds requests to stop.
+            clock: The wall clock.
+            factor: Mission seconds per second of the wall clock; infinite: as fast as possible. A
+                backend in real time is never delayed.
+            after: The run before it on this backend, which has left it open: the robot keeps its
+                configuration, and time continues.
+            resuming: With what a mission goes on whose run was cut off, on a backend that is open.
+            paused: Whether the operator controls the robot first.
+            keep_open: Whether the backend stays open when the engine itself has ended the run.
+        """
+        self._pump: Pump = Pump(
+            engine,
+            backend,
+            companions=companions,
+            tell=self._tell,
+            tap=tap,
+            after=after._pump if after is not None else None,
+            resuming=resuming,
+        )
+        self._name = backend.name
+        self._observers = list(observers)
+        self._watchers = list(watchers)
+        self._requests = requests or StopRequests()
+        self._clock = clock or WallClock()
+        factor = inf if backend.real_time else factor
+        self._pacer = Pacer(factor, self._clock, self.now_s)
+        self._pulse_s = self._clock.now()
+        self._output_lost = False
+        self._paused = paused
+        self._keep_open = keep_open
+
+    @property
+    def state(self) -> EngineState | None:
+        """The engine's present state; None before it began."""
+        return self._pump.state
+
+    @property
+    def now_s(self) -> float:
+        """Mission time, s."""
+        return self._pump.now_s
+
+    @property
+    def ended(self) -> Ended | None:
+        """The effect that ended the run; None before."""
+        return self._pump.ended
+
+    @property
+    def open(self) -> bool:
+        """Whether the backend can still be used."""
+        return self._pump.open
+
+    def execute(self) -> Result:
+        """Run the mission to its end; leave the robot in its safe state.
+
+        Returns:
+            How it ended, also after an exception or a signal.
+        """
+        kept = False
+        try:
+            self._pump.start(paused=self._paused)
+            ended = self._go_on()
+            kept = self._keep_open
+        except (BackendRaisedError, DetectorError) as failure:
+            error = raised_by_part(failure)
+            if isinstance(error, DetectorError):
+                return self._abandon(Ended("fault", str(error)), BACKEND, error)
+            message = f"the {self._name} backend failed: {described(error)}"
+            stop = self._requests.stop
+            if self.state is None and stop is not None:  # asked to stop while it was being opened
+                ended = Ended("interrupted", f"{stop.reason}; {message}")
+                return self._abandon(ended, stop.exit_code, error)
+            fault = Fault(BACKEND_FAILED, message, "stop")
+            return self._abandon(Ended("fault", message), BACKEND, error, fault)
+        except (_Insisted, KeyboardInterrupt):
+            stop = self._requests.stop
+            twice = " twice" if self._requests.urgent else ""
+            ended = Ended("interrupted", f"interrupted{twice}, stopped immediately")
+            return self._abandon(ended, stop.exit_code if stop else INTERRUPTED)
+        except Exception as error:
+            message = f"an internal error: {described(error)}"
+            return self._abandon(Ended("fault", message), BUG, error)
+        except BaseException:
+            self._abandon(Ended("interrupted", "this program was asked to exit"), BUG)
+            raise
+        finally:
+            if not kept:
+                self._pump.close()
+        code = exit_code(ended, self._pump.fault, self._requests.stop, self._output_lost)
+        return Result(ended, code, self.now_s)
+
+    def _go_on(self) -> Ended:
+        """Run until the end and return it."""
+        pump, requests, pacer = self._pump, self._requests, self._pacer
+        wall_s, watched = self._clock.now, bool(self._watchers)
+        listening = False
+        while pump.ended is None:
+            if requests.stop is not None:
+                self._heed_stop()
+                if pump.ended is not None:
+                    break  # nothing had to be sent
+            if pump.listening != listening:
+                listening = pump.listening
+                pacer.limit(1.0 if listening else inf, pump.now_s)
+            if not pacer.waits:
+                pump.glide()
+            now_s, events = pump.wait()
+            if pacer.waits:
+                pacer.wait_until(now_s, self._look_up)
+            pump.take(now_s, events)
+            if watched and wall_s() >= self._pulse_s:
+                self._pulse()
+        return pump.ended
+
+    def _tell(self, effects: Sequence[Effect], now_s: float) -> None:
+        for observer in tuple(self._observers):
+            try:
+                observer.see(effects, now_s)
+            except OSError as error:
+                self._observers.remove(observer)
+                self._lose_output(error)
+
+    def _lose_output(self, error: OSError) -> None:
+        """Ask the run to stop, because its output cannot be written any more."""
+        self._output_lost = True
+        self._requests.ask(Stop(f"the output cannot be written: {error.strerror}", OUTPUT_LOST))
+
+    def _pulse(self) -> None:
+        self._pulse_s = self._clock.now() + PULSE_S
+        for watcher in tuple(self._watchers):
+            try:
+                watcher.pulse(self.now_s)
+            except OSError as error:
+                self._watchers.remove(watcher)
+                self._lose_output(error)
+
+    def _look_up(self) -> bool:
+        """Keep the view up to date; return whether the pacer must stop waiting."""
+        if self._watchers and self._clock.now() >= self._pulse_s:
+            self._pulse()
+        return self._requests.stop is not None
+
+    def _heed_stop(self) -> None:
+        """Make the engine begin the safe stop, without pacing."""
+        if self._requests.urgent:
+            raise _Insisted
+        stop = self._requests.stop
+        if stop is not None and not self._pump.aborting:
+            self._pacer.release()
+            self._pump.abort(stop.reason)
+
+    def _abandon(
+        self, ended: Ended, code: int, error: BaseException | None = None, *before: Effect
+    ) -> Result:
+        """Send the safe array past the engine, report it, and return how the run ended."""
+        effects = self._pump.abandon(ended, *before)
+        for observer in self._observers:
+            try:
+                observer.see(effects, self.now_s)
+            except Exception:
+                continue  # an observer may have caused the exception
+        return Result(self._pump.ended or ended, code, self.now_s, error)

@@ -1,0 +1,255 @@
+"""Decide from a look at the robot whether a run can go on, and with what."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import NamedTuple
+
+from pirate_sm.checking.plans.resume_forecast import Forecast, forecast
+from pirate_sm.core.errors import BackendError, UsageError
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import HERE
+from pirate_sm.core.resuming import (
+    FAILURE,
+    Hypothesis,
+    Reconciled,
+    Refused,
+    Resumption,
+    VerdictTable,
+    reconcile,
+    resumption,
+    unknown_position,
+    unknowns,
+    verdicts,
+)
+from pirate_sm.core.robot import DECLARED, STOPPED, declared_in
+from pirate_sm.core.spelling import meant
+from pirate_sm.running.recording.replay.end_of_run import EndOfRun
+from pirate_sm.running.runtime.first_look import FirstLook, look
+from pirate_sm.running.wiring import placed
+from pirate_sm.running.wiring.prepared import Prepared, Say
+from pirate_sm.running.wiring.resumed_run import COUNTING, edited, first_wheel_m, lost, said_way
+
+_MOST_STOPS = 3
+"""How often a stop is written and the robot looked at again before a person must help."""
+
+
+@dataclass(frozen=True)
+class Said:
+    """What the operator says.
+
+    Attributes:
+        at: Where to go on: ``here``, ``failure`` or a phase.
+        states: States of the robot by region.
+        start_at_m: Position of the first wheel along the pipe; None if unsaid.
+    """
+
+    at: str = HERE
+    states: Mapping[str, str] | None = None
+    start_at_m: float | None = None
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """What is said about the robot, as a recording keeps it."""
+        states = tuple(f"{region} is {state}" for region, state in (self.states or {}).items())
+        if self.start_at_m is None:
+            return states
+        return (*states, f"the first wheel is at {self.start_at_m:.3f} m")
+
+
+class SeenRobot(NamedTuple):
+    """A look at the robot, and what it shows.
+
+    Attributes:
+        next_id: The number of the next array.
+    """
+
+    look: FirstLook
+    shows: Reconciled
+    next_id: int
+
+
+class Offer(NamedTuple):
+    """With what a run would go on.
+
+    Attributes:
+        table: The verdicts about the configuration that counts; None if none does.
+        refusals: Why it cannot go on; empty if it can.
+        unknown: What the mission depends on and nobody has seen; a person must agree to it.
+        it: With what it goes on; None if it cannot.
+        forecast: What can become of it, if that was explored.
+        changed: Which files are others than recorded, and what the recording has lost; a person
+            must agree to that too.
+        unplaced: Why a person must say where the robot is before it goes on; empty if not.
+    """
+
+    table: VerdictTable | None
+    refusals: tuple[str, ...] = ()
+    unknown: tuple[str, ...] = ()
+    it: Resumption | None = None
+    forecast: Forecast | None = None
+    changed: tuple[str, ...] = ()
+    unplaced: tuple[str, ...] = ()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Why it does not go on without a person; empty if it does."""
+        expected = self.forecast
+        if self.refusals or expected is None:
+            return self.refusals or ("it is unknown what would become of it",)
+        expects = (
+            ()
+            if expected.word == "possible"
+            else (f"the check expects '{expected.word}': {expected.why}",)
+        )
+        return (*self.changed, *self.unknown, *self.unplaced, *expects)
+
+
+def check_said(loaded: LoadedMission, said: Said) -> None:
+    """Check that phase, regions and states that the operator names are there.
+
+    Raises:
+        UsageError: Some are not.
+    """
+    robot, phases, wrong = loaded.robot, loaded.program.phases, []
+    if said.at not in (HERE, FAILURE, *phases):
+        known = (HERE, FAILURE, *phases)
+        wrong.append(f"--at: the mission has no phase '{said.at}': {meant(said.at, known)}")
+    for region, state in (said.states or {}).items():
+        if region not in robot.regions:
+            wrong.append(f"--state: no region '{region}': {meant(region, robot.regions)}")
+            continue
+        column = robot.regions.index(region)
+        known = tuple(dict.fromkeys(each[column] for each in robot.table.configurations))
+        if state not in known:
+            wrong.append(f"--state: {region} has no state '{state}': {meant(state, known)}")
+    if wrong:
+        raise UsageError("\n".join(wrong))
+
+
+def see(
+    prepared: Prepared,
+    end: EndOfRun,
+    driven_s: float,
+    before: SeenRobot | None = None,
+    check: Say = lambda text: None,
+) -> SeenRobot:
+    """Look at the robot, and open the backend first unless that was done.
+
+    Nothing is written but the stop if a wheel turns; the robot is looked at again after it.
+
+    Args:
+        prepared: The run that goes on.
+        end: Where its recording was cut off.
+        driven_s: How long wheels may have been driven meanwhile.
+        before: An earlier look.
+        check: Is called at every turn with an empty text, and with messages; may raise.
+
+    Raises:
+        BackendError: The robot cannot be reached, or a wheel turns on.
+    """
+    backend, robot, program = prepared.backend, prepared.loaded.robot, prepared.loaded.program
+    first = () if before is not None else backend.open()
+    now_s = before.look.now_s if before is not None else 0.0
+    next_id = before.next_id if before is not None else end.last.robot.next_id + 1
+    for _ in range(_MOST_STOPS + 1):
+        found = look(backend, first, now_s, lambda: check(""))
+        first, now_s = (), found.now_s
+        shows = reconcile(robot, program, end.last, found.frames, now_s, driven_s, end.maybe)
+        if not shows.turning:
+            return SeenRobot(found, shows, next_id)
+        check("a wheel turns: the stop is sent, then the robot is looked at again")
+        backend.submit(next_id, shows.tables[0].hypothesis.body.values)
+        next_id += 1
+    raise BackendError("a wheel turns although the stop was sent: look at the robot")
+
+
+def offer(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Offer:
+    """Return with what the run would go on, or why it cannot.
+
+    Raises:
+        UsageError: The operator has said states that the robot cannot have at once.
+    """
+    loaded, shows = prepared.loaded, seen.shows
+    table = _said_table(prepared, end, seen, said.states) if said.states else shows.chosen
+    refusals = _refusals(shows, table, said)
+    if table is None or refusals:
+        return Offer(table, refusals or ("no configuration agrees with what is seen",))
+    way = said_way(end, shows.way, said.start_at_m)
+    it = resumption(
+        *(loaded.robot, loaded.program, end.last, end.last_s, table.hypothesis, way, said.at)
+    )
+    if isinstance(it, Refused):
+        return Offer(table, (it.reason,))
+    program = it.program(loaded.program)
+    unknown, unplaced = unknowns(loaded.robot, program, table), tuple[str, ...]()
+    if position := unknown_position(loaded.robot, program, it):
+        # Where the recording does not say where it was, nobody can say how far it has come.
+        if said.start_at_m is None and first_wheel_m(end) is not None:
+            unplaced = (position,)
+        else:
+            unknown += (position,)
+    if prepared.detector in COUNTING and said.start_at_m is None and not way.exact:
+        unplaced += (f"where the detector {prepared.detector} counts from: {shows.way.why}",)
+    expected = forecast(
+        loaded, it, frozenset(each.mark for each in table.verdicts if each.word == "confirmed")
+    )
+    # Somebody who regrips wants the robot to hold, and knows that the mission fails after it.
+    if expected.word == "impossible" or (expected.word == "fails" and said.at != FAILURE):
+        reasons = (f"it cannot succeed: {expected.why}",)
+        return Offer(table, reasons, (*unknown, *unplaced), None, expected)
+    it = it._replace(body=it.body._replace(next_id=seen.next_id))
+    changed = (*lost(end.recording), *edited(end.recording.header))
+    return Offer(table, (), unknown, it, expected, changed, unplaced)
+
+
+def counting_from(prepared: Prepared, end: EndOfRun, seen: SeenRobot, said: Said) -> Prepared:
+    """Return the run with its detector counting from where the robot is now."""
+    was_m, way = first_wheel_m(end), said_way(end, seen.shows.way, said.start_at_m)
+    now_m = said.start_at_m
+    if now_m is None and was_m is not None and way.exact:
+        now_m = was_m + way.low_m
+    if now_m is None or prepared.detector not in COUNTING:
+        return prepared
+    return placed(prepared, now_m)
+
+
+def _refusals(shows: Reconciled, table: VerdictTable | None, said: Said) -> tuple[str, ...]:
+    refusals = shows.refusals if table is shows.chosen or table is None else table.refusals
+    if table is None and shows.choices:
+        names = " or ".join(_named(each) for each in shows.choices)
+        refusals += (f"the sensors agree with {names}: say which with --state",)
+    if said.start_at_m is None:
+        refusals += tuple(f"{each}: say where it is with --start-at" for each in shows.questions)
+    return refusals
+
+
+def _named(table: VerdictTable) -> str:
+    command = table.hypothesis.command
+    return f"{command} accepted" if command else "what was recorded"
+
+
+def _said_table(
+    prepared: Prepared, end: EndOfRun, seen: SeenRobot, states: Mapping[str, str]
+) -> VerdictTable:
+    """Return the verdicts about the states that the operator has said.
+
+    Raises:
+        UsageError: The robot has no such configuration.
+    """
+    robot, body = prepared.loaded.robot, seen.shows.tables[0].hypothesis.body
+    names = list(robot.table.configurations[body.configuration])
+    for region, state in states.items():
+        names[robot.regions.index(region)] = state
+    if tuple(names) not in robot.table.configurations:
+        raise UsageError(f"--state: the robot cannot be in {', '.join(names)}")
+    there = robot.table.configurations.index(tuple(names))
+    kept = {m for m in end.last.robot.marks if m.command not in (DECLARED, STOPPED)}
+    known = {(mark.kind, mark.which) for mark in kept}
+    marks = {m for m in declared_in(robot, there).marks if (m.kind, m.which) not in known} | kept
+    hypothesis = Hypothesis("recorded", body._replace(configuration=there, marks=frozenset(marks)))
+    look = seen.look
+    return verdicts(
+        *(robot, prepared.loaded.program, end.last, hypothesis, look.frames, look.now_s)
+    )

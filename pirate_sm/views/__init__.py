@@ -1,0 +1,1 @@
+"""What people see of a run, a robot or a mission: pages, drawings, the console, other formats."""

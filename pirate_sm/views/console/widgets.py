@@ -1,0 +1,291 @@
+"""The kinds of widgets of the console, each given its content, and the panels of a robot."""
+
+from __future__ import annotations
+
+from collections.abc import Container, Sequence, Set
+from pathlib import Path
+from typing import ClassVar, TypeVar
+
+from rich.segment import Segment
+from rich.style import Style
+from rich.text import Text
+from textual.app import App, ComposeResult
+from textual.color import Color
+from textual.events import Click, Resize
+from textual.message import Message
+from textual.strip import Strip
+from textual.widget import Widget
+from textual.widgets import Static
+
+from pirate_sm.core.palette import Theme
+from pirate_sm.core.visible import visible
+from pirate_sm.views.console.reason_lines import sign_of
+from pirate_sm.views.console.themes import next_theme, no_colour, themed, wear
+from pirate_sm.views.showing import alarms, body_panel, motor_page, panels, picture
+from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, line
+
+_W = TypeVar("_W", bound=Widget)
+
+_WIDE, _HIGH = 120, 36
+"""From this size on everything is visible at once."""
+
+_LARGE, _TALL = 150, 44
+"""From this size on there is room to spare."""
+
+_COLOURS = {
+    picture.WALL: "soft",
+    picture.TOUCH: "warning",
+    picture.BODY: "soft",
+    picture.HELD: "primary",
+    picture.WHEEL: "success",
+    picture.FREE: "foreground",
+    picture.LIGHT: "warning",
+    picture.NOTE: "soft",
+}
+
+
+class Lines(Static):
+    """Some lines of text, redrawn only when they change."""
+
+    def __init__(self, *, id: str, title: str = "") -> None:
+        super().__init__(id=id, markup=False)
+        self.border_title = title
+        self._shown: Text | None = None
+
+    def show(self, lines: Sequence[Text]) -> None:
+        """Show these lines."""
+        text = Text("\n").join(lines)
+        if text != self._shown:
+            self._shown = text
+            self.update(themed(text))
+
+
+class RequestRow(Static):
+    """A request: its key and name, with a sign if it is not available."""
+
+    class Clicked(Message):
+        """The row was clicked."""
+
+        def __init__(self, name: str) -> None:
+            super().__init__()
+            self.name = name
+
+    def __init__(self, name: str, key: str) -> None:
+        super().__init__(markup=False, classes="row")
+        self.asks = name
+        self.key = key
+        self._shown: tuple[str, str, bool, str] | None = None
+
+    def show(self, label: str, reason: str, *, under_way: bool = False, doubt: str = "") -> None:
+        """Show the label: grey if there is a reason, under way, or asked about for a doubt."""
+        if self._shown == (label, reason, under_way, doubt):
+            return
+        self._shown = label, reason, under_way, doubt
+        if under_way:
+            shown = line((f"▶{self.key:1} ", GOOD), (f" {label}", STRONG))
+        elif reason:
+            shown = line((f"{sign_of(reason)}{self.key:1}  {label}", MUTED))
+        else:
+            sign, style = ("!", BAD) if doubt else (" ", ACCENT)
+            shown = line((f"{sign}{self.key:1} ", f"{FLAG}.{style}"), (f" {label}", STRONG))
+        self.tooltip = visible(reason or doubt) or None
+        self.update(themed(shown))
+
+    def on_click(self, event: Click) -> None:
+        """Post the request of the row."""
+        self.post_message(self.Clicked(self.asks))
+
+
+class PipePicture(Widget):
+    """The robot in its pipe."""
+
+    def __init__(self, *, id: str) -> None:
+        super().__init__(id=id)
+        self.frames = 0
+        self._snapshot: Snapshot | None = None
+        self._strips: list[Strip] = []
+        self._styles: dict[str, Style] = {}
+
+    def show(self, snapshot: Snapshot) -> None:
+        """Draw the snapshot."""
+        self._snapshot = snapshot
+        self._draw()
+        self.frames += 1
+        self.refresh()
+
+    def restyle(self) -> None:
+        """Take the colours of the theme."""
+        colours = self.app.theme_variables
+        self._styles = {
+            name: Style(color=Color.parse(colours[variable]).hex6)
+            for name, variable in _COLOURS.items()
+        }
+        self._styles[picture.WHEEL] += Style(bold=True)
+        if self._snapshot is not None:
+            self._draw()
+            self.refresh()
+
+    def on_mount(self) -> None:
+        """Take the colours of the theme."""
+        self.restyle()
+
+    def on_resize(self) -> None:
+        """Draw again in the new size."""
+        if self._snapshot is not None:
+            self._draw()
+
+    def _draw(self) -> None:
+        assert self._snapshot is not None
+        width, height = self.content_size
+        canvas = picture.draw(self._snapshot, width, height)
+        self._strips = [
+            Strip([Segment(text, self._styles.get(style)) for text, style in pieces], width)
+            for pieces in canvas.runs()
+        ]
+
+    def render_line(self, y: int) -> Strip:
+        """Return one row of the picture."""
+        if y < len(self._strips):
+            return self._strips[y].apply_style(self.rich_style)
+        return Strip.blank(self.size.width, self.rich_style)
+
+
+class EventLog(Lines):
+    """The log, the newest line last, or scrolled back."""
+
+    _back = 0
+
+    def look_back(self, pages: int) -> None:
+        """Scroll back by pages; forward if negative."""
+        self._back = max(0, self._back + pages * max(self.content_size.height - 1, 1))
+
+    def show_snapshot(self, snapshot: Snapshot) -> None:
+        """Show as many lines as there is room for."""
+        rows, recent = self.content_size.height, snapshot.story.recent
+        self._back = min(self._back, max(len(recent) - 1, 0))
+        end = len(recent) - self._back
+        behind = f", {self._back} lines back (PgDn)" if self._back else ""
+        paged = self.app.screen_stack[0].has_class("-paged")
+        self.border_title = f"Log{'' if paged else ' (Tab: motors)'}{behind}"
+        self.show(panels.log(recent[:end], self.content_size.width, rows))
+
+
+def panel(name: str, title: str = "") -> Lines:
+    """Return a panel with a title."""
+    found = Lines(id=name, title=title)
+    found.add_class("panel")
+    return found
+
+
+class RobotApp(App[None]):
+    """The panels of a robot and its mission, which the console and the viewer both show.
+
+    Args:
+        theme: Name of its theme.
+    """
+
+    CSS_PATH = Path(__file__).with_name("console.tcss")
+    pages: ClassVar[Sequence[str]]
+    """Pages of a small terminal, as the stylesheet names them."""
+
+    shown: ClassVar[Set[str]] = {
+        *("header", "alarm", "now", "states", "phases", "picture", "body", "motors", "log")
+    }
+    """Names of the widgets that show a snapshot."""
+
+    def __init__(self, theme: Theme, **options: object) -> None:
+        super().__init__(**no_colour(), **options)  # type: ignore[arg-type]
+        wear(self, theme)
+        self.page = 0
+
+    def below(self) -> ComposeResult:
+        """Yield what is below the picture."""
+        yield panel("motors")
+        log = EventLog(id="log")
+        log.add_class("panel")
+        yield log
+
+    def on_mount(self) -> None:
+        """Draw the picture again in each theme that is chosen."""
+        picture = self.on_base(PipePicture, "picture")
+        self.theme_changed_signal.subscribe(self, lambda _: picture.restyle())
+
+    def on_resize(self, event: Resize) -> None:
+        """Show everything, or one page if the terminal is too small."""
+        self.lay_out(event.size.width, event.size.height)
+
+    def lay_out(self, width: int, height: int) -> None:
+        """Fit everything to the size of the terminal and the chosen page."""
+        base = self.screen_stack[0]
+        base.set_class(width < _WIDE or height < _HIGH, "-paged")
+        base.set_class(width >= _LARGE and height >= _TALL, "-large")
+        for number, name in enumerate(self.pages):
+            base.set_class(number == self.page, f"-{name}")
+
+    def on_base(self, kind: type[_W], name: str) -> _W:
+        """Return a widget of the app itself, also behind a dialog."""
+        return self.screen_stack[0].query_one(f"#{name}", kind)
+
+    def is_visible(self, name: str) -> bool:
+        """Return whether there is room for a widget on the screen."""
+        return bool(self.on_base(Widget, name).size)
+
+    def is_whole(self) -> bool:
+        """Return whether the app runs and has every widget that shows a snapshot.
+
+        Widgets are added and removed one by one, so a frame that is due in between must be skipped.
+        """
+        if not (self.is_running and self.screen_stack):
+            return False
+        return self.shown <= {each.id for each in self.screen_stack[0].walk_children()}
+
+    def action_page(self, by: int = 1) -> None:
+        """Show another page of a small terminal; of a large one, the motors or everything else."""
+        if len(self.screen_stack) > 1:
+            (self.screen.focus_next if by > 0 else self.screen.focus_previous)()
+            return
+        last = len(self.pages) - 1
+        paged = self.screen_stack[0].has_class("-paged")
+        self.page = (self.page + by) % (last + 1) if paged else 0 if self.page == last else last
+        self.lay_out(*self.size)
+
+    def action_other_theme(self) -> None:
+        """Choose the next theme."""
+        next_theme(self)
+
+    def show_bar(self, name: str, lines: Sequence[Text]) -> None:
+        """Show a bar if it has lines."""
+        bar = self.on_base(Lines, name)
+        bar.set_class(bool(lines), "on")
+        bar.show(lines)
+
+    def show_robot(
+        self, snapshot: Snapshot, header: Text, seen: Container[int], *, keys: bool = True
+    ) -> None:
+        """Show the snapshot in the panels of the robot and its mission, as far as there is room.
+
+        Args:
+            snapshot: The moment.
+            header: The first line.
+            seen: Numbers of the alarms that the operator has acknowledged.
+            keys: Whether there are keys for alarms.
+        """
+        self.on_base(Lines, "header").show([header])
+        self.show_bar("alarm", alarms.bar(snapshot, seen, self.size.width, keys=keys))
+        self.on_base(Lines, "alarm").set_class(alarms.shows_success(snapshot, seen), "good")
+        named = ("states", "body", "motors", "phases")
+        states, body, motors, phases = (self.on_base(Lines, name) for name in named)
+        if states.size:
+            states.show(panels.states(snapshot, states.content_size.width))
+        if body.size:
+            body.border_title = body_panel.heading(body.content_size.width)
+            body.show(body_panel.body(snapshot, body.content_size.width))
+        if motors.size:
+            motors.border_title = motor_page.heading(motors.content_size.width)
+            motors.show(motor_page.motors(snapshot, *motors.content_size))
+        if phases.size:
+            width, rows = phases.content_size
+            phases.border_title = snapshot.scene.mission or "Phases"
+            phases.show(panels.phases(snapshot, width, max(rows, 1)))
+        self.on_base(EventLog, "log").show_snapshot(snapshot)

@@ -1,0 +1,223 @@
+"""The contents of a report as plain values, without engine, recording or HTML."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Literal, NamedTuple
+
+from pirate_sm.core.effects import MarkKind, SpanKind
+from pirate_sm.core.geometry import Place
+from pirate_sm.views.report.space_contents import FlatView, SpaceScene
+
+
+class Span(NamedTuple):
+    """An interval on the timeline.
+
+    Attributes:
+        about: Details, shown on hovering.
+    """
+
+    start_s: float
+    end_s: float
+    text: str
+    kind: SpanKind
+    about: str = ""
+
+
+class TimelineMark(NamedTuple):
+    """An event on the timeline."""
+
+    at_s: float
+    text: str
+    kind: MarkKind
+    about: str = ""
+
+
+@dataclass(frozen=True)
+class Lane:
+    """One row of the timeline; its ``spans`` do not overlap."""
+
+    name: str
+    spans: tuple[Span, ...] = ()
+    marks: tuple[TimelineMark, ...] = ()
+
+
+@dataclass(frozen=True)
+class Series:
+    """One curve.
+
+    Attributes:
+        times_s: Time of each value, ascending.
+        values: Values in the unit of the chart; NaN if unknown.
+        stepped: Whether a value holds until the next one.
+        main: Whether it is emphasized.
+    """
+
+    name: str
+    times_s: Sequence[float]
+    values: Sequence[float]
+    stepped: bool = False
+    main: bool = False
+
+
+@dataclass(frozen=True)
+class Chart:
+    """One plot.
+
+    Attributes:
+        digits: Number of significant decimals in this unit.
+        note: A note that the reader needs.
+    """
+
+    title: str
+    unit: str
+    digits: int
+    series: tuple[Series, ...]
+    note: str = ""
+
+
+@dataclass(frozen=True)
+class DrawnWheel:
+    """A wheel as it is drawn.
+
+    Attributes:
+        part: The part that it belongs to.
+        angle: Its angle over time, rad; counter-clockwise is positive where side A is up.
+        drive: Its setpoint, forward positive.
+    """
+
+    name: str
+    part: str
+    angle: Series
+    drive: Series
+
+
+@dataclass(frozen=True)
+class Light:
+    """A light; ``at`` is its position along the chain, 0 at the first wheel, 1 at the last."""
+
+    name: str
+    at: float
+    level: Series
+
+
+@dataclass(frozen=True)
+class RobotScene:
+    """The robot in its pipe, to scale, in the plane of the pipe, m.
+
+    Attributes:
+        source: ``truth``: a simulator knew the position. ``reckoned``: it is estimated from the
+            joints and the odometer.
+        times_s: Time of each pose; ``poses`` has the position of each wheel, front to rear.
+        walls: Corners of each wall; empty without a pipe.
+        parts: When each part held, confirmed or not.
+        space: The same in space, in a network of round pipes; None between bars or if unknown.
+    """
+
+    source: Literal["truth", "reckoned"]
+    times_s: Sequence[float]
+    poses: Sequence[Sequence[Place]]
+    walls: tuple[tuple[Place, ...], ...]
+    wheels: tuple[DrawnWheel, ...]
+    wheel_radius_m: float
+    half_thickness_m: float
+    parts: tuple[Lane, ...]
+    lights: tuple[Light, ...]
+    space: SpaceScene | None = None
+
+    @property
+    def views(self) -> tuple[FlatView, ...]:
+        """Return the pictures in a plane."""
+        return self.space.views if self.space else (FlatView("", self.poses, self.walls),)
+
+
+_BEFORE_S = 0.002
+"""Less than the time between two turns of a robot's bus, more than the page rounds to."""
+
+
+class Sentence(NamedTuple):
+    """A sentence of the story, with its time.
+
+    Attributes:
+        kind: The kind of event, for a sign beside it.
+        topic: The phase that it is about; empty if it is about something else.
+    """
+
+    at_s: float
+    text: str
+    kind: Literal["phase", "trouble", "person", "end"] = "phase"
+    topic: str = ""
+
+    @property
+    def before_s(self) -> float:
+        """Return the time just before: a failure may have stopped the robot at once."""
+        return max(0.0, self.at_s - _BEFORE_S)
+
+
+class Fact(NamedTuple):
+    """A line of the details at the end of the page."""
+
+    name: str
+    text: str
+
+
+class Photo(NamedTuple):
+    """A picture of the camera over the setup.
+
+    Attributes:
+        at_s: When the word began.
+        word: The detector's word.
+        jpeg: The picture, in base 64.
+    """
+
+    at_s: float
+    word: str
+    jpeg: str
+
+
+@dataclass(frozen=True)
+class Report:
+    """Everything that a page shows.
+
+    Attributes:
+        outcome: How the run ended; ``unfinished`` if the recording does not contain the end.
+        summary: A summary in a few sentences.
+        warnings: Warnings that the reader must know first.
+        duration_s: Time of the last event.
+        failures: Why the run failed, and in which phase; the last one did, earlier ones led to it.
+        diagram: The mission as an SVG element, with the path taken; empty without one.
+        files: Hash of each file by its name.
+        recording: Hash of the recording; empty without one.
+        photos: What the camera saw when words of the detector began.
+        gaps: From when until when nothing is known, as the recording was damaged there.
+    """
+
+    title: str
+    outcome: Literal["succeeded", "failed", "interrupted", "fault", "unfinished"]
+    summary: tuple[str, ...]
+    story: tuple[Sentence, ...]
+    warnings: tuple[str, ...]
+    duration_s: float
+    lanes: tuple[Lane, ...]
+    charts: tuple[Chart, ...]
+    scene: RobotScene | None
+    diagram: str
+    facts: tuple[Fact, ...]
+    files: Mapping[str, str]
+    failures: tuple[Sentence, ...] = ()
+    recording: str = ""
+    photos: tuple[Photo, ...] = ()
+    gaps: tuple[tuple[float, float], ...] = ()
+
+    @property
+    def failure(self) -> Sentence | None:
+        """Return what made the run fail in the end; None if nothing did."""
+        return self.failures[-1] if self.failures else None
+
+    @property
+    def opens_at_s(self) -> float:
+        """Return the time shown first: before a failure, at a sudden end, else the start."""
+        if self.failure is not None:
+            return self.failure.before_s
+        return self.duration_s if self.outcome in ("interrupted", "unfinished") else 0.0

@@ -1,0 +1,88 @@
+"""A list of many runs as one HTML page that loads no other file."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from datetime import datetime
+from html import escape
+from importlib.resources import files
+from string import Template
+
+from pirate_sm import __version__
+from pirate_sm.views.report.page_style import page_style
+from pirate_sm.views.report.phrases import seconds
+from pirate_sm.views.report.report_page import SIGNS
+from pirate_sm.views.report.run_list import ListedRun
+
+_SIGNS = {**SIGNS, "unreadable": ("?", "Unreadable")}
+_COLUMNS = (
+    *("Outcome", "Mission", "Robot", "Backend", "Seed"),
+    *("With", "Began", "Duration", "Faults", "Message"),
+)
+
+
+def index_html(runs: Sequence[ListedRun]) -> str:
+    """Return the page as HTML, with the newest run first."""
+    folder = files("pirate_sm.views.report") / "page"
+    newest = sorted(runs, key=lambda each: (each.began, each.name), reverse=True)
+    heads = [f'<th scope="col"><button type="button">{name}</button></th>' for name in _COLUMNS]
+    return Template((folder / "index.html").read_text("utf-8")).substitute(
+        generator=f"pirate-sm {escape(__version__)}",
+        title=f"{len(runs)} run{'' if len(runs) == 1 else 's'}",
+        style=f"{page_style()}\n{(folder / 'index.css').read_text('utf-8')}",
+        outcomes="\n".join(_outcomes(runs)),
+        heads="".join(heads),
+        rows="\n".join(map(_row, newest)),
+        script=(folder / "index.js").read_text("utf-8"),
+    )
+
+
+def _outcomes(runs: Sequence[ListedRun]) -> Iterable[str]:
+    """Yield a button for each outcome in the list, which shows only the runs with it."""
+    counts = Counter[str](run.outcome for run in runs)
+    for outcome, (sign, word) in _SIGNS.items():
+        if outcome in counts:
+            yield (
+                f'<button type="button" class="outcome {outcome}" data-outcome="{outcome}" '
+                f'aria-pressed="false"><span aria-hidden="true">{sign}</span> '
+                f"{counts[outcome]} {word.lower()}</button>"
+            )
+
+
+def _row(it: ListedRun) -> str:
+    sign, word = _SIGNS[it.outcome]
+    ended = f'<span aria-hidden="true">{sign}</span> {word}'
+    faults = ", ".join(f"{code}{f' × {n}' if n > 1 else ''}" for code, n in it.faults.items())
+    name = escape(it.mission or it.name)
+    link = f'<a href="{escape(it.link)}">{name}</a>' if it.link else name
+    file = f"<small>{escape(it.name)}</small>" if it.mission else ""
+    cells = (
+        (f'<span class="outcome {it.outcome}">{ended}</span>', list(_SIGNS).index(it.outcome)),
+        (f"<div>{link} {file}</div>", None),
+        (escape(it.robot), None),
+        (escape(it.backend), None),
+        ("" if it.seed is None else str(it.seed), -1 if it.seed is None else it.seed),
+        (escape(", ".join(it.conditions)), None),
+        (_began(it.began), escape(it.began)),
+        (seconds(it.duration_s) if it.began else "", f"{it.duration_s:.3f}"),
+        (escape(faults), sum(it.faults.values())),
+        (escape(it.message), None),
+    )
+    tds = (_cell(name, *cell) for name, cell in zip(_COLUMNS, cells, strict=True))
+    return f'<tr data-ended="{it.outcome}" title="{escape(it.name)}">{"".join(tds)}</tr>'
+
+
+def _cell(column: str, text: str, value: object) -> str:
+    """Return a cell; ``value`` is its sorting key, None: its text."""
+    key = "" if value is None else f' data-value="{value}"'
+    return f'<td data-name="{column}"{key}>{text}</td>'
+
+
+def _began(began: str) -> str:
+    """Return the time for people; the whole of it shows on hovering."""
+    try:
+        read = f"{datetime.fromisoformat(began):%Y-%m-%d %H:%M:%S}"
+    except ValueError:  # the header may contain anything
+        return escape(began)
+    return f'<span title="{escape(began)}">{read}</span>'

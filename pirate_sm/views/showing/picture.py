@@ -1,0 +1,221 @@
+"""The robot in its pipe, to scale, in braille dots; every meaning has a shape beside its colour.
+
+Walls are lines, their contact with a wheel is a thick piece; a wheel that touches is a full disc
+with its number, one that does not is a ring; a part that is held is drawn full, one that is not as
+an outline; a light is a fan of rays. A robot that is not heard is dashed, as it was last heard.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from math import atan2, cos, dist, floor, hypot, log, sin
+
+from pirate_sm.core.geometry import Place
+from pirate_sm.core.palette import ACCENT, GOOD, MUTED, WARN
+from pirate_sm.core.palette import ON_A_TERMINAL as ROLES
+from pirate_sm.views.drawing.canvas import ACROSS, DOWN, Canvas
+from pirate_sm.views.showing.pose import SIDES, RobotPose, contact, pose_of
+from pirate_sm.views.showing.robot_anatomy import Anatomy
+from pirate_sm.views.showing.snapshot import Snapshot
+
+WALL, TOUCH, BODY, HELD = "wall", "touch", "body", "held"
+WHEEL, FREE, LIGHT, NOTE = "wheel", "free", "light", "note"
+
+ON_A_TERMINAL: Mapping[str, str] = {
+    WALL: ROLES[MUTED],
+    TOUCH: ROLES[WARN],
+    BODY: ROLES[MUTED],
+    HELD: ROLES[ACCENT],
+    WHEEL: f"bold {ROLES[GOOD]}",
+    FREE: "default",
+    LIGHT: ROLES[WARN],
+    NOTE: ROLES[MUTED],
+}
+"""How each of them looks in the colours that every terminal has."""
+
+_ROOM = 1.18
+_STEP = 1.12
+"""The scale goes in steps, so that the picture does not breathe while the robot bends."""
+
+_DOTTED = 3
+"""Dots from one to the next of a dotted line."""
+
+_DIAL = 6
+"""Radius of a dial, in dots."""
+
+_DIALS_FROM = 15 * DOWN
+"""In a picture that is less high, directions are written and no dials are drawn."""
+
+_BAR_M = 0.1
+_BESIDE_M = 0.018
+
+
+def draw(snapshot: Snapshot, columns: int, rows: int) -> Canvas:
+    """Return the picture in so many characters."""
+    canvas = Canvas(columns, rows)
+    if columns >= 10 and rows >= 4:
+        pose = pose_of(snapshot)
+        drawing = _Drawing(canvas, pose, snapshot.scene.anatomy)
+        drawing.walls()
+        drawing.joints()
+        canvas.dashed = not pose.live
+        drawing.lights(_lit(snapshot) if pose.live else set())
+        drawing.body()
+        drawing.wheels()
+        drawing.notes(pose.origin or pose.place)
+        drawing.dials()
+    return canvas
+
+
+def _lit(snapshot: Snapshot) -> set[bool]:
+    """Return which ends have a light that is on: True for the front."""
+    state = snapshot.state
+    if state is None:
+        return set()
+    values = state.robot.values
+    return {forward for slot, forward in snapshot.scene.anatomy.lights if values[slot] > 0}
+
+
+class _Drawing:
+    """Puts one pose on a canvas."""
+
+    def __init__(self, canvas: Canvas, pose: RobotPose, anatomy: Anatomy) -> None:
+        self._canvas = canvas
+        self._pose = pose
+        self._radius_m = anatomy.wheel_radius_m
+        self._thick_m = anatomy.half_thickness_m
+        xs, ys = zip(*pose.wheels, strict=True)
+        margin_m = 2.2 * self._radius_m
+        wide_m = (max(xs) - min(xs) + 2 * margin_m) * _ROOM
+        high_m = (max(ys) - min(ys) + 2 * margin_m) * _ROOM
+        scale = min(canvas.width / wide_m, canvas.height / high_m)
+        self._scale: float = _STEP ** floor(log(scale) / log(_STEP))
+        self._left = (min(xs) + max(xs)) / 2 - canvas.width / self._scale / 2
+        self._top = (min(ys) + max(ys)) / 2 + canvas.height / self._scale / 2
+
+    def _at(self, place: Place) -> Place:
+        return (place[0] - self._left) * self._scale, (self._top - place[1]) * self._scale
+
+    def walls(self) -> None:
+        """Draw the walls with their letters."""
+        for side, wall in enumerate(self._pose.walls):
+            for one, other in pairwise(wall):
+                self._canvas.line(*self._at(one), *self._at(other), WALL)
+            self._name_wall(side, wall)
+
+    def _name_wall(self, side: int, wall: tuple[Place, ...]) -> None:
+        """Write a wall's letter outside the pipe, beside the piece nearest the robot's middle."""
+        wheels = self._pose.wheels
+        middle = len(wheels) // 2
+        (x0, y0), (x1, y1) = wheels[middle - 1], wheels[middle]
+        x, y = (x0 + x1) / 2, (y0 + y1) / 2
+        one, other = min(
+            pairwise(wall), key=lambda ends: dist((x, y), ends[0]) + dist((x, y), ends[1])
+        )
+        length = dist(one, other) or 1.0
+        tx, ty = (other[0] - one[0]) / length, (other[1] - one[1]) / length
+        share = (x - one[0]) * tx + (y - one[1]) * ty
+        foot = one[0] + share * tx, one[1] + share * ty
+        outward = 1 if side == 0 else -1
+        place = foot[0] - outward * ty * _BESIDE_M, foot[1] + outward * tx * _BESIDE_M
+        self._canvas.write(*self._at(place), SIDES[side], NOTE)
+
+    def joints(self) -> None:
+        """Draw dotted lines across an unrolled pipe where a joint is, and write what it is."""
+        for joint in self._pose.joints:
+            for at in {joint.from_m, joint.to_m}:
+                x, y = self._at((at, joint.half_m))
+                _, low = self._at((at, -joint.half_m))
+                for row in range(floor(y), floor(low), _DOTTED):
+                    self._canvas.dot(x, row, NOTE)
+            x, y = self._at((joint.at, joint.half_m))
+            if 0 <= x < self._canvas.width:
+                wide = ACROSS * len(joint.text)
+                left = max(0.0, min(x - wide / 2, self._canvas.width - wide))
+                self._canvas.write(left, y - DOWN, joint.text, NOTE)
+
+    def dials(self) -> None:
+        """Draw where side A of each part points, looking ahead along the pipe."""
+        canvas, dials = self._canvas, self._pose.dials
+        wide = max((len(dial.text) for dial in dials), default=0) * ACROSS
+        for row, dial in enumerate(dials):
+            canvas.write(canvas.width - wide, row * DOWN, dial.text, NOTE)
+        if canvas.height < _DIALS_FROM or canvas.width < 3 * wide:
+            return
+        for place, dial in enumerate(reversed(dials)):
+            x, y = canvas.width - wide - (2 * place + 1) * (_DIAL + ACROSS), _DIAL
+            tip = x + _DIAL * cos(dial.angle_rad), y - _DIAL * sin(dial.angle_rad)
+            canvas.erase(x, y, _DIAL)
+            canvas.circle(x, y, _DIAL, NOTE)
+            canvas.line(x, y, *tip, HELD)
+            canvas.write(x, y, dial.part[:1], NOTE)
+
+    def body(self) -> None:
+        """Draw the links: full where they are held, an outline where they are not."""
+        for (one, other), held in zip(pairwise(self._pose.wheels), self._pose.held, strict=True):
+            (x0, y0), (x1, y1) = self._at(one), self._at(other)
+            length = hypot(x1 - x0, y1 - y0) or 1.0
+            nx, ny = -(y1 - y0) / length, (x1 - x0) / length
+            half = self._thick_m * self._scale * 0.8
+            offsets = [-half, half] if half >= 1.0 else [0.0]
+            full = held and self._pose.live
+            if full:
+                count = max(1, round(2 * half))
+                offsets = [-half + 2 * half * n / count for n in range(count + 1)]
+            for off in offsets:
+                ends = (x0 + nx * off, y0 + ny * off, x1 + nx * off, y1 + ny * off)
+                self._canvas.line(*ends, HELD if full else BODY)
+
+    def wheels(self) -> None:
+        """Draw the wheels with their numbers, and where they touch."""
+        radius = self._radius_m * self._scale
+        for number, place in enumerate(self._pose.wheels):
+            x, y = self._at(place)
+            touches = self._pose.touching[number] >= 0
+            if touches:
+                self._canvas.disc(x, y, radius, WHEEL)
+            else:
+                self._canvas.erase(x, y, radius)
+                self._canvas.circle(x, y, radius, FREE if self._pose.live else BODY)
+            self._touch(number)
+            if radius >= 3:
+                style = WHEEL if touches else FREE if self._pose.live else BODY
+                self._canvas.write(x, y, str(number + 1), style)
+
+    def _touch(self, number: int) -> None:
+        point = contact(self._pose, number)
+        if point is None:
+            return
+        (wx, wy), (px, py) = self._pose.wheels[number], point
+        away = hypot(px - wx, py - wy) or 1.0
+        ox, oy = (px - wx) / away, -(py - wy) / away  # outward, in dots
+        x, y = self._at(point)
+        reach = 0.8 * self._radius_m * self._scale
+        for out in (0.0, 1.0):
+            x0, y0 = x + out * ox - oy * reach, y + out * oy + ox * reach
+            x1, y1 = x + out * ox + oy * reach, y + out * oy - ox * reach
+            self._canvas.line(x0, y0, x1, y1, TOUCH)
+
+    def lights(self, lit: set[bool]) -> None:
+        """Draw a fan of rays before the front, behind the rear, or both."""
+        wheels = self._pose.wheels
+        for forward in lit:
+            tip, before = (wheels[0], wheels[1]) if forward else (wheels[-1], wheels[-2])
+            heading = atan2(tip[1] - before[1], tip[0] - before[0])
+            for turn in (-0.35, 0.0, 0.35):
+                angle = heading + turn
+                near, far = 1.5 * self._radius_m, 3.4 * self._radius_m
+                ends = [(tip[0] + r * cos(angle), tip[1] + r * sin(angle)) for r in (near, far)]
+                self._canvas.line(*self._at(ends[0]), *self._at(ends[1]), LIGHT)
+
+    def notes(self, origin: str) -> None:
+        """Draw a bar that gives the scale, and write where the picture comes from."""
+        canvas, length = self._canvas, round(_BAR_M * self._scale / ACROSS)
+        bar = "├" + "─" * max(length - 2, 0) + "┤"
+        scale = f"{bar} {_BAR_M * 1000:.0f} mm"
+        canvas.write(0, canvas.height - DOWN, scale, NOTE)
+        if origin:
+            place = canvas.width - ACROSS * len(origin)
+            beside = place > ACROSS * (len(scale) + 1)
+            canvas.write(place, canvas.height - (1 if beside else 2) * DOWN, origin, NOTE)

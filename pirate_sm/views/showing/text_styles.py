@@ -1,0 +1,68 @@
+"""Lines of text whose styles say what they mean; each kind of view chooses the looks."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from math import isnan
+
+from rich.text import Text
+
+from pirate_sm.core import palette
+from pirate_sm.core.palette import ACCENT, BAD, GOOD, MUTED, STRONG, WARN
+from pirate_sm.core.visible import visible
+
+__all__ = ["ACCENT", "BAD", "FLAG", "GOOD", "MUTED", "STRONG", "WARN", "Part", "fitted", "line"]
+
+FLAG = "flag"
+"""A word that stands out: ``flag`` alone, or one of ``flag.good``, ``flag.bad`` and so on."""
+
+ON_A_TERMINAL: Mapping[str, str] = {
+    **palette.ON_A_TERMINAL,
+    FLAG: "bold reverse",
+    **{
+        f"{FLAG}.{role}": f"bold reverse {palette.ON_A_TERMINAL[role]}"
+        for role in (GOOD, WARN, BAD, ACCENT)
+    },
+}
+"""How each of them looks in the colours that every terminal has."""
+
+Part = str | tuple[str, str]
+
+
+def line(*parts: Part) -> Text:
+    """Return one line; what a reader could not see is written out."""
+    shown = (
+        visible(each) if isinstance(each, str) else (visible(each[0]), each[1]) for each in parts
+    )
+    return Text.assemble(*shown, no_wrap=True, end="")
+
+
+STALE = "┄"
+"""Before a value that was once so and that nothing shows to be so now."""
+
+
+def ago(age_s: float) -> str:
+    """Return an age in few characters, in its largest unit; empty for NaN."""
+    if isnan(age_s):
+        return ""
+    units = ((86400, "d"), (3600, "h"), (60, "m"), (1, "s"))
+    size, unit = next((each for each in units if age_s >= each[0]), units[-1])
+    return f"{int(age_s / size)}{unit}"
+
+
+def fitted(text: Text, width: int) -> Text:
+    """Return the line cut or filled to a width."""
+    text = text.copy()
+    text.truncate(width, overflow="ellipsis", pad=True)
+    return text
+
+
+def in_columns(cells: Sequence[Text], width: int, count: int) -> list[Text]:
+    """Return the cells in columns of one width, to be read downwards."""
+    rows = -(-len(cells) // count)
+    return [
+        Text("", no_wrap=True, end="").join(
+            fitted(each, width // count) for each in cells[row::rows]
+        )
+        for row in range(rows)
+    ]

@@ -1,0 +1,132 @@
+"""The conditions that a failed command has awaited, and what the sensors show instead."""
+
+import math
+from math import inf, nan
+
+import pytest
+from driving import IDLE, command
+from hypothesis import given
+from hypothesis import strategies as st
+
+from pirate_sm.core._engine.control.position_loop import RunningPositionLoop
+from pirate_sm.core._engine.robot.command_spec import PositionSpec
+from pirate_sm.core._engine.robot.criteria import (
+    AcceptedSpec,
+    AlignedSpec,
+    BelowSpec,
+    LoadSpec,
+    ReachedSpec,
+    StalledSpec,
+    StoppedSpec,
+    TurningSpec,
+)
+from pirate_sm.core._engine.robot.done import criterion_tree, holds
+from pirate_sm.core._expressions import BooleanType, Expression
+from pirate_sm.core._model.events import Abort
+
+LOOP = RunningPositionLoop(0, 0, 1, 2, PositionSpec(1.0, 0.5, 0.1, 1.0, 2.0), 1.0)
+
+CRITERIA = [
+    AcceptedSpec(),
+    StalledSpec((0, 1), (LoadSpec(2, 0, 0.7, 0.4),), 0.5, 0.3),
+    ReachedSpec(0.5, 0.4, 0.3),
+    ReachedSpec(0.5, 0.0, 0.3, least_nm=0.4),
+    TurningSpec(((0, 1), (1, 2)), 0.5),
+    StoppedSpec(((0, 1), (2,)), 0.5, 0.3),
+    AlignedSpec(((0, 1), (1, 2)), 0.5),
+    BelowSpec((0, 2), 0.5, 0.3),
+]
+
+numbers = st.tuples(*[st.sampled_from([nan, -1.0, -0.5, 0.0, 0.4, 0.5, 1.0])] * 3)
+setpoints = st.tuples(*[st.sampled_from([-1.0, 0.5, 1.0])] * 2)
+
+
+@pytest.mark.parametrize("criterion", CRITERIA, ids=lambda each: type(each).__name__)
+@given(numbers=numbers, setpoints=setpoints)
+def test_a_criterion_holds_where_its_condition_in_chunks_is_true(criterion, numbers, setpoints):
+    condition = Expression("", BooleanType(), criterion_tree(criterion, setpoints, (LOOP,)))
+
+    expected = condition.evaluate(numbers, ()) is True
+    assert holds(criterion, numbers, setpoints, (LOOP,)) == expected
+
+
+def test_wheels_that_others_push_are_not_driven():
+    assert not holds(TurningSpec(((0, 1), (1, 2)), 0.5), (nan, 3.0, 3.0), (0.0, 0.0), ())
+
+
+def clamping(drive, mission=IDLE):
+    driver = drive(mission)
+    driver.signals |= {"gamma_1": math.radians(20), "bend_torque_1": -0.1, "bend_torque_2": 0.6}
+    driver.report_all(0.1)
+    command(driver, "ClampFront")
+    driver.accept()
+    return driver
+
+
+def test_a_failed_command_reports_the_sensors_that_do_not_show_it_done(drive):
+    driver = clamping(drive)
+    driver.signals["bend_torque_1"] = -0.3
+
+    driver.run(20.2)
+
+    status = driver.last_status
+    assert status.status == "failed"
+    (unmet,) = status.unmet
+    assert (unmet.signal, unmet.unit, unmet.magnitude) == ("bend_torque_1", "Nm", True)
+    assert (unmet.least, unmet.most) == (pytest.approx(0.311, abs=1e-3), inf)
+    assert unmet.value == pytest.approx(-0.3, abs=0.01)
+    assert unmet.change == pytest.approx(-0.2, abs=0.01)
+    assert (unmet.unknown, unmet.board) == ("", "board 22 (bend_1)")
+    assert 0 <= unmet.age_s <= 0.1
+    assert "bend_torque_1 should be at least 311 mNm in either direction" in status.reason
+    assert status.reason.endswith("then repeat it")
+
+
+def test_a_silent_board_is_named_with_the_time_since_its_last_report(drive):
+    driver = clamping(drive, f"on_fault: [{{fault: sensor.silent, then: continue}}]\n{IDLE}")
+    while driver.now < 20.2:
+        driver.now += 0.1
+        for board in driver.robot.boards:
+            if board != 22:
+                driver.report(board)
+
+    found = {each.signal: each for each in driver.last_status.unmet}
+    assert found["gamma_rate_1"].unknown == "silent"
+    assert found["gamma_rate_1"].age_s > 19
+    assert math.isnan(found["gamma_rate_1"].value)
+    assert "gamma_rate_1 should be within" in driver.last_status.reason
+    assert "has had no value for 20" in driver.last_status.reason
+    assert "the cable of board 22 (bend_1)" in driver.last_status.reason
+
+
+def test_a_condition_that_has_not_held_long_enough_is_said_with_its_time(drive):
+    driver = clamping(drive)
+    driver.run(19.9)
+    driver.signals["bend_torque_1"] = -0.6
+
+    driver.run(20.2)
+
+    assert driver.last_status.unmet == ()
+    assert "it has held for" in driver.last_status.reason
+
+
+def test_a_command_that_a_fault_interrupts_says_what_it_still_awaited(drive):
+    driver = clamping(drive)
+    driver.run(1.0)
+
+    driver.give(Abort("enough"))
+
+    assert [each.signal for each in driver.last_status.unmet] == ["bend_torque_1"]
+    assert driver.last_status.reason.startswith(
+        "the mission ended; it was not done yet: bend_torque_1 should be at least 311 mNm"
+    )
+
+
+def test_a_trace_without_sensors_awaits_none_of_them(drive):
+    driver = drive(IDLE, nominal=True)
+    command(driver, "ClampFront")
+    driver.accept()
+
+    driver.give(Abort("enough"))
+
+    assert driver.last_status == ("ClampFront", "failed", "the mission ended", "", ())

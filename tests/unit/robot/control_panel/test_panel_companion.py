@@ -1,0 +1,190 @@
+"""What is pressed on a panel becomes the events that keys make."""
+
+from __future__ import annotations
+
+from math import inf
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from pirate_sm.core.effects import Ended
+from pirate_sm.core.events import (
+    DetectorWord,
+    Event,
+    FaultReport,
+    OperatorCommand,
+    Pause,
+    Resume,
+    Skip,
+    Step,
+)
+from pirate_sm.core.panel import Panel
+from pirate_sm.robot.control_panel.panel_companion import PanelCompanion
+from pirate_sm.robot.control_panel.panel_reader import Connection, Happening
+from pirate_sm.robot.control_panel.presses import Press
+
+PANEL = Panel.model_validate(
+    {
+        "format": 1,
+        "panel": "small",
+        "device": "Small",
+        "controls": {name: n for n, name in enumerate(["STOP", *"ABCDEFGHI"])},
+        "buttons": {
+            "STOP": {"do": "stop"},
+            "A": {"do": "go"},
+            "B": {"do": "pause"},
+            "C": {"do": "step"},
+            "D": {"do": "skip"},
+            "E": {"command": "Grip"},
+            "F": {"command": "LetGo"},
+            "G": {"word": "near"},
+            "H": {"answer": 2},
+            "I": {"command": "LetGo", "twice": True},
+        },
+    }
+)
+COMMANDS = (SimpleNamespace(lets_go=False), SimpleNamespace(lets_go=True))
+HOLDING, FREE = 0, 1
+
+
+class Desk:
+    """A panel on which the test presses, beside a robot that holds on or does not."""
+
+    def __init__(self, *, speaks: str = "", keyboard: bool = False, begun: bool = True) -> None:
+        self.panel = PANEL
+        self.waiting: list[Happening] = []
+        robot: Any = SimpleNamespace(
+            commands=COMMANDS,
+            table=SimpleNamespace(command_index={"Grip": 0, "LetGo": 1}),
+            held=(frozenset({"front"}), frozenset()),
+        )
+        reader: Any = self
+        self.companion = PanelCompanion(
+            reader, robot, speaks=speaks, valid_for_s=1.5, keyboard=keyboard
+        )
+        self.configuration = HOLDING
+        if begun:
+            self.hear([])
+
+    def taken(self) -> list[Happening]:
+        waiting, self.waiting = self.waiting, []
+        return waiting
+
+    def hear(
+        self, happened: list[Happening], now_s: float = 10.0
+    ) -> tuple[list[Event], list[tuple[str, str]]]:
+        self.waiting += happened
+        state: Any = SimpleNamespace(robot=SimpleNamespace(configuration=self.configuration))
+        logs = self.companion.look(state, now_s)
+        return list(self.companion.speak(now_s)), [(each.level, each.message) for each in logs]
+
+    def press(self, *names: str, now_s: float = 10.0) -> tuple[list[Event], list[tuple[str, str]]]:
+        return self.hear([Press(name, PANEL.buttons[name]) for name in names], now_s)
+
+
+def test_each_button_is_an_event_in_the_order_of_the_presses() -> None:
+    events, logs = Desk().press("B", "E", "A", "C", "D", "G")
+    assert events == [
+        Pause(),
+        OperatorCommand("Grip"),
+        Resume(),
+        Step(),
+        Skip(),
+        DetectorWord("near", 1.5),
+    ]
+    assert logs == []
+
+
+def test_an_answer_is_a_key_for_whoever_asks_the_question() -> None:
+    desk = Desk()
+    assert desk.press("H") == ([], [])
+    assert desk.companion.pressed() == "2"
+    assert desk.companion.pressed() == ""
+
+
+def test_what_was_pressed_before_the_run_is_not_meant_for_it() -> None:
+    desk = Desk(begun=False)
+    assert desk.press("E") == ([], [])
+    assert desk.press("E") == ([OperatorCommand("Grip")], [])
+
+
+def test_a_word_is_not_said_in_place_of_a_detector_that_speaks() -> None:
+    events, logs = Desk(speaks="odometry").press("G")
+    assert events == []
+    assert logs == [("warning", "'near' on the panel is ignored: the detector is odometry")]
+
+
+def test_a_command_that_lets_go_of_the_pipe_is_pressed_twice() -> None:
+    desk = Desk()
+    events, logs = desk.press("F", now_s=10.0)
+    assert events == []
+    text = "press F again within 3 s: LetGo, after which nothing holds the robot"
+    assert logs == [("warning", text)]
+    assert desk.press("F", now_s=12.9) == ([OperatorCommand("LetGo")], [])
+    assert desk.press("F", now_s=13.0)[0] == []
+    assert desk.press("F", now_s=16.1)[0] == []
+
+
+def test_another_press_takes_the_question_back() -> None:
+    desk = Desk()
+    desk.press("F")
+    desk.press("E")
+    assert desk.press("F")[0] == []
+
+
+def test_another_button_that_asks_takes_the_question_back_too() -> None:
+    desk = Desk()
+    desk.press("F")
+    desk.hear([Press("I", PANEL.buttons["I"], asks=True)])
+    assert desk.press("F")[0] == []
+
+
+def test_where_nothing_holds_nothing_is_asked() -> None:
+    desk = Desk()
+    desk.configuration = FREE
+    assert desk.press("F") == ([OperatorCommand("LetGo")], [])
+
+
+def test_a_button_that_asked_already_does_not_ask_again() -> None:
+    desk = Desk()
+    asks = Press("I", PANEL.buttons["I"], asks=True)
+    assert desk.hear([asks]) == ([], [("warning", "press I again within 3 s: LetGo")])
+    assert desk.press("I") == ([OperatorCommand("LetGo")], [])
+
+
+LOST, BACK = (
+    Connection("lost", "the panel is disconnected: unplugged"),
+    Connection("back", "it is back"),
+)
+
+
+def test_a_loss_is_a_fault_where_nobody_has_a_keyboard() -> None:
+    desk = Desk()
+    assert desk.hear([LOST]) == (
+        [FaultReport("panel.lost", "the panel is disconnected: unplugged")],
+        [],
+    )
+    assert desk.hear([BACK]) == ([], [("info", "it is back")])
+
+
+def test_a_loss_is_a_warning_beside_a_keyboard() -> None:
+    assert Desk(keyboard=True).hear([LOST]) == (
+        [],
+        [("warning", "the panel is disconnected: unplugged")],
+    )
+
+
+def test_a_loss_before_the_first_look_is_not_forgotten() -> None:
+    desk = Desk(begun=False)
+    assert [type(each) for each in desk.hear([LOST])[0]] == [FaultReport]
+
+
+def test_it_looks_every_fiftieth_of_a_second_until_the_run_ends() -> None:
+    desk = Desk()
+    desk.press("E", now_s=10.0)
+    assert desk.companion.due_s == pytest.approx(10.02)
+    assert desk.companion.listening
+    desk.companion.react([Ended("succeeded", "done")], 11.0)
+    assert desk.companion.due_s == inf
+    assert not desk.companion.listening

@@ -1,0 +1,114 @@
+"""Two runs side by side: where they part, how long each leg took, how far signals are apart."""
+
+from __future__ import annotations
+
+import pytest
+from recording_runs import record
+
+from pirate_sm.running.recording.replay import compare as module
+from pirate_sm.running.recording.replay.compare import ComparedRun, Milestone, compare, compared_run
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.wiring import Order
+
+
+def course(tmp_path, name, order):
+    recording = record(tmp_path / f"{name}.mcap", order)
+    with recorded_mission(recording.header) as loaded:
+        return compared_run(recording, loaded)
+
+
+def test_a_run_is_where_it_is(tmp_path):
+    one = course(tmp_path, "one", Order("mitre_bend", seed=1))
+
+    result = compare(one, one)
+
+    assert one.ended is not None
+    assert (one.ended.outcome, one.ended.end) == ("succeeded", "passed")
+    assert result.parted is None
+    assert all(leg.first_s == leg.second_s for leg in result.legs)
+    assert all(each.most == 0 for each in result.deviations)
+
+
+def test_of_a_long_run_some_frames_are_kept_all_along(tmp_path, monkeypatch):
+    monkeypatch.setattr(module, "_MOST_KEPT", 200)
+    one = course(tmp_path, "one", Order("mitre_bend", seed=1))
+
+    assert 90 < len(one.times) == len(one.values) <= 200
+    assert one.times[-1] == pytest.approx(one.until_s, abs=0.1)
+    result = compare(one, one)
+    assert result.parted is None
+    assert all(each.most == 0 for each in result.deviations)
+
+
+def test_two_seeds_take_one_course_at_their_own_pace(tmp_path):
+    one = course(tmp_path, "one", Order("mitre_bend", seed=1))
+    other = course(
+        tmp_path, "other", Order("mitre_bend", seed=2, start_jitter_m=0.05, friction_jitter=0.2)
+    )
+
+    result = compare(one, other)
+
+    assert result.parted is None
+    assert result.legs[-1].mark == "succeeded: passed"
+    assert any(leg.first_s != leg.second_s for leg in result.legs)
+    worst = result.deviations[0]
+    assert worst.most >= worst.typical > 0
+    assert worst.where in {leg.mark for leg in result.legs}
+
+
+def test_where_they_part_is_told_with_both_sides(tmp_path):
+    one = course(tmp_path, "one", Order("mitre_bend", backend="trace"))
+    other = course(
+        tmp_path, "other", Order("mitre_bend", backend="trace", settings={"give_up": "5 s"})
+    )
+    assert compare(one, other).parted is None
+
+    stopped = ComparedRun(marks=[*one.marks[:4], Milestone("fault", 9.0)])
+
+    assert compare(one, stopped).parted == (one.marks[4].what, "fault")
+    assert compare(one, ComparedRun(marks=one.marks[:4])).parted == (
+        one.marks[4].what,
+        "nothing more",
+    )
+
+
+def test_a_slower_run_is_compared_where_it_does_the_same():
+    def run(pace):
+        marks = [Milestone("a", 0.0), Milestone("b", 10.0 * pace)]
+        times = [pace * each / 10 for each in range(101)]
+        return ComparedRun(
+            marks=marks, names=("x",), times=times, values=[(t / pace,) for t in times]
+        )
+
+    result = compare(run(1.0), run(2.0))
+
+    assert result.deviations[0].most == pytest.approx(0, abs=0.2)
+    assert result.legs[1].lasted_second_s == 2 * result.legs[1].lasted_first_s
+
+
+def test_deviations_are_sorted_by_their_share_of_the_range_of_their_kind():
+    def run(x, peak, z, w):
+        marks = [Milestone("a", 0.0), Milestone("b", 5.0), Milestone("c", 10.0)]
+        values = [(z, x, peak if each == 7 else 0.0, w, 1.0) for each in range(11)]
+        names, kinds = ("z", "x", "y", "w", "v"), ("angle", "way", "way", "turn", "way")
+        times = [float(each) for each in range(11)]
+        return ComparedRun(marks=marks, names=names, kinds=kinds, times=times, values=values)
+
+    nan = float("nan")
+    one, other = run(1.0, 4.0, nan, 2.0), run(3.0, 0.0, 1.0, 2.5)
+    other.names = ("x", "z", "y", "w", "unknown")
+    other.values = [(x, z, y, w, v) for z, x, y, w, v in other.values]
+
+    found = compare(one, other).deviations
+
+    assert [each.name for each in found] == ["x", "y", "w"], "nothing is known of z in both"
+    x, y, w = found
+    assert (x.most, x.typical, x.first, x.second) == pytest.approx((2.0, 2.0, 1.0, 3.0))
+    assert (x.where, x.at_s) == ("a", 0.0)
+    assert (y.most, y.first, y.second) == (4.0, 4.0, 0.0)
+    assert y.typical == pytest.approx(4.0 * (10 / 100) ** 0.5)
+    assert (y.where, y.at_s) == ("b", 7.0)
+    assert w.typical == pytest.approx(0.5)
+    unknown_first = compare(other, one).deviations
+    assert [each.name for each in unknown_first] == ["x", "y", "w"]
+    assert (unknown_first[0].first, unknown_first[0].second) == (3.0, 1.0)
