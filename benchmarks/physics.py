@@ -30,7 +30,7 @@ from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics, Physics, QuantityLayout
 from pirate_sm.simulation.start_pose import stand
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import MujocoWorld as KinematicWorld
+from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 CYCLE_S = 0.016
 CLAMP_FRONT = {1: -0.7, 2: 0.7}

@@ -15,7 +15,7 @@ from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
 from pirate_sm.simulation.pipe_changes import gravity_of
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.world import MujocoWorld as KinematicWorld
+from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 CYCLE_S = 0.016
 WORLDS = [KinematicWorld, MujocoWorld]
