@@ -18,7 +18,7 @@ from pirate_sm.core.geometry import RouteJoint
 from pirate_sm.core.profile import DetectorPoint
 from pirate_sm.core.program import Wait, failures
 
-_JOINT, _OUT = "RouteJoint", "Out"
+_JOINT, _OUT = "Joint", "Out"
 
 
 class Silent(NamedTuple):

@@ -56,6 +56,14 @@ def test_the_last_wheel_is_not_round_it_before_its_part_has_bent(tmp_path: Path)
     assert said.endswith("is said after the bend, and only a part of the robot has bent into it")
 
 
+def test_a_straight_pipe_has_no_joint_between_parts(tmp_path: Path) -> None:
+    straight = "{diameter: 120 mm, segments: [{straight: 2 m}], start: {at: 700 mm}}"
+    (said,) = shown(tmp_path, (GO, "segment == Joint"), pipe=straight)
+
+    assert said.endswith("waits for a bend, and the pipe has none")
+    assert shown(tmp_path, (GO, "segment == Straight"), pipe=straight) == []
+
+
 def test_behind_the_last_bend_there_is_no_further_word(tmp_path: Path) -> None:
     round_it = (GO, CLOSE), (INTO, IN), (ROUND, PAST)
     (said,) = shown(tmp_path, *round_it, ("[ToggleLighting]", CLOSE))
