@@ -27,7 +27,7 @@ ROOT = Path(__file__).resolve().parents[1]
 PICTURES = ROOT / "docs" / "pictures"
 MADE_OF = PICTURES / "made_of.json"
 CHROMIUM = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
-PAGE = ROOT / "pirate_sm" / "report" / "page"
+PAGE = ROOT / "pirate_sm" / "views" / "report" / "page"
 
 _NEWT = str(ROOT / "tests" / "robots" / "newt" / "patrol.yaml")
 

@@ -25,7 +25,7 @@ from pirate_sm.running.recording.write.sampler import EVERY_S
 from pirate_sm.running.wiring import Order, prepare
 
 NEWT = ROOT / "tests" / "robots" / "newt"
-SCHEMAS = ROOT / "pirate_sm" / "recording" / "viewers" / "foxglove_schemas"
+SCHEMAS = ROOT / "pirate_sm" / "running" / "recording" / "viewers" / "foxglove_schemas"
 FOXGLOVE = {
     "/tf": "foxglove.FrameTransforms",
     "/scene": "foxglove.SceneUpdate",
