@@ -1,18 +1,20 @@
-"""Environments of Gymnasium in which an agent commands the robot; importing this registers them."""
+"""Environments of Gymnasium in which an agent commands the robot; importing this registers them.
+
+``docs/learning.md`` says what they are. They need the extra ``gym``.
+"""
 
 from __future__ import annotations
 
-from pirate_sm.lab.learning import (
-    IN_PIPE,
+from pirate_sm.core.errors import not_installed
+from pirate_sm.lab.learning.rewards import (
     REWARDS,
-    Outcome,
     Reward,
-    Transition,
     least_commands,
     least_slip,
     progress,
     reach,
 )
+from pirate_sm.lab.learning.transition import Outcome, Transition
 
 __all__ = [
     "IN_PIPE",
@@ -25,3 +27,16 @@ __all__ = [
     "progress",
     "reach",
 ]
+
+IN_PIPE = "pirate_sm/InPipe-v0"
+
+try:
+    import gymnasium
+except ImportError as error:
+    raise not_installed("learning", "gymnasium", "gym") from error
+
+gymnasium.register(
+    IN_PIPE,
+    entry_point="pirate_sm.lab.learning.environment:InPipe",
+    vector_entry_point="pirate_sm.lab.learning.vector:InPipes",
+)

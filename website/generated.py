@@ -10,11 +10,11 @@ from pathlib import Path
 from typing import Any
 
 import pirate_sm
+from pirate_sm import learning
 from pirate_sm.cli import stored_help
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.lab import learning
 from pirate_sm.running.runtime.outcome import BACKEND, BUG, FAILED, RECORDING_LOST, SUCCEEDED
 from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, OUTPUT_LOST
 from pirate_sm.views.drawing.robot.robot_page import robot_page
@@ -54,7 +54,7 @@ def pages() -> Iterator[tuple[str, str]]:
     yield "api/pirate_sm.md", _api("pirate_sm", "pirate_sm.api", pirate_sm.__all__)
     yield (
         "api/learning.md",
-        _api("pirate_sm.lab.learning", "pirate_sm.lab.learning", learning.__all__),
+        _api("pirate_sm.learning", "pirate_sm.learning", learning.__all__),
     )
     for file in sorted((DOCS / "notebooks").glob("*.ipynb")):
         yield f"notebooks/{file.stem}.md", notebook.page(json.loads(file.read_text("utf-8")))

@@ -10,7 +10,7 @@ from random import Random
 from pirate_sm.checking.exploring.signal_ranges import ANYTHING, ranges
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
-from pirate_sm.core._engine.safety.faults import ANEW
+from pirate_sm.core._engine.safety.faults import STARTS_AGAIN
 from pirate_sm.core.engine import OUTSIDE, Engine, EngineState
 from pirate_sm.core.expressions import EnumType, Expression, tree
 from pirate_sm.core.loading import LoadedMission
@@ -200,7 +200,7 @@ class Measured(Run):
         enough for sensors to confirm that, so its controller is never away.
         """
         fault = super()._fault()
-        own = {each.code for each in self.loaded.robot.faults} | ANEW
+        own = {each.code for each in self.loaded.robot.faults} | STARTS_AGAIN
         return None if isinstance(fault, ev.FaultReport) and fault.code in own else fault
 
     def _move(self, step_s: float) -> None:

@@ -66,7 +66,7 @@ def answered_line(turn: Callable[[], None], look_s: float = 0.1) -> str:
 
 _COLOUR = re.compile(r"\x1b\[[0-9;]*m")
 _LEAST = 20
-"""Columns that are left for text beside an indent; narrower terminals break lines themselves."""
+"""Columns that are left for text after an indent; narrower terminals break lines themselves."""
 
 
 def columns_of(stream: TextIO | None = None) -> int | None:
@@ -86,7 +86,7 @@ def wrapped(line: str, columns: int | None, indent: int = 2) -> str:
     Args:
         line: The line; colours have no width.
         columns: Where to break it; None for nowhere.
-        indent: Blanks before each further line.
+        indent: Spaces before each further line.
     """
     if columns is None or _width(line) <= columns or columns - indent < _LEAST:
         return line

@@ -12,7 +12,13 @@ from pirate_sm.core._engine.moment import Moment
 from pirate_sm.core._engine.resuming import reconnection
 from pirate_sm.core._engine.robot import commands
 from pirate_sm.core._engine.robot.robot_state import RobotState
-from pirate_sm.core._engine.safety.faults import ANEW, FoundFault, begin_anew, look, unsettle
+from pirate_sm.core._engine.safety.faults import (
+    STARTS_AGAIN,
+    FoundFault,
+    look,
+    start_again,
+    unsettle,
+)
 from pirate_sm.core._engine.sensing.conversion import forget_outdated, observe
 from pirate_sm.core._engine.sensing.distance import judge
 from pirate_sm.core._engine.sensing.traction import measured_outside, rolled, with_traction
@@ -147,10 +153,10 @@ def _refused(moment: Moment, state: EngineState, message: str) -> EngineState:
 def fault_report(moment: Moment, state: EngineState, event: FaultReport) -> EngineState:
     """Handle a fault that a backend reports; after some faults nothing is known any more."""
     state = reconnection.lose(moment, state, event.code)
-    if event.code not in ANEW:
+    if event.code not in STARTS_AGAIN:
         return meet(moment, state, FoundFault.reported(moment.robot, event))
     before = state
-    sensing = begin_anew(moment.robot, state.sensing, moment.now_s, event.away_s)
+    sensing = start_again(moment.robot, state.sensing, moment.now_s, event.away_s)
     state = state._replace(sensing=sensing)
     words = state.obeyed_words(moment.robot)
     faults = unsettle(moment.robot, state.faults, state.sensing, words)

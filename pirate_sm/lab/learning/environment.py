@@ -24,7 +24,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
     detector's word changes or for 0.5 s. The engine guards commands as it guards an operator's.
 
     Args:
-        reward: What a step is worth: a name in :data:`pirate_sm.lab.learning.REWARDS`, or a
+        reward: What a step is worth: a name in :data:`pirate_sm.learning.REWARDS`, or a
             function of the :class:`~pirate_sm.lab.learning.transition.Transition`.
         render_mode: There is nothing to render; a recording shows a run.
         options: :class:`~pirate_sm.lab.learning.scenario.Scenario`, such as ``mission``,

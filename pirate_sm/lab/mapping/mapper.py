@@ -344,7 +344,7 @@ class Mapper:
             return
         shown_m, known_m = self._shape.shown(look, first), self._shape.bore(first)
         if abs(shown_m - known_m) > STEP * known_m:  # the new leg has another diameter
-            self._shape.begin_anew(look, first)
+            self._shape.start_again(look, first)
             if isnan(self.map.bends[passage.bend].extent_m):
                 self._refine(passage)
         bend = self.map.bends[passage.bend]

@@ -58,7 +58,7 @@ class Shape:
             self._bored_m[part] = way_m
             self._bores.setdefault(part, deque(maxlen=_LAST)).append(self.shown(look, part))
 
-    def begin_anew(self, look: RobotLook, part: int) -> None:
+    def start_again(self, look: RobotLook, part: int) -> None:
         """Take what a part shows for the diameter of a new leg."""
         self._bores[part] = deque([self.shown(look, part)], maxlen=_LAST)
 

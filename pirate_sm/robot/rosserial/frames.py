@@ -46,7 +46,7 @@ class Decoder:
 
     This is the host's reader. The firmware's, which loses more, is
     :class:`pirate_sm.simulation.bay.reception.Reception`. A byte that begins no frame is dropped
-    alone, and the search continues behind it, so damage costs only the damaged frame. The result
+    alone, and the search continues after it, so damage costs only the damaged frame. The result
     does not depend on how the stream is split.
 
     Attributes:

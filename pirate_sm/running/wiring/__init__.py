@@ -13,7 +13,6 @@ from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Registry
 from pirate_sm.robot.backends import known
-from pirate_sm.robot.detectors.beside import SecondDetector
 from pirate_sm.robot.detectors.registry import (
     NOBODY,
     Asked,
@@ -22,6 +21,7 @@ from pirate_sm.robot.detectors.registry import (
     detecting,
     speaks_of_bends,
 )
+from pirate_sm.robot.detectors.second_detector import SecondDetector
 from pirate_sm.running.wiring.chosen_panel import choose_panel
 from pirate_sm.running.wiring.prepared import Equipment, MakeBackend, Prepared, Say
 from pirate_sm.running.wiring.run_order import Order
@@ -172,7 +172,7 @@ def _detecting(order: Order, loaded: LoadedMission, made: Equipment) -> Detectin
 
 
 def _with_another(found: Detecting, also: str, asked: Asked) -> Detecting:
-    """Return the detector with a second one beside it, whose words are logged only.
+    """Return the detector with a second one, whose words are logged only.
 
     Raises:
         UsageError: The second one is the operator, or cannot be made.
@@ -181,10 +181,10 @@ def _with_another(found: Detecting, also: str, asked: Asked) -> Detecting:
     other = detecting(also, also, replace(asked, first_wheel_m=start_m))
     if other.kind == "operator":
         raise UsageError("the operator's keys are for the mission; name another second detector")
-    beside = tuple(SecondDetector(other.kind, each) for each in other.companions)
+    seconds = tuple(SecondDetector(other.kind, each) for each in other.companions)
     notices = tuple(f"also {notice}" for notice in other.notices)
     return found._replace(
-        companions=(*found.companions, *beside), notices=(*found.notices, *notices)
+        companions=(*found.companions, *seconds), notices=(*found.notices, *notices)
     )
 
 

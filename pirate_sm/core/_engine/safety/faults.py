@@ -17,7 +17,7 @@ from pirate_sm.core._engine.state import FaultState, Words
 from pirate_sm.core._model.events import ALPHABET_VERSION, EVIDENCE_ENDS, FaultReport
 from pirate_sm.core._model.fault_codes import BuiltInFault
 
-ANEW = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
+STARTS_AGAIN = frozenset({BuiltInFault.FIRMWARE_RESET.code, BuiltInFault.LINK_INTERRUPTED.code})
 """Faults after which all signals are unknown again, and counters may start at zero.
 
 The robot is another one until its sensors show the one that was known."""
@@ -135,7 +135,7 @@ def unsettle(robot: RobotSpec, faults: FaultState, sensing: Sensing, words: Word
     return faults._replace(since=since, raised=raised)
 
 
-def begin_anew(robot: RobotSpec, sensing: Sensing, now: float, away_s: float) -> Sensing:
+def start_again(robot: RobotSpec, sensing: Sensing, now: float, away_s: float) -> Sensing:
     """Return unknown signals, with the odometry kept: it omits what was rolled unobserved.
 
     Args:
@@ -149,7 +149,7 @@ def begin_anew(robot: RobotSpec, sensing: Sensing, now: float, away_s: float) ->
     if robot.odometry >= 0:
         numbers[robot.odometry] = sensing.numbers[robot.odometry]
     heard_s = (now,) * len(fresh.heard_s)  # each board gets its full time to report
-    records = tuple(map(plausibility.begin_anew, sensing.records))
+    records = tuple(map(plausibility.start_again, sensing.records))
     return fresh._replace(
         numbers=tuple(numbers),
         heard_s=heard_s,

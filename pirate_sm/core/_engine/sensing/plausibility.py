@@ -39,7 +39,7 @@ def unseen(watched: WatchedSpec) -> BoardMemory:
     return BoardMemory((SensorMemory(),) * len(watched.sensors))
 
 
-def begin_anew(record: BoardMemory) -> BoardMemory:
+def start_again(record: BoardMemory) -> BoardMemory:
     """Return the memory after a restart of the firmware, when counters may start at zero.
 
     Joint angles survive a restart, so an implausible joint sensor stays implausible.

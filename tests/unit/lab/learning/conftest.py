@@ -10,7 +10,7 @@ import pytest
 import pirate_sm.learning
 from pirate_sm.lab.learning.environment import InPipe
 
-ID = pirate_sm.lab.learning.IN_PIPE
+ID = pirate_sm.learning.IN_PIPE
 
 
 @pytest.fixture

@@ -29,7 +29,7 @@ ALL = range(5)
 
 
 def marks(links: Sequence[int], off_m: float = 0.0) -> tuple[SeenMark, ...]:
-    """The tags of these links, seen beside their places."""
+    """The tags of these links, seen next to their places."""
     found = []
     for link in links:
         (ax, ay), (bx, by) = POINTS[link : link + 2]

@@ -861,7 +861,7 @@ class TestLooking:
         distance = sensing.distance._replace(running=True)
         sensing = sensing._replace(numbers=tuple(numbers), connection=4, distance=distance)
 
-        after = faults.begin_anew(robot, sensing, 20.0, 2.0)
+        after = faults.start_again(robot, sensing, 20.0, 2.0)
 
         assert after.numbers[odometry] == 0.7
         assert all(math.isnan(value) for at, value in enumerate(after.numbers) if at != odometry)
@@ -873,7 +873,7 @@ class TestLooking:
     def test_a_robot_without_odometry_keeps_nothing(self, driver):
         robot = replace(driver.robot, odometry=-1)
 
-        after = faults.begin_anew(robot, driver.state.sensing, 20.0, 2.0)
+        after = faults.start_again(robot, driver.state.sensing, 20.0, 2.0)
 
         assert all(map(math.isnan, after.numbers))
 

@@ -114,7 +114,7 @@ class Bench:
 
     def restart(self) -> None:
         """The firmware starts again."""
-        fresh, records = nothing_known(ROBOT), (plausibility.begin_anew(self.record),)
+        fresh, records = nothing_known(ROBOT), (plausibility.start_again(self.record),)
         self.sensing = self.sensing._replace(
             numbers=fresh.numbers, motion=fresh.motion, records=records
         )

@@ -1,4 +1,4 @@
-"""A second detector beside the one in force: its words are logged, and never reach the mission."""
+"""A second detector next to the one in force: its words are logged, and never reach the mission."""
 
 from __future__ import annotations
 
