@@ -5,7 +5,7 @@
     │   ├── QuantityError       (units) a number with a wrong, missing or unknown unit
     │   └── ExpressionError     (expressions) a condition that does not parse or does not fit
     ├── RecordingError          exit code 2: a recording cannot be read or started
-    ├── LoadError               (loading.problems) exit code 2: invalid files, with all faults
+    ├── LoadError               (_loading.problems) exit code 2: invalid files, with all faults
     └── BackendError            exit code 3: the backend or its link failed
         └── DetectorError       a detector of another package failed
 

@@ -219,7 +219,7 @@ class _Judge:
         """Return ``true`` or ``false`` if the condition is constant, otherwise an empty text.
 
         A condition that is true for all known values of its signals counts as true; only
-        :class:`~pirate_sm.core.expressions.Known` should test whether they are known.
+        :class:`~pirate_sm.core.expressions.tree.Known` should test whether they are known.
         """
         if condition.tree not in self._constant:
             every = self._table.configurations

@@ -145,7 +145,7 @@ class LoadError(PirateError):
 
 
 class Locator(Protocol):
-    """Finds the place of a value in a file; `loading.yaml.document.Document` is one."""
+    """Finds the place of a value in a file; `_loading.yaml.document.Document` is one."""
 
     def place_of(self, path: Path, *, key: bool = False, offset: int | None = None) -> Place:
         """Return the place of the value at `path`, or of its key."""

@@ -25,7 +25,7 @@ class InPipe(gymnasium.Env[Observation, np.int64]):
 
     Args:
         reward: What a step is worth: a name in :data:`pirate_sm.learning.REWARDS`, or a
-            function of the :class:`~pirate_sm.lab.learning.transition.Transition`.
+            function of the :class:`~pirate_sm.learning.Transition`.
         render_mode: There is nothing to render; a recording shows a run.
         options: :class:`~pirate_sm.lab.learning.scenario.Scenario`, such as ``mission``,
             ``defects``.

@@ -7,7 +7,7 @@ import numpy as np
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import compiled
 
-# The instructions, as in `expressions.bytecode`: numbers, because numba takes them as constants.
+# The instructions, as in `core/_expressions/bytecode.py`: numbers, which numba takes as constants.
 CONSTANT, NUMBER, NEGATE, ABSOLUTE, KNOWN, NOT, ADD, SUBTRACT, MULTIPLY, DIVIDE = range(10)
 EQUAL, DIFFERENT, LESS, AT_MOST, GREATER, AT_LEAST, LEAST, GREATEST, ALL, ANY = range(10, 20)
 

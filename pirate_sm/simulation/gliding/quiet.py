@@ -38,7 +38,7 @@ def holds_as_before(
 def asks_the_same(duties: Floats, numbers: Floats, loss: float) -> bool:
     """Return whether every position loop gives the duty that was sent last.
 
-    See :class:`pirate_sm.core.robot.RunningPositionLoop`.
+    See ``RunningPositionLoop`` in ``core/_engine/control/position_loop.py``.
     """
     for p in range(duties.shape[0]):
         error = duties[p, col.P_TARGET] - numbers[int(duties[p, col.P_ANGLE])]

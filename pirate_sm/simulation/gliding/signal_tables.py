@@ -27,7 +27,7 @@ class SignalTables:
         robot: The robot.
 
     Attributes:
-        signals: The cells, see :class:`~pirate_sm.core.sensing.Layout`.
+        signals: The cells, see ``Layout`` in ``core/_engine/signals/table.py``.
     """
 
     def __init__(self, robot: RobotSpec) -> None:

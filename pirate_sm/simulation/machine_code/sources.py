@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import hashlib
 from collections.abc import Iterable, Iterator
+from functools import cache
 from pathlib import Path
 
 PACKAGE = Path(__file__).parents[2]
@@ -14,6 +15,8 @@ PACKAGE = Path(__file__).parents[2]
 def files_behind(modules: Iterable[str], package: Path = PACKAGE) -> tuple[str, ...]:
     """Return the files of modules and of all they import from the package, themselves included.
 
+    Of a module that only hands a name on, its file counts, but not what else it imports.
+
     Args:
         modules: Full names of modules; one of another package is passed over.
         package: The folder of the package.
@@ -21,14 +24,26 @@ def files_behind(modules: Iterable[str], package: Path = PACKAGE) -> tuple[str, 
     Returns:
         Sorted paths below the package, with `/`.
     """
+    tree_of = cache(_tree_of)
     found: set[Path] = set()
+    handing_on: set[Path] = set()
     left = [file for name in modules if (file := _file_of(name, package))]
     while left:
         file = left.pop()
-        if file not in found:
-            found.add(file)
-            left += [each for name in _imports(file, package) if (each := _file_of(name, package))]
-    return tuple(sorted(file.relative_to(package).as_posix() for file in found))
+        if file in found:
+            continue
+        found.add(file)
+        for imported in _imports(tree_of(file)):
+            module, name = imported
+            while (via := _file_of(module, package)) and (origin := _origin(tree_of(via), name)):
+                if origin == (module, name):
+                    break
+                handing_on.add(via)
+                module, name = origin
+            names = (module, f"{module}.{name}")
+            left += [each for full in names if (each := _file_of(full, package))]
+    every = found | handing_on
+    return tuple(sorted(file.relative_to(package).as_posix() for file in every))
 
 
 def digest(files: Iterable[str], package: Path = PACKAGE) -> str:
@@ -55,20 +70,24 @@ def _file_of(module: str, package: Path) -> Path | None:
     return None
 
 
-def _imports(file: Path, package: Path) -> Iterator[str]:
-    """Yield the names of the modules that a file imports, and some that are no modules."""
-    for node in ast.walk(ast.parse(file.read_bytes())):
+def _tree_of(file: Path) -> ast.Module:
+    return ast.parse(file.read_bytes())
+
+
+def _imports(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """Yield what a module imports: the module, and the name in it, which is empty for a module."""
+    for node in ast.walk(tree):
         if isinstance(node, ast.Import):
-            yield from (each.name for each in node.names)
+            yield from ((each.name, "") for each in node.names)
         elif isinstance(node, ast.ImportFrom) and node.module:
+            yield from ((node.module, each.name) for each in node.names)
+
+
+def _origin(tree: ast.Module, name: str) -> tuple[str, str] | None:
+    """Return from where a module has a name, and its name there; None for one of its own."""
+    for node in tree.body:
+        if isinstance(node, ast.ImportFrom) and node.module:
             for each in node.names:
-                yield from _origin(node.module, each.name, package)
-
-
-def _origin(module: str, name: str, package: Path) -> tuple[str, str]:
-    """Return the module that a name is from, past those that only hand it on, and both joined."""
-    file = _file_of(module, package)
-    for node in ast.parse(file.read_bytes()).body if file else ():
-        if isinstance(node, ast.ImportFrom) and any(each.name == name for each in node.names):
-            return _origin(node.module or module, name, package)
-    return module, f"{module}.{name}"
+                if (each.asname or each.name) == name:
+                    return node.module, each.name
+    return None

@@ -190,6 +190,8 @@ def _shares(sensing: Sensing, by: Believed) -> Numbers:
     before = sensing.distance.out
     if by.out == before:
         return sensing.shares
+    if not sensing.asked.driving:  # of a stop only what was rolled before it counts
+        return tuple(0.0 if at in by.out else share for at, share in enumerate(sensing.shares))
     count = {*by.wheels, *(before - by.out)}
     return tuple(1 / len(count) if at in count else 0.0 for at in range(len(sensing.shares)))
 

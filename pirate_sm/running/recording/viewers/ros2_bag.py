@@ -68,7 +68,6 @@ _KEPT: Final = Qos(
     _FOREVER,
     avoid_ros_namespace_conventions=False,
 )
-_NS_PER_S: Final = 1_000_000_000
 
 
 def write_bag(recording: Recording, loaded: LoadedMission, folder: Path) -> None:

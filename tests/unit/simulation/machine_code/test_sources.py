@@ -25,8 +25,27 @@ def package(tmp_path: Path) -> Path:
     return folder
 
 
-def test_everything_that_is_imported_counts_but_not_what_only_hands_it_on(package: Path) -> None:
-    assert files_behind(["thing.a", "other.a"], package) == ("a.py", "b.py", "c/d.py")
+def test_everything_that_is_imported_counts_and_nothing_else(package: Path) -> None:
+    assert files_behind(["thing.a", "other.a"], package) == (
+        "a.py",
+        "b.py",
+        "c/__init__.py",
+        "c/d.py",
+    )
+
+
+def test_a_module_that_hands_a_name_on_counts_but_not_what_else_it_imports(package: Path) -> None:
+    (package / "hands_on.py").write_text("from thing.e import z\nfrom thing.c.d import x as y\n")
+    (package / "a.py").write_text("from thing.hands_on import y\n")
+
+    assert files_behind(["thing.a"], package) == ("a.py", "c/d.py", "hands_on.py")
+
+
+def test_a_package_may_import_its_own_modules(package: Path) -> None:
+    (package / "c" / "__init__.py").write_text("from thing.c import d\nfrom . import d as f\n")
+    (package / "a.py").write_text("from thing.c import d\n")
+
+    assert files_behind(["thing.a"], package) == ("a.py", "c/__init__.py", "c/d.py")
 
 
 def test_a_change_in_any_file_changes_the_digest(package: Path) -> None:

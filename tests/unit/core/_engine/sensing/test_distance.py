@@ -721,3 +721,24 @@ def test_belief_in_wheels_counts_whole_from_when_the_dead_ones_are_taken_out() -
     while world.sensing.distance.out:
         world.drive()
     assert world.sensing.shares == pytest.approx((1 / 6,) * 6)
+
+
+def test_belief_in_a_wheel_again_does_not_count_those_that_have_stopped_once_more() -> None:
+    """After a stop only wheels count that have not reported since, each with what it had."""
+    world = World()
+    world.speeds = [SPEED] * 3 + [0.0] * 3
+    while not world.sensing.distance.out:
+        world.drive()
+    world.speeds = [SPEED] * 6
+    while world.sensing.distance.out == {3, 4, 5}:
+        before = world.sensing
+        world.drive()
+    world.sensing = before._replace(
+        shares=(0.0, 0.0, 1 / 3, 0.0, 0.0, 0.0),
+        asked=MotorRequest(setpoints(0.0), world.now_s - ROUND_S, False),
+    )
+    world.now_s -= ROUND_S
+    world.drive()
+
+    assert world.sensing.distance.out != {3, 4, 5}
+    assert world.sensing.shares == pytest.approx((0.0, 0.0, 1 / 3, 0.0, 0.0, 0.0))
