@@ -103,6 +103,9 @@ def prepared(
         CheckError: The mission is refused.
         UsageError: An argument does not fit, or nobody has agreed that a robot moves.
     """
+    for name, value in (("check", check), ("yes", yes)):
+        if not isinstance(value, bool):  # "no" would count as consent to a robot that moves
+            raise UsageError(f"{name}: expected True or False, got {value!r}")
     loaded = mission if isinstance(mission, LoadedMission) else None
     order = _order(mission, backend, seed, check=check, **options)
     found = wiring.prepare(order, loaded, LOG.info)
@@ -244,7 +247,10 @@ def texts(values: Mapping[str, object] | None) -> dict[str, str]:
     Raises:
         UsageError: They are not given by name.
     """
-    if not isinstance(values, Mapping | None):
+    given: Any = values  # of a caller whose types nobody has checked
+    if not isinstance(given, Mapping | None) or not all(
+        isinstance(key, str) for key in given or ()
+    ):
         raise UsageError(f"set: expected values by the names of parameters, got {values!r}")
     return {
         name: str(value).lower() if isinstance(value, bool) else str(value)

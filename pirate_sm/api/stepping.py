@@ -260,6 +260,8 @@ def advance_all(
         UsageError: An argument does not fit.
         BackendError: A backend has failed; time has passed in the other sessions.
     """
+    if not isinstance(sessions, Sequence):
+        raise UsageError(f"sessions: expected a list of them, got {sessions!r}")
     count = whole(threads, "threads", 1) if threads is not None else None
     come = [False] * len(sessions)
 

@@ -151,7 +151,7 @@ class Registry(Generic[F]):
         if not isinstance(plugin, Plugin):
             found = f"{point.value} is of type {type(plugin).__name__}"
             raise UsageError(
-                f"package {package_name(point)}: {found}, expected a pirate_sm.core.registry.Plugin"
+                f"package {package_name(point)}: {found}, expected a pirate_sm.plugins.Plugin"
             )
         return plugin
 

@@ -145,7 +145,7 @@ def test_what_a_package_adds_is_listed_and_what_is_wrong_with_another_is_told(si
             "--backend",
             "odd",
             2,
-            "odd:THING is of type int, expected a pirate_sm.core.registry.Plugin",
+            "odd:THING is of type int, expected a pirate_sm.plugins.Plugin",
         ),
         ("--backend", "raising", 3, "raises:PART fails with KeyError: 'rig'"),
         ("--detector", "raising", 3, "raises:PART fails with KeyError: 'rig'"),

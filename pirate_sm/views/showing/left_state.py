@@ -53,4 +53,5 @@ def _by_what(engine: Engine, state: EngineState, part: int) -> str:
     proof = engine.evidence(state)[robot.parts[part]]
     if proof.source != "sensor":
         return "NOT confirmed by sensors"
-    return f"{proof.in_words(state.sensing.checked_s)}, NOT seen by them now"
+    now_s = max(state.sensing.checked_s, proof.at_s)  # an answer may have come after all frames
+    return f"{proof.in_words(now_s)}, NOT seen by them now"

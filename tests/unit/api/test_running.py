@@ -69,7 +69,10 @@ def test_a_trace_runs_without_the_simulator() -> None:
         ({"defects": ["rust"]}, "rust"),
         ({"backend": "serial"}, "needs a port"),
         ({"backend": "serial", "port": "/dev/null"}, "agree to it with yes=True"),
+        ({"backend": "serial", "port": "/dev/null", "yes": "no"}, "yes: expected True or False"),
+        ({"check": "no"}, "check: expected True or False"),
         ({"detector": "operator"}, "needs an operator"),
+        ({"set": {3: "3 s"}}, "set: expected values by the names of parameters"),
         ({"set": {"glance": "3 s"}}, "no parameter 'glance'"),
     ],
 )

@@ -37,6 +37,21 @@ def test_what_holds_and_what_is_not_confirmed_is_named(held) -> None:
     )
 
 
+def test_what_was_shown_after_the_last_frame_was_shown_now(held) -> None:
+    engine, state = held
+    sent = (0.0,) * len(engine.robot.slots)
+    mark = Mark("part", min(engine.robot.held[state.robot.configuration]), DENIED)
+    proofs = (*state.proofs[:-2], NOTHING, Evidence("sensor", 2.0, 0))
+    sensing = state.sensing._replace(checked_s=1.96)
+    robot = state.robot._replace(marks=frozenset({mark}))
+
+    text = left_state(
+        engine, state._replace(robot=robot, proofs=proofs, sensing=sensing), sent, None
+    )
+
+    assert text.endswith("rear clamped (shown by sensors 0.0 s ago, NOT seen by them now)")
+
+
 def test_wheels_that_may_turn_and_a_robot_that_was_left_alone_are_named(held) -> None:
     engine, state = held
     turning = (1.0,) * len(engine.robot.slots)
