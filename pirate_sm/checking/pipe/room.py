@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 from math import degrees, pi, remainder
 
-from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.pipe.bend_planes import MOST_ROLL_RAD
 from pirate_sm.checking.pipe.pipe_view import PipeView, mm
 from pirate_sm.checking.pipe.robot_in_pipe import Fit
-from pirate_sm.core.documents import Problems, Severity
+from pirate_sm.core.documents import Problems
 from pirate_sm.core.geometry import RouteJoint
 
 

@@ -9,7 +9,7 @@ from typing import Any, TypeVar
 from pydantic import ValidationError
 
 from pirate_sm.core.campaign import Campaign, CampaignMission, RunChoices, Value, ValueRange, Values
-from pirate_sm.core.documents import Path
+from pirate_sm.core.documents import Path as Keys
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.core.quantities import FROM_FILE
 from pirate_sm.core.units import format_quantity
@@ -33,7 +33,7 @@ class Choices:
 
     common: RunChoices
     entry: CampaignMission
-    at: Path
+    at: Keys
 
     def of(self, key: str) -> Any:
         """Return a choice; None if it is left open."""
@@ -50,11 +50,11 @@ class Choices:
         return Order(mission, **one | names)
 
     @property
-    def mission(self) -> Path:
+    def mission(self) -> Keys:
         """Return the keys of the mission's name in the file."""
         return (*self.at, "mission")
 
-    def place(self, key: str) -> Path:
+    def place(self, key: str) -> Keys:
         """Return the keys of a choice in the file."""
         return (*self.at, key) if getattr(self.entry, key) is not None else (key,)
 
@@ -108,13 +108,13 @@ def _without_faults(model: type[R], data: dict[str, Any]) -> R:
     return model.model_validate(kept, **like_a_file)
 
 
-def texts(values: Values) -> Iterator[tuple[Path, str]]:
+def texts(values: Values) -> Iterator[tuple[Keys, str]]:
     """Yield each value of a parameter as text, with the keys under which it stands."""
     if isinstance(values, ValueRange):
         first, by = values.first.value, values.by.value
         for number in range(values.count):
             rounded = float(f"{first + number * by:.{_DIGITS}g}")
-            place: Path = ("to",) if number else ("from",)
+            place: Keys = ("to",) if number else ("from",)
             yield place, format_quantity(rounded, values.first.dimension)
     elif isinstance(values, tuple):
         for number, value in enumerate(values):
