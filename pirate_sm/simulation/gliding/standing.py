@@ -7,7 +7,7 @@ from pirate_sm.simulation.machine_code import compiled
 
 
 @compiled
-def stand(centres: Floats, rolls: Floats, cycles: float, trail: Floats) -> None:
+def note_places(centres: Floats, rolls: Floats, cycles: float, trail: Floats) -> None:
     """Note where the robot is.
 
     Args:

@@ -6,7 +6,7 @@ from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.gliding import groups
 from pirate_sm.simulation.gliding.columns import T_CYCLES
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, passes_on
-from pirate_sm.simulation.gliding.standing import stand
+from pirate_sm.simulation.gliding.standing import note_places
 from pirate_sm.simulation.machine_code import compiled
 from pirate_sm.simulation.xpbd.space.kernel import Round, advance
 
@@ -47,10 +47,10 @@ def glide(
         trail: Where the robot was after each cycle.
     """
     _, rolls, arcs, around = place
-    stand(centres, rolls, clock[T_CYCLES], trail)
+    note_places(centres, rolls, clock[T_CYCLES], trail)
     while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
         advance(*chain)
-        stand(centres, rolls, clock[T_CYCLES], trail)
+        note_places(centres, rolls, clock[T_CYCLES], trail)
         if not goes_on(
             place, turns, electronics, rows, task, clock, signals, scratch, posture, taken
         ):
