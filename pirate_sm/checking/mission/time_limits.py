@@ -75,12 +75,12 @@ def _never_done(it: Do, view: MissionView) -> tuple[Severity, str]:
     force = InForce(view.loaded.loaded_robot.profile, robot)
     led = _led(it, view)
     faults = []
-    for control in {at.control for at in led} - {0}:
-        there = [at for at in led if at.control == control]
+    for control in {each.control for each in led} - {0}:
+        there = [each for each in led if each.control == control]
         faults.append(too_strong(force, spec.done, there) or too_slow(force, spec.done, there))
     if not any(faults):
         return Severity.WARNING, ""
-    always = all(faults) and all(at.control for at in led)
+    always = all(faults) and all(each.control for each in led)
     message = f"{spec.name} cannot be seen to be done: {max(faults)}"
     return Severity.ERROR if always else Severity.WARNING, message
 
