@@ -14,7 +14,8 @@ from hatchling.builders.hooks.plugin.interface import BuildHookInterface
 
 sys.path.insert(0, str(Path(__file__).parent))  # the package says what is built, and how
 
-from pirate_sm.simulation.machine_code import builder, built_library, linker
+from pirate_sm.simulation.machine_code import builder, built_library
+from pirate_sm.simulation.machine_code import builder as linker
 
 WISH = os.environ.get("PIRATE_SM_BUILD", "")
 """`never` builds no machine code; with `always` nothing is installed where it cannot be built."""

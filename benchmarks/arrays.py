@@ -20,10 +20,9 @@ from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.rosserial.frames import encode
 from pirate_sm.running.wiring.sim import start_values
+from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.texts import message_texts
-from pirate_sm.simulation.bay.virtual import VirtualBay
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 LOSS, CORRUPTION = 0.20, 0.01
 MISSION = "mitre_bend"

@@ -42,10 +42,9 @@ from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.events import Event
 from pirate_sm.lab.campaign.plan import command_of
-from pirate_sm.lab.campaign.verdict import judge
-from pirate_sm.lab.campaign.watched_run import Outcome, finished
+from pirate_sm.lab.campaign.watched_run import Outcome, finished, judge
 from pirate_sm.running.wiring import Prepared, load, prepare
-from pirate_sm.simulation.full_truth import FullTruth
+from pirate_sm.simulation.simulated_robot import FullTruth
 
 NEAR_M, PAST_M = 0.020, 0.030
 """How far a claim may be from the truth without a bound; how far beyond the middle of a bend every

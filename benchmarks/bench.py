@@ -30,8 +30,7 @@ from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedRobot, load_robot
 from pirate_sm.core.robot import ChartTable
 from pirate_sm.running.wiring import Order
-from pirate_sm.simulation.machine_code.built_library import find_library
-from pirate_sm.simulation.machine_code.sources import PACKAGE
+from pirate_sm.simulation.machine_code.built_library import PACKAGE, find_library
 
 BEND, IN_SPACE = "mitre_bend", ("take_elbow", "take_branch", "house_connection")
 COMMANDS = 20_000

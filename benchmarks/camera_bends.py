@@ -24,7 +24,7 @@ from benchmarks.campaign import Outcome, run_all
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.profile import Profile
-from pirate_sm.lab.campaign.verdict import SHORT_M
+from pirate_sm.lab.campaign.watched_run import SHORT_M
 from pirate_sm.running.wiring import Order
 
 LIGHTS = {

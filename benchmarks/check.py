@@ -10,9 +10,8 @@ from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-from pirate_sm.checking.exploring.explore import explore
+from pirate_sm.checking.exploring.explore import conditions_of, explore
 from pirate_sm.checking.mission.check_mission import check_loaded
-from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import LoadedMission, load_mission
 

@@ -32,9 +32,9 @@ from pirate_sm.core.loading import load_robot
 from pirate_sm.core.options import USUAL, Fidelity
 from pirate_sm.core.simulation import Friction
 from pirate_sm.running.wiring import Order
-from pirate_sm.simulation.mechanics import chain_of
+from pirate_sm.simulation.physics import chain_of
 from pirate_sm.simulation.start_pose import stand
-from pirate_sm.simulation.xpbd.kinematic import kinematic
+from pirate_sm.simulation.xpbd.world import kinematic
 
 FAST: Fidelity = "fast"
 CROSSING_M = 1.0

@@ -29,8 +29,7 @@ import pirate_sm.learning
 from benchmarks.learning_table import Played, Table, learn, play
 from benchmarks.learnt_mission import mission_of
 from pirate_sm.lab.learning.environment import InPipe
-from pirate_sm.lab.learning.rewards import least_commands
-from pirate_sm.lab.learning.transition import Transition
+from pirate_sm.lab.learning.rewards import Transition, least_commands
 from pirate_sm.learning import IN_PIPE
 
 MISSION = "mitre_bend"

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from pirate_sm.lab.learning.spaces import Mask, Observation
+from pirate_sm.lab.learning.environment import Mask, Observation
 
 WAIT = "wait"
 

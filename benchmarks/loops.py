@@ -28,7 +28,7 @@ from pirate_sm.running.runtime.backend_links import Holder
 from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualPort
 
 MISSION = Path(__file__).with_name("loops.yaml")
 SPEED_M_S, WITHIN_M_S = 0.090, 0.002

@@ -33,10 +33,9 @@ from pirate_sm.running.wiring.resume_offer import Said, offer, see
 from pirate_sm.running.wiring.resumed_run import driven_s, with_resumption
 from pirate_sm.running.wiring.run_recorder import RunRecorder, run_header
 from pirate_sm.running.wiring.sim import start_values
+from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.texts import message_texts
-from pirate_sm.simulation.bay.virtual import VirtualBay
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 WRITTEN_EVERY_S = 0.25
 """Interval at which a recorder writes, s; see `recorder.COMMIT_S`."""

@@ -22,7 +22,7 @@ import yaml
 from benchmarks.campaign import run_all
 from pirate_sm.core.campaign import TrueEnd
 from pirate_sm.lab.campaign.plan import command_of
-from pirate_sm.lab.campaign.verdict import RunVerdict, judge
+from pirate_sm.lab.campaign.watched_run import RunVerdict, judge
 from pirate_sm.running.wiring import Order
 
 FOLDER = Path("runs/robots")

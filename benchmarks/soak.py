@@ -43,8 +43,7 @@ from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.outcome import Result
 from pirate_sm.simulation.bay.firmware import Record
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.virtual import VirtualBay
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 UNHEARD_S = 0.4
 """A silence that is shorter is none."""

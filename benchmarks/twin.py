@@ -78,7 +78,7 @@ def main() -> int:
 def try_out(folder: Path, seed: int) -> Trial:
     """Record the robot of this seed in a folder, and fit its numbers."""
     import pirate_sm
-    from pirate_sm.lab.fitting.columns import read_measured
+    from pirate_sm.lab.fitting.measurements import read_measured
     from pirate_sm.lab.fitting.robot_numbers import robot_numbers
 
     true = drawn(seed)

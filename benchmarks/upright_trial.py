@@ -244,7 +244,7 @@ def _over_the_line(
     from pirate_sm.running.runtime.first_choice import FirstChoice
     from pirate_sm.running.runtime.loop import MissionRun
     from pirate_sm.simulation.bay.switches import Switches
-    from pirate_sm.simulation.bay.virtual_port import VirtualPort
+    from pirate_sm.simulation.bay.virtual import VirtualPort
 
     bay, plan = bay_at(loaded, seed, Switches(loss, loss))
     backend = SerialBackend(plan, VirtualPort(bay, plan.serial.heartbeat_within))

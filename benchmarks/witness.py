@@ -61,9 +61,9 @@ def main() -> int:
     """The bay has run in real time until it was asked to end."""
     from pirate_sm.core.files import library
     from pirate_sm.core.loading import load_mission
+    from pirate_sm.simulation.bay.node_handle import message_texts
     from pirate_sm.simulation.bay.switches import Switches
     from pirate_sm.simulation.bay.terminal import StopSignals, Terminal, serve
-    from pirate_sm.simulation.bay.texts import message_texts
     from pirate_sm.simulation.bay.virtual import VirtualBay
 
     mission, link = sys.argv[1], Path(sys.argv[2])

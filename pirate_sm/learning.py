@@ -8,13 +8,14 @@ from __future__ import annotations
 from pirate_sm.core.errors import not_installed
 from pirate_sm.lab.learning.rewards import (
     REWARDS,
+    Outcome,
     Reward,
+    Transition,
     least_commands,
     least_slip,
     progress,
     reach,
 )
-from pirate_sm.lab.learning.transition import Outcome, Transition
 
 __all__ = [
     "IN_PIPE",

@@ -55,7 +55,7 @@ ALPHABETS = {
         "| Finish",
         "NewInstruction(NamedTuple)",
         (
-            "checking/diff/read_behaviour.py",
+            "checking/mission_behaviour.py",
             "core/_engine/mission/successors.py",
             "core/_engine/mission/interpreter.py",
             "core/_engine/mission/signals_read.py",
@@ -102,7 +102,7 @@ ALPHABETS = {
         "core/_engine/robot/confirmation_spec.py",
         "| ImpliedSpec | AcceptedSpec",
         "NewSeenSpec(NamedTuple)",
-        ("checking/robot/seen_states.py", "core/_engine/robot/sensor_verdict.py"),
+        ("checking/robot/profile_behaviour.py", "core/_engine/robot/sensor_verdict.py"),
     ),
     "derived signal": Alphabet(
         "core/_model/derived.py",

@@ -9,11 +9,9 @@ from numbers import Integral, Real
 from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias, Unpack, cast, get_args, get_origin, get_type_hints
 
-from pirate_sm.checking.allowances import settle
-from pirate_sm.checking.findings import Finding
+from pirate_sm.checking.check_project import Wishes, check_paths
+from pirate_sm.checking.findings import Finding, settle
 from pirate_sm.checking.mission.check_mission import check_loaded
-from pirate_sm.checking.project.check_options import Wishes
-from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.options import OPTIONS, Options, as_text

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
-from pirate_sm.checking.allowances import settle
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, Severity, settle
 from pirate_sm.checking.mission.check_mission import MissionCheck, check_loaded
 from pirate_sm.checking.reports.check_report import CheckedFile, CheckReport
 from pirate_sm.checking.reports.text import text_report

@@ -1,9 +1,9 @@
-"""A defect that acts on a simulated robot: when it occurs, and what it can change."""
+"""A defect that acts on a simulated robot: when it occurs, what it can change, what gets lost."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Hashable, Mapping
 from typing import Literal, NamedTuple, TypeAlias
 
 import numpy as np
@@ -132,3 +132,36 @@ class Sudden(Effect):
     def strike(self, now: float) -> Incident | None:
         """Act on the robot; return an incident for the controller, if any."""
         raise NotImplementedError
+
+
+# --- losses --------------------------------------------------------------------------------------
+
+
+class Loss:
+    """Decides at random which messages arrive.
+
+    Args:
+        share: Share of lost messages.
+        never_two: Whether one of two consecutive messages of a kind always arrives.
+        rng: Random numbers.
+    """
+
+    def __init__(self, share: float, never_two: bool, rng: np.random.Generator) -> None:
+        # After a loss one message always arrives, so more of the others must be lost.
+        self._share = share / (1.0 - share) if never_two else share
+        self._never_two = never_two
+        self._rng = rng
+        self._just_lost: set[Hashable] = set()
+
+    def arrives(self, kind: Hashable) -> bool:
+        """Return whether the next message of this kind arrives."""
+        if self._share == 0.0:
+            return True
+        if kind in self._just_lost:
+            self._just_lost.discard(kind)
+            return True
+        if self._rng.random() >= self._share:
+            return True
+        if self._never_two:
+            self._just_lost.add(kind)
+        return False

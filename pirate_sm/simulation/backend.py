@@ -25,14 +25,13 @@ from pirate_sm.core.profile import Profile
 from pirate_sm.core.sensing import Glide, Watch
 from pirate_sm.robot.backends.protocol import Completion
 from pirate_sm.simulation.acting_defect import Incident
-from pirate_sm.simulation.full_truth import FullTruth
+from pirate_sm.simulation.electronics import BoardChannels
 from pirate_sm.simulation.gliding.glider import Glider
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.sensors import BoardChannels
-from pirate_sm.simulation.simulated_robot import SimulatedRobot
+from pirate_sm.simulation.simulated_robot import FullTruth, SimulatedRobot
 from pirate_sm.simulation.start_pose import Standing
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter
-from pirate_sm.simulation.xpbd.kinematic import kinematic
+from pirate_sm.simulation.xpbd.world import kinematic
 
 # `advance` returns after this time even if the robot reports nothing.
 _SILENCE_S = 1.0

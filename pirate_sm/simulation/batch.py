@@ -19,8 +19,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.profile import LinkSettings
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.crew import Crew
-from pirate_sm.simulation.gliding.protocol import GlidingPhysics
-from pirate_sm.simulation.physics import QuantityLayout
+from pirate_sm.simulation.physics import GlidingPhysics, QuantityLayout
 from pirate_sm.simulation.simulated_robot import CycleReading, SimulatedRobot
 
 

@@ -20,10 +20,8 @@ from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Defect
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import ANGLE, Dimension
-from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Sudden
-from pirate_sm.simulation.electronics import Electronics
-from pirate_sm.simulation.loss import Loss
-from pirate_sm.simulation.sensors import scale_of
+from pirate_sm.simulation.acting_defect import Counts, Effect, Incident, Loss, Sudden
+from pirate_sm.simulation.electronics import Electronics, scale_of
 
 AtWork: TypeAlias = tuple[Defect, np.random.Generator]
 """A defect and its own random numbers."""

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -17,20 +17,45 @@ from pirate_sm.core.events import BuiltInFault, FaultReport, FrameBlock, SensorF
 from pirate_sm.core.geometry import GRAVITY_M_S2, Bend, plane
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
-from pirate_sm.core.simulation import InSpace, Whereabouts
+from pirate_sm.core.simulation import InSpace, Truth, Whereabouts
 from pirate_sm.simulation.acting_defect import Incident
-from pirate_sm.simulation.actuators import ROLL, SlotRoute, routes_of
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.defects import AtWork, named, put_to_work
-from pirate_sm.simulation.electronics import Electronics
-from pirate_sm.simulation.full_truth import FullTruth
-from pirate_sm.simulation.mechanics import ChainBody, chain_of
-from pirate_sm.simulation.obstacles import Obstacles
-from pirate_sm.simulation.physics import MakePhysics, QuantityLayout
-from pirate_sm.simulation.pipe_changes import PipeChanges
-from pirate_sm.simulation.sensors import BoardChannels, sensors_of
+from pirate_sm.simulation.electronics import (
+    ROLL,
+    BoardChannels,
+    Electronics,
+    SlotRoute,
+    routes_of,
+    sensors_of,
+)
+from pirate_sm.simulation.physics import ChainBody, MakePhysics, QuantityLayout, chain_of
 from pirate_sm.simulation.start_pose import Standing, standing_again
-from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, surroundings_of
+from pirate_sm.simulation.surroundings import (
+    NO_JITTER,
+    Jitter,
+    Obstacles,
+    PipeChanges,
+    surroundings_of,
+)
+
+
+@dataclass(frozen=True, kw_only=True)
+class FullTruth(Truth):
+    """The true state: positions for views, and quantities that only a simulation knows.
+
+    Attributes:
+        arcs_m: Position of each wheel along the pipe.
+        bends_rad: Angle at each wheel between its two links.
+        torques_nm: Torque in the bend joint at each wheel; 0 without a joint.
+        gone: Whether the robot has left the pipe for good.
+    """
+
+    arcs_m: tuple[float, ...]
+    bends_rad: tuple[float, ...]
+    torques_nm: tuple[float, ...]
+    gone: bool
+
 
 _TOUCHING_N = 0.05
 # Cycles between two checks whether the robot has left the pipe, and how far it is gone then.

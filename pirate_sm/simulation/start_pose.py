@@ -10,8 +10,7 @@ from typing import Protocol
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.geometry import Frame, Piece, Route, Vector, dot, span_m
 from pirate_sm.core.profile import Profile
-from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.physics import ChainBody, StartPose
 
 _TURNED_RAD = math.radians(5)
 """A roll joint that is nearer to its target has come to it; its spring gives way by 2 deg [D]."""

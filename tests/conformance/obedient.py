@@ -15,8 +15,7 @@ import numpy as np
 from pirate_sm.core.geometry import Route, Vector
 from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import QuantityLayout, StartPose
+from pirate_sm.simulation.physics import ChainBody, QuantityLayout, StartPose
 
 
 class ObedientPhysics:

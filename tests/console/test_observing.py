@@ -12,7 +12,7 @@ from textual.events import Key
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.core.events import Observation, OperatorCommand
-from pirate_sm.lab.mapping.map_recording import mapped
+from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.wiring import Order

@@ -158,7 +158,7 @@ MADE: dict[str, Made] = {
     "a folder holds more files than are looked at": Made(
         _many_files,
         ("check.folder", ".", 0),
-        limits={"pirate_sm.checking.project.find_files.MOST_FILES": 4},
+        limits={"pirate_sm.checking.project_files.MOST_FILES": 4},
     ),
     "the chart of the PIRATE has too many combinations": Made(
         _robot("pirate_ii"),
@@ -173,12 +173,12 @@ MADE: dict[str, Made] = {
     "a mission can come to more situations than are looked at": Made(
         _written("m.yaml", _mission("[ClampFront, ClampRear, DriveForward, Brake]")),
         ("check.too_large", "m.yaml", 2),
-        limits={"pirate_sm.checking.mission.explore_mission.MOST_WORK": 5},
+        limits={"pirate_sm.checking.exploring.explore.MOST_WORK": 5},
     ),
     "a mission of the other robot can come to too many": Made(
         _written("m.yaml", _mission("[HoldNose, HoldTail, GoAhead, Rest]", "../newt")),
         ("check.too_large", "m.yaml", 2),
-        limits={"pirate_sm.checking.mission.explore_mission.MOST_WORK": 5},
+        limits={"pirate_sm.checking.exploring.explore.MOST_WORK": 5},
     ),
     "folders are nested too deeply": Made(_deep_folders, ("check.folder", "/".join(["d"] * 33), 0)),
 }

@@ -9,8 +9,8 @@ import pytest
 from representative import thorough_but
 
 from pirate_sm.checking import catalogue
+from pirate_sm.checking.check_project import check_paths
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.project.check_project import check_paths
 
 from .made import MADE, Made, mission_with_faults
 from .seeding import HERE, ROBOTS, ROOT, Case, cases, copied

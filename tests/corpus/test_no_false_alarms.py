@@ -12,8 +12,7 @@ import pytest
 import yaml
 from representative import MISSIONS, thorough_but
 
-from pirate_sm.checking.project.check_options import Wishes
-from pirate_sm.checking.project.check_project import check_paths
+from pirate_sm.checking.check_project import Wishes, check_paths
 from pirate_sm.core.files import library
 
 from .odd import Odd, odd_missions

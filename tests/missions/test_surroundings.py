@@ -22,10 +22,9 @@ from pirate_sm.robot.detectors.registry import Asked, detecting
 from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, load, prepare
+from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.texts import message_texts
-from pirate_sm.simulation.bay.virtual import VirtualBay
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 JOINT_REACH_M = 0.06
 """A wheel this near to a crossing stands in the joint, as the profile's words say."""

@@ -16,9 +16,10 @@ from collections.abc import Callable, Collection, Hashable, Iterator, Sequence
 from dataclasses import replace
 from typing import Any, TypeVar
 
-from pirate_sm.checking.exploring.answers import (
+from pirate_sm.checking.exploring.conditions import (
     NOWHERE,
     BranchAnswers,
+    Conditions,
     PossibleAnswer,
     Related,
     StepAnswers,
@@ -26,7 +27,6 @@ from pirate_sm.checking.exploring.answers import (
     Trigger,
     together,
 )
-from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.core.expressions import Expression, tree
 from pirate_sm.core.program import Branch, Program, Wait
 

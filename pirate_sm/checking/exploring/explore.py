@@ -8,33 +8,106 @@ Each state is first found by the smallest number of events.
 from __future__ import annotations
 
 from collections import defaultdict, deque
-from collections.abc import Callable, Collection
+from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from math import inf, isnan
+from math import inf, isfinite, isnan, nan
 from typing import Any, NamedTuple
 
-from pirate_sm.checking.exploring.alternating_sensors import lasting
-from pirate_sm.checking.exploring.answers import (
+from pirate_sm.checking.exploring.asking_program import Oracle
+from pirate_sm.checking.exploring.conditions import (
     NOWHERE,
+    Conditions,
+    Fact,
     StepAnswers,
     TooManyQuestionsError,
     Trigger,
 )
-from pirate_sm.checking.exploring.asking_program import Oracle
-from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.exploring.exploration import (
     BEGINS,
     Exploration,
+    Explored,
     ExploredState,
     ExploredStep,
+    index_exploration,
 )
 from pirate_sm.checking.exploring.possible_events import Moves, PossibleEvent
+from pirate_sm.checking.exploring.signal_ranges import ranges
 from pirate_sm.core.effects import Effect, Setpoints, StateChange, TriggerFired, WakeAt
 from pirate_sm.core.engine import Engine, EngineState, has_come
 from pirate_sm.core.events import Tick
-from pirate_sm.core.program import Program, Require, Say, Wait
+from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.program import Do, Program, Raise, Require, Say, TriggerSpec, Wait
 from pirate_sm.core.robot import RobotSpec, RobotState
+
+# --- sensors that alternate ----------------------------------------------------------------------
+# The exploration distinguishes states of a wait by which conditions have become true, not by when.
+# It therefore misses a wait that continues because first one condition breaks and then another,
+# such as ``known(x)`` and ``not known(x)``, each held for 2 s, with ``within`` 3 s. This module
+# finds such outcomes: sensors may change at any time and any number of times.
+
+
+LEAST_RIVALS = 2
+"""Smallest number of conditions that can alternate; the exploration covers fewer."""
+
+
+def lasting(
+    wait: Wait, state: EngineState, conditions: Conditions
+) -> Iterator[tuple[EngineState, float]]:
+    """Yield states just before an outcome of the wait, each with the time of the outcome.
+
+    In each of them at most one condition has been true all the time, and no other condition has
+    been true for long enough.
+
+    Args:
+        wait: What waits.
+        state: The state in which the wait has just begun.
+        conditions: What can be true together.
+    """
+    limit_s = min([wait.within_s, *(t.after_s for t in wait.triggers if t.after_s is not None)])
+    for chosen in (-1, *(n for n, each in enumerate(wait.triggers) if _is_held(each))):
+        after_s = limit_s if chosen < 0 else wait.triggers[chosen].held_s
+        if not isfinite(after_s) or after_s > limit_s:
+            continue
+        rivals = [
+            each
+            for number, each in enumerate(wait.triggers)
+            if _is_held(each)
+            and number != chosen
+            and (each.held_s, number) < (after_s, len(wait.triggers) if chosen < 0 else chosen)
+        ]
+        if len(rivals) < LEAST_RIVALS or not _can_last(wait, chosen, rivals, state, conditions):
+            continue
+        armed_s = state.mission.armed_s
+        since = tuple(armed_s if n == chosen else nan for n in range(len(wait.triggers)))
+        yield state._replace(mission=state.mission._replace(since=since)), armed_s + after_s
+
+
+def _is_held(trigger: TriggerSpec) -> bool:
+    return trigger.condition is not None and trigger.held_s > 0
+
+
+def _can_last(
+    wait: Wait, chosen: int, rivals: list[TriggerSpec], state: EngineState, conditions: Conditions
+) -> bool:
+    """Return whether each rival can break while the chosen condition holds and nothing fires."""
+    facts: list[Fact] = [
+        (each.condition.tree, False)
+        for each in wait.triggers
+        if each.condition is not None and each.held_s == 0
+    ]
+    held = wait.triggers[chosen].condition if chosen >= 0 else None
+    if held is not None:
+        facts.append((held.tree, True))
+    return all(
+        conditions.ask((*facts, (each.condition.tree, False)), state.words).possible
+        for each in rivals
+        if each.condition is not None
+    )
+
+
+# --- the exploration -----------------------------------------------------------------------------
+
 
 MOST_NODES = 50_000
 
@@ -277,3 +350,93 @@ def key_of(state: EngineState) -> Any:
 def key_of_wait(state: EngineState) -> Any:
     """Return the same key, independent of the conditions that have become true."""
     return key_of(state._replace(mission=state.mission._replace(since=())))
+
+
+# --- missions ------------------------------------------------------------------------------------
+
+
+MOST_ASSUMPTIONS = 20
+"""How often the exploration is repeated without steps that can never run."""
+
+
+def conditions_of(loaded: LoadedMission) -> Conditions:
+    """Return the decision procedure for conditions on the mission's robot."""
+    spans = ranges(loaded.loaded_robot.profile, loaded.robot)
+    return Conditions(loaded.robot.vocabulary.with_changes, spans, len(loaded.robot.regions))
+
+
+def explore_mission(loaded: LoadedMission, conditions: Conditions) -> list[Explored]:
+    """Explore a mission repeatedly, each time without the steps that can never run.
+
+    After a certain refusal the check continues without the step, to find later faults as well. All
+    explorations together are limited to the work of one.
+    """
+    program = loaded.program
+    explored: list[Explored] = []
+    left: float = MOST_WORK
+    for _ in range(MOST_ASSUMPTIONS):
+        book = index_exploration(explore(loaded.robot, program, conditions, most_work=left))
+        left -= book.found.work
+        known = {place for earlier in explored for place in earlier.visits}
+        explored.append(book)
+        stuck = {
+            place
+            for place, visits in book.visits.items()
+            if place not in known and visits.never_fine
+        }
+        if not stuck or not book.found.complete:
+            break
+        program = _without(program, stuck)
+    return explored
+
+
+def _without(program: Program, places: set[str]) -> Program:
+    """Return the program without the steps or calls at these places."""
+    instructions = tuple(
+        Require((), "", _after(program, index), each.failed, "")
+        if isinstance(each, Do | Require) and each.place in places
+        else each
+        for index, each in enumerate(program.instructions)
+    )
+    return replace(program, instructions=instructions)
+
+
+def _after(program: Program, index: int) -> int:
+    """Return the instruction after a step; after a call, the target of its success."""
+    step = program.instructions[index]
+    assert isinstance(step, Do | Require)
+    if isinstance(step, Do):
+        return step.next
+    for end in program.instructions[index + 1 :]:
+        if isinstance(end, Say):
+            return end.next
+        if not isinstance(end, Raise):
+            break
+    return step.next  # it has no end that succeeds
+
+
+def explore_corrected(
+    explored: Sequence[Explored], loaded: LoadedMission, conditions: Conditions
+) -> list[Explored]:
+    """Explore a mission whose refused steps and broken rules have been corrected.
+
+    Parts that are reached, needed or fired only then are not reported as never reached, needed or
+    fired.
+    """
+    last = explored[-1]
+    refused = {
+        place for book in explored for place, visits in book.visits.items() if visits.refused
+    }
+    broken = any(book.broken for book in explored)
+    if not last.found.complete or not (refused or broken):
+        return []
+    program = last.found.program
+    instructions = tuple(
+        each._replace(failed=_after(program, index))
+        if isinstance(each, Do | Require) and each.place in refused
+        else each
+        for index, each in enumerate(program.instructions)
+    )
+    corrected = replace(program, instructions=instructions, rules=() if broken else program.rules)
+    left = MOST_WORK - sum(book.found.work for book in explored)
+    return [index_exploration(explore(loaded.robot, corrected, conditions, most_work=left))]

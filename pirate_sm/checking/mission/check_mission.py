@@ -7,28 +7,23 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from pirate_sm.checking.exploring.exploration_index import Explored
+from pirate_sm.checking.exploring.exploration import Explored
+from pirate_sm.checking.exploring.explore import conditions_of, explore_corrected, explore_mission
 from pirate_sm.checking.findings import Finding, finding_of
-from pirate_sm.checking.mission.branches import branches
-from pirate_sm.checking.mission.explore_mission import (
-    conditions_of,
-    explore_corrected,
-    explore_mission,
-)
-from pirate_sm.checking.mission.fault_handlers import fault_handlers, ignored_holding
-from pirate_sm.checking.mission.flow import (
-    beyond_the_limit,
-    counts_what_was_counted,
-    faults_again,
-    resumes_in_vain,
-    rises_while_loose,
-)
 from pirate_sm.checking.mission.mission_parameters import parameter_limits, unused_parameters
 from pirate_sm.checking.mission.mission_view import MissionPlaces, MissionView
 from pirate_sm.checking.mission.out_of_reach import out_of_reach
-from pirate_sm.checking.mission.reachability import reachability
-from pirate_sm.checking.mission.refused_steps import refused_steps
-from pirate_sm.checking.mission.time_limits import time_limits
+from pirate_sm.checking.mission.reachability import branches, reachability, refused_steps
+from pirate_sm.checking.mission.time_and_order import (
+    beyond_the_limit,
+    counts_what_was_counted,
+    fault_handlers,
+    faults_again,
+    ignored_holding,
+    resumes_in_vain,
+    rises_while_loose,
+    time_limits,
+)
 from pirate_sm.checking.mission.wait_triggers import wait_triggers
 from pirate_sm.checking.pipe.check_in_pipe import pipe_findings, view_in_pipe
 from pirate_sm.checking.robot.check_robot import robot_errors

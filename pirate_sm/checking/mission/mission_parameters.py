@@ -11,8 +11,7 @@ from pydantic import BaseModel
 
 from pirate_sm.checking.exploring.conditions import Conditions
 from pirate_sm.checking.findings import Finding, Severity, at
-from pirate_sm.checking.mission.driving import within_reach
-from pirate_sm.checking.mission.mission_view import MissionView
+from pirate_sm.checking.mission.mission_view import MissionView, within_reach
 from pirate_sm.core.documents import Document, Problems
 from pirate_sm.core.expressions import ExpressionError, compile_condition
 from pirate_sm.core.loading import LoadedMission, Value, Values, defaults, read_value

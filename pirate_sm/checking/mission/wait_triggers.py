@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence, Set
 from dataclasses import replace
 
-from pirate_sm.checking.exploring.answers import Fact
-from pirate_sm.checking.exploring.piecewise_linear import signals, value
+from pirate_sm.checking.exploring.conditions import Fact
+from pirate_sm.checking.exploring.signal_ranges import signals, value
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.mission_view import MissionView
 from pirate_sm.core.expressions import Expression, NumberType, Vocabulary, change_of, tree

@@ -16,9 +16,8 @@ from typing import Any
 
 import yaml
 
-from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep
+from pirate_sm.checking.exploring.exploration import Exploration, ExploredStep, sentence
 from pirate_sm.checking.exploring.possible_events import UNSAID
-from pirate_sm.checking.exploring.story import sentence
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.core.documents import Document

@@ -8,8 +8,7 @@ from textwrap import wrap
 
 from pirate_sm.checking import catalogue
 from pirate_sm.checking.findings import Finding, Severity
-from pirate_sm.checking.mission.rehearsal import Rehearsal, RehearsedRun
-from pirate_sm.checking.reports.check_report import CheckReport, marked
+from pirate_sm.checking.reports.check_report import CheckReport, Rehearsal, RehearsedRun, marked
 from pirate_sm.core.events import BUILT_IN_FAULTS, BuiltInFault, Origin
 
 _WIDTH = 100

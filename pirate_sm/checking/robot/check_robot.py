@@ -14,8 +14,14 @@ from typing import NamedTuple
 
 from pirate_sm.checking.findings import Finding, Severity, finding_of
 from pirate_sm.checking.robot.check_chart import check_chart, cut_off, examine
-from pirate_sm.checking.robot.command_targets import command_targets, travel_missions
-from pirate_sm.checking.robot.fault_conditions import fault_conditions, rule_conditions
+from pirate_sm.checking.robot.profile_behaviour import (
+    command_targets,
+    fault_conditions,
+    impossible_signs,
+    rule_conditions,
+    travel_missions,
+    unseen_states,
+)
 from pirate_sm.checking.robot.profile_numbers import (
     coarse_setpoints,
     end_stops,
@@ -30,7 +36,6 @@ from pirate_sm.checking.robot.profile_numbers import (
 )
 from pirate_sm.checking.robot.references import OF_PROFILE, found_by, references
 from pirate_sm.checking.robot.robot_view import RobotView
-from pirate_sm.checking.robot.seen_states import impossible_signs, unseen_states
 from pirate_sm.checking.robot.wheels_and_clamps import (
     boards_outside,
     mirrored_slots,

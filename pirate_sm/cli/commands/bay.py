@@ -43,10 +43,10 @@ def run_bay(options: BayOptions) -> int:
         BackendError: There is no pseudo-terminal.
     """
     try:
+        from pirate_sm.simulation.bay.node_handle import message_texts
         from pirate_sm.simulation.bay.terminal import StopSignals, Terminal, serve
-        from pirate_sm.simulation.bay.texts import message_texts
         from pirate_sm.simulation.bay.virtual import VirtualBay
-        from pirate_sm.simulation.xpbd.kinematic import is_compiled
+        from pirate_sm.simulation.xpbd.world import is_compiled
     except ModuleNotFoundError as error:
         raise without_messages(error) from None
     if options.log is not None:

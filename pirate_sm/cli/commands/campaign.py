@@ -22,12 +22,16 @@ from pirate_sm.core.on_disk import is_file, is_folder
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.campaign_file import read_campaign
-from pirate_sm.lab.campaign.conductor import Conductor, Progress, stored_plan
+from pirate_sm.lab.campaign.conductor import (
+    Conductor,
+    Progress,
+    failures,
+    record_failures,
+    stored_plan,
+)
 from pirate_sm.lab.campaign.crew import MOST_EACH, connected, most_workers
-from pirate_sm.lab.campaign.junit import as_junit
 from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of
-from pirate_sm.lab.campaign.recording_failures import failures, record_failures
-from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
+from pirate_sm.lab.campaign.results import CampaignResult, as_junit, as_text, result_of
 from pirate_sm.lab.campaign.store import DamagedMarkError, Store, is_store
 from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop
 

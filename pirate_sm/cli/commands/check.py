@@ -7,12 +7,10 @@ from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from pirate_sm.checking.check_project import Wishes, check_paths
 from pirate_sm.checking.findings import Finding, Severity, finding_of
-from pirate_sm.checking.mission.rehearsal import Rehearse
-from pirate_sm.checking.project.check_options import Wishes
-from pirate_sm.checking.project.check_project import check_paths
-from pirate_sm.checking.project.fix_files import FileChange, changes_of
-from pirate_sm.checking.reports.check_report import CheckReport
+from pirate_sm.checking.project_files import FileChange, changes_of
+from pirate_sm.checking.reports.check_report import CheckReport, Rehearse
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli import settings
 from pirate_sm.cli.options.checks import CheckOptions
@@ -25,7 +23,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.files import is_below
 from pirate_sm.core.palette import ACCENT, BAD, MUTED, ON_A_TERMINAL, STRONG, WARN
 from pirate_sm.core.visible import visible
-from pirate_sm.lab.experiments.check_experiment import check_experiment
+from pirate_sm.lab.experiments.experiment_files import check_experiment
 from pirate_sm.lab.gallery.scene_file import HERE, OUT, check_scene
 
 CLEAN, FOUND, NOTHING = 0, 1, 2
@@ -146,19 +144,19 @@ def _written(report: CheckReport, wanted: str, fail_on: Severity) -> str:
     """Return the report in the format that is wanted."""
     match wanted:
         case "json":
-            from pirate_sm.checking.reports.json import json_report
+            from pirate_sm.checking.reports.machine_readable import json_report
 
             return json_report(report)
         case "sarif":
-            from pirate_sm.checking.reports.sarif import sarif_report
+            from pirate_sm.checking.reports.machine_readable import sarif_report
 
             return sarif_report(report)
         case "junit":
-            from pirate_sm.checking.reports.junit import junit_report
+            from pirate_sm.checking.reports.machine_readable import junit_report
 
             return junit_report(report, fail_on)
         case "github":
-            from pirate_sm.checking.reports.github import github_report
+            from pirate_sm.checking.reports.machine_readable import github_report
 
             return visible(github_report(report), lines=True)
         case _:

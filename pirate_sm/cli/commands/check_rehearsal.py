@@ -7,7 +7,7 @@ from importlib import import_module
 from math import inf
 from pathlib import Path
 
-from pirate_sm.checking.mission.rehearsal import Nearly, Rehearsal, Rehearse, RehearsedRun
+from pirate_sm.checking.reports.check_report import Nearly, Rehearsal, Rehearse, RehearsedRun
 from pirate_sm.cli.errors import say
 from pirate_sm.core.effects import Effect, TriggerFired, WaitArmed
 from pirate_sm.core.engine import ROUNDING_S

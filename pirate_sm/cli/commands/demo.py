@@ -35,7 +35,7 @@ from pirate_sm.lab.gallery.scene_file import (
 from pirate_sm.running.recording.read.reader import read_recording
 
 if TYPE_CHECKING:
-    from pirate_sm.lab.gallery.gallery_page import PlayedScene, PlayedStep
+    from pirate_sm.lab.gallery.played_scene import PlayedScene, PlayedStep
 
 AS_EXPECTED, NOT_SO = 0, 1
 PAGE = "index.html"
@@ -102,7 +102,7 @@ def _missing(scene: Scene) -> str:
 
 
 def _play_one(path: Path, options: DemoOptions) -> int:
-    from pirate_sm.lab.gallery.gallery_page import verdict_of
+    from pirate_sm.lab.gallery.played_scene import verdict_of
 
     scene = _loaded(path, options.output)
     if missing := _missing(scene):
@@ -130,7 +130,7 @@ def _folders(path: Path, output: Path) -> dict[str, Path]:
 
 
 def _play_all(options: DemoOptions) -> int:
-    from pirate_sm.lab.gallery.gallery_page import PlayedScene, gallery_page, verdict_of
+    from pirate_sm.lab.gallery.played_scene import PlayedScene, gallery_page, verdict_of
 
     scenes, known = [], [(path, _loaded(path, options.output)) for path in library.scenes()]
     pages = [options.output / scene.scene / PAGE for _, scene in known]
@@ -152,7 +152,7 @@ def _play(
     scene: Scene, path: Path, output: Path, speed: str, *, quiet: bool = False
 ) -> PlayedScene:
     """Play the steps of a scene and write its page; ``quiet``: of runs only how they ended."""
-    from pirate_sm.lab.gallery.gallery_page import PlayedScene, scene_page
+    from pirate_sm.lab.gallery.played_scene import PlayedScene, scene_page
 
     folder = output / scene.scene
     if not is_below(folder, output):
@@ -179,8 +179,7 @@ def _near(folder: Path) -> Path:
 
 
 def _play_step(step: SceneStep, words: list[str], folder: Path, of_a_run: list[str]) -> PlayedStep:
-    from pirate_sm.lab.gallery.gallery_page import PlayedStep
-    from pirate_sm.lab.gallery.scene_verdict import unmet
+    from pirate_sm.lab.gallery.played_scene import PlayedStep, unmet
 
     if why := why_refused(words, folder):  # an earlier step may have written what it reads
         raise UsageError(why)

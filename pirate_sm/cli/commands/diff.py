@@ -10,8 +10,8 @@ import sys
 from dataclasses import asdict
 from textwrap import wrap
 
-from pirate_sm.checking.diff.differences import Kind, MissionDifference, compare
-from pirate_sm.checking.diff.read_behaviour import abilities_of
+from pirate_sm.checking.mission_behaviour import abilities_of
+from pirate_sm.checking.mission_differences import Kind, MissionDifference, compare
 from pirate_sm.cli.options.checks import DiffOptions
 from pirate_sm.cli.options.values import read_settings
 from pirate_sm.cli.output.encoding import writable

@@ -16,8 +16,7 @@ from pirate_sm.core.visible import visible
 if TYPE_CHECKING:
     from pirate_sm.core.profile import Profile
     from pirate_sm.lab.experiments.experiment_files import Setup
-    from pirate_sm.lab.experiments.experiment_result import ExperimentResult
-    from pirate_sm.lab.experiments.thesis_rows import ComparedRow
+    from pirate_sm.lab.experiments.setups import ComparedRow, ExperimentResult
 
 NOT_REPRODUCED = 1
 _WIDE = 100
@@ -35,7 +34,7 @@ def run_experiment(options: ExperimentOptions) -> int:
     from pirate_sm.core.files import library
     from pirate_sm.core.loading import load_robot
     from pirate_sm.lab.experiments.experiment_files import chosen, load_experiments
-    from pirate_sm.lab.experiments.thesis_rows import compared
+    from pirate_sm.lab.experiments.setups import compared
     from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     folder = library.find_robot(options.robot, Path.cwd()) if options.robot else library.robots()[0]
@@ -69,10 +68,9 @@ def _repeated(
 ) -> ExperimentResult:
     """Return what came of an experiment."""
     from pirate_sm.lab.experiments.bend import repeat_bend
-    from pirate_sm.lab.experiments.mission_setups import BendSetup
+    from pirate_sm.lab.experiments.setups import BendSetup, TractionSetup
     from pirate_sm.lab.experiments.straight_pipe import repeat_straight_pipe
     from pirate_sm.lab.experiments.traction_experiment import repeat_traction
-    from pirate_sm.lab.experiments.traction_setup import TractionSetup
 
     with progress(f"experiment {setup.experiment}") as watch:
         if isinstance(setup, TractionSetup):

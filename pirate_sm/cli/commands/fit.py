@@ -16,9 +16,7 @@ from pirate_sm.core.visible import visible
 
 if TYPE_CHECKING:
     from pirate_sm.core.profile import Profile
-    from pirate_sm.lab.fitting.columns import MeasuredFile
-    from pirate_sm.lab.fitting.estimate import Estimate
-    from pirate_sm.lab.fitting.slip_columns import SlipSignalNames
+    from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, SlipSignalNames
     from pirate_sm.lab.fitting.slip_curve import SlipCurve
     from pirate_sm.simulation.arrays import Floats
 
@@ -55,7 +53,7 @@ def run_fit(options: FitOptions) -> int:
 
 
 def _measured(runs: Sequence[str]) -> list[MeasuredFile]:
-    from pirate_sm.lab.fitting.columns import read_measured
+    from pirate_sm.lab.fitting.measurements import read_measured
 
     with progress("reading") as watch:
         measured = []
@@ -79,7 +77,7 @@ def _refuse_losses(options: FitOptions) -> None:
 
 
 def _signals(options: FitOptions, measured: MeasuredFile) -> SlipSignalNames:
-    from pirate_sm.lab.fitting.slip_columns import SlipSignalNames
+    from pirate_sm.lab.fitting.measurements import SlipSignalNames
 
     radius_m = read_length("--radius", options.radius)
     if radius_m is None and measured.profile is not None:
@@ -93,7 +91,7 @@ def _curves(options: FitOptions) -> dict[str, SlipCurve]:
     """Return the curve of each wheel."""
     import numpy as np
 
-    from pirate_sm.lab.fitting.slip_columns import wheels_in
+    from pirate_sm.lab.fitting.measurements import wheels_in
     from pirate_sm.lab.fitting.slip_curve import fit_slip_curve
 
     measured = _measured(options.runs)
@@ -111,7 +109,7 @@ def _curves(options: FitOptions) -> dict[str, SlipCurve]:
 
 def _points(measured: MeasuredFile, wheel: str, options: FitOptions) -> tuple[Floats, Floats]:
     """Return slip and friction of a wheel; of a recording where they are steady."""
-    from pirate_sm.lab.fitting.slip_columns import slip_and_friction, steady
+    from pirate_sm.lab.fitting.measurements import slip_and_friction, steady
 
     slip, friction = slip_and_friction(measured.columns, wheel, _signals(options, measured))
     if measured.profile is None:
@@ -134,7 +132,7 @@ def _lines(wheel: str, curve: SlipCurve) -> Iterable[str]:
     for what, estimate in _values(curve):
         yield f"  {what:<29} {estimate_text(estimate)}"
     if curve.magic is not None and (curve.magic_peak.known or curve.magic_plateau.known):
-        from pirate_sm.lab.fitting.magic_formula import NAMES
+        from pirate_sm.lab.fitting.slip_curve import NAMES
 
         numbers = zip(NAMES, curve.magic.parameters, curve.magic.interval, strict=True)
         parameters = ", ".join(f"{each} {value:.4g} ± {half:.2g}" for each, value, half in numbers)
@@ -150,7 +148,7 @@ def _rows(wheel: str, curve: SlipCurve) -> Iterable[tuple[object, ...]]:
 
 
 def _page(curves: dict[str, SlipCurve], options: FitOptions) -> str:
-    from pirate_sm.lab.fitting.slip_plot import slip_plot
+    from pirate_sm.lab.fitting.slip_curve import slip_plot
     from pirate_sm.views.report.figure_page import FigureSection, figure_page
 
     sections = [
@@ -174,7 +172,7 @@ def _say_friction(curves: dict[str, SlipCurve], place: Path | None) -> None:
     """
     from statistics import median
 
-    from pirate_sm.lab.fitting.pipe_friction import friction_line, pipe_with_friction
+    from pirate_sm.lab.fitting.slip_curve import friction_line, pipe_with_friction
 
     found = [
         [each.value for each in estimates if each.known]
@@ -199,8 +197,7 @@ def _fit_robot(measured: Sequence[MeasuredFile], options: FitOptions) -> int:
     Raises:
         UsageError: The recordings are of several robots, or a file cannot be written.
     """
-    from pirate_sm.lab.fitting.robot_numbers import robot_numbers
-    from pirate_sm.lab.fitting.twin_text import twin_text
+    from pirate_sm.lab.fitting.robot_numbers import robot_numbers, twin_text
 
     profile = _one_robot([each.profile for each in measured])
     numbers = robot_numbers(measured)

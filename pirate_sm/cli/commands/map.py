@@ -9,7 +9,7 @@ from pirate_sm.cli.opened_recording import opened_recording
 from pirate_sm.cli.options.recordings import MapOptions
 from pirate_sm.cli.options.values import read_length
 from pirate_sm.cli.output.files import refuse_losses, write_file
-from pirate_sm.lab.mapping.map_recording import mapped
+from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 
 

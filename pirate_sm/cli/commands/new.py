@@ -8,7 +8,7 @@ from importlib import resources
 from pathlib import Path
 from string import Template
 
-from pirate_sm.checking.schemas.schema_files import MODELINE, mission_schema_text, schema_text
+from pirate_sm.checking.schema_files import MODELINE, mission_schema_text, schema_text
 from pirate_sm.cli.options.files import (
     NewCameraOptions,
     NewCampaignOptions,

@@ -13,8 +13,7 @@ from shutil import get_terminal_size
 from textwrap import wrap
 from typing import Any
 
-from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
-from pirate_sm.checking.plans.ways_to_states import WayToStates, hindered, way_to
+from pirate_sm.checking.plans import WayToStates, beginnings, hindered, restoring, way_to
 from pirate_sm.cli.options.files import PlanOptions
 from pirate_sm.cli.options.values import read_pairs
 from pirate_sm.core.errors import UsageError

@@ -6,7 +6,7 @@ import sys
 from itertools import groupby
 from pathlib import Path
 
-from pirate_sm.checking.allowances import settle
+from pirate_sm.checking.findings import settle
 from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.options.files import RobotOptions
 from pirate_sm.cli.output.files import refuse_losses, write_file

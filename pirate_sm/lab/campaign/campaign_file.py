@@ -37,11 +37,16 @@ from pirate_sm.core.loading import LoadedMission, references, try_validate
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.options import OPTIONS
 from pirate_sm.core.profile import LONGEST_NAME
-from pirate_sm.lab.campaign.choices import Choices, choices_of, faultless_choices, texts
-from pirate_sm.lab.campaign.code_version import code_version
 from pirate_sm.lab.campaign.intervals import wilson
-from pirate_sm.lab.campaign.named_parts import Named, NameReader
-from pirate_sm.lab.campaign.plan import CampaignPlan, Cell
+from pirate_sm.lab.campaign.named_parts import (
+    Choices,
+    Named,
+    NameReader,
+    choices_of,
+    faultless_choices,
+    texts,
+)
+from pirate_sm.lab.campaign.plan import CampaignPlan, Cell, code_version
 from pirate_sm.running.wiring import Order, load, prepare
 
 MOST_CELLS = 10_000

@@ -1,26 +1,96 @@
-"""A chunk of runs of one cell: what a Dask worker is sent, does, and sends back."""
+"""A chunk of runs of one cell: what a Dask worker is sent, does, and sends back.
+
+Each run draws from its seed how far it differs from its files.
+"""
 
 from __future__ import annotations
 
 import pickle
 import traceback
 from collections import OrderedDict
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from math import nan
 from pathlib import Path
 from time import monotonic
 from typing import NamedTuple
 
+import numpy as np
+
 from pirate_sm.core.campaign import TrueEnd
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.lab.campaign.code_version import code_version
-from pirate_sm.lab.campaign.factors import drawn_factors
-from pirate_sm.lab.campaign.verdict import RunVerdict, judge
-from pirate_sm.lab.campaign.watched_run import watched_run
+from pirate_sm.core.options import JITTER
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.units import DIMENSIONLESS, LENGTH, parse_quantity, unit_of
+from pirate_sm.lab.campaign.plan import code_version
+from pirate_sm.lab.campaign.watched_run import RunVerdict, judge, watched_run
 from pirate_sm.running.wiring import Order
+from pirate_sm.simulation.defects import drawn
+from pirate_sm.simulation.surroundings import Jitter, drawn_jitter
+
+# --- factors -------------------------------------------------------------------------------------
+
+
+FROM_FILES = tuple(f"{each.key}_m" if each.unit == LENGTH else each.key for each in JITTER)
+"""The factors that are how far a run differs from its files."""
+
+
+class Factor(NamedTuple):
+    """A number that each run of a cell draws uniformly.
+
+    Attributes:
+        name: One of ``FROM_FILES``, or the number of a defect: its name, ``_`` and the key.
+        unit: The SI unit; empty for a share.
+        low: Its least value; likewise ``high``.
+    """
+
+    name: str
+    unit: str
+    low: float
+    high: float
+
+
+def factors_of(order: Order) -> tuple[Factor, ...]:
+    """Return what the runs of an order draw."""
+    found = [
+        Factor(name, unit_of(each.unit or DIMENSIONLESS), -most, most)
+        for name, each in zip(FROM_FILES, JITTER, strict=True)
+        if (most := getattr(order, each.name))
+    ]
+    for name, written in _numbers(order.defects):
+        low, dots, high = map(str.strip, written.partition(".."))
+        if dots and low != high:
+            least, most = parse_quantity(low), parse_quantity(high).value
+            found.append(Factor(name, unit_of(least.dimension), least.value, most))
+    return tuple(found)
+
+
+def drawn_factors(order: Order, profile: Profile) -> Mapping[str, float]:
+    """Return what the run of an order, with its seed, draws: each factor in SI units.
+
+    Raises:
+        UsageError: The robot does not have the defects.
+    """
+    differs = drawn_jitter(Jitter(**order.jitter), np.random.default_rng(order.seed))
+    numbers = dict(_numbers(drawn(order.defects, profile, order.seed)))
+    values = {name: parse_quantity(text).value for name, text in numbers.items()}
+    values |= zip(FROM_FILES, (differs.start_m, differs.friction, differs.diameter_m), strict=True)
+    return {each.name: values[each.name] for each in factors_of(order)}
+
+
+def _numbers(defects: Sequence[str]) -> Iterator[tuple[str, str]]:
+    """Yield each number in the texts of defects, as it is written, by a name of its own."""
+    for text in defects:
+        defect, _, rest = text.partition(":")
+        for pair in filter(None, rest.split(",")):
+            key, _, written = pair.partition("=")
+            yield f"{defect}_{key.strip()}", written.strip()
+
+
+# --- chunks --------------------------------------------------------------------------------------
+
 
 CHUNK = 20
 """Runs of a chunk: Dask takes some 10 ms of the client's processor for a task of any length."""
@@ -42,13 +112,13 @@ class RunRow(NamedTuple):
     Attributes:
         cell: Key of its cell.
         outcome: As the mission says; ``bug``: this program raised an exception.
-        verdict: What it was in truth, see :class:`pirate_sm.lab.campaign.verdict.RunVerdict`.
+        verdict: What it was in truth, see :class:`pirate_sm.lab.campaign.watched_run.RunVerdict`.
         why: Why it did not pass; empty if it did.
         held: Whether it passed, or failed with the robot held.
         unsafe: The rules of safety that it broke; empty for none.
         short_m: How far a wheel was short of where the last word says; NaN if none was said.
         deepest_m: How deep a wheel or link was in a wall, at most; NaN if unknown.
-        drawn: What it has drawn from its seed, see :mod:`pirate_sm.lab.campaign.factors`.
+        drawn: What it has drawn from its seed, see :mod:`pirate_sm.lab.campaign.chunk`.
     """
 
     cell: str

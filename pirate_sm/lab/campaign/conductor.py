@@ -1,19 +1,40 @@
-"""Runs a campaign: gives chunks to the crew and stores what comes back, until it is enough."""
+"""Runs a campaign: gives chunks to the crew and stores what comes back, until it is enough.
+
+Runs that failed are repeated with a recording, so that they can be looked at.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+import re
+from collections.abc import Callable, Iterable, Sequence
+from contextlib import suppress
+from dataclasses import replace
+from datetime import UTC, datetime
 from itertools import groupby, islice
+from math import inf
 from operator import attrgetter
 from pathlib import Path
-from typing import NamedTuple
+from tempfile import TemporaryDirectory
+from time import perf_counter
+from typing import Literal, NamedTuple, TypeAlias
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.lab.campaign.chunk import CHUNK, Chunk, RunRow, cut
-from pirate_sm.lab.campaign.crew import ChunkRunner
-from pirate_sm.lab.campaign.plan import FORMAT, CampaignPlan, Cell, plan_of
+from pirate_sm.core.on_disk import is_there
+from pirate_sm.lab.campaign.chunk import (
+    CHUNK,
+    Chunk,
+    OtherVersionError,
+    RunRow,
+    Sent,
+    cut,
+    loaded_mission,
+)
+from pirate_sm.lab.campaign.crew import ChunkRunner, DaskCrew
+from pirate_sm.lab.campaign.plan import FORMAT, CampaignPlan, Cell, code_version, plan_of
 from pirate_sm.lab.campaign.store import DamagedMarkError, Store
 from pirate_sm.lab.campaign.tally import Tally
+from pirate_sm.lab.campaign.watched_run import finished
+from pirate_sm.running.wiring import prepare
 
 _LOOK_S = 0.5
 """So often progress is shown when nothing comes."""
@@ -185,3 +206,108 @@ class Conductor:
 def chunk_of(cell: Cell, seeds: Iterable[int]) -> Chunk:
     """Return the chunk with some seeds of a cell."""
     return Chunk(cell.key, cell.order, cell.end, cell.mission, tuple(seeds))
+
+
+# --- runs that are recorded ----------------------------------------------------------------------
+
+
+Which: TypeAlias = Literal["first", "all", "none"]
+
+_MOST_CAUSES = 10
+"""The most causes of a cell that are recorded."""
+
+_LONGEST = 80
+
+
+class Recorded(NamedTuple):
+    """A run that was recorded; no content if that was not possible."""
+
+    cell: str
+    seed: int
+    content: bytes
+
+
+def record_chunk(chunk: Chunk, sent: Sent, version: str) -> list[Recorded]:
+    """Run a chunk on this worker with recordings; return them.
+
+    Raises:
+        OtherVersionError: This worker's code is another one.
+    """
+    if version != code_version():
+        raise OtherVersionError(code_version())
+    return [_recorded(chunk, sent, seed) for seed in chunk.seeds]
+
+
+def _recorded(chunk: Chunk, sent: Sent, seed: int) -> Recorded:
+    from pirate_sm.running.wiring.run_recorder import RunRecorder, new_recording, run_header
+
+    with TemporaryDirectory() as folder:
+        path = Path(folder) / "run.mcap"
+        with suppress(Exception):  # it was an outcome already, and is none of the recording
+            prepared = prepare(replace(chunk.order, seed=seed), loaded_mission(sent))
+            header = run_header(prepared, inf, datetime.now(UTC).astimezone())
+            recording = RunRecorder(prepared, header, new_recording(path, header))
+            try:
+                finished(
+                    prepared,
+                    perf_counter(),
+                    slides=False,
+                    tap=recording.recorder,
+                    begun=lambda run: recording.follow(prepared, lambda: run.state),
+                )
+            finally:
+                recording.close(path)
+        return Recorded(chunk.cell, seed, path.read_bytes() if is_there(path) else b"")
+
+
+def recording_name(tally: Tally, seed: int) -> str:
+    """Return the file name of the recording of a run."""
+    name = re.sub(r"[^\w.+-]+", "_", tally.cell.name).strip("_")[:_LONGEST]
+    return f"{name}_{tally.cell.key[:6]}_{seed}.mcap"
+
+
+def seeds_to_record(tally: Tally, which: Which) -> Sequence[int]:
+    """Return the seeds of a cell that are to be recorded.
+
+    Args:
+        tally: The results of the cell.
+        which: The first seed of each cause, or all seeds that are kept of it.
+    """
+    causes = [*tally.causes.values(), *tally.unsafe_causes.values()]
+    causes.sort(key=lambda each: -each.count)
+    most = {"first": 1, "all": None, "none": 0}[which]
+    return sorted({seed for cause in causes[:_MOST_CAUSES] for seed in cause.seeds[:most]})
+
+
+# --- recordings of failures ----------------------------------------------------------------------
+
+
+def failures(tallies: Sequence[Tally], store: Store, which: Which) -> list[Chunk]:
+    """Return the runs that are to be repeated with a recording and have none yet."""
+    return [
+        chunk_of(tally.cell, [seed])
+        for tally in tallies
+        for seed in seeds_to_record(tally, which)
+        if not is_there(store.recordings / recording_name(tally, seed))
+    ]
+
+
+def record_failures(tallies: Sequence[Tally], store: Store, crew: DaskCrew, which: Which) -> None:
+    """Have workers repeat runs that failed, and keep the recordings they send.
+
+    Raises:
+        BackendError: The workers are lost.
+        UsageError: A recording cannot be written.
+    """
+    by_key = {each.cell.key: each for each in tallies}
+    left, under_way = failures(tallies, store, which), 0
+    crew = crew.doing(record_chunk)
+    while left or under_way:
+        while left and crew.room > 0:
+            crew.submit(left.pop(0))
+            under_way += 1
+        for done in crew.wait(_LOOK_S):
+            under_way -= 1
+            for each in done.rows:
+                if isinstance(each, Recorded) and each.content:
+                    store.keep(recording_name(by_key[each.cell], each.seed), each.content)

@@ -14,8 +14,7 @@ from uuid import uuid4
 
 from pirate_sm.core.errors import BackendError, UsageError, not_installed
 from pirate_sm.lab.campaign.chunk import Chunk, OtherVersionError, Sent, bug_row, cut, run_chunk
-from pirate_sm.lab.campaign.code_version import code_version
-from pirate_sm.lab.campaign.plan import CampaignPlan
+from pirate_sm.lab.campaign.plan import CampaignPlan, code_version
 
 if TYPE_CHECKING:
     from distributed import Client, Future, LocalCluster

@@ -7,7 +7,7 @@ from html import escape
 from types import MappingProxyType
 from urllib.parse import quote
 
-from pirate_sm.lab.campaign.factors import FROM_FILES
+from pirate_sm.lab.campaign.chunk import FROM_FILES
 from pirate_sm.lab.campaign.results import (
     CampaignResult,
     CauseResult,

@@ -5,11 +5,15 @@ from __future__ import annotations
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cache
+from hashlib import sha256
+from pathlib import Path
 from typing import Annotated, Any
 
 from pydantic import Field, PlainSerializer, PlainValidator, TypeAdapter, ValidationError
 from pydantic_core import to_json
 
+import pirate_sm
 from pirate_sm.core.campaign import Expectation, LineFaults, StoppingRule, TrueEnd
 from pirate_sm.core.options import OPTIONS, written
 from pirate_sm.core.units import DIMENSIONLESS, TIME
@@ -145,3 +149,23 @@ def _faults(line: LineFaults | None) -> Iterator[str]:
         is_share = name in ("loss_in", "loss_out", "corruption")
         text = written(value, DIMENSIONLESS if is_share else TIME)
         yield f"{name}={text.replace(' ', '')}"
+
+
+# --- version of the code -------------------------------------------------------------------------
+
+
+_DIGITS = 12
+
+
+@cache
+def code_version() -> str:
+    """Return the version of the package with a digest of its Python files.
+
+    Equal versions in different working copies may compute differently; their digests differ.
+    """
+    root = Path(pirate_sm.__file__).parent
+    digest = sha256()
+    for file in sorted(root.rglob("*.py")):
+        digest.update(file.relative_to(root).as_posix().encode() + b"\0")
+        digest.update(file.read_bytes() + b"\0")
+    return f"{pirate_sm.__version__}+{digest.hexdigest()[:_DIGITS]}"

@@ -11,9 +11,8 @@ from math import degrees, dist, nan
 import numpy as np
 
 from pirate_sm.api import Run, load, run
-from pirate_sm.lab.experiments.experiment_result import ExperimentResult, Watch
-from pirate_sm.lab.experiments.mission_setups import BendSetup, TiltedMission
 from pirate_sm.lab.experiments.needed_extras import is_missing
+from pirate_sm.lab.experiments.setups import BendSetup, ExperimentResult, TiltedMission, Watch
 
 
 def repeat_bend(

@@ -6,18 +6,217 @@ behind a spring that is the motor's side, γ + τ / K. Two readings give an equa
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
-from pirate_sm.core.profile import Motor, Profile
-from pirate_sm.lab.fitting.columns import Columns, MeasuredFile, column, has
-from pirate_sm.lab.fitting.estimate import Estimate, estimate_of
-from pirate_sm.lab.fitting.friction_anew import signals_with
-from pirate_sm.lab.fitting.motor_intervals import Intervals, intervals_of
-from pirate_sm.lab.fitting.slip_columns import SlipSignalNames
+from pirate_sm.core.events import SensorFrame
+from pirate_sm.core.profile import Motor, Profile, Slot
+from pirate_sm.core.profile import derived as kinds
+from pirate_sm.core.sensing import TractionSpec, WheelTraction, with_traction
+from pirate_sm.lab.fitting.measurements import (
+    Columns,
+    Estimate,
+    MeasuredFile,
+    SlipSignalNames,
+    column,
+    estimate_of,
+    has,
+)
+from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay.replay import rerun
+from pirate_sm.running.recording.tables.table_rows import TIME
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.simulation.electronics import scale_of
+
+# --- what motors did -----------------------------------------------------------------------------
+
+
+_SETTLED_S = 0.3
+"""How long after a setpoint has changed it is surely in force."""
+
+_UNEVEN = 0.2
+_LONGEST_S = 0.5
+"""Readings that lie farther apart say nothing of what was between them."""
+
+_DEVIATIONS = 1.4826
+"""Standard deviations in a median magnitude of what is normally distributed."""
+
+
+class Intervals(NamedTuple):
+    """Between two readings of a motor, at the same duty.
+
+    Attributes:
+        duty: −1 to 1.
+        rate: Of the motor at the joint or wheel, rad/s, positive with the duty.
+        load: Torque against the duty, Nm; of wheels, and at duty 0, its magnitude.
+        change: Between the two readings of the load, Nm.
+    """
+
+    duty: Floats
+    rate: Floats
+    load: Floats
+    change: Floats
+
+    @property
+    def noise_nm(self) -> float:
+        """Return the standard deviation of a reading of the load, from its median change."""
+        if not len(self.change):
+            return 0.0
+        return float(np.median(np.abs(self.change))) * _DEVIATIONS / 2**0.5
+
+
+def intervals_of(
+    measured: MeasuredFile, profile: Profile, name: str, motor: Motor
+) -> list[Intervals]:
+    """Return the intervals of every slot with this kind of motor that reports."""
+    slots = [slot for slot in profile.slots if slot.motor == name]
+    found = (_of_slot(measured, profile, slot, motor) for slot in slots)
+    return [each for each in found if each is not None]
+
+
+def _of_slot(
+    measured: MeasuredFile, profile: Profile, slot: Slot, motor: Motor
+) -> Intervals | None:
+    signals = _signals(profile, slot)
+    if signals is None or slot.name not in measured.setpoints:
+        return None
+    angle_name, load_name, scale = signals
+    columns = measured.columns
+    angle = column(columns, angle_name)
+    load: Floats = np.multiply(column(columns, load_name), scale, dtype=np.float64)
+    known = np.isfinite(angle) & np.isfinite(load)
+    moved = (np.diff(np.nan_to_num(each)) != 0 for each in (angle, load))
+    fresh = np.concatenate([[True], np.logical_or(*moved)]) & known  # else another board's frame
+    times, angle, load = columns["time_s"][fresh], angle[fresh], load[fresh]
+    if motor.kind == "sprung_worm":
+        angle = np.add(angle, load / (motor.stiffness or np.inf), dtype=np.float64)
+    if len(times) < 4:
+        return None
+    duty = _duties(measured.setpoints, slot.name, times)
+    spans = np.diff(times)
+    good = (spans < _LONGEST_S) & np.isfinite(duty[1:]) & (duty[1:] == duty[:-1])
+    rate, change = np.diff(angle) / spans, np.diff(load)
+    load = _means(load, spans, good if motor.kind == "sprung_worm" else np.zeros_like(good))
+    # Which way an angle counts is the profile's business: a motor turns with its duty.
+    way = np.sign(np.sum((rate * duty[1:])[good])) or 1.0
+    turned = np.sign(duty[1:]) * way
+    if motor.kind == "geared":
+        load = np.abs(load)
+    else:
+        load = np.where(duty[1:] == 0, np.abs(load), load * turned)
+    rate = np.where(duty[1:] == 0, np.abs(rate), rate * turned)
+    return Intervals(np.abs(duty[1:][good]), rate[good], load[good], change[good])
+
+
+def _means(load: Floats, spans: Floats, good: NDArray[np.bool_]) -> Floats:
+    """Return the mean load of each interval, by the readings at its ends and beside them.
+
+    A spring is wound in a curve: the mean of the ends is too small. Where readings are evenly
+    spaced and ``good``, a cubic through four of them has the mean (13 (b + c) - a - d) / 24.
+    """
+    means: Floats = (load[1:] + load[:-1]) / 2
+    even = np.abs(np.diff(spans)) < _UNEVEN * spans[1:]
+    curved = good[1:-1] & good[:-2] & good[2:] & even[:-1] & even[1:]
+    cubic = (13 * (load[1:-2] + load[2:-1]) - load[:-3] - load[3:]) / 24
+    means[1:-1] = np.where(curved, cubic, means[1:-1])
+    return means
+
+
+def _signals(profile: Profile, slot: Slot) -> tuple[str, str, float] | None:
+    """Return the signals with angle and load of a slot's motor, and Nm per unit of the load."""
+    if slot.wheel is not None:
+        wheel = next(each for each in profile.body.wheels if each.name == slot.wheel)
+        for each in profile.derived.values():
+            if isinstance(each, kinds.TorqueOf) and each.slot == slot.name:
+                return wheel.angle, each.torque_of, scale_of(each.scale)
+        return None
+    joint = next((each for each in profile.body.joints if each.name == slot.joint), None)
+    return (joint.name, joint.torque, 1.0) if joint is not None and joint.torque else None
+
+
+def _duties(setpoints: Columns, slot: str, times: Floats) -> Floats:
+    """Return the duty in force at each time; NaN shortly after it has changed."""
+    sent, values = setpoints["time_s"], setpoints[slot]
+    changed = np.concatenate([[True], np.diff(values) != 0])
+    sent, values = sent[changed], values[changed]
+    at = np.searchsorted(sent, times, side="right") - 1
+    settled = (at >= 0) & (times - sent[np.maximum(at, 0)] > _SETTLED_S)
+    duties: Floats = np.where(settled, values[np.maximum(at, 0)], np.nan)
+    return duties
+
+
+# --- friction by other motors --------------------------------------------------------------------
+# The sign of a wheel's torque, and with it the normal forces, follow from the speed without load.
+# A profile that assumes it a fifth too small makes friction a fifth too small.
+
+
+def signals_with(path: Path, motors: Mapping[str, Motor]) -> Columns | None:
+    """Return the signals of a recording once in a round, with those of traction made anew.
+
+    What the mission did stays as it was recorded.
+
+    Args:
+        path: The recording.
+        motors: The robot's motors by their kind.
+
+    Returns:
+        The signals, or None if the robot derives none of traction.
+
+    Raises:
+        RecordingError: The recording cannot be read.
+    """
+    recording = read_recording(path)
+    rows: list[tuple[float, ...]] = []
+    with recorded_mission(recording.header) as loaded:
+        spec = loaded.robot.traction
+        if spec is None:
+            return None
+        robot, origin_s = loaded.robot, recording.origin_s
+        motors_spec = _traction_with_motors(spec, loaded.loaded_robot.profile, motors)
+        slipping, after_gaps = None, {gap.step for gap in recording.gaps}
+        for each in rerun(recording, loaded):
+            state, event = each.state, each.step.event
+            if each.step.number in after_gaps:
+                slipping = None  # what the wheels did in it is unknown
+            if state is None or not isinstance(event, SensorFrame):
+                continue
+            if robot.boards[event.board].position != motors_spec.board:
+                continue
+            sensing, body = state.sensing, state.robot
+            if slipping is not None:
+                sensing = sensing._replace(traction=sensing.traction._replace(slipping=slipping))
+            at, around, now_s = body.configuration, state.surveyed.reported, each.at_s + origin_s
+            anew = with_traction(robot, motors_spec, sensing, body.values, at, around, now_s)
+            slipping = anew.traction.slipping
+            rows.append((each.at_s, *anew.numbers[: len(robot.vocabulary.numbers)]))
+    names = (TIME, *robot.vocabulary.numbers)
+    values = np.array(rows, dtype=np.float64).reshape(len(rows), len(names))
+    return dict(zip(names, values.T, strict=True))
+
+
+def _traction_with_motors(
+    spec: TractionSpec, profile: Profile, motors: Mapping[str, Motor]
+) -> TractionSpec:
+    """Return the traction of a robot that reckons with these motors."""
+
+    def changed(wheel: WheelTraction) -> WheelTraction:
+        motor = motors[profile.slots[wheel.slot].motor]
+        stall, no_load = motor.stall_torque, motor.no_load_speed
+        return wheel._replace(
+            stall_nm=stall or wheel.stall_nm, no_load_rad_s=no_load or wheel.no_load_rad_s
+        )
+
+    return spec._replace(wheels=tuple(map(changed, spec.wheels)))
+
+
+# --- numbers -------------------------------------------------------------------------------------
+
 
 _MOVES_RAD_S = 0.1
 _MOVING_SHARE, _ROUNDS = 0.2, 4
@@ -230,3 +429,47 @@ def _weighted_median(rows: Floats) -> float:
     order = np.argsort(rows[:, 0])
     weight = np.cumsum(rows[order, 1])
     return float(rows[order[np.searchsorted(weight, weight[-1] / 2)], 0])
+
+
+# --- as a file -----------------------------------------------------------------------------------
+
+
+def twin_text(profile: Profile, numbers: Iterable[RobotNumber], source: str) -> str:
+    """Return the file: what is known, and as comments what is not.
+
+    Args:
+        profile: Of the robot.
+        numbers: What was estimated.
+        source: What it was estimated from, for people.
+    """
+    lines = [
+        f"# Numbers of one robot, estimated from {source} by `pirate fit --robot`.",
+        "# The simulator takes them instead of the profile's: pirate-run MISSION --twin FILE",
+        "format: 1",
+        f"robot: {profile.robot}",
+    ]
+    numbers = list(numbers)
+    known = [each for each in numbers if each.motor and each.estimate.known]
+    if known:
+        lines.append("motors:")
+    for motor in dict.fromkeys(each.motor for each in known):
+        lines.append(f"  {motor}:")
+        for each in known:
+            if each.motor == motor:
+                low, high = each.estimate.low, each.estimate.high
+                value = f"    {each.key}: {each.estimate.value:.4g} {each.unit}"
+                lines.append(f"{value}    # 95 %: {low:.4g} to {high:.4g}")
+    for each in numbers:
+        if not each.estimate.known:
+            what = f"{each.motor} {each.key}".strip()
+            lines.append(f"# unknown: {what}: {each.estimate.reason}")
+        elif not each.motor:
+            lines.append(f"# {each.key}: {each.estimate.value:.3f}")
+    kinetic = [each.estimate.value for each in numbers if not each.motor and each.estimate.known]
+    if kinetic:
+        assumed = profile.simulation.friction
+        mean = sum(kinetic) / len(kinetic)
+        static = mean * assumed.static / assumed.kinetic
+        lines.append("# The simulator has one friction: the mean, static in the profile's ratio.")
+        lines.append(f"friction: {{static: {static:.3f}, kinetic: {mean:.3f}}}")
+    return "\n".join([*lines, ""])

@@ -5,17 +5,219 @@ A value that the data cannot give is unknown, with the reason.
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
-from itertools import pairwise
-from math import nan
+from itertools import pairwise, product
+from math import nan, pi, sin, sqrt
+from pathlib import Path
 
 import numpy as np
 
-from pirate_sm.core.errors import UsageError
-from pirate_sm.lab.fitting.estimate import Estimate, estimate_of
-from pirate_sm.lab.fitting.gaussian_process import GaussianProcess, fit_process
-from pirate_sm.lab.fitting.magic_formula import MagicFormula, fit_magic
+from pirate_sm.core.errors import UsageError, not_installed
+from pirate_sm.core.loading import load_pipe
+from pirate_sm.lab.fitting.measurements import Estimate, estimate_of
 from pirate_sm.simulation.arrays import Floats
+from pirate_sm.views.drawing.svg.plot import Plot, PlotSeries
+
+# --- Gaussian processes --------------------------------------------------------------------------
+# Equation 2-21 lacks the inverse of the covariance, 2-22 has the wrong sign before its noise.
+# Values are centred; log σ_f, log l and log σ_n are those of the greatest likelihood, found along
+# the analytic gradient (Rasmussen and Williams 2006, eq. 5.9).
+
+
+try:
+    from scipy.optimize import Bounds, minimize
+except ModuleNotFoundError:
+    raise not_installed("a curve of slip and friction", "scipy", "fit") from None
+
+_FLAT, _ENOUGH = 1e-6, 1e-14
+"""The search ends where the gradient of the log likelihood is below the first, or where a step
+raises it by less than the second, as a share."""
+
+_BELOW, _ABOVE = np.array([7.0, 5.0, 9.0]), np.array([7.0, 5.0, 7.0])
+"""How far the logs are searched to each side of the start."""
+
+_LEAST_NOISE = 1e-10
+"""Variance added for the sake of the arithmetic, over that of the curve."""
+
+
+@dataclass(frozen=True)
+class GaussianProcess:
+    """A process that was given points.
+
+    Attributes:
+        x: Where its points lie.
+        mean: What was subtracted from their values.
+        logs: log σ_f, log l, log σ_n.
+        likelihood: Log marginal likelihood.
+        factor: Lower triangle of the covariance's Cholesky decomposition.
+        weights: The covariance's inverse times the centred values.
+    """
+
+    x: Floats
+    mean: float
+    logs: Floats
+    likelihood: float
+    factor: Floats
+    weights: Floats
+
+    def __call__(self, x: Floats) -> tuple[Floats, Floats]:
+        """Return mean and standard deviation of the curve, without its noise (eq. 2-21, 2-22)."""
+        across = _covariance(self.x, x, self.logs)
+        halfway = np.linalg.solve(self.factor, across)
+        variance = np.exp(2 * self.logs[0]) - np.sum(halfway**2, axis=0)
+        return self.mean + across.T @ self.weights, np.sqrt(np.maximum(variance, 0.0))
+
+
+def fit_process(x: Floats, y: Floats) -> GaussianProcess:
+    """Return the Gaussian process of the points.
+
+    Args:
+        x: Where they lie.
+        y: Their values, with white noise.
+
+    Raises:
+        UsageError: There are fewer than three points.
+    """
+    x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
+    if len(x) < 3:
+        raise UsageError(f"a Gaussian process needs at least 3 points, got {len(x)}")
+    spread, width = max(float(np.std(y)), 1e-9), max(float(np.ptp(x)), 1e-9)
+    starts = [np.log([spread, share * width, 0.1 * spread]) for share in (0.03, 0.1, 0.3)]
+    centred = y - np.mean(y)
+    tops = [_climb(x, centred, start) for start in starts]
+    logs = max(tops, key=lambda each: _likelihood(x, centred, each)[0])
+    likelihood, _, factor, weights = _likelihood(x, centred, logs)
+    return GaussianProcess(x, float(np.mean(y)), logs, likelihood, factor, weights)
+
+
+def _covariance(one: Floats, other: Floats, logs: Floats) -> Floats:
+    """Return the covariances between two sets of places (eq. 2-14)."""
+    apart = (np.asarray(one)[:, None] - np.asarray(other)[None, :]) / np.exp(logs[1])
+    covariance: Floats = np.exp(2 * logs[0] - 0.5 * apart**2)
+    return covariance
+
+
+def _likelihood(x: Floats, y: Floats, logs: Floats) -> tuple[float, Floats, Floats, Floats]:
+    """Return log likelihood, its gradient, the Cholesky factor and the weights."""
+    clean = _covariance(x, x, logs)
+    noise = np.exp(2 * logs[2])
+    extra = _LEAST_NOISE * np.exp(2 * logs[0])
+    factor: Floats = np.linalg.cholesky(clean + (noise + extra) * np.eye(len(x)))
+    inverse = np.linalg.inv(factor)
+    precision = inverse.T @ inverse
+    weights: Floats = precision @ y
+    likelihood = -0.5 * (y @ weights) - np.sum(np.log(np.diag(factor)))
+    likelihood -= 0.5 * len(x) * np.log(2 * np.pi)
+    pull = np.outer(weights, weights) - precision
+    apart = (x[:, None] - x[None, :]) ** 2 / np.exp(2 * logs[1])
+    gradient = np.array(
+        [np.sum(pull * clean), 0.5 * np.sum(pull * clean * apart), noise * np.trace(pull)]
+    )
+    return float(likelihood), gradient, factor, weights
+
+
+def _climb(x: Floats, y: Floats, start: Floats) -> Floats:
+    """Return the logs of the parameters at a top of the likelihood."""
+
+    def downhill(logs: Floats) -> tuple[float, Floats]:
+        try:
+            likelihood, gradient, *_ = _likelihood(x, y, logs)
+        except np.linalg.LinAlgError:
+            return np.inf, np.zeros(3)
+        return -likelihood, -gradient
+
+    # A length of far more or less than what the points span, or no noise, says nothing more.
+    bounds = Bounds(start - _BELOW, start + _ABOVE)
+    options = {"gtol": _FLAT, "ftol": _ENOUGH}
+    found = minimize(downhill, start, jac=True, method="L-BFGS-B", bounds=bounds, options=options)
+    return np.asarray(found.x, dtype=np.float64)
+
+
+# --- the Magic formula ---------------------------------------------------------------------------
+
+
+try:
+    from scipy.optimize import least_squares
+except ModuleNotFoundError:
+    raise not_installed("a curve of slip and friction", "scipy", "fit") from None
+
+NAMES = ("B", "C", "D", "E")
+_BOUNDS = (0.0, 1.0, 0.0, -np.inf), (np.inf, 2.0, np.inf, 1.0)
+_SURE = 1.96
+"""Standard deviations that hold 95 % of a normal distribution."""
+
+
+@dataclass(frozen=True)
+class MagicFormula:
+    """A fitted curve y = D sin(C atan(B x − E (B x − atan(B x)))).
+
+    Attributes:
+        parameters: B, C, D, E.
+        interval: Half the width of each parameter's 95 % interval; infinite where the data do not
+            determine it.
+        misfit: Root mean square of what the curve is off by.
+    """
+
+    parameters: Floats
+    interval: Floats
+    misfit: float
+
+    def __call__(self, x: Floats) -> Floats:
+        """Return the curve's values."""
+        return magic(x, self.parameters)
+
+    @property
+    def limit(self) -> float:
+        """The value that the curve comes to where x is large."""
+        _, shape, peak, curvature = self.parameters
+        return float(peak * sin(shape * pi / 2)) if curvature < 1 else float("nan")
+
+
+def magic(x: Floats, parameters: Floats) -> Floats:
+    """Return the Magic formula's values for B, C, D, E."""
+    stiffness, shape, peak, curvature = parameters
+    scaled = stiffness * np.asarray(x, dtype=np.float64)
+    bent = scaled - curvature * (scaled - np.arctan(scaled))
+    values: Floats = peak * np.sin(shape * np.arctan(bent))
+    return values
+
+
+def fit_magic(x: Floats, y: Floats) -> MagicFormula:
+    """Return the Magic formula that is nearest to the points by least squares.
+
+    Args:
+        x: Slip, not negative: its speed, or −λ.
+        y: Friction, not negative.
+
+    Raises:
+        UsageError: There are fewer points than a curve of four parameters needs.
+    """
+    if len(x) <= len(NAMES):
+        raise UsageError(f"a Magic formula needs more than {len(NAMES)} points, got {len(x)}")
+    middle, most = float(np.median(x)), max(float(np.max(y)), 1e-6)
+    starts = product((0.3 / middle, 3.0 / middle, 30.0 / middle), (1.5,), (most,), (0.0, -6.4))
+    fits = [
+        least_squares(lambda at: magic(x, at) - y, start, bounds=_BOUNDS, x_scale="jac")
+        for start in starts
+    ]
+    best = min(fits, key=lambda each: float(each.cost))
+    squares = 2.0 * float(best.cost)
+    return MagicFormula(best.x, _interval(best.jac, squares), sqrt(squares / len(x)))
+
+
+def _interval(slope: Floats, squares: float) -> Floats:
+    """Return half the width of each parameter's interval, from the residuals' own spread."""
+    rows, columns = slope.shape
+    try:
+        variance = np.diag(np.linalg.inv(slope.T @ slope)) * squares / (rows - columns)
+    except np.linalg.LinAlgError:
+        return np.full(columns, np.inf)
+    return np.where(variance >= 0, _SURE * np.sqrt(np.abs(variance)), np.inf)
+
+
+# --- curves --------------------------------------------------------------------------------------
+
 
 PLATEAU_FROM_M_S = 0.005
 """Slip speeds above it show kinetic friction (dynamics [D])."""
@@ -32,7 +234,6 @@ _LEAST_POINTS = 20
 
 _MAGIC_BINS, _PROCESS_BINS = 60, 170
 _LEAST_BINS = 12
-_SURE = 1.96
 
 
 @dataclass(frozen=True)
@@ -180,3 +381,54 @@ def _process_peak(process: GaussianProcess | None, static: Estimate) -> Estimate
     top = int(np.argmax(curve))
     half = _SURE * float(deviation[top])
     return Estimate(float(curve[top]), float(curve[top]) - half, float(curve[top]) + half)
+
+
+# --- plots ---------------------------------------------------------------------------------------
+
+
+_PLACES = 300
+
+
+def slip_plot(curve: SlipCurve, title: str) -> Plot:
+    """Return medians of the points, the Magic formula, and the Gaussian process with its band."""
+    slip, friction = curve.bins
+    series = [PlotSeries("medians of the points", slip.tolist(), friction.tolist(), "dots")]
+    if curve.magic is not None and curve.process is not None:
+        x = np.geomspace(slip.min(), slip.max(), _PLACES)
+        mean, deviation = curve.process(np.log10(x))
+        low, high = mean - _SURE * deviation, mean + _SURE * deviation
+        series = [
+            PlotSeries("", x.tolist(), low.tolist(), "band", high.tolist(), colour=2),
+            *series,
+            PlotSeries("Gaussian process, 95 %", x.tolist(), mean.tolist(), colour=2),
+            PlotSeries("Magic formula", x.tolist(), curve.magic(x).tolist(), colour=1),
+        ]
+    return Plot(title, "slip speed, m/s", "friction in use |F| / N", tuple(series), log_x=True)
+
+
+# --- friction of a pipe --------------------------------------------------------------------------
+
+
+_BLOCK = re.compile(r"^friction:.*\n(?:[ \t]+.*\n)*", re.MULTILINE)
+
+
+def friction_line(static: float, kinetic: float) -> str:
+    """Return the line that gives a pipe this friction."""
+    return f"friction: {{static: {max(static, kinetic):.3f}, kinetic: {kinetic:.3f}}}"
+
+
+def pipe_with_friction(path: Path, static: float, kinetic: float) -> str:
+    """Return the text of a pipe file with this friction instead of its own; all else stays.
+
+    Raises:
+        LoadError: The file is no pipe.
+        UsageError: It cannot be changed line by line.
+    """
+    _, document = load_pipe(path)
+    line, text = f"{friction_line(static, kinetic)}\n", document.text
+    text = text if text.endswith("\n") else f"{text}\n"
+    if text.lstrip().startswith("{"):
+        raise UsageError(f"'{path}' is written in braces: put in by hand {line.strip()}")
+    if "friction" in document.data:
+        return _BLOCK.sub(line, text, count=1)
+    return text + line

@@ -1,9 +1,12 @@
-"""A map under construction: straight legs, and the bends between them."""
+"""A map under construction: straight legs, the bends between them, changes of the diameter."""
 
 from __future__ import annotations
 
+from collections import defaultdict
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
-from math import atan2, cos, hypot, inf, isnan, nan, pi, sin, tan
+from itertools import pairwise
+from math import acos, atan2, cos, hypot, inf, isnan, nan, pi, remainder, sin, tan
 from statistics import median
 from typing import NamedTuple
 
@@ -177,3 +180,130 @@ class Map:
 def middle(values: list[float]) -> float:
     """Return the median; NaN of nothing."""
     return median(values) if values else nan
+
+
+# --- diameters -----------------------------------------------------------------------------------
+
+
+_BIN_M = 0.01
+"""Diameters are averaged over this distance [decided]."""
+
+_STRETCH_BINS = 4
+"""This number of consecutive averages makes a stretch of one diameter [decided]."""
+
+_PLATEAU_BINS = 7
+"""A plain pipe shows its diameter over this distance: half a V is shorter, and while a step is
+between two of its wheels a V shows a wrong diameter [decided]."""
+
+_EVEN = 0.01
+"""They differ by less than this share [decided]."""
+
+STEP = 0.06
+"""The least share by which diameters of plain pipes differ. A robot that lies slantwise in a round
+pipe shows up to 5 % less; pipes of 125, 110 and 100 mm differ by 9 % and more [decided]."""
+
+
+class Narrowing(NamedTuple):
+    """A change of the diameter.
+
+    Attributes:
+        middle_m: Place in the leg of its middle; a V does not show how long it is.
+        diameter_m: The inner diameter behind it.
+    """
+
+    middle_m: float
+    diameter_m: float
+
+
+def diameter_of(bores: Sequence[Bore]) -> float | None:
+    """Return the first inner diameter along a leg, m; None if it was never shown."""
+    plateaus = _plateaus(bores)
+    if plateaus:
+        return median(each.diameter_m for each in plateaus[0])
+    return median(each.diameter_m for each in bores) if bores else None
+
+
+def narrowings(bores: Sequence[Bore]) -> Iterator[Narrowing]:
+    """Yield the changes of the diameter along a leg, in order.
+
+    A V in the middle of a change shows the mean of the two diameters.
+    """
+    bins = list(_bins(bores))
+    for before, after in pairwise(_plateaus(bores)):
+        old_m, new_m = (median(each.diameter_m for each in it) for it in (before, after))
+        between = bins[bins.index(before[0]) : bins.index(after[-1]) + 1]
+        for one, other in pairwise(between):
+            shares = [(it.diameter_m - old_m) / (new_m - old_m) for it in (one, other)]
+            if shares[0] < 0.5 <= shares[1]:
+                more = (0.5 - shares[0]) / (shares[1] - shares[0])
+                yield Narrowing(one.middle_m + more * (other.middle_m - one.middle_m), new_m)
+                break
+
+
+def _plateaus(bores: Sequence[Bore]) -> list[list[Bore]]:
+    """Return the stretches of one diameter, in order; neighbours differ by more than noise."""
+    found: list[list[Bore]] = []
+    part: list[Bore] = []
+    for each in (*_bins(bores), None):
+        known = median([it.diameter_m for it in part]) if part else 0.0
+        if each is not None and abs(each.diameter_m - known) <= _EVEN * known:
+            part.append(each)
+            continue
+        if len(part) >= _STRETCH_BINS:
+            _add(found, part)
+        part = [each] if each is not None else []
+    return [stretch for stretch in found if len(stretch) >= _PLATEAU_BINS]
+
+
+def _add(found: list[list[Bore]], part: list[Bore]) -> None:
+    """Add a stretch, or join it to the last one if it has the same diameter."""
+    own = median(each.diameter_m for each in part)
+    last = median(each.diameter_m for each in found[-1]) if found else 0.0
+    if found and abs(own - last) <= STEP * last:
+        found[-1] += part
+    else:
+        found.append(part)
+
+
+def _bins(bores: Sequence[Bore]) -> Iterator[Bore]:
+    """Yield what was shown in each piece of the way."""
+    pieces: dict[int, list[Bore]] = defaultdict(list)
+    for each in bores:
+        pieces[round((each.rear_m + each.front_m) / 2 / _BIN_M)].append(each)
+    for _, group in sorted(pieces.items()):
+        yield Bore(*(median(values) for values in zip(*group, strict=True)))
+
+
+# --- bends between known legs --------------------------------------------------------------------
+
+
+_UPRIGHT = 0.9
+"""The least share of gravity in the plane of a bend whose angle pitch shows (25 deg) [decided]."""
+
+
+def feel_angles(made: Map) -> None:
+    """Take the angles of bends in an upright plane from the pitches of their legs."""
+    first = made.start[0]
+    for number in (*range(first, len(made.bends)), *range(first - 1, -1, -1)):
+        near, far = (number, number + 1) if number >= first else (number + 1, number)
+        bend, frame = made.bends[number], made.frame(near)
+        along = dot(frame.ahead, made.up)
+        towards = (far - near) * dot(frame.towards(bend.roll_rad), made.up)
+        share, pitch_rad = hypot(along, towards), middle(made.legs[far].pitches_rad)
+        if isnan(made.pitch_rad) or isnan(pitch_rad) or share < _UPRIGHT:
+            continue
+        off_rad = acos(max(-1.0, min(1.0, sin(pitch_rad) / share)))
+        both = (abs(remainder(atan2(towards, along) + it, 2 * pi)) for it in (off_rad, -off_rad))
+        bend.angle_rad = min(both, key=lambda angle: abs(angle - bend.angle_rad))
+        bend.felt = True
+
+
+def round_elbows(made: Map) -> None:
+    """Find the radii of elbows, and let the legs beside them end where they begin."""
+    for number, bend in enumerate(made.bends):
+        behind, ahead = made.legs[number : number + 2]
+        diameter_m = diameter_of(ahead.bores) or diameter_of(behind.bores)
+        if bend.is_round and diameter_m is not None:
+            bend.radius_m = bend.arc_m(diameter_m) / bend.angle_rad
+            behind.ends_m -= bend.wall_m(diameter_m)
+            ahead.begins_m += bend.wall_m(diameter_m)

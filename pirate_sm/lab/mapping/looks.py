@@ -6,7 +6,8 @@ words, and what it was commanded to: its states and its setpoints.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
+from enum import Enum
 from typing import NamedTuple
 
 from pirate_sm.core.effects import Environment, Setpoints, StateChange
@@ -15,6 +16,7 @@ from pirate_sm.core.events import DetectorWord, SensorFrame, SubmitResult
 from pirate_sm.core.robot import Flight, Mark, RobotSpec, RobotState, confirmed_parts, no_faults
 from pirate_sm.core.sensing import Surveyed, forget_stale, nothing_known, observe, survey
 from pirate_sm.robot.detectors.odometer import Odometer
+from pirate_sm.robot.detectors.word_timing import Word
 from pirate_sm.running.recording.read.steps import RecordedStep
 
 
@@ -156,3 +158,79 @@ class _Listener:
             self._travel,
             state,
         )
+
+
+# --- places of words -----------------------------------------------------------------------------
+# A word begins when its wheel passes a point: a distance from where the axes meet, or, at an
+# elbow, from where they would meet in a mitre that takes as much wall as its beginning or its end.
+# The first word of a joint counts from its beginning, the others from its end.
+
+
+_SURELY_M = 0.02
+"""When the direction changes, a detector repeats its word; words count after this distance
+[decided]."""
+
+
+class JointEnd(Enum):
+    """Which end of a joint a word counts from, and whether the whole robot is behind it."""
+
+    BEGINS = "begins"
+    INSIDE = "inside"
+    PASSED = "passed"
+
+
+class WordPlace(NamedTuple):
+    """A word that has just begun.
+
+    Attributes:
+        end: What it counts from.
+        wheel: The wheel that has reached its point.
+        passed_m: How far that is behind the end, in the direction of travel.
+        leads: The direction of travel: 1 forward, -1 backward.
+    """
+
+    end: JointEnd
+    wheel: int
+    passed_m: float
+    leads: int
+
+
+class WordReader:
+    """Notes where words begin.
+
+    Args:
+        words: The detector's words that have points, in the order in which a robot reaches them.
+    """
+
+    def __init__(self, words: Sequence[Word]) -> None:
+        self._words = {word.name: word for word in words}
+        self._names = [word.name for word in words]
+        self._before = ""
+        self._travel = 0
+        self._since_m = 0.0
+
+    def look(self, look: RobotLook, way_m: float) -> WordPlace | None:
+        """Return the word that has begun with this look.
+
+        Args:
+            look: What is known of the robot.
+            way_m: How far it has travelled.
+        """
+        if look.travel != self._travel:
+            self._travel, self._since_m, self._before = look.travel, way_m, ""
+        if look.word and look.word not in self._words:
+            return None
+        before, self._before = self._before, look.word
+        if look.word in ("", before):
+            return None
+        number = self._names.index(look.word)
+        if before and self._names.index(before) > number:
+            return None
+        surely = look.driven and abs(way_m - self._since_m) >= _SURELY_M
+        if not before and not surely:
+            return None
+        word = self._words[look.word]
+        point = word.forward if look.travel > 0 else word.backward
+        ends = {0: JointEnd.BEGINS, len(self._names) - 1: JointEnd.PASSED}
+        end = ends.get(number, JointEnd.INSIDE)
+        return WordPlace(end, point.wheel, point.passed_m, look.travel)

@@ -19,31 +19,45 @@ Neglected: slip of all wheels of both parts at once; motion of an anchor that no
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Collection, Sequence
-from math import copysign, isnan, nan, pi, radians, remainder
+from collections.abc import Collection, Iterator, Sequence
+from itertools import takewhile
+from math import copysign, inf, isfinite, isnan, nan, pi, radians, remainder
 
+from pirate_sm.core.errors import RecordingError
+from pirate_sm.core.events import Observation
 from pirate_sm.core.geometry import Frame, between, dot
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import WHOLE, axis_at
-from pirate_sm.lab.mapping.bend_angles import angle_of_corner, angle_of_elbow, apart_rad
-from pirate_sm.lab.mapping.bores import STEP
-from pirate_sm.lab.mapping.leg_meetings import (
+from pirate_sm.lab.mapping.bend_angles import (
     ReachedBend,
     angle_between,
+    angle_of_corner,
+    angle_of_elbow,
+    apart_rad,
     away_by_last_wheel,
     outermost,
     reached,
 )
-from pirate_sm.lab.mapping.legs import Bore, Leg, Map, MappedBend
-from pirate_sm.lab.mapping.looks import RobotLook
-from pirate_sm.lab.mapping.places import ALONG_RAD, PartPlaces
-from pirate_sm.lab.mapping.rolls import Rolls
-from pirate_sm.lab.mapping.settling import feel_angles, round_elbows
-from pirate_sm.lab.mapping.shape import Shape
-from pirate_sm.lab.mapping.spots import Anchor, Approach, BendPassage, Spot
-from pirate_sm.lab.mapping.word_places import JointEnd, WordPlace, WordReader
+from pirate_sm.lab.mapping.legs import STEP, Bore, Leg, Map, MappedBend, feel_angles, round_elbows
+from pirate_sm.lab.mapping.looks import JointEnd, RobotLook, WordPlace, WordReader, looks
+from pirate_sm.lab.mapping.places import (
+    ALONG_RAD,
+    Anchor,
+    Approach,
+    BendPassage,
+    PartPlaces,
+    Rolls,
+    Shape,
+    Spot,
+)
 from pirate_sm.robot.detectors.place_filter import WINDOW_S
-from pirate_sm.robot.detectors.word_timing import Word
+from pirate_sm.robot.detectors.word_timing import Word, words_of
+from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.read.steps import RecordedStep
+from pirate_sm.running.recording.replay.recorded_mission import (
+    recorded_robot_files,
+    robot_as_recorded,
+)
 
 _PARALLEL_RAD = radians(2)
 """Two parts whose axes differ by less show the diameters of plain pipes [decided]."""
@@ -395,3 +409,45 @@ class Mapper:
             leg.reach(min(places), max(places))
             if parallel:
                 leg.bores.append(Bore(min(places), max(places), shown_m))
+
+
+# --- maps of recordings --------------------------------------------------------------------------
+
+
+def mapped(recording: Recording) -> Map:
+    """Return the map of the pipe that a robot has driven through.
+
+    Of the recording it reads the robot's files, the frames of its boards, the detector's words, its
+    states and its setpoints, and quotes what a person has said of places; neither truth, nor the
+    pipe's file, nor reports from outside. It ends at the first gap of a repaired recording, as the
+    robot may have moved in it.
+
+    Raises:
+        RecordingError: The recording is damaged, its robot cannot be loaded any more, or no wheel
+            angles were reported, as in a trace.
+    """
+    loaded = recorded_robot_files(recording.header)
+    robot = robot_as_recorded(loaded, recording.header)
+    waits = recording.header.detector == "odometry"
+    mapper = Mapper(robot, words_of(loaded.profile), waits=waits)
+    seen: list[str] = []
+    for look in looks(mapper.robot, _overheard(recording, seen), recording.origin_s):
+        mapper.look(look)
+    found = mapper.finish()
+    found.seen = seen
+    for gap in recording.gaps[:1]:
+        found.notes.append(
+            f"nothing is known from {gap.from_s:.1f} s to {gap.until_s:.1f} s, so it ends there"
+        )
+    if not isfinite(found.legs[0].from_m):
+        raise RecordingError("nothing to map: the recording shows no angle of any wheel")
+    return found
+
+
+def _overheard(recording: Recording, seen: list[str]) -> Iterator[RecordedStep]:
+    """Yield the steps of the recording up to a gap; note what a person says in them."""
+    after = min((gap.step for gap in recording.gaps), default=inf)
+    for step in takewhile(lambda each: each.number < after, recording.steps()):
+        if isinstance(step.event, Observation):
+            seen.append(step.event.words)
+        yield step

@@ -7,8 +7,15 @@ from math import acos, asin, atan2, cos, degrees, inf, isnan, pi, radians, remai
 from typing import NamedTuple
 
 from pirate_sm.core.geometry import dot
-from pirate_sm.lab.mapping.bores import STEP, diameter_of, narrowings
-from pirate_sm.lab.mapping.legs import LEAST_ACROSS, Leg, Map, MappedBend
+from pirate_sm.lab.mapping.legs import (
+    LEAST_ACROSS,
+    STEP,
+    Leg,
+    Map,
+    MappedBend,
+    diameter_of,
+    narrowings,
+)
 
 _IN_PLANE_RAD = radians(3)
 """Bends whose planes differ by less lie in one plane [decided]."""

@@ -45,7 +45,7 @@ class Decoder:
     """Finds the frames in a stream of bytes, whatever is between them.
 
     This is the host's reader. The firmware's, which loses more, is
-    :class:`pirate_sm.simulation.bay.reception.Reception`. A byte that begins no frame is dropped
+    :class:`pirate_sm.simulation.bay.node_handle.Reception`. A byte that begins no frame is dropped
     alone, and the search continues after it, so damage costs only the damaged frame. The result
     does not depend on how the stream is split.
 

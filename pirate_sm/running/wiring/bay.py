@@ -37,10 +37,9 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     try:
         from pirate_sm.robot.backends.serial.assembly import read_plan
         from pirate_sm.robot.backends.serial.backend import SerialBackend
+        from pirate_sm.simulation.bay.node_handle import message_texts
         from pirate_sm.simulation.bay.switches import Switches
-        from pirate_sm.simulation.bay.texts import message_texts
-        from pirate_sm.simulation.bay.virtual import VirtualBay
-        from pirate_sm.simulation.bay.virtual_port import VirtualPort
+        from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
         from pirate_sm.simulation.surroundings import Jitter
     except ModuleNotFoundError as error:
         raise without_messages(error) from None

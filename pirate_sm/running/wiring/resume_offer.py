@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from pirate_sm.checking.plans.resume_forecast import Forecast, forecast
+from pirate_sm.checking.resume_forecast import Forecast, forecast
 from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import HERE

@@ -39,8 +39,7 @@ def make(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             built nor can it compile itself.
     """
     check_order(order, loaded)
-    from pirate_sm.simulation.xpbd.iterations import notice_of
-    from pirate_sm.simulation.xpbd.kinematic import is_compiled, kinematic
+    from pirate_sm.simulation.xpbd.world import is_compiled, kinematic, notice_of
 
     assert loaded.pipe is not None  # as checked above
     if not is_compiled(loaded.pipe.section):

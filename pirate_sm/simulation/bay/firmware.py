@@ -15,10 +15,8 @@ from pirate_sm.robot.rosserial.frames import SerialFrame
 from pirate_sm.robot.rosserial.messages import Array
 from pirate_sm.robot.rosserial.topics import LOG, LogLine, log_payload
 from pirate_sm.simulation.bay.line import SerialLine
-from pirate_sm.simulation.bay.node_handle import NodeHandle
-from pirate_sm.simulation.bay.reception import Reception
+from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception, Wire
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.wire import Wire
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
 
 _READY = SerialFrame(LOG, log_payload(LogLine(1, "bay ready")))

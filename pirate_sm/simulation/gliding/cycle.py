@@ -1,7 +1,7 @@
 """One cycle of the bus after the physics has moved, in compiled code.
 
 A physics has a function of its own that calls these two around its step, see
-:mod:`pirate_sm.simulation.xpbd.glide`.
+:mod:`pirate_sm.simulation.xpbd.kernel`.
 """
 
 from __future__ import annotations
@@ -10,23 +10,22 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.digitizing import digitize
+from pirate_sm.simulation.gliding import columns
 from pirate_sm.simulation.gliding import columns as col
-from pirate_sm.simulation.gliding import groups
-from pirate_sm.simulation.gliding.listening import listen, may_listen
-from pirate_sm.simulation.gliding.looking import look, may_repeat, repeat, repeats
-from pirate_sm.simulation.gliding.quiet import looks_round, take_frame
+from pirate_sm.simulation.gliding.quiet import listen, looks_round, may_listen, take_frame
+from pirate_sm.simulation.gliding.surveying import look, may_repeat, repeat, repeats
 from pirate_sm.simulation.machine_code import compiled
 
 
 @compiled
 def _listens(
     now_s: float,
-    rows: groups.RobotRows,
-    task: groups.Task,
+    rows: columns.RobotRows,
+    task: columns.Task,
     clock: Floats,
     signals: Floats,
-    posture: groups.Posture,
-    taken: groups.Taken,
+    posture: columns.Posture,
+    taken: columns.Taken,
 ) -> bool:
     """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
     boards, _, _, robot = rows
@@ -45,12 +44,12 @@ def _listens(
 @compiled
 def _repeats(
     arcs: Floats,
-    task: groups.Task,
+    task: columns.Task,
     clock: Floats,
     signals: Floats,
-    posture: groups.Posture,
-    sees: groups.Looker,
-    taken: groups.Taken,
+    posture: columns.Posture,
+    sees: columns.Looker,
+    taken: columns.Taken,
 ) -> bool:
     """Let the detector repeat its word; return whether that prolongs the word and no more."""
     _, _, origin, _, watch = task
@@ -70,13 +69,13 @@ def _repeats(
 def may_begin(
     arcs: Floats,
     around: Floats,
-    rows: groups.RobotRows,
-    task: groups.Task,
+    rows: columns.RobotRows,
+    task: columns.Task,
     clock: Floats,
     signals: Floats,
-    posture: groups.Posture,
-    sees: groups.Looker,
-    taken: groups.Taken,
+    posture: columns.Posture,
+    sees: columns.Looker,
+    taken: columns.Taken,
 ) -> bool:
     """Return whether another cycle may pass; if so, the clock stands at its end.
 
@@ -121,7 +120,7 @@ def _touches(presses: Floats) -> bool:
 
 
 @compiled
-def _stays(place: groups.Place) -> bool:
+def _stays(place: columns.Place) -> bool:
     """Return whether the robot is in the pipe, with its parts in the plane of the bends."""
     quantities, rolls, arcs, around = place
     for part in range(1, rolls.shape[0]):
@@ -139,7 +138,7 @@ def _stays(place: groups.Place) -> bool:
 
 @compiled
 def _measure(
-    place: groups.Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
+    place: columns.Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
 ) -> bool:
     """Read the channels whose turn it is after a cycle; return whether the robot stays."""
     quantities, _, _, _ = place
@@ -160,7 +159,7 @@ def may_pass(span: Floats, around: Floats) -> bool:
 
 @compiled
 def passes_on(
-    place: groups.Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
+    place: columns.Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
 ) -> bool:
     """Read the boards after a cycle; return whether the surroundings do nothing to the robot.
 
@@ -179,16 +178,16 @@ def passes_on(
 
 @compiled
 def goes_on(
-    place: groups.Place,
+    place: columns.Place,
     turns: Ints,
-    electronics: groups.Electronics,
-    rows: groups.RobotRows,
-    task: groups.Task,
+    electronics: columns.Electronics,
+    rows: columns.RobotRows,
+    task: columns.Task,
     clock: Floats,
     signals: Floats,
-    scratch: groups.Scratch,
-    posture: groups.Posture,
-    taken: groups.Taken,
+    scratch: columns.Scratch,
+    posture: columns.Posture,
+    taken: columns.Taken,
 ) -> bool:
     """Read the boards after a cycle; return whether its frame, if any, was quiet.
 
@@ -227,3 +226,20 @@ def goes_on(
     met[col.N_WAITING] = 1
     met[col.N_BOARD] = position
     return False
+
+
+@compiled
+def note_places(centres: Floats, rolls: Floats, cycles: float, trail: Floats) -> None:
+    """Note where the robot is.
+
+    Args:
+        centres: Coordinates of the wheels' centres, one wheel after the other, m.
+        rolls: Angle of the roll joint, then the roll of each part, rad.
+        cycles: How many cycles have passed, in all.
+        trail: A row for each of the last cycles: the centres, then the rolls. Changed.
+    """
+    row = trail[int(cycles) % trail.shape[0]]
+    for k in range(centres.shape[0]):
+        row[k] = centres[k]
+    for k in range(rolls.shape[0]):
+        row[centres.shape[0] + k] = rolls[k]

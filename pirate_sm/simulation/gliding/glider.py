@@ -17,12 +17,14 @@ from pirate_sm.core.sensing import Glide, MotorRequest, Step, Watch, ask
 from pirate_sm.core.simulation import Trail
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding.columns import TICK_COLUMNS, U_REPORTS
-from pirate_sm.simulation.gliding.look_tables import LookTables
-from pirate_sm.simulation.gliding.protocol import GlidingPhysics
-from pirate_sm.simulation.gliding.robot_tables import robot_tables
-from pirate_sm.simulation.gliding.signal_tables import SignalTables
-from pirate_sm.simulation.gliding.survey_tables import SurveyTables
-from pirate_sm.simulation.gliding.watch_tables import WatchTables
+from pirate_sm.simulation.gliding.tables import (
+    LookTables,
+    SignalTables,
+    SurveyTables,
+    WatchTables,
+    robot_tables,
+)
+from pirate_sm.simulation.physics import GlidingPhysics
 from pirate_sm.simulation.simulated_robot import CycleReading, SimulatedRobot
 
 _MOST_FRAMES, _MOST_TICKS = 256, 64

@@ -7,7 +7,7 @@ surveys.
 
 from __future__ import annotations
 
-from math import atan2, cos, pi, sin, sqrt
+from math import asin, atan2, cos, pi, sin, sqrt
 
 import numpy as np
 
@@ -28,9 +28,95 @@ from pirate_sm.core.sensing import (
 )
 from pirate_sm.simulation.arrays import Floats, Ints
 from pirate_sm.simulation.gliding import columns as col
-from pirate_sm.simulation.gliding.posture import heading_in_pipe
-from pirate_sm.simulation.gliding.sorting import median
+from pirate_sm.simulation.gliding.columns import Looker
 from pirate_sm.simulation.machine_code import compiled
+
+# --- posture -------------------------------------------------------------------------------------
+# The same operations in the same order give the same bits as
+# :meth:`pirate_sm.core.sensing.BodySpec.heading_in_pipe`.
+
+
+@compiled
+def _angle(wheel: int, numbers: Floats, chain: Floats) -> float:
+    joint = int(chain[wheel, col.H_JOINT])
+    return float(numbers[joint]) if joint >= 0 else 0.0
+
+
+@compiled
+def _heading(link: int, first: int, numbers: Floats, chain: Floats) -> float:
+    """Return the heading of a link relative to the one behind wheel ``first``."""
+    heading = 0.0
+    for passed in range(first + 1, link + 1):
+        heading = heading + _angle(passed, numbers, chain)
+    for passed in range(first - 1, link - 1, -1):
+        heading = heading - _angle(passed + 1, numbers, chain)
+    return heading
+
+
+@compiled
+def _lean(first: int, last: int, aside_m: float, numbers: Floats, chain: Floats) -> float:
+    """Return the rotation of the chain that aligns a part with the pipe, rad."""
+    x, y = 0.0, 0.0
+    for link in range(first, last):  # the first wheel stands at the origin
+        heading = _heading(link, first, numbers, chain)
+        x -= chain[link, col.H_LENGTH] * cos(heading)
+        y -= chain[link, col.H_LENGTH] * sin(heading)
+    along, across = 0.0 - x, 0.0 - y
+    length = sqrt(along * along + across * across)
+    if length == 0.0:
+        length = 1.0
+    rise = (chain[first, col.H_SIDE] - chain[last, col.H_SIDE]) * aside_m / length
+    if np.isnan(rise):
+        return np.nan
+    return asin(max(-1.0, min(1.0, rise))) - atan2(across, along)
+
+
+@compiled
+def heading_in_pipe(
+    part: int, link: int, numbers: Floats, chain: Floats, parts: Floats, body: Floats
+) -> float:
+    """Return a link's heading relative to the pipe axis at a clamped part, rad; NaN is unknown."""
+    first, last = int(parts[part, col.Q_FIRST]), int(parts[part, col.Q_LAST])
+    aside_m = 0.0
+    if chain[first, col.H_SIDE] != chain[last, col.H_SIDE]:
+        diameter = int(parts[part, col.Q_DIAMETER])
+        span_m = numbers[diameter] if diameter >= 0 else np.nan
+        aside_m = span_m / 2 - body[col.I_RADIUS_M]
+    turn = _lean(first, last, aside_m, numbers, chain)
+    return _heading(link, min(first, chain.shape[0] - 2), numbers, chain) + turn
+
+
+# --- medians -------------------------------------------------------------------------------------
+
+
+@compiled
+def median_of(values: Floats, count: int) -> float:
+    """Return the median of the first values, which are sorted; 0 for none."""
+    for i in range(1, count):
+        value = values[i]
+        k = i
+        while k > 0 and values[k - 1] > value:
+            values[k] = values[k - 1]
+            k -= 1
+        values[k] = value
+    if count == 0:
+        return 0.0
+    middle = count // 2
+    if count % 2 == 1:
+        return float(values[middle])
+    return float((values[middle - 1] + values[middle]) / 2)
+
+
+@compiled
+def median(rows: Floats, column: int, count: int, sorted_: Floats) -> float:
+    """Return the median of a column of the first rows; `sorted_` is scratch."""
+    for k in range(count):
+        sorted_[k] = rows[k, column]
+    return median_of(sorted_, count)
+
+
+# --- the survey ----------------------------------------------------------------------------------
+
 
 UNKNOWN, OUT, STRAIGHT, JOINT = range(4)
 """The segments as numbers."""
@@ -268,3 +354,115 @@ def survey(
     same = segment == int(surveyed[col.E_SEGMENT])
     same = same and _near(surveyed[col.E_DIAMETER_M], diameter_m, NOISE_M, 0.0)
     return same and _looks_level(surveyed, forces, surveyed[end:])
+
+
+# --- looks of a detector -------------------------------------------------------------------------
+# The same operations in the same order give the same bits as
+# :class:`pirate_sm.robot.detectors.word_timing.WordDetector` and
+# :class:`pirate_sm.robot.detectors.place_filter.Tracker`.
+
+
+@compiled
+def _place(column: int, count: int, driven: bool, seen: Floats, values: Floats) -> float:
+    """Return the filtered position of a wheel at the time of the last look."""
+    slope = 0.0
+    if driven and count >= 2:
+        half = count // 2
+        pairs = 0
+        for i in range(count - half):
+            passed_s = seen[i + half, 0] - seen[i, 0]
+            if seen[i + half, 0] > seen[i, 0]:
+                values[pairs] = (seen[i + half, column] - seen[i, column]) / passed_s
+                pairs += 1
+        slope = median_of(values, pairs)
+    latest_s = seen[count - 1, 0]
+    for i in range(count):
+        values[i] = seen[i, column] + slope * (latest_s - seen[i, 0])
+    return median_of(values, count)
+
+
+@compiled
+def _word(
+    count: int, looker: Floats, points: Floats, bends: Floats, seen: Floats, values: Floats
+) -> int:
+    """Return the index of the word that holds; -1 for none, -2 if a position is unknown."""
+    direction = looker[col.L_DIRECTION]
+    if direction == 0.0:
+        return -1
+    driven = looker[col.L_DRIVEN] != 0.0
+    for k in range(bends.shape[0]):
+        for p in range(points.shape[0]):
+            place_m = _place(int(points[p, col.O_WHEEL]) + 1, count, driven, seen, values)
+            passed_m = direction * (place_m - bends[k, 0])
+            passed_m += points[p, col.O_MORE_M]
+            passed_m += bends[k, 1] if p == points.shape[0] - 1 else -bends[k, 1]
+            if np.isnan(passed_m):
+                return -2
+            if passed_m >= (-looker[col.L_SLACK_M] if p == looker[col.L_WORD] else 0.0):
+                if passed_m < looker[col.L_FORGOTTEN_M]:
+                    return p
+                break
+    return -1
+
+
+@compiled
+def repeats(looker: Floats) -> bool:
+    """Return whether the present word is due again at the next look."""
+    return bool(looker[col.L_DUE_S] - looker[col.L_SAID_S] >= looker[col.L_REPEAT_S])
+
+
+@compiled
+def may_repeat(looker: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints) -> bool:
+    """Return whether the engine would do nothing but prolong the word. See `columns.py`."""
+    now_s, due_s = looker[col.L_DUE_S], min(watch[col.A_ALARM_S], clock[col.T_LISTENING_S])
+    until_s = min(watch[col.A_DEADLINE_S], now_s + looker[col.L_VALID_S])
+    if looker[col.L_VALID_S] == 0.0 or met[col.N_TICKS] == ticks.shape[0]:
+        return False
+    return bool(now_s < due_s - col.TOLERANCE_S and min(until_s, clock[col.T_LISTENING_S]) == due_s)
+
+
+@compiled
+def repeat(
+    now_s: float, looker: Floats, watch: Floats, clock: Floats, ticks: Floats, met: Ints
+) -> None:
+    """Say the present word again. See `columns.py` for the arrays."""
+    looker[col.L_SAID_S] = now_s
+    clock[col.T_WORD_S] = now_s + looker[col.L_VALID_S]
+    watch[col.A_ALARM_S] = min(watch[col.A_DEADLINE_S], clock[col.T_WORD_S])
+    ticks[met[col.N_TICKS], col.J_AT_S] = now_s
+    ticks[met[col.N_TICKS], col.J_WAKE_S] = np.inf
+    ticks[met[col.N_TICKS], col.J_OF_FRAME] = 0.0
+    met[col.N_TICKS] += 1
+
+
+@compiled
+def look(arcs: Floats, sees: Looker) -> bool:
+    """Look at the time at which it is due; return whether there is nothing new to say.
+
+    If there is, the look has not been made. `arcs` has the position of each wheel along the pipe.
+    """
+    looker, points, bends, seen, looks, values = sees
+    now_s = looker[col.L_DUE_S]
+    count = int(looker[col.L_SEEN])
+    made = int(looker[col.L_LOOKS])
+    if made == looks.shape[0]:
+        return False
+    first = 0
+    while first < count and seen[first, 0] < now_s - looker[col.L_WINDOW_S]:
+        first += 1
+    if first == 0 and count == seen.shape[0]:
+        return False
+    looks[made, 0] = now_s
+    for wheel in range(arcs.shape[0]):
+        looks[made, wheel + 1] = arcs[wheel]
+    for column in range(seen.shape[1]):
+        for i in range(first, count):
+            seen[i - first, column] = seen[i, column]
+        seen[count - first, column] = looks[made, column]
+    count -= first
+    if _word(count + 1, looker, points, bends, seen, values) != int(looker[col.L_WORD]):
+        return False
+    looker[col.L_SEEN] = count + 1
+    looker[col.L_LOOKS] = made + 1
+    looker[col.L_DUE_S] = now_s + looker[col.L_EVERY_S]
+    return True

@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
-from pirate_sm.simulation.machine_code.calls import own_call
-from pirate_sm.simulation.machine_code.decorator import compiled, compiled_module, is_kept
+from pirate_sm.simulation.machine_code.built_library import (
+    compiled,
+    compiled_module,
+    is_kept,
+    own_call,
+)
 
 __all__ = ["compiled", "compiled_module", "is_kept", "own_call"]

@@ -141,18 +141,18 @@ _PASSING = "Place Ints2 Floats2 Floats1 Words1 Floats1"
 
 ENTRY_POINTS = (
     entry_point("pirate_sm.simulation.xpbd.kernel:advance", GROUPS["Bars"]),
-    entry_point("pirate_sm.simulation.xpbd.glide:glide", f"Bars {_GLIDING}", long=True),
-    entry_point("pirate_sm.simulation.xpbd.glide:pass_cycles", f"Bars {_PASSING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.kernel:glide", f"Bars {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.kernel:pass_cycles", f"Bars {_PASSING}", long=True),
     entry_point("pirate_sm.simulation.xpbd.space.kernel:advance", GROUPS["Round"]),
-    entry_point("pirate_sm.simulation.xpbd.space.glide:glide", f"Round {_GLIDING}", long=True),
+    entry_point("pirate_sm.simulation.xpbd.space.kernel:glide", f"Round {_GLIDING}", long=True),
     entry_point(
-        "pirate_sm.simulation.xpbd.space.glide:pass_cycles", f"Round {_PASSING}", long=True
+        "pirate_sm.simulation.xpbd.space.kernel:pass_cycles", f"Round {_PASSING}", long=True
     ),
     entry_point(
         "pirate_sm.simulation.digitizing:digitize", "Floats2 int int Floats1 Floats1 Words1"
     ),
     entry_point(
-        "pirate_sm.lab.experiments.reduced.kernel:simulate",
+        "pirate_sm.lab.experiments.reduced_kernel:simulate",
         "Floats2 Floats1 Floats2 Floats2 Floats2 bool int Floats2 Floats2",
     ),
 )

@@ -12,7 +12,7 @@ from typing import Any, TypeVar, cast
 
 import numba
 
-from pirate_sm.simulation.machine_code.sources import digest, files_behind
+from pirate_sm.simulation.machine_code.built_library import digest, files_behind
 
 _F = TypeVar("_F", bound=Callable[..., Any])
 

@@ -28,14 +28,13 @@ from numba.core.types import containers
 from numba.np.arrayobj import populate_array
 
 from pirate_sm.simulation.machine_code.builder import SOURCES
-from pirate_sm.simulation.machine_code.built_library import MANIFEST
+from pirate_sm.simulation.machine_code.built_library import MANIFEST, digest
 from pirate_sm.simulation.machine_code.entry_points import (
     ARRAYS,
     ENTRY_POINTS,
     Argument,
     EntryPoint,
 )
-from pirate_sm.simulation.machine_code.sources import digest
 
 _NUMBERS = {"float": types.float64, "int": types.int64, "bool": types.boolean, "None": types.none}
 

@@ -12,9 +12,8 @@ import mujoco.viewer
 from pirate_sm.core.errors import Hint, UsageError
 from pirate_sm.core.geometry import Route
 from pirate_sm.core.simulation import Friction
-from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.world import MujocoWorld
-from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.physics import ChainBody, StartPose
 
 _WITHOUT = Hint(
     ": leave --view out, and watch the run with --live or from its recording",

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import NamedTuple
 
-from pirate_sm.checking.plans.phase_entry import why_not_from
+from pirate_sm.checking.plans import why_not_from
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import GoTo, Resume
 from pirate_sm.core.loading import LoadedMission

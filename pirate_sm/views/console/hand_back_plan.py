@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from rich.text import Text
 
-from pirate_sm.checking.plans.restoring_commands import Beginnings, beginnings, restoring
+from pirate_sm.checking.plans import Beginnings, beginnings, restoring
 from pirate_sm.core.events import GoTo
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Program, Wait, reached

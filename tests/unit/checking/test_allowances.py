@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.checking.allowances import allowances, settle
-from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.findings import Finding, Severity, allowances, settle
 from pirate_sm.core.documents import Place
 
 

@@ -15,11 +15,8 @@ from pirate_sm.core.geometry import Network, Route, dot
 from pirate_sm.core.loading import validate
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Friction
-from pirate_sm.simulation.actuators import routes_of
-from pirate_sm.simulation.electronics import Electronics
-from pirate_sm.simulation.mechanics import ChainBody, chain_of
-from pirate_sm.simulation.physics import MakePhysics, Physics, QuantityLayout
-from pirate_sm.simulation.sensors import sensors_of
+from pirate_sm.simulation.electronics import Electronics, routes_of, sensors_of
+from pirate_sm.simulation.physics import ChainBody, MakePhysics, Physics, QuantityLayout, chain_of
 from pirate_sm.simulation.start_pose import stand
 from pirate_sm.simulation.xpbd.world import World
 

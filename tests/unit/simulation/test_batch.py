@@ -19,7 +19,7 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.batch import Batch
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.kinematic import kinematic
+from pirate_sm.simulation.xpbd.world import kinematic
 
 from .conftest import CYCLE_S
 

@@ -5,7 +5,7 @@ import itertools
 import numpy as np
 import pytest
 
-from pirate_sm.simulation.loss import Loss
+from pirate_sm.simulation.acting_defect import Loss
 
 
 def rng(seed: int = 5) -> np.random.Generator:

@@ -1,7 +1,7 @@
 from __future__ import annotations
 
 from pirate_sm.core.profile import Profile
-from pirate_sm.simulation.mechanics import chain_of
+from pirate_sm.simulation.physics import chain_of
 
 
 def test_hold_torque_and_dead_drag_are_those_of_the_profile(profile: Profile) -> None:

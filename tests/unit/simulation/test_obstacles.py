@@ -5,7 +5,7 @@ from collections.abc import Callable
 
 import pytest
 
-from pirate_sm.simulation.obstacles import Obstacle, Obstacles
+from pirate_sm.simulation.surroundings import Obstacle, Obstacles
 
 from .conftest import CYCLE_S, Driver, bend, straight
 

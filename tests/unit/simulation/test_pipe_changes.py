@@ -13,8 +13,8 @@ from pirate_sm.core.pipe import Pipe, Straight, Turns
 from pirate_sm.core.profile import Profile
 from pirate_sm.simulation.mujoco.world import MujocoWorld
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.pipe_changes import gravity_of
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
+from pirate_sm.simulation.surroundings import gravity_of
 from pirate_sm.simulation.xpbd.world import World as KinematicWorld
 
 CYCLE_S = 0.016

@@ -9,8 +9,8 @@ import pytest
 
 from pirate_sm.core._model.derived import TorqueOf
 from pirate_sm.core.profile import Profile
-from pirate_sm.simulation.mechanics import chain_of
-from pirate_sm.simulation.sensors import scale_of, sensors_of
+from pirate_sm.simulation.electronics import scale_of, sensors_of
+from pirate_sm.simulation.physics import chain_of
 
 from .conftest import Driver, bend, straight
 

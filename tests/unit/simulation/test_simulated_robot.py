@@ -15,9 +15,8 @@ from pirate_sm.core.pipe import Pipe, PipeRun, Straight
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Defect
 from pirate_sm.simulation.simulated_robot import SimulatedRobot
-from pirate_sm.simulation.xpbd.kinematic import kinematic
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World
+from pirate_sm.simulation.xpbd.world import World, kinematic
 
 from .conftest import CYCLE_S
 

@@ -8,7 +8,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.pipe import Mitre, Pipe, Straight
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Friction
-from pirate_sm.simulation.mechanics import ChainBody
+from pirate_sm.simulation.physics import ChainBody
 from pirate_sm.simulation.surroundings import NO_JITTER, Jitter, Surroundings, surroundings_of
 
 PIPE = Pipe(diameter=0.12, segments=(Straight(straight=3.0),), start=Start(at=1.5))

@@ -119,7 +119,7 @@ def go_to(moment: Moment, state: EngineState, event: GoTo) -> EngineState:
     """Resume at the beginning of a phase, if the robot's states have not changed since the request.
 
     The sender of the event has checked that the phase can run from these states, see
-    :mod:`pirate_sm.checking.plans.phase_entry`.
+    :mod:`pirate_sm.checking.plans`.
     """
     here = robot_state.state_change(moment.robot, state.robot)
     obstacle = why_not_to(moment.program, state, event.phase)

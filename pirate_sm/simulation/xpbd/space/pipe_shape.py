@@ -22,8 +22,19 @@ from pirate_sm.core.geometry import (
 )
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.xpbd.space import columns
-from pirate_sm.simulation.xpbd.space.edges import WallEdge, edge_rows, mitre_edge, mouth, ring
-from pirate_sm.simulation.xpbd.space.solids import Hole, Plane, Row, disc, elbow, tube
+from pirate_sm.simulation.xpbd.space.solids import (
+    Hole,
+    Plane,
+    Row,
+    WallEdge,
+    disc,
+    edge_rows,
+    elbow,
+    mitre_edge,
+    mouth,
+    ring,
+    tube,
+)
 
 _SAME_M = 1e-9
 

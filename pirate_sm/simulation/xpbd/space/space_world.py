@@ -10,14 +10,65 @@ from pirate_sm.core.geometry import GRAVITY_M_S2, Route, Vector
 from pirate_sm.core.options import USUAL, Fidelity
 from pirate_sm.core.simulation import Friction
 from pirate_sm.simulation.arrays import Floats
-from pirate_sm.simulation.mechanics import ChainBody
-from pirate_sm.simulation.physics import StartPose
+from pirate_sm.simulation.physics import ChainBody, StartPose
 from pirate_sm.simulation.start_pose import lying, normals_of
-from pirate_sm.simulation.xpbd.chain_world import ChainWorld
-from pirate_sm.simulation.xpbd.iterations import EFFORTS
-from pirate_sm.simulation.xpbd.space import columns, glide, kernel
+from pirate_sm.simulation.xpbd.space import columns, kernel
+from pirate_sm.simulation.xpbd.space import kernel as glide
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
-from pirate_sm.simulation.xpbd.space.space_state import SpaceState
+from pirate_sm.simulation.xpbd.world import EFFORTS, ChainWorld
+
+# --- the state -----------------------------------------------------------------------------------
+
+
+class SpaceState:
+    """Views into the one array with the state of the chain.
+
+    Args:
+        nodes: Number of wheels.
+
+    Attributes:
+        array: The array for the kernel.
+        position: `(wheels, 3)`, m.
+        velocity: `(wheels, 3)`, m/s.
+        motor: Motor-side angle of the joint at each wheel, rad.
+        wheel: Angle of each wheel against its link, rad.
+        bend: Angle of the joint at each wheel, rad.
+        normals: `(2, 3)`, unit normals of the planes of the parts ahead of and behind the roll
+            joint.
+        roll: Angle of the roll joint and of its motor, rad.
+    """
+
+    def __init__(self, nodes: int) -> None:
+        n, last = nodes, columns.S_ROLL * nodes
+        self.array: Floats = np.zeros(last + columns.ROLL_ENTRIES)
+        self.position = self.array[: 3 * n].reshape(n, 3)
+        self.velocity = self.array[columns.S_VELOCITY * n : columns.S_MOTOR * n].reshape(n, 3)
+        self.motor = self.array[columns.S_MOTOR * n : columns.S_WHEEL * n]
+        self.wheel = self.array[columns.S_WHEEL * n : columns.S_BEND * n]
+        self.bend = self.array[columns.S_BEND * n : columns.S_ANCHOR * n]
+        self.normals = self.array[last : last + columns.R_RATE].reshape(2, 3)
+        self.roll = self.array[last + columns.R_ANGLE :]
+
+    def take(
+        self, pose: StartPose, places: Sequence[Vector], normals: tuple[Vector, Vector]
+    ) -> None:
+        """Put the chain into a pose whose wheels are at these places.
+
+        Args:
+            pose: The pose.
+            places: Centre of each wheel, m.
+            normals: Of the planes of the parts ahead of and behind the roll joint.
+        """
+        self.position[:] = places
+        self.normals[:] = normals
+        if pose.rolls_rad:
+            self.roll[:] = (pose.rolls_rad[0], pose.roll_motor_rad)
+        self.bend[:] = pose.bends_rad
+        self.motor[:] = pose.motors_rad
+
+
+# --- the physics ---------------------------------------------------------------------------------
+
 
 # A horizontal magnetic field along the first leg and against its normal, uT (central Europe).
 _FIELD_UT = (20.0, 0.0, -44.0)

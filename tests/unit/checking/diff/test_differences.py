@@ -8,8 +8,8 @@ from pathlib import Path
 import pytest
 from representative import MISSIONS, thorough_but
 
-from pirate_sm.checking.diff.differences import MissionDifference, compare
-from pirate_sm.checking.diff.read_behaviour import abilities_of
+from pirate_sm.checking.mission_behaviour import abilities_of
+from pirate_sm.checking.mission_differences import MissionDifference, compare
 from pirate_sm.core.loading import load_mission
 
 ROOT = Path(__file__).resolve().parents[4]

@@ -9,8 +9,7 @@ from typing import Any
 
 from hypothesis import strategies as st
 
-from pirate_sm.checking.exploring.answers import Fact
-from pirate_sm.checking.exploring.conditions import Conditions
+from pirate_sm.checking.exploring.conditions import Conditions, Fact
 from pirate_sm.checking.exploring.signal_ranges import Range
 from pirate_sm.core.expressions import EnumType, NumberType, Vocabulary, compile_condition
 from pirate_sm.core.units import DIMENSIONLESS

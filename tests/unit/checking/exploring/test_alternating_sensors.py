@@ -8,9 +8,7 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import write
-from pirate_sm.checking.exploring.alternating_sensors import lasting
-from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.explore_mission import conditions_of
+from pirate_sm.checking.exploring.explore import conditions_of, explore, lasting
 from pirate_sm.core.effects import Ended
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.loading import LoadedMission, load_mission

@@ -6,8 +6,8 @@ import pytest
 
 from checking.exploring.conditions_by_lot import STATES, VOCABULARY, conditions
 from pirate_sm.checking.exploring import asking_program as module
-from pirate_sm.checking.exploring.answers import TooManyQuestionsError
 from pirate_sm.checking.exploring.asking_program import Oracle
+from pirate_sm.checking.exploring.conditions import TooManyQuestionsError
 from pirate_sm.core.expressions import compile_condition
 from pirate_sm.core.program import Branch, Program
 

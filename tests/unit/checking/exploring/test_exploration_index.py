@@ -5,9 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from checking.small_missions import checked, told, write
-from pirate_sm.checking.exploring.exploration_index import Visits, index_exploration
-from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.mission.explore_mission import conditions_of
+from pirate_sm.checking.exploring.exploration import Visits, index_exploration
+from pirate_sm.checking.exploring.explore import conditions_of, explore
 from pirate_sm.core.loading import load_mission
 
 SKIPPED_OR_IMPOSSIBLE = """

@@ -9,12 +9,9 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import checked, only, write
-from pirate_sm.checking.exploring.exploration import Exploration
-from pirate_sm.checking.exploring.exploration_index import Waiting, index_exploration
-from pirate_sm.checking.exploring.explore import explore
-from pirate_sm.checking.exploring.story import story
+from pirate_sm.checking.exploring.exploration import Exploration, Waiting, index_exploration, story
+from pirate_sm.checking.exploring.explore import conditions_of, explore
 from pirate_sm.checking.mission.check_mission import check_mission
-from pirate_sm.checking.mission.explore_mission import conditions_of
 from pirate_sm.checking.reports.counterexamples import write_counterexample
 from pirate_sm.core.effects import CommandStatus, Effect
 from pirate_sm.core.loading import load_mission

@@ -10,8 +10,14 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from checking.exploring.conditions_by_lot import VALUES, VOCABULARY
-from pirate_sm.checking.exploring.piecewise_linear import borders, is_linear, samples, signals
-from pirate_sm.checking.exploring.signal_ranges import ANYTHING, Range
+from pirate_sm.checking.exploring.signal_ranges import (
+    ANYTHING,
+    Range,
+    borders,
+    is_linear,
+    samples,
+    signals,
+)
 from pirate_sm.core.expressions import compile_condition, tree
 
 SPAN = Range(0.0, 2.0)

@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.checking.exploring.explore import MOST_WORK
-from pirate_sm.checking.mission import flow
+from pirate_sm.checking.mission import time_and_order
 from pirate_sm.checking.mission.check_mission import check_mission
-from pirate_sm.checking.plans.phase_entry import refused_from
+from pirate_sm.checking.plans import refused_from
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Program, successors
 from pirate_sm.core.robot import RobotState
@@ -94,7 +94,7 @@ def test_a_way_of_many_waits_is_followed_once(
         asked[at] += 1
         return successors(program, at)
 
-    monkeypatch.setattr(flow, "successors", counting)
+    monkeypatch.setattr(time_and_order, "successors", counting)
     waits = "".join(
         f"  w{n}: {{wait: [{{when: change(odometry) >= {n + 1} mm, go: w{n + 1}}}],"
         f" counts_on: {str(n > 0).lower()}, within: LATE}}\n"
@@ -117,7 +117,7 @@ def test_resuming_is_explored_once_for_each_phase_and_state(
         explored.append((phase, most_work))
         return why, work
 
-    monkeypatch.setattr(flow, "refused_from", counting)
+    monkeypatch.setattr(time_and_order, "refused_from", counting)
     let_go = "  b: {do: [RelaxFront], go: w0}\n"
     waits = "".join(
         f"  w{n}: {{wait: [{{after: 3 s, go: {f'w{n + 1}' if n < 4 else 'good'}}}], resume: a}}\n"
@@ -135,7 +135,7 @@ def test_resuming_is_explored_once_for_each_phase_and_state(
 def test_resuming_is_explored_within_one_limit(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(flow, "MOST_WORK", 0)
+    monkeypatch.setattr(time_and_order, "MOST_WORK", 0)
     waits = "  b: {do: [RelaxFront], go: w}\n  w: {wait: [{after: 3 s, go: good}], resume: a}\n"
 
     assert findings(tmp_path, CLAMP + waits) == []

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import checked, only, told, write
-from pirate_sm.checking.mission import explore_mission as checking
+from pirate_sm.checking.exploring import explore as checking
 from pirate_sm.checking.mission.check_mission import check_mission
 
 PIRATE = Path(__file__).resolve().parents[4] / "hardware_profiles" / "pirate_ii"

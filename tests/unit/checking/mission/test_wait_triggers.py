@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import checked, only, told, write
-from pirate_sm.checking.project.check_project import check_paths
+from pirate_sm.checking.check_project import check_paths
 
 
 def wait(*triggers: str, within: str = "10 s", go: str = "bad") -> str:

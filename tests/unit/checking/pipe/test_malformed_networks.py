@@ -10,8 +10,8 @@ import yaml
 from representative import thorough_but
 
 from pirate_sm.checking import catalogue
+from pirate_sm.checking.check_project import check_paths
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.project.check_project import check_paths
 
 from .invented_networks import (
     MISFITS,

@@ -8,7 +8,7 @@ from math import isnan
 import pytest
 
 from pirate_sm.checking.actuation_in_force import InForce
-from pirate_sm.checking.pipe.roll_joint import PartRolls, RollJoint
+from pirate_sm.checking.pipe.robot_in_pipe import PartRolls, RollJoint
 from pirate_sm.core.loading import LoadedRobot, load_robot
 from pirate_sm.core.robot import RobotSpec
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from checking.plans.conftest import standing
-from pirate_sm.checking.plans.phase_entry import why_not_from
+from pirate_sm.checking.plans import why_not_from
 
 
 def test_driven_in_by_hand_with_the_lights_off_the_bend_can_be_prepared(bend):

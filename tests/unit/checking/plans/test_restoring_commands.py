@@ -7,8 +7,7 @@ from dataclasses import replace
 import pytest
 
 from checking.plans.conftest import standing
-from pirate_sm.checking.plans.phase_entry import why_not_from
-from pirate_sm.checking.plans.restoring_commands import beginnings, restoring
+from pirate_sm.checking.plans import beginnings, restoring, why_not_from
 from pirate_sm.core.robot import STOPPED, Mark
 
 

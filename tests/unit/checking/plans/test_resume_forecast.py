@@ -7,7 +7,7 @@ from math import inf, nan
 import pytest
 
 from checking.plans.conftest import ROOT
-from pirate_sm.checking.plans.resume_forecast import forecast
+from pirate_sm.checking.resume_forecast import forecast
 from pirate_sm.core._engine.resuming.reconciling import StateVerdict
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.loading import load_mission

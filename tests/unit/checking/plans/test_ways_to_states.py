@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.checking.plans.ways_to_states import way_to
+from pirate_sm.checking.plans import way_to
 from pirate_sm.core.loading import by_hand, load_robot, read_states
 from pirate_sm.core.robot import at_rest_in, states_of
 

@@ -8,13 +8,12 @@ from pathlib import Path
 import pytest
 
 from checking.small_missions import MISSION
+from pirate_sm.checking import check_project as project
+from pirate_sm.checking.check_project import Wishes, check_paths
 from pirate_sm.checking.findings import Finding, Severity
 from pirate_sm.checking.mission.check_mission import MissionCheck
-from pirate_sm.checking.project import check_project as project
-from pirate_sm.checking.project.check_options import Wishes
-from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import CheckReport
-from pirate_sm.checking.reports.sarif import sarif_report
+from pirate_sm.checking.reports.machine_readable import sarif_report
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.core.documents import FileKind, Place
 from pirate_sm.core.errors import UsageError

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.checking.project.find_files import DEEPEST_FOLDER, find_targets
+from pirate_sm.checking.project_files import DEEPEST_FOLDER, find_targets
 from pirate_sm.core.documents import FileKind
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.files import library

@@ -10,9 +10,8 @@ from typing import Any
 import pytest
 from typer.testing import CliRunner
 
+from pirate_sm.checking.check_project import Wishes, check_paths
 from pirate_sm.checking.findings import Finding
-from pirate_sm.checking.project.check_options import Wishes
-from pirate_sm.checking.project.check_project import check_paths
 from pirate_sm.checking.reports.check_report import CheckReport
 from pirate_sm.cli.entry import only_run
 from pirate_sm.core.errors import UsageError

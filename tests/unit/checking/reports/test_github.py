@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 
 from pirate_sm.checking.reports.check_report import CheckReport
-from pirate_sm.checking.reports.github import github_report
+from pirate_sm.checking.reports.machine_readable import github_report
 
 _COMMAND = re.compile(r"::(?P<command>\w+) (?P<properties>[^:]*)::(?P<data>.*)")
 

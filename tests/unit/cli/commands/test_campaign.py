@@ -20,10 +20,9 @@ from pirate_sm.core._model.campaign import MOST_SEEDS
 from pirate_sm.core.files import library
 from pirate_sm.lab.campaign.campaign_file import read_campaign
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
-from pirate_sm.lab.campaign.conductor import stored
+from pirate_sm.lab.campaign.conductor import recording_name, stored
 from pirate_sm.lab.campaign.crew import Done
 from pirate_sm.lab.campaign.plan import mark_of
-from pirate_sm.lab.campaign.recorded_run import recording_name
 from pirate_sm.lab.campaign.store import Store
 from pirate_sm.lab.experiments import needed_extras
 

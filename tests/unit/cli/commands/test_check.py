@@ -297,7 +297,7 @@ def test_a_fault_of_the_check_is_a_finding_or_with_debug_a_traceback(
     def fail(*_: object, **__: object) -> None:
         raise RuntimeError("lost")
 
-    monkeypatch.setattr("pirate_sm.checking.project.check_project.check_mission", fail)
+    monkeypatch.setattr("pirate_sm.checking.check_project.check_mission", fail)
 
     result = pirate("check", warned)
     assert (result.exit_code, "check.failed" in result.stdout) == (1, True)

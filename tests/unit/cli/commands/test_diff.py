@@ -11,7 +11,7 @@ import jsonschema
 import pytest
 from checking.small_missions import MISSION
 
-from pirate_sm.checking.diff.read_behaviour import abilities_of
+from pirate_sm.checking.mission_behaviour import abilities_of
 
 from ..conftest import ROOT
 

@@ -3,7 +3,7 @@ from math import nan
 import pytest
 
 from pirate_sm.cli.commands.fit import estimate_text
-from pirate_sm.lab.fitting.estimate import Estimate
+from pirate_sm.lab.fitting.measurements import Estimate
 
 
 @pytest.mark.parametrize(

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from benchmarks.mistakes import HERE
-from pirate_sm.checking.project.check_project import check_paths
+from pirate_sm.checking.check_project import check_paths
 
 STEP = "      - DriveForward"
 

@@ -16,12 +16,11 @@ import pytest
 from pirate_sm.lab.campaign import chunk as chunks
 from pirate_sm.lab.campaign.campaign_file import read_campaign
 from pirate_sm.lab.campaign.chunk import Chunk, OtherVersionError, Sent, loaded_mission, run_chunk
-from pirate_sm.lab.campaign.code_version import code_version
-from pirate_sm.lab.campaign.conductor import chunk_of
-from pirate_sm.lab.campaign.recorded_run import record_chunk
+from pirate_sm.lab.campaign.conductor import chunk_of, record_chunk
+from pirate_sm.lab.campaign.plan import code_version
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.wiring import Order, Prepared, prepare
-from pirate_sm.simulation.full_truth import FullTruth
+from pirate_sm.simulation.simulated_robot import FullTruth
 
 ENTER = Path(__file__).parents[4] / "sequences" / "enter_2d.yaml"
 

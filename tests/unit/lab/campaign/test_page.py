@@ -8,12 +8,10 @@ from xml.etree.ElementTree import fromstring
 
 from pirate_sm.core.campaign import Expectation
 from pirate_sm.lab.campaign.chunk import Chunk, RunRow
-from pirate_sm.lab.campaign.conductor import Conductor, stored
-from pirate_sm.lab.campaign.junit import as_junit
+from pirate_sm.lab.campaign.conductor import Conductor, recording_name, stored
 from pirate_sm.lab.campaign.page import page_of
 from pirate_sm.lab.campaign.plan import mark_of
-from pirate_sm.lab.campaign.recorded_run import recording_name
-from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
+from pirate_sm.lab.campaign.results import CampaignResult, as_junit, as_text, result_of
 from pirate_sm.lab.campaign.store import Store
 
 from .rows import Hasty, cell, plan, row

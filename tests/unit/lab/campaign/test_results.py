@@ -9,8 +9,8 @@ import pytest
 
 from pirate_sm.core.campaign import Expectation, StoppingRule
 from pirate_sm.lab.campaign.chunk import RunRow
+from pirate_sm.lab.campaign.conductor import recording_name
 from pirate_sm.lab.campaign.intervals import wilson
-from pirate_sm.lab.campaign.recorded_run import recording_name
 from pirate_sm.lab.campaign.results import CampaignResult, as_text, result_of
 from pirate_sm.lab.campaign.store import RECORDINGS
 from pirate_sm.lab.campaign.tally import Tally

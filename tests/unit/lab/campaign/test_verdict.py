@@ -10,8 +10,7 @@ import pytest
 
 from benchmarks.campaign import run
 from pirate_sm.core.campaign import TrueEnd
-from pirate_sm.lab.campaign.verdict import judge
-from pirate_sm.lab.campaign.watched_run import Outcome
+from pirate_sm.lab.campaign.watched_run import Outcome, judge
 from pirate_sm.running.wiring import Order
 
 STATES = (("Free", "Off"), ("Free", "On"), ("Fixed", "On"), ("Driving", "On"), ("Fixed", "On"))

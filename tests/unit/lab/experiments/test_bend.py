@@ -6,7 +6,7 @@ import pytest
 from pirate_sm.lab.experiments import needed_extras
 from pirate_sm.lab.experiments.bend import repeat_bend
 from pirate_sm.lab.experiments.experiment_files import load_experiments
-from pirate_sm.lab.experiments.mission_setups import BendSetup
+from pirate_sm.lab.experiments.setups import BendSetup
 
 ROBOT = Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii"
 

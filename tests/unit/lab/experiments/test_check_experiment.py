@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core.documents import LoadError, Problem
-from pirate_sm.lab.experiments.check_experiment import check_experiment
+from pirate_sm.lab.experiments.experiment_files import check_experiment
 
 PIRATE = Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii"
 

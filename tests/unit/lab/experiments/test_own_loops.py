@@ -7,9 +7,8 @@ import pytest
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.experiments import needed_extras
 from pirate_sm.lab.experiments.experiment_files import load_experiments
-from pirate_sm.lab.experiments.experiment_result import ExperimentResult
-from pirate_sm.lab.experiments.own_loops import repeat_with_loops
-from pirate_sm.lab.experiments.traction_setup import OwnLoops, TractionSetup
+from pirate_sm.lab.experiments.setups import ExperimentResult, OwnLoops, TractionSetup
+from pirate_sm.lab.experiments.traction_experiment import repeat_with_loops
 
 ROBOT = Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii"
 MISSIONS = {"3a": "exp_3a", "3d": "exp_3d"}

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 import pirate_sm
-from pirate_sm.lab.experiments.mission_setups import PostProcessing
-from pirate_sm.lab.experiments.slip_signals import SlipSignals
+from pirate_sm.lab.experiments.setups import PostProcessing
+from pirate_sm.lab.experiments.straight_pipe import SlipSignals
 
 PROCESSING = PostProcessing(
     step=0.01, window=1.0, still_below=0.005, driving_above=0.08, most_ratio=1.0, every=10

@@ -4,8 +4,7 @@ import pytest
 
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.experiments.experiment_files import load_experiments
-from pirate_sm.lab.experiments.experiment_result import ExperimentResult
-from pirate_sm.lab.experiments.mission_setups import StraightPipeSetup
+from pirate_sm.lab.experiments.setups import ExperimentResult, StraightPipeSetup
 from pirate_sm.lab.experiments.straight_pipe import repeat_straight_pipe
 
 ROBOT = Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii"

@@ -3,7 +3,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.lab.experiments.thesis_rows import ComparedRow, ThesisRow, compared
+from pirate_sm.lab.experiments.setups import ComparedRow, ThesisRow, compared
 
 
 def row(**more: Any) -> ThesisRow:

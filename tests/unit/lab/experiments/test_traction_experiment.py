@@ -5,9 +5,8 @@ import pytest
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_robot
 from pirate_sm.lab.experiments.experiment_files import load_experiments
-from pirate_sm.lab.experiments.experiment_result import ExperimentResult
+from pirate_sm.lab.experiments.setups import ExperimentResult, TractionSetup
 from pirate_sm.lab.experiments.traction_experiment import repeat_traction
-from pirate_sm.lab.experiments.traction_setup import TractionSetup
 
 ROBOT = Path(__file__).parents[4] / "hardware_profiles" / "pirate_ii"
 PROFILE = load_robot(ROBOT).profile

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.lab.fitting.gaussian_process import fit_process
+from pirate_sm.lab.fitting.slip_curve import fit_process
 
 RANDOM = np.random.default_rng(5)
 X = np.sort(RANDOM.uniform(-3.0, 3.0, 90))

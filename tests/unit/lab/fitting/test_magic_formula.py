@@ -3,7 +3,7 @@ import pytest
 from scipy import optimize
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.lab.fitting.magic_formula import fit_magic, magic
+from pirate_sm.lab.fitting.slip_curve import fit_magic, magic
 
 X = np.geomspace(1e-4, 0.2, 40)
 TRUE = np.array([180.0, 1.6, 0.55, 0.4])

@@ -5,7 +5,7 @@ import pytest
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_pipe
-from pirate_sm.lab.fitting.pipe_friction import pipe_with_friction
+from pirate_sm.lab.fitting.slip_curve import pipe_with_friction
 
 PIPE = "# mine\nformat: 1\ndiameter: 120 mm\nsegments: [{straight: 1 m}]\n"
 OWN = "friction:\n  static: 0.9\n  kinetic: 0.8\n"

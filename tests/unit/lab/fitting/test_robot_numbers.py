@@ -5,11 +5,15 @@ import pytest
 
 import pirate_sm
 from pirate_sm.core.loading import load_twin
-from pirate_sm.lab.fitting.columns import MeasuredFile, read_measured
-from pirate_sm.lab.fitting.estimate import Estimate
-from pirate_sm.lab.fitting.motor_intervals import Intervals
-from pirate_sm.lab.fitting.robot_numbers import RobotNumber, driven, robot_numbers, wheel_numbers
-from pirate_sm.lab.fitting.twin_text import twin_text
+from pirate_sm.lab.fitting.measurements import Estimate, MeasuredFile, read_measured
+from pirate_sm.lab.fitting.robot_numbers import (
+    Intervals,
+    RobotNumber,
+    driven,
+    robot_numbers,
+    twin_text,
+    wheel_numbers,
+)
 
 TRUE = {
     ("wheel", "no_load_speed"): 3.4,

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.lab.fitting.slip_columns import SlipSignalNames, slip_and_friction, steady, wheels_in
+from pirate_sm.lab.fitting.measurements import SlipSignalNames, slip_and_friction, steady, wheels_in
 
 COLUMNS = {
     "time_s": np.array([0.0, 1.0]),

@@ -1,7 +1,6 @@
 import numpy as np
 
-from pirate_sm.lab.fitting.slip_curve import fit_slip_curve
-from pirate_sm.lab.fitting.slip_plot import slip_plot
+from pirate_sm.lab.fitting.slip_curve import fit_slip_curve, slip_plot
 
 
 def test_both_fits_and_the_band_are_drawn_over_the_points() -> None:

@@ -8,7 +8,7 @@ from gymnasium.utils.env_checker import check_env
 
 import pirate_sm
 from pirate_sm.lab.learning.environment import InPipe
-from pirate_sm.lab.learning.transition import Transition
+from pirate_sm.lab.learning.rewards import Transition
 
 from .conftest import act, drawn, made
 

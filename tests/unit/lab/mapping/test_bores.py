@@ -2,8 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.lab.mapping.bores import diameter_of, narrowings
-from pirate_sm.lab.mapping.legs import Bore
+from pirate_sm.lab.mapping.legs import Bore, diameter_of, narrowings
 
 SPAN_M = 0.11
 

@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.sensing import axis_at
-from pirate_sm.lab.mapping.leg_meetings import reached
+from pirate_sm.lab.mapping.bend_angles import reached
 
 FRONT, REAR = 0, 1
 LEAN = asin((0.120 - 0.048) / 0.090)

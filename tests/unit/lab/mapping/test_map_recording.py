@@ -19,7 +19,7 @@ from pirate_sm.core.loading import load_robot, validate
 from pirate_sm.core.pipe import Mitre, Pipe, Straight
 from pirate_sm.core.profile import Profile
 from pirate_sm.lab.mapping.legs import Map
-from pirate_sm.lab.mapping.map_recording import mapped
+from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording

@@ -6,8 +6,7 @@ from math import degrees, inf, pi, radians
 
 import pytest
 
-from pirate_sm.lab.mapping.legs import Bore, Leg, Map, MappedBend
-from pirate_sm.lab.mapping.settling import feel_angles, round_elbows
+from pirate_sm.lab.mapping.legs import Bore, Leg, Map, MappedBend, feel_angles, round_elbows
 
 
 def bent(bend: MappedBend, pitches_deg: tuple[float, float], roll_deg: float = 0.0) -> Map:

@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.lab.mapping.way import Way
+from pirate_sm.lab.mapping.places import Way
 
 
 @pytest.fixture

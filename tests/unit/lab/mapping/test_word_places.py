@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.lab.mapping.word_places import JointEnd, WordReader
+from pirate_sm.lab.mapping.looks import JointEnd, WordReader
 from pirate_sm.robot.detectors.word_timing import words_of
 
 

@@ -14,7 +14,7 @@ from pirate_sm.core.geometry import Frame, Route, dot
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.sensing import WHOLE, axis_at, plane_of, wheel_at
-from pirate_sm.lab.mapping.leg_meetings import reached
+from pirate_sm.lab.mapping.bend_angles import reached
 from pirate_sm.robot.detectors.dead_reckoning import Felt, Reckoned, Reckoner
 
 FRONT, REAR = 0, 1

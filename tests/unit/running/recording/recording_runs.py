@@ -29,10 +29,9 @@ from pirate_sm.running.runtime.pump import Pump
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.running.wiring.run_recorder import Kept, RunRecorder, run_header
 from pirate_sm.running.wiring.sim import start_values
+from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.texts import message_texts
-from pirate_sm.simulation.bay.virtual import VirtualBay
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 ROOT = Path(__file__).resolve().parents[4]
 

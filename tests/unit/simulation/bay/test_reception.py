@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.robot.rosserial.frames import SerialFrame, encode
-from pirate_sm.simulation.bay.reception import Reception
+from pirate_sm.simulation.bay.node_handle import Reception
 
 BYTE_S = 1 / 5760
 FRAMES = [

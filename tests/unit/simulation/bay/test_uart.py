@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from pirate_sm.simulation.bay.uart import Inlet, Outlet
+from pirate_sm.simulation.bay.line import Inlet, Outlet
 
 RATE = 1000.0
 

@@ -11,7 +11,7 @@ import pytest
 from pirate_sm.core._expressions import bytecode
 from pirate_sm.core._expressions.bytecode import code_of, never_true, words_in
 from pirate_sm.core.expressions import BOOLEAN, DEEPEST, Expression, depth_of, tree
-from pirate_sm.simulation.gliding import machine
+from pirate_sm.simulation.gliding import quiet
 
 VALUES = (nan, nan, 0.0, -0.0, 1.0, -1.0, 0.1, 0.30000000000000004, 3.0, -2.5, inf, 1e-300)
 CONSTANTS = [value for value in VALUES if abs(value) < inf]
@@ -59,7 +59,7 @@ def run(code: bytecode.Code, numbers: list[float], origin: list[float]) -> bool 
     arrays = np.array(numbers), np.array(origin), np.zeros(DEEPEST)
     # Where it is built with the package, this function is Python, and numpy warns of what it meets.
     with np.errstate(all="ignore"):
-        value = machine.value_of(np.array(code), 0, len(code), *arrays)
+        value = quiet.value_of(np.array(code), 0, len(code), *arrays)
     return None if isnan(value) else value == 1.0
 
 
@@ -83,12 +83,12 @@ def test_conditions_have_the_same_value_in_both(seed: int) -> None:
 
 
 def test_both_sides_number_the_instructions_alike() -> None:
-    names = [name for name, value in vars(machine).items() if name.isupper() and type(value) is int]
+    names = [name for name, value in vars(quiet).items() if name.isupper() and type(value) is int]
     operations = [name for name in names if name not in {"OPERATION", "ARGUMENT"}]
 
     assert len(operations) == 20
     for name in operations:
-        assert getattr(machine, name) == getattr(bytecode, name), name
+        assert getattr(quiet, name) == getattr(bytecode, name), name
 
 
 def test_what_words_decide_leaves_no_code() -> None:

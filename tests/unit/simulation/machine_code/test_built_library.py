@@ -8,8 +8,13 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.simulation import digitizing
-from pirate_sm.simulation.machine_code.built_library import FILE, FOLDER, Found, find_library
-from pirate_sm.simulation.machine_code.sources import PACKAGE
+from pirate_sm.simulation.machine_code.built_library import (
+    FILE,
+    FOLDER,
+    PACKAGE,
+    Found,
+    find_library,
+)
 
 FOUND = find_library()
 built = pytest.mark.skipif(FOUND.library is None, reason=f"no library here: {FOUND.why_not}")

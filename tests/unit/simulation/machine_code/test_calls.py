@@ -8,8 +8,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from pirate_sm.simulation.machine_code.built_library import find_library
-from pirate_sm.simulation.machine_code.calls import callable_from_python, own_call
+from pirate_sm.simulation.machine_code.built_library import (
+    callable_from_python,
+    find_library,
+    own_call,
+)
 from pirate_sm.simulation.machine_code.entry_points import ENTRY_POINTS, entry_point
 
 FOUND = find_library()

@@ -32,7 +32,7 @@ ALL_BITS = """
 import hashlib
 import numpy as np
 import pirate_sm
-from pirate_sm.lab.experiments.reduced.kernel import simulate
+from pirate_sm.lab.experiments.reduced_kernel import simulate
 from pirate_sm.simulation.xpbd.world import World
 
 hashed, advance = hashlib.sha256(), World.advance

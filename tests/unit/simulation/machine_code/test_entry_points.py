@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 
+from pirate_sm.simulation.machine_code.built_library import PACKAGE, files_behind
 from pirate_sm.simulation.machine_code.entry_points import ENTRY_POINTS, EntryPoint, entry_point
-from pirate_sm.simulation.machine_code.sources import PACKAGE, files_behind
 
 HERE = "pirate_sm.simulation.machine_code"
 COVERED = files_behind([entry.module for entry in ENTRY_POINTS])

@@ -10,25 +10,25 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.simulation.machine_code import linker
+from pirate_sm.simulation.machine_code import builder
 
 
 def test_on_other_systems_nothing_is_built(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     monkeypatch.setattr(sys, "platform", "sunos5")
 
-    assert linker.this_target() is None
+    assert builder.this_target() is None
     with pytest.raises(RuntimeError, match=f"nothing is built for {sysconfig.get_platform()}"):
-        linker.link([], tmp_path / "library")
+        builder.link([], tmp_path / "library")
 
 
 def test_a_c_library_that_numba_is_not_made_for_counts_as_another_system(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(sys, "platform", "linux")
-    monkeypatch.setattr(linker.platform, "machine", lambda: "x86_64")
+    monkeypatch.setattr(builder.platform, "machine", lambda: "x86_64")
     for name, there in (("glibc", True), ("", False)):
-        monkeypatch.setattr(linker.platform, "libc_ver", lambda name=name: (name, ""))
-        assert (linker.this_target() is not None) == there
+        monkeypatch.setattr(builder.platform, "libc_ver", lambda name=name: (name, ""))
+        assert (builder.this_target() is not None) == there
 
 
 @pytest.mark.parametrize(
@@ -50,9 +50,9 @@ def test_a_failure_names_its_cause(
         return subprocess.CompletedProcess(command, 1, "", told)
 
     monkeypatch.setattr(
-        linker, "this_target", lambda: linker.MachineTarget("x86_64-linux-gnu", "any")
+        builder, "this_target", lambda: builder.MachineTarget("x86_64-linux-gnu", "any")
     )
-    monkeypatch.setattr(linker.subprocess, "run", failing)
+    monkeypatch.setattr(builder.subprocess, "run", failing)
 
     with pytest.raises(RuntimeError, match=said):
-        linker.link([], tmp_path / "library")
+        builder.link([], tmp_path / "library")

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.simulation.machine_code.sources import digest, files_behind
+from pirate_sm.simulation.machine_code.built_library import digest, files_behind
 
 
 @pytest.fixture

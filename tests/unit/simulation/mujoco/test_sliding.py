@@ -7,9 +7,8 @@ import pytest
 
 from pirate_sm.core.geometry import GRAVITY_M_S2, Route
 from pirate_sm.core.simulation import Friction
-from pirate_sm.simulation.mechanics import ChainBody
 from pirate_sm.simulation.mujoco.world import MujocoWorld
-from pirate_sm.simulation.physics import QuantityLayout
+from pirate_sm.simulation.physics import ChainBody, QuantityLayout
 from pirate_sm.simulation.start_pose import stand
 
 from ..conftest import CYCLE_S, straight

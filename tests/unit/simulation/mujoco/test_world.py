@@ -12,9 +12,9 @@ from pirate_sm.core.errors import BackendError, UsageError
 from pirate_sm.core.geometry import Route
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.simulation import Friction
-from pirate_sm.simulation.mechanics import ChainBody, chain_of
 from pirate_sm.simulation.mujoco.model_text import model_text
 from pirate_sm.simulation.mujoco.world import MujocoWorld
+from pirate_sm.simulation.physics import ChainBody, chain_of
 from pirate_sm.simulation.start_pose import stand
 
 from ..conftest import CYCLE_S, Driver, bend, straight

@@ -10,10 +10,8 @@ import pytest
 
 from pirate_sm.core.options import Fidelity
 from pirate_sm.simulation.physics import MakePhysics
-from pirate_sm.simulation.xpbd.iterations import notice_of
-from pirate_sm.simulation.xpbd.kinematic import kinematic
 from pirate_sm.simulation.xpbd.space.space_world import SpaceWorld
-from pirate_sm.simulation.xpbd.world import World
+from pirate_sm.simulation.xpbd.world import World, kinematic, notice_of
 
 from ..conftest import Driver, straight
 

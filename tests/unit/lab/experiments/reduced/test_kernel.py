@@ -1,6 +1,6 @@
 import pytest
 
-from pirate_sm.lab.experiments.reduced.kernel import friction_coefficient
+from pirate_sm.lab.experiments.reduced_kernel import friction_coefficient
 
 
 @pytest.mark.parametrize(

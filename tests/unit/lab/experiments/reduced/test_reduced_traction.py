@@ -8,8 +8,8 @@ import pytest
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import load_robot, validate
-from pirate_sm.lab.experiments.reduced.reduced_traction import TractionRun, run_traction
-from pirate_sm.lab.experiments.traction_setup import TractionSetup
+from pirate_sm.lab.experiments.reduced_traction import TractionRun, run_traction
+from pirate_sm.lab.experiments.setups import TractionSetup
 
 ROBOT = Path(__file__).parents[5] / "hardware_profiles" / "pirate_ii"
 PROFILE = load_robot(ROBOT).profile

@@ -21,8 +21,7 @@ from typing import Self
 from pirate_sm.robot.backends.serial.link.wanted_topics import Wanted
 from pirate_sm.robot.rosserial.frames import SerialFrame, encode
 from pirate_sm.robot.rosserial.topics import Direction, TopicInfo
-from pirate_sm.simulation.bay.node_handle import NodeHandle
-from pirate_sm.simulation.bay.reception import Reception
+from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception
 
 PATIENCE_S = 10.0
 TALKS_EVERY_S = 1 / 25

@@ -14,8 +14,7 @@ from pirate_sm.running.runtime.backend_links import Holder
 from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.simulation.bay.switches import Switches
-from pirate_sm.simulation.bay.virtual import VirtualBay
-from pirate_sm.simulation.bay.virtual_port import VirtualPort
+from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort
 
 JOINT = 1
 """Place of the joint at wheel 2 among the truth's angles."""

@@ -11,7 +11,7 @@ from pirate_sm.core.events import FaultReport, SensorFrame
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.running.runtime.pump import Pump
-from pirate_sm.simulation.bay.virtual_port import VirtualPort as BayPort
+from pirate_sm.simulation.bay.virtual import VirtualPort as BayPort
 
 from .device import Device, VirtualPort
 

@@ -18,8 +18,7 @@ from pirate_sm.robot.backends.serial.guardian.guard_actions import (
 )
 from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.robot.rosserial.frames import SerialFrame, encode
-from pirate_sm.simulation.bay.node_handle import NodeHandle
-from pirate_sm.simulation.bay.reception import Reception
+from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception
 
 from ..bench import ARRAY, ECHO, FIRST_PUBLISHER, FIRST_SUBSCRIBER, STATE, WANTED, topic
 

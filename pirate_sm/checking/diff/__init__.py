@@ -1,1 +1,0 @@
-"""Compare the possible behaviour of two versions of a mission."""

@@ -1,1 +1,0 @@
-"""Find commands that lead a robot to given states, or back into a phase of a mission."""

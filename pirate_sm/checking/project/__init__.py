@@ -1,1 +1,0 @@
-"""Find the files of a project, and check each of them."""

@@ -1,0 +1,293 @@
+"""The files of a project: find those to check, and change them by the edits of their findings."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass, replace
+from difflib import unified_diff
+from pathlib import Path
+from typing import TypeAlias
+
+from pirate_sm.checking.findings import Finding, Severity
+from pirate_sm.checking.reports.check_report import CheckReport
+from pirate_sm.core.documents import Edit, FileKind, Place, kind_of
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.files import PROFILE_FILE, is_below, library, shown
+from pirate_sm.core.loading import project_of
+from pirate_sm.core.on_disk import is_folder, is_there, opened, replace_file
+from pirate_sm.core.spelling import nearest
+
+# --- find files ----------------------------------------------------------------------------------
+
+
+ROBOTS, MISSIONS, CAMERAS, PANELS = "hardware_profiles", "sequences", "cameras", "panels"
+CAMPAIGNS = "campaigns"
+"""The folders of a project's robots, missions, cameras, control panels and campaigns."""
+
+MOST_FILES = 10_000
+DEEPEST_FOLDER = 32
+_LONGEST_NAME = 200
+
+
+@dataclass(frozen=True)
+class CheckTarget:
+    """A file to check.
+
+    Attributes:
+        path: The file; for a robot its profile.
+        named: Whether it was named explicitly; otherwise it was found in a folder.
+    """
+
+    kind: FileKind
+    path: Path
+    named: bool
+
+
+@dataclass(frozen=True)
+class FoundFiles:
+    """The files of a check, and findings about the searched folders.
+
+    Attributes:
+        where: The searched files and folders, as in messages.
+    """
+
+    targets: tuple[CheckTarget, ...]
+    findings: tuple[Finding, ...]
+    where: tuple[str, ...] = ()
+
+
+def find_targets(paths: Iterable[str]) -> FoundFiles:
+    """Return the distinct files to check, robots first because missions depend on them.
+
+    Args:
+        paths: Files, folders or names of shipped files; empty for the working directory.
+
+    Raises:
+        UsageError: A path does not exist.
+    """
+    given = list(paths)
+    found: dict[Path, CheckTarget] = {}
+    findings: list[Finding] = []
+    searched = [_existing(each) for each in given] if given else _project(findings)
+    for path in searched:
+        for target in _targets(path, findings, named=bool(given)):
+            found.setdefault(_real(target.path), target)
+    if not (given or found or findings):
+        findings.append(_nothing(Path()))
+    order = list(FileKind)
+    targets = sorted(found.values(), key=lambda each: (order.index(each.kind), each.path))
+    return FoundFiles(tuple(targets), tuple(findings), tuple(map(shown, searched)))
+
+
+def _project(findings: list[Finding]) -> list[Path]:
+    """Return the files and folders of the project in the working directory.
+
+    With a folder for missions, these are that folder, those for robots, cameras, panels and
+    campaigns, and the files beside them. Without one, it is the whole directory, because missions
+    may be anywhere.
+    """
+    if not is_folder(Path(MISSIONS)):
+        return [Path()]
+    folders = (ROBOTS, MISSIONS, CAMERAS, PANELS, CAMPAIGNS)
+    own = [Path(folder) for folder in folders if is_folder(Path(folder))]
+    beside, _ = _listing(Path(), findings)
+    return [*own, *(file for file in beside if kind_of(file) is not FileKind.OTHER)]
+
+
+def robots_around(path: Path) -> set[Path]:
+    """Return the folders of the robots next to a file, and in its project.
+
+    The project is the nearest folder with the marks of one, else the working directory.
+    """
+    here, places = path.resolve().parent, ("", "*/", "*/*/")
+    folders = (here, project_of(here) or Path.cwd())
+    return {f.parent for each in folders for at in places for f in each.glob(at + PROFILE_FILE)}
+
+
+def _existing(name: str) -> Path:
+    """Return the file or folder at this path, or the shipped file of this name.
+
+    Raises:
+        UsageError: Neither exists.
+    """
+    library.refuse_recording(name, "YAML file")
+    if is_there(name):
+        return Path(name)
+    known = {path.stem: path for path in (*library.robots(), *library.pipes())}
+    known |= {path.stem: path for path in (*library.cameras(), *library.panels())}
+    known |= {path.stem: path for path in library.missions()}
+    if name in known:
+        return known[name]
+    close = nearest(name, known)
+    shipped = "" if library.is_path(name) else ", ".join(p.stem for p in library.missions())
+    others = f"; shipped missions are {shipped}" if shipped else ""
+    hint = f"; did you mean '{close}'?" if close else others
+    visible = name.replace("\0", "\\0")[:_LONGEST_NAME]
+    raise UsageError(f"there is no file or folder '{visible}'{hint}")
+
+
+def _targets(path: Path, findings: list[Finding], *, named: bool) -> Iterator[CheckTarget]:
+    if not is_folder(path):
+        kind = kind_of(path)
+        beside = path.parent / PROFILE_FILE
+        if kind is FileKind.CHART and kind_of(beside) is FileKind.ROBOT:
+            yield CheckTarget(FileKind.ROBOT, beside, named)  # a chart is checked with its robot
+        yield CheckTarget(kind, path, named)
+        return
+    before, empty = len(findings), True
+    for file in _files(path, findings):
+        kind = kind_of(file)
+        if kind is not FileKind.OTHER:
+            yield CheckTarget(kind, file, named=False)
+            empty = False
+    if empty and named and len(findings) == before:
+        findings.append(_nothing(path))
+
+
+def _files(folder: Path, findings: list[Finding]) -> Iterator[Path]:
+    """Yield all YAML files below a folder, without hidden files and links to folders."""
+    waiting, count = [(folder, 0)], 0
+    while waiting:
+        current, depth = waiting.pop()
+        if depth > DEEPEST_FOLDER:
+            message = f"folders are nested more than {DEEPEST_FOLDER} levels"
+            findings.append(_finding("check.folder", current, message))
+            continue
+        files, inner = _listing(current, findings)
+        waiting += [(each, depth + 1) for each in reversed(inner)]
+        for file in files:
+            count += 1
+            if count > MOST_FILES:
+                message = f"there are more than {MOST_FILES} YAML files in here"
+                fix = "check its folders one by one"
+                findings.append(replace(_finding("check.folder", folder, message), fix=fix))
+                return
+            yield file
+
+
+def _listing(folder: Path, findings: list[Finding]) -> tuple[list[Path], list[Path]]:
+    """Return the YAML files and the folders in a folder, ordered by name."""
+    try:
+        with os.scandir(folder) as entries:
+            seen = sorted((e for e in entries if not e.name.startswith(".")), key=lambda e: e.name)
+        inner = [Path(e.path) for e in seen if e.is_dir(follow_symlinks=False)]
+        files = [
+            Path(e.path) for e in seen if e.name.endswith(library.SUFFIXES) and not is_folder(e)
+        ]
+    except OSError as error:
+        message = f"cannot be searched: {error.strerror}"
+        findings.append(_finding("check.folder", folder, message))
+        return [], []
+    return files, inner
+
+
+def _real(path: Path) -> Path:
+    try:
+        return path.resolve()
+    except (OSError, RuntimeError):
+        return path.absolute()
+
+
+def _nothing(folder: Path) -> Finding:
+    return _finding(
+        "check.nothing", folder, "there is no robot, mission, pipe or camera in this folder"
+    )
+
+
+def _finding(code: str, path: Path, message: str) -> Finding:
+    return Finding(code, Severity.ERROR, Place(shown(path)), message)
+
+
+# --- fix files -----------------------------------------------------------------------------------
+
+
+_BOM = "\ufeff"
+_Line: TypeAlias = tuple[Edit, str]
+"""An edit with the line that it was made for."""
+
+
+@dataclass(frozen=True)
+class FileChange:
+    """What fixing makes of one file.
+
+    Attributes:
+        name: Its name in messages.
+        fixed: How many findings it removes.
+        safe: How many of these surely as it was meant.
+    """
+
+    name: str
+    before: str
+    after: str
+    fixed: int
+    safe: int
+
+    def diff(self) -> str:
+        """Return it as a unified diff."""
+        lines = self.before.splitlines(), self.after.splitlines()
+        return "\n".join(unified_diff(*lines, self.name, self.name, lineterm=""))
+
+    def write(self) -> None:
+        """Replace the file at once; its encoding and line ends stay.
+
+        Raises:
+            UsageError: It cannot be written.
+        """
+        try:
+            replace_file(Path(self.name).resolve(), self.after.encode())
+        except OSError as error:
+            raise UsageError(f"{self.name} cannot be changed: {error.strerror}") from None
+
+
+def changes_of(report: CheckReport, paths: Iterable[str], *, unsafe: bool) -> list[FileChange]:
+    """Return what fixing makes of the checked files.
+
+    Files that they use are left alone, and links out of the folders that were checked, unless
+    they are named themselves.
+
+    Args:
+        report: The findings.
+        paths: The files and folders that were checked; empty for the working directory.
+        unsafe: Whether also edits count that may not be what was meant.
+    """
+    given = [Path(each) for each in paths if is_there(each)] if paths else [Path()]
+    folders = [*given, *(each.parent for each in given if not is_folder(each))]
+    names = dict.fromkeys(file.name for file in report.files)
+    own = [name for name in names if any(is_below(Path(name), folder) for folder in folders)]
+    changes = (_change(name, list(_fixable(report.open, name, unsafe=unsafe))) for name in own)
+    return [change for change in changes if change is not None]
+
+
+def _fixable(findings: Iterable[Finding], name: str, *, unsafe: bool) -> Iterator[_Line]:
+    for finding in findings:
+        edit = finding.edit
+        if edit is not None and edit.place.file == name and (edit.safe or unsafe):
+            yield edit, finding.excerpt
+
+
+def _change(name: str, wanted: list[_Line]) -> FileChange | None:
+    """Return a file with all edits that do not overlap, from its end to its beginning."""
+    if not wanted:
+        return None
+    try:
+        with opened(name) as stream:
+            before = stream.read().decode()
+    except (OSError, ValueError):
+        return None
+    bom = _BOM if before.startswith(_BOM) else ""
+    lines = before.removeprefix(_BOM).splitlines(keepends=True)
+    as_checked = dict(enumerate(before.removeprefix(_BOM).splitlines(), start=1))
+    sound = [edit for edit, line in wanted if as_checked.get(edit.place.line) == line]
+    done: set[Edit] = set()
+    begin = (len(lines) + 1, 1)  # of the edit after
+    for edit in sorted(set(sound), reverse=True):
+        number, column = edit.place.line, edit.place.column
+        if (number, edit.end_column) > begin:
+            continue  # it overlaps the edit after it, or is another one of the same text
+        line = lines[number - 1]
+        lines[number - 1] = line[: column - 1] + edit.text + line[edit.end_column - 1 :]
+        begin = number, column
+        done.add(edit)
+    safe = [edit.safe for edit in sound if edit in done]
+    return FileChange(name, before, bom + "".join(lines), len(safe), sum(safe)) if done else None

@@ -1,0 +1,428 @@
+"""What the engine knows and watches as arrays for compiled code, and back."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import inf
+from typing import NamedTuple
+
+import numpy as np
+
+from pirate_sm.core.events import Look, WordWatch
+from pirate_sm.core.expressions import DEEPEST, Code, depth_of
+from pirate_sm.core.robot import RobotSpec
+from pirate_sm.core.sensing import (
+    Condition,
+    Glided,
+    MotorRequest,
+    Row,
+    SameDuty,
+    Sensing,
+    Surveyed,
+    Watch,
+    environment,
+    nothing_known,
+    sensing_after,
+    signal_table,
+)
+from pirate_sm.simulation.arrays import Floats, Ints
+from pirate_sm.simulation.electronics import BoardChannels
+from pirate_sm.simulation.gliding import columns as col
+from pirate_sm.simulation.gliding import surveying
+from pirate_sm.simulation.gliding.columns import Task
+
+# --- looks ---------------------------------------------------------------------------------------
+
+
+_MOST_SEEN = 32
+_MOST_LOOKS = 64
+
+
+class LookTables:
+    """The tables of a detector.
+
+    Args:
+        wheels: How many wheels the robot has.
+
+    Attributes:
+        arrays: The arrays, as the arguments of `looking.look` after the first.
+    """
+
+    def __init__(self, wheels: int) -> None:
+        self._looker: Floats = np.zeros(col.LOOKER_ENTRIES)
+        self._seen: Floats = np.zeros((_MOST_SEEN, wheels + 1))
+        self._looks: Floats = np.zeros((_MOST_LOOKS, wheels + 1))
+        self._values: Floats = np.zeros(_MOST_SEEN)
+        self._points: Floats = np.zeros((0, 2))
+        self._bends: Floats = np.zeros((0, 2))
+        self._of: tuple[object, object] = ((), ())
+
+    @property
+    def arrays(self) -> tuple[Floats, ...]:
+        """Return the arrays, in the order of the arguments of `looking.look`."""
+        return (
+            *(self._looker, self._points, self._bends),
+            *(self._seen, self._looks, self._values),
+        )
+
+    def take(self, words: WordWatch | None, watch: Watch) -> bool:
+        """Take in what a detector knows; return whether there is room for it.
+
+        Args:
+            words: What it knows; None where none is relieved.
+            watch: What the engine watches, which has heard the same word or not.
+        """
+        self._looker[:] = 0.0
+        self._looker[col.L_DUE_S] = inf
+        if words is None:
+            return True
+        count = len(words.seen)
+        if count >= _MOST_SEEN:
+            return False
+        hears = words.name == watch.word and watch.listening_s < inf
+        self._looker[:] = (
+            *(words.due_s, words.every_s, words.window_s, words.driven, words.direction),
+            *(words.slack_m, words.forgotten_m, words.word, words.said_s, words.repeat_s),
+            *(words.valid_for_s if hears else 0.0, count, 0),
+        )
+        if count:
+            self._seen[:count] = [(at, *places) for at, places in words.seen]
+        if self._of != (words.points, words.bends):
+            self._of = words.points, words.bends
+            self._points = np.array(words.points, dtype=np.float64).reshape(-1, 2)
+            self._bends = np.array(words.bends, dtype=np.float64).reshape(-1, 2)
+        return True
+
+    def made(self) -> tuple[list[Look], float]:
+        """Return the looks that have been made, and when the next one is due."""
+        count = int(self._looker[col.L_LOOKS])
+        rows = self._looks[:count].tolist()
+        return [(row[0], tuple(row[1:])) for row in rows], float(self._looker[col.L_DUE_S])
+
+
+# --- the robot -----------------------------------------------------------------------------------
+
+
+class RobotTables(NamedTuple):
+    """The tables, in the order of the compiled functions' arguments; see `columns.py`."""
+
+    boards: Ints
+    rows: Ints
+    lists: Ints
+    robot: Floats
+
+
+def robot_tables(robot: RobotSpec, reporting: Sequence[BoardChannels]) -> RobotTables | None:
+    """Return the tables of a robot; None if the boards that report are not those it knows."""
+    channels = {each.board: each for each in reporting}
+    if channels.keys() != robot.boards.keys():
+        return None
+    specs = sorted(robot.boards.values(), key=lambda each: each.position)
+    if any(channels[each.id].last - channels[each.id].first < each.length for each in specs):
+        return None
+    table = signal_table(robot)
+    rows: list[Row] = []
+    boards = []
+    for board, own in zip(specs, table.boards, strict=True):
+        begin, (first, last) = len(rows), channels[board.id][1:3]
+        rows += own.whole
+        boards.append((begin, begin + len(own.measured), len(rows), first, last - first))
+    return RobotTables(
+        np.array(boards, dtype=np.int64).reshape(-1, col.BOARD_COLUMNS),
+        np.array(rows, dtype=np.int64).reshape(-1, 5),
+        np.array(table.lists, dtype=np.int64),
+        _constants(robot, table.layout.loss),
+    )
+
+
+def _constants(robot: RobotSpec, loss: int) -> Floats:
+    found = np.zeros(col.ROBOT_ENTRIES)
+    found[col.R_PERIOD_S] = robot.link.period_s
+    found[col.R_SILENT_AFTER_S] = robot.link.silent_after_s
+    found[col.R_LOSS] = loss
+    found[col.R_STALE_AFTER_S] = robot.link.stale_after_s
+    found[col.R_LISTEN_EVERY_S] = robot.link.listen_every_s
+    return found
+
+
+# --- signals -------------------------------------------------------------------------------------
+
+
+class SignalTables:
+    """The signals of one engine.
+
+    Args:
+        robot: The robot.
+
+    Attributes:
+        signals: The cells, see ``Layout`` in ``core/_engine/signals/table.py``.
+    """
+
+    def __init__(self, robot: RobotSpec) -> None:
+        table = signal_table(robot)
+        at = self._layout = table.layout
+        self.signals: Floats = np.array(table.cells(nothing_known(robot)))
+        ends = at.heard, at.shares, at.angles, at.motion, at.loss
+        parts = np.split(self.signals, ends)
+        self._numbers, self._heard_s, self._shares, self._angles, self._motion = parts[:5]
+        self._of: Sensing | None = None
+
+    def take(self, watch: Watch, asked: MotorRequest) -> None:
+        """Take the signals in; what has come from here is there already.
+
+        Args:
+            watch: With the signals and the setpoints.
+            asked: What the motors have been asked when the next frame comes.
+        """
+        sensing, before, at = watch.sensing, self._of, self._layout
+        if before is None or sensing.numbers is not before.numbers:
+            self._numbers[:] = sensing.numbers
+        if before is None or sensing.heard_s is not before.heard_s:
+            self._heard_s[:] = sensing.heard_s
+        if before is None or sensing.shares is not before.shares:
+            self._shares[:] = sensing.shares
+        if before is None or sensing.angles is not before.angles:
+            self._angles[:] = sensing.angles
+        if before is None or sensing.motion is not before.motion:
+            self._motion[:] = sensing.motion
+        self.signals[at.loss : at.out] = (
+            *(sensing.loss, *watch.setpoints, *watch.latest),
+            *(asked.since_s if asked.setpoints else inf, asked.driving),
+        )
+        self._of = sensing
+
+    def given(
+        self,
+        asked: MotorRequest,
+        checked_s: float,
+        wake_s: float,
+        word_s: float,
+        surveyed: Surveyed,
+    ) -> Glided:
+        """Return the signals as the engine has them.
+
+        Args:
+            asked: What the motors have been asked.
+            checked_s: When silent boards were looked for.
+            wake_s: When the engine asks to be called.
+            word_s: Until when the detector's word is valid.
+            surveyed: What the survey remembers.
+        """
+        assert self._of is not None  # they have been taken in before
+        after = Glided(
+            tuple(self._numbers.tolist()),
+            tuple(self._heard_s.tolist()),
+            tuple(self._shares.tolist()),
+            tuple(self._angles.tolist()),
+            *(asked, float(self.signals[self._layout.loss]), tuple(self._motion.tolist())),
+            *(checked_s, wake_s, word_s),
+            surveyed,
+        )
+        self._of = sensing_after(self._of, after)
+        return after
+
+
+# --- the survey ----------------------------------------------------------------------------------
+
+
+_SEGMENTS = {
+    "": surveying.UNKNOWN,
+    environment.OUT: surveying.OUT,
+    environment.STRAIGHT: surveying.STRAIGHT,
+    environment.JOINT: surveying.JOINT,
+}
+
+
+class SurveyTables:
+    """The tables of a robot and of its survey.
+
+    Args:
+        robot: The robot.
+    """
+
+    def __init__(self, robot: RobotSpec) -> None:
+        self._body = _body_tables(robot)
+        self._held: Ints = np.zeros((3, 0), dtype=np.int64)
+        samples = environment.SAMPLES
+        self._surveys: Floats = np.zeros((2, col.SURVEY_ENTRIES + (3 + 1) * samples))
+        self._surveyed = self._surveys[0]
+        self._forces: Floats = self._surveyed[col.SURVEY_ENTRIES : -samples].reshape(-1, 3)
+        self._of: Watch | None = None
+        self._last: Surveyed | None = None
+
+    @property
+    def arrays(self) -> tuple[Floats | Ints, ...]:
+        """Return the arrays, in the order of the arguments of `surveying.survey`."""
+        return *self._body, self._held, self._surveys
+
+    def take(self, watch: Watch) -> None:
+        """Take in what the survey remembers; what has come from here is there already."""
+        surveyed, before = watch.surveyed, self._of
+        if before is None or watch.held is not before.held:
+            self._held = np.tile(np.array(watch.held, dtype=np.int64), (3, 1))
+        if surveyed is not self._last:
+            self._take(surveyed)
+        # A report from outside replaces the robot's own for a time, which the engine sees to.
+        counts = surveyed.outside_until_s == -inf
+        self._surveyed[col.E_DUE_S] = surveyed.due_s if counts else inf
+        self._surveyed[col.E_IN_BEND] = watch.in_bend
+        self._surveyed[col.E_WORD] = watch.word is not None
+        self._surveyed[col.E_MADE] = 0.0
+        self._of = watch
+
+    def _take(self, surveyed: Surveyed) -> None:
+        reported, count = surveyed.reported, len(surveyed.forces)
+        self._surveyed[: col.E_WORD] = (
+            *(surveyed.due_s, surveyed.part, surveyed.in_bend, surveyed.felt_s),
+            *(surveyed.straight_m, count, _SEGMENTS.get(reported.segment, -2)),
+            *(reported.roll_rad, reported.pitch_rad, reported.diameter_m),
+        )
+        if count:
+            self._forces[:count] = surveyed.forces
+        self._last = surveyed
+
+    def given(self) -> Surveyed:
+        """Return what the survey remembers now."""
+        assert self._last is not None  # it has been taken in before
+        found = self._surveyed.tolist()
+        if found[col.E_MADE] == 0.0:
+            return self._last
+        forces = self._forces[: int(found[col.E_FORCES])].tolist()
+        self._last = self._last._replace(
+            forces=tuple([(ahead, side, up) for ahead, side, up in forces]),
+            felt_s=found[col.E_FELT_S],
+            part=int(found[col.E_PART]),
+            in_bend=bool(found[col.E_IN_BEND]),
+            due_s=found[col.E_DUE_S],
+            straight_m=found[col.E_STRAIGHT_M],
+        )
+        return self._last
+
+
+def _body_tables(robot: RobotSpec) -> tuple[Floats, Floats, Floats]:
+    """Return the chain of the robot, its parts, and its numbers, see `columns.py`."""
+    body, imu = robot.body, robot.body.imu
+    chain = zip(body.joints, body.sides, (*body.lengths_m, 0.0), strict=True)
+    parts = [
+        (vee.angle, vee.diameter, vee.end_stop_rad, vee.wheels[0], vee.wheels[-1])
+        for vee in body.parts
+    ]
+    felt = (-1, 0, 0, 0, -1) if imu is None else (imu.link, *imu.axes, imu.roll)
+    return (
+        np.array(list(chain), dtype=np.float64).reshape(-1, 3),
+        np.array(parts, dtype=np.float64).reshape(-1, 5),
+        np.array((body.wheel_radius_m, *felt, robot.link.stale_after_s), dtype=np.float64),
+    )
+
+
+# --- what is watched -----------------------------------------------------------------------------
+
+
+class CodePool:
+    """The codes of conditions, one after the other; each is stored once.
+
+    Attributes:
+        code: `(instructions, 2)`; longer than what is used.
+    """
+
+    def __init__(self) -> None:
+        self.code: Floats = np.zeros((256, 2))
+        self._used = 0
+        self._places: dict[Code, tuple[int, int]] = {}
+        self._seen: dict[int, tuple[Code, tuple[int, int] | None]] = {}
+
+    def place(self, code: Code) -> tuple[int, int] | None:
+        """Return where the code begins and ends; None if the machine is not deep enough for it."""
+        known = self._seen.get(id(code))
+        if known is None:  # the code is kept with it, so that its id stays its own
+            known = self._seen[id(code)] = code, self._store(code)
+        return known[1]
+
+    def _store(self, code: Code) -> tuple[int, int] | None:
+        if code in self._places:
+            return self._places[code]
+        if depth_of(code) > DEEPEST:
+            return None
+        begin, end = self._used, self._used + len(code)
+        while end > len(self.code):
+            self.code = np.concatenate([self.code, np.zeros_like(self.code)])
+        self.code[begin:end] = code
+        self._used = end
+        self._places[code] = begin, end
+        return begin, end
+
+
+class WatchTables:
+    """The tables of a watch.
+
+    Args:
+        numbers: How many signals the robot has.
+
+    Attributes:
+        conditions: See `columns.py`; so for `duties` and `watch`.
+        origin: Signals when the wait began.
+    """
+
+    def __init__(self, numbers: int) -> None:
+        self.pool = CodePool()
+        self.conditions: Ints = np.zeros((0, 4), dtype=np.int64)
+        self.origin: Floats = np.full(numbers, np.nan)
+        self.duties: Floats = np.zeros((0, 8))
+        self.watch: Floats = np.zeros(4)
+        self._rules: dict[int, tuple[tuple[Condition, ...], Ints | None]] = {}
+        self._of: Watch | None = None
+        self._possible = False
+
+    @property
+    def arrays(self) -> Task:
+        """Return the arrays, as compiled functions take them."""
+        return self.conditions, self.pool.code, self.origin, self.duties, self.watch
+
+    def take(self, watch: Watch, until_s: float) -> bool:
+        """Take a watch in; return whether the machine can keep it.
+
+        Args:
+            watch: What is watched.
+            until_s: When time stops.
+        """
+        before = self._of
+        self.watch[col.A_UNTIL_S] = until_s
+        self.watch[col.A_FRAMES_S] = watch.frames_until_s - col.TOLERANCE_S
+        self.watch[col.A_ALARM_S] = watch.alarm_s
+        self.watch[col.A_DEADLINE_S] = watch.deadline_s
+        if (
+            before is None
+            or watch.rules is not before.rules
+            or watch.conditions != before.conditions
+        ):
+            self._take_conditions(watch)
+        if before is None or watch.duties is not before.duties:
+            self._take_duties(watch.duties)
+        if watch.origin and (before is None or watch.origin is not before.origin):
+            self.origin[:] = watch.origin
+        self._of = watch
+        return self._possible
+
+    def _take_conditions(self, watch: Watch) -> None:
+        key = id(watch.rules)
+        if key not in self._rules:  # they are kept with it, so that their id stays their own
+            self._rules[key] = watch.rules, self._rows(watch.rules)
+        rules, others = self._rules[key][1], self._rows(watch.conditions)
+        self._possible = rules is not None and others is not None
+        if rules is not None and others is not None:
+            self.conditions = np.concatenate([rules, others])
+
+    def _rows(self, conditions: tuple[Condition, ...]) -> Ints | None:
+        """Return conditions as rows; None if the machine is not deep enough for one."""
+        places = [self.pool.place(code) for code, _, _ in conditions]
+        rows = [
+            (*place, holds, boards)
+            for place, (_, holds, boards) in zip(places, conditions, strict=True)
+            if place is not None
+        ]
+        if len(rows) < len(conditions):
+            return None
+        return np.array(rows, dtype=np.int64).reshape(-1, 4)
+
+    def _take_duties(self, duties: Iterable[SameDuty]) -> None:
+        self.duties = np.array(list(duties), dtype=np.float64).reshape(-1, 8)
