@@ -50,7 +50,7 @@ PACKAGES = {
     "recordings": ("pirate_sm/running/recording/read", "pirate_sm/running/recording/replay"),
     "campaign": tuple(
         f"pirate_sm/lab/campaign/{name}.py"
-        for name in ("comparing", "intervals", "results", "tally", "verdict")
+        for name in ("intervals", "results", "tally", "watched_run")
     ),
     "places": ("pirate_sm/robot/detectors/place_filter.py", "pirate_sm/core/_geometry/joints.py"),
 }

@@ -336,7 +336,7 @@ class GlidingPhysics(Protocol):
         """
 
     def glide(self, *groups: Any) -> None:
-        """Let cycles pass; the arguments are those of ``xpbd.glide.glide`` from ``place`` on."""
+        """Let cycles pass; the arguments are those of ``xpbd.kernel.glide`` from ``place`` on."""
 
     def pass_cycles(self, *groups: Any) -> None:
-        """Let cycles pass with the duties in force; as for ``xpbd.glide.pass_cycles``."""
+        """Let cycles pass with the duties in force; as for ``xpbd.kernel.pass_cycles``."""

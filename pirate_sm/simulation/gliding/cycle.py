@@ -10,7 +10,6 @@ import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
 from pirate_sm.simulation.digitizing import digitize
-from pirate_sm.simulation.gliding import columns
 from pirate_sm.simulation.gliding import columns as col
 from pirate_sm.simulation.gliding.quiet import listen, looks_round, may_listen, take_frame
 from pirate_sm.simulation.gliding.surveying import look, may_repeat, repeat, repeats
@@ -20,12 +19,12 @@ from pirate_sm.simulation.machine_code import compiled
 @compiled
 def _listens(
     now_s: float,
-    rows: columns.RobotRows,
-    task: columns.Task,
+    rows: col.RobotRows,
+    task: col.Task,
     clock: Floats,
     signals: Floats,
-    posture: columns.Posture,
-    taken: columns.Taken,
+    posture: col.Posture,
+    taken: col.Taken,
 ) -> bool:
     """Look for silent boards, and survey the pipe if that is due; return whether all is well."""
     boards, _, _, robot = rows
@@ -44,12 +43,12 @@ def _listens(
 @compiled
 def _repeats(
     arcs: Floats,
-    task: columns.Task,
+    task: col.Task,
     clock: Floats,
     signals: Floats,
-    posture: columns.Posture,
-    sees: columns.Looker,
-    taken: columns.Taken,
+    posture: col.Posture,
+    sees: col.Looker,
+    taken: col.Taken,
 ) -> bool:
     """Let the detector repeat its word; return whether that prolongs the word and no more."""
     _, _, origin, _, watch = task
@@ -69,13 +68,13 @@ def _repeats(
 def may_begin(
     arcs: Floats,
     around: Floats,
-    rows: columns.RobotRows,
-    task: columns.Task,
+    rows: col.RobotRows,
+    task: col.Task,
     clock: Floats,
     signals: Floats,
-    posture: columns.Posture,
-    sees: columns.Looker,
-    taken: columns.Taken,
+    posture: col.Posture,
+    sees: col.Looker,
+    taken: col.Taken,
 ) -> bool:
     """Return whether another cycle may pass; if so, the clock stands at its end.
 
@@ -120,7 +119,7 @@ def _touches(presses: Floats) -> bool:
 
 
 @compiled
-def _stays(place: columns.Place) -> bool:
+def _stays(place: col.Place) -> bool:
     """Return whether the robot is in the pipe, with its parts in the plane of the bends."""
     quantities, rolls, arcs, around = place
     for part in range(1, rolls.shape[0]):
@@ -138,7 +137,7 @@ def _stays(place: columns.Place) -> bool:
 
 @compiled
 def _measure(
-    place: columns.Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
+    place: col.Place, turns: Ints, cycles: int, sources: Floats, counts: Floats, rng: Words
 ) -> bool:
     """Read the channels whose turn it is after a cycle; return whether the robot stays."""
     quantities, _, _, _ = place
@@ -159,13 +158,13 @@ def may_pass(span: Floats, around: Floats) -> bool:
 
 @compiled
 def passes_on(
-    place: columns.Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
+    place: col.Place, turns: Ints, sources: Floats, counts: Floats, rng: Words, span: Floats
 ) -> bool:
     """Read the boards after a cycle; return whether the surroundings do nothing to the robot.
 
     Args:
-        place: See `groups.py`.
-        turns: See `columns.py`; so for `span`.
+        place: See `columns.py`; so for `span`.
+        turns: Which channels each cycle reads.
         sources: The channel table, see `digitizing.digitize`.
         counts: The last count of every channel.
         rng: The state of the generator of noise.
@@ -178,22 +177,22 @@ def passes_on(
 
 @compiled
 def goes_on(
-    place: columns.Place,
+    place: col.Place,
     turns: Ints,
-    electronics: columns.Electronics,
-    rows: columns.RobotRows,
-    task: columns.Task,
+    electronics: col.Electronics,
+    rows: col.RobotRows,
+    task: col.Task,
     clock: Floats,
     signals: Floats,
-    scratch: columns.Scratch,
-    posture: columns.Posture,
-    taken: columns.Taken,
+    scratch: col.Scratch,
+    posture: col.Posture,
+    taken: col.Taken,
 ) -> bool:
     """Read the boards after a cycle; return whether its frame, if any, was quiet.
 
     Args:
-        place: See `groups.py`; so for the other groups.
-        turns: See `columns.py`; so for `clock` and `signals`.
+        place: See `columns.py`; so for the other groups, `clock` and `signals`.
+        turns: Which channels each cycle reads.
         electronics: The boards.
         rows: The robot.
         task: What is watched.

@@ -1,6 +1,6 @@
 """Columns of the arrays that the kernel computes in, and what several of its modules share.
 
-`chain.py`, `world.py` and `pipe_arrays.py` fill the arrays from outside.
+`world.py` fills the arrays from outside.
 """
 
 from __future__ import annotations

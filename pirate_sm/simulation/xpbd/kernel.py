@@ -17,8 +17,7 @@ from typing import TypeAlias
 import numpy as np
 
 from pirate_sm.simulation.arrays import Floats, Ints, Words
-from pirate_sm.simulation.gliding import columns
-from pirate_sm.simulation.gliding.columns import T_CYCLES
+from pirate_sm.simulation.gliding import columns as gliding
 from pirate_sm.simulation.gliding.cycle import goes_on, may_begin, may_pass, note_places, passes_on
 from pirate_sm.simulation.machine_code import compiled
 from pirate_sm.simulation.xpbd import columns as col
@@ -403,17 +402,17 @@ def advance(
 def glide(
     chain: Bars,
     centres: Floats,
-    place: columns.Place,
+    place: gliding.Place,
     turns: Ints,
-    electronics: columns.Electronics,
-    rows: columns.RobotRows,
-    task: columns.Task,
+    electronics: gliding.Electronics,
+    rows: gliding.RobotRows,
+    task: gliding.Task,
     clock: Floats,
     signals: Floats,
-    scratch: columns.Scratch,
-    posture: columns.Posture,
-    sees: columns.Looker,
-    taken: columns.Taken,
+    scratch: gliding.Scratch,
+    posture: gliding.Posture,
+    sees: gliding.Looker,
+    taken: gliding.Taken,
     trail: Floats,
 ) -> None:
     """Let cycles pass until a frame is not quiet, or time is up.
@@ -421,8 +420,8 @@ def glide(
     Args:
         chain: The arguments of :func:`~pirate_sm.simulation.xpbd.kernel.advance`.
         centres: Those of the wheels, in the state of the chain.
-        place: See `groups.py`; so for the other groups.
-        turns: See `columns.py`; so for `clock` and `signals`.
+        place: See `gliding/columns.py`; so for the other groups, `clock` and `signals`.
+        turns: Which channels each cycle reads.
         electronics: The boards.
         rows: The robot.
         task: What is watched.
@@ -435,10 +434,10 @@ def glide(
         trail: Where the robot was after each cycle.
     """
     _, rolls, arcs, around = place
-    note_places(centres, rolls, clock[T_CYCLES], trail)
+    note_places(centres, rolls, clock[gliding.T_CYCLES], trail)
     while may_begin(arcs, around, rows, task, clock, signals, posture, sees, taken):
         advance(*chain)
-        note_places(centres, rolls, clock[T_CYCLES], trail)
+        note_places(centres, rolls, clock[gliding.T_CYCLES], trail)
         if not goes_on(
             place, turns, electronics, rows, task, clock, signals, scratch, posture, taken
         ):
@@ -448,7 +447,7 @@ def glide(
 @compiled
 def pass_cycles(
     chain: Bars,
-    place: columns.Place,
+    place: gliding.Place,
     turns: Ints,
     sources: Floats,
     counts: Floats,

@@ -17,7 +17,6 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.machine_code import is_kept, own_call
 from pirate_sm.simulation.physics import ChainBody, JointBody, Physics, StartPose
 from pirate_sm.simulation.xpbd import columns, kernel
-from pirate_sm.simulation.xpbd import kernel as glide
 
 # --- the chain in arrays -------------------------------------------------------------------------
 
@@ -281,7 +280,7 @@ class World(ChainWorld):
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
-    _columns, _functions = columns, glide
+    _columns, _functions = columns, kernel
 
     def __init__(
         self,
@@ -361,10 +360,9 @@ def kinematic(
 
 def is_compiled(section: Section) -> bool:
     """Return whether a simulation can start at once; if not, its first call takes seconds."""
-    functions: list[Callable[..., Any]] = [kernel.advance, glide.glide, digitizing.digitize]
+    functions: list[Callable[..., Any]] = [kernel.advance, kernel.glide, digitizing.digitize]
     if section == "round":
-        from pirate_sm.simulation.xpbd.space import kernel as glide_in_space
         from pirate_sm.simulation.xpbd.space import kernel as kernel_in_space
 
-        functions[:2] = kernel_in_space.advance, glide_in_space.glide
+        functions[:2] = kernel_in_space.advance, kernel_in_space.glide
     return all(map(is_kept, functions))

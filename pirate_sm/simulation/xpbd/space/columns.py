@@ -1,6 +1,6 @@
 """Columns of the arrays that the kernel in space computes in, and what its modules share.
 
-`space_state.py`, `space_world.py`, `solids.py` and `edges.py` fill the arrays from outside.
+`space_world.py`, `pipe_shape.py` and `solids.py` fill the arrays from outside.
 """
 
 from __future__ import annotations

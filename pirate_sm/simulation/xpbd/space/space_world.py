@@ -13,7 +13,6 @@ from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.physics import ChainBody, StartPose
 from pirate_sm.simulation.start_pose import lying, normals_of
 from pirate_sm.simulation.xpbd.space import columns, kernel
-from pirate_sm.simulation.xpbd.space import kernel as glide
 from pirate_sm.simulation.xpbd.space.pipe_shape import shape_of
 from pirate_sm.simulation.xpbd.world import EFFORTS, ChainWorld
 
@@ -90,7 +89,7 @@ class SpaceWorld(ChainWorld):
         quantities: Quantities after the last cycle, then the kernel's own.
     """
 
-    _columns, _functions = columns, glide
+    _columns, _functions = columns, kernel
 
     def __init__(
         self,

@@ -19,7 +19,7 @@ PACKAGE = ROOT / "pirate_sm"
 SOURCES = [
     *sorted((PACKAGE / "core" / "_loading").rglob("*.py")),
     *sorted((PACKAGE / "checking").rglob("*.py")),
-    PACKAGE / "lab" / "experiments" / "check_experiment.py",
+    PACKAGE / "lab" / "experiments" / "experiment_files.py",
     PACKAGE / "lab" / "gallery" / "scene_file.py",
     PACKAGE / "lab" / "campaign" / "campaign_file.py",
     PACKAGE / "lab" / "campaign" / "named_parts.py",

@@ -27,7 +27,7 @@ def annotations(entry: EntryPoint) -> tuple[list[str], str]:
     )
     given = [ast.unparse(each.annotation) for each in function.args.args if each.annotation]
     assert function.returns is not None
-    return [each.removeprefix("groups.") for each in given], ast.unparse(function.returns)
+    return [each.removeprefix("gliding.") for each in given], ast.unparse(function.returns)
 
 
 @pytest.mark.parametrize("entry", ENTRY_POINTS, ids=lambda entry: entry.symbol)
