@@ -43,7 +43,7 @@ from pirate_sm.core.robot import RobotSpec, RobotState
 # --- sensors that alternate ----------------------------------------------------------------------
 # The exploration distinguishes states of a wait by which conditions have become true, not by when.
 # It therefore misses a wait that continues because first one condition breaks and then another,
-# such as ``known(x)`` and ``not known(x)``, each held for 2 s, with ``within`` 3 s. This module
+# such as ``known(x)`` and ``not known(x)``, each held for 2 s, with ``within`` 3 s. `lasting`
 # finds such outcomes: sensors may change at any time and any number of times.
 
 
