@@ -185,7 +185,10 @@ class Reckoner:
         """
         counted = self._counted(numbers, before.odometer_m)
         moved_m = counted - before.odometer_m
-        spots = self._carried(before, held or frozenset({WHOLE}), moved_m)
+        anchors = held or frozenset({WHOLE})
+        if anchors - before.spots.keys():  # a part has clamped since, and its joints have moved
+            before = self._shaped(before, numbers)
+        spots = self._carried(before, anchors, moved_m)
         if not spots:
             return self._nowhere(counted, min(held, default=WHOLE))
         if felt is not None and felt.part in spots:
@@ -217,6 +220,14 @@ class Reckoner:
         return nan if spot is None else spot.roll_rad
 
     # --- anchors ------------------------------------------------------------------------------
+
+    def _shaped(self, before: Reckoned, numbers: Sequence[float]) -> Reckoned:
+        """Return the positions of before with the joints as they are now, where these are known."""
+        spot = before.spots.get(before.anchor)
+        if spot is None:
+            return before
+        chain = _filled(self._lay(numbers, before.anchor, spot), before.chain)
+        return before._replace(chain=chain, places_m=self._places(chain, spot))
 
     def _carried(
         self, before: Reckoned, anchors: frozenset[int], moved_m: float

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from math import inf, isnan, nan, radians
 
-from pirate_sm.core.effects import Effect, Log
+from pirate_sm.core.effects import CommandStatus, Effect, Log, StateChange
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import BuiltInFault, Event, FaultReport
@@ -70,7 +70,7 @@ class Odometry:
             )
         self._roll_rad = pipe.start.roll if pipe.start is not None else 0.0
         self._pipe_roll_rad = pipe.roll
-        self.due_s = 0.0
+        self.due_s, self._wait_s = 0.0, LOOK_EVERY_S
         self.reckoned: Reckoned | None = None
         self._warned, self._placed_s = False, nan
         self._take(robot)
@@ -95,7 +95,9 @@ class Odometry:
         self._odometer = Odometer(robot)
 
     def react(self, effects: Sequence[Effect], now_s: float) -> None:
-        """Do nothing."""
+        """Look soon when a command begins or ends, or a state is confirmed."""
+        if any(isinstance(effect, CommandStatus | StateChange) for effect in effects):
+            self.due_s = min(self.due_s, now_s + LOOK_EVERY_S)
 
     def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
         """Update the estimated position; return a warning if it is unknown."""
@@ -126,7 +128,18 @@ class Odometry:
         word = self._detector.look(now_s, places_m, travel, barred)
         report = self._ahead.look(now_s, places_m, self._front_roll_rad())
         self._said = word, report, self._doubt(barred, self.reckoned, numbers)
+        self._wait_s = self._rest_s(state, travel, barred)
         return self._warn(numbers) if self.reckoned.lost else ()
+
+    def _rest_s(self, state: EngineState, travel: int, barred: frozenset[str]) -> float:
+        """Return after what time to look again.
+
+        Until a command has arrived, and while a word waits for the shape, that is soon.
+        """
+        assert self.reckoned is not None, "the caller has just reckoned"
+        begins = state.robot.flight is not None or self._robot.travel(state.robot.latest) != travel
+        unsure = self._detector.due in barred or any(map(isnan, self.reckoned.places_m))
+        return LOOK_EVERY_S if begins or unsure else self._detector.wait_s()
 
     def _clear(self, numbers: Sequence[float]) -> bool:
         """Return whether the robot has rolled on for as long as a word asks since it was bent.
@@ -253,6 +266,6 @@ class Odometry:
 
     def speak(self, now_s: float) -> Sequence[Event]:
         """Return the word and the report that become valid here, or must be repeated."""
-        self.due_s = now_s + LOOK_EVERY_S
+        self.due_s = now_s + self._wait_s
         said, self._said = self._said, ()
         return tuple(each for each in said if each is not None)

@@ -22,6 +22,10 @@ REPEAT_SHARE = 0.5
 LOOK_EVERY_S = 0.05
 """At 0.1 m/s a robot travels 5 mm in this time."""
 
+SELDOM_S = 0.2
+"""Where no word can begin or end before, looks are this far apart: a position is the median over
+``WINDOW_S``, which still has three of them [decided]."""
+
 
 @dataclass(frozen=True)
 class Point:
@@ -120,6 +124,7 @@ class WordDetector:
         self._repeater = Repeater(valid_for_s)
         self._tracker = tracker or Tracker()
         self._direction = 0
+        self._ways_m: list[list[float]] = []
         self._word = ""
 
     @property
@@ -147,6 +152,7 @@ class WordDetector:
         if travel and travel != self._direction:
             self._direction, self._word = travel, ""
             self._repeater.say("", time_s)  # what follows is a new report
+        self._ways_m = self._passed_m() if self._direction else []
         self._word = self._holding()
         return self._repeater.say("" if self._word in barred else self._word, time_s)
 
@@ -183,6 +189,30 @@ class WordDetector:
             *said,
         )
 
+    def wait_s(self) -> float:
+        """Return after what time to look again, so that no word is told later for it.
+
+        Half of the way to the nearest point where a word begins or ends may be travelled at the
+        present speed. Wheels that are not driven bring about no word.
+        """
+        if not self._tracker.driven:
+            return SELDOM_S
+        speed = abs(self._tracker.speed())
+        if math.isnan(speed):
+            return LOOK_EVERY_S
+        half_m = (self._clear_m() - _SLACK_M) / 2
+        return min(SELDOM_S, max(LOOK_EVERY_S, half_m / speed if speed else math.inf))
+
+    def _clear_m(self) -> float:
+        """Return how far the wheels must travel until a word begins or ends, m."""
+        clear_m = math.inf
+        for ways_m in self._ways_m:
+            for passed_m in ways_m:
+                point_m = 0.0 if passed_m < 0.0 else _FORGOTTEN_M
+                if passed_m < point_m:
+                    clear_m = min(clear_m, point_m - passed_m)
+        return clear_m
+
     def _points(self, direction: int) -> tuple[tuple[int, float], ...]:
         points = [(word.forward if direction > 0 else word.backward, e) for word, e in self._words]
         return tuple((point.wheel, error - point.passed_m) for point, error in points)
@@ -200,19 +230,27 @@ class WordDetector:
         """Take in positions of the wheels as they were at ``seen_s``; else as :meth:`look`."""
         self._tracker.see(time_s, places_m, driven=travel != 0, seen_s=seen_s)
 
-    def _holding(self) -> str:
-        if self._direction == 0:
-            return ""
+    def _passed_m(self) -> list[list[float]]:
+        """Return, by bend and word, how far its wheel is beyond the point where it begins, m."""
         points = self._points(self._direction)
-        for crossing, reach in self._bends:
-            for number, (wheel, off_m) in enumerate(points):  # the farthest first
-                word = self._words[number][0]
-                passed = self._direction * (self._tracker.place(wheel) - crossing) + off_m
-                passed += reach if word is self._words[-1][0] else -reach
-                if math.isnan(passed):
+        places_m = [self._tracker.place(wheel) for wheel, _ in points]
+        return [
+            [
+                self._direction * (place_m - crossing)
+                + off_m
+                + (reach if number == len(points) - 1 else -reach)
+                for number, (place_m, (_, off_m)) in enumerate(zip(places_m, points, strict=True))
+            ]
+            for crossing, reach in self._bends
+        ]
+
+    def _holding(self) -> str:
+        for ways_m in self._ways_m:
+            for (word, _), passed_m in zip(self._words, ways_m, strict=True):  # the farthest first
+                if math.isnan(passed_m):
                     return ""
-                if passed >= (-_SLACK_M if word.name == self._word else 0.0):
-                    if passed < _FORGOTTEN_M:
+                if passed_m >= (-_SLACK_M if word.name == self._word else 0.0):
+                    if passed_m < _FORGOTTEN_M:
                         return word.name
                     break
         return ""
