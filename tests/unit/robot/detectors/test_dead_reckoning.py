@@ -321,3 +321,14 @@ def test_nothing_is_said_of_a_shape_no_joint_of_which_is_known() -> None:
     silent = (*(nan,) * 4, 0.0, 0.12, 0.12)
 
     assert reckoner.look(begun, silent, FRONT).shape == "unknown"
+
+
+def test_a_new_anchor_stands_where_its_joints_are_when_it_holds(reckoner: Reckoner) -> None:
+    begun = reckoner.begin(0.7, numbers(angles=ZIGZAG), FRONT)
+    turned = numbers(angles=(ZIGZAG[0], ZIGZAG[1] + 0.3, ZIGZAG[2] - 0.3, ZIGZAG[3]))
+    often = reckoner.look(reckoner.look(begun, turned, FRONT), turned, REAR)
+
+    seldom = reckoner.look(begun, turned, REAR)
+
+    assert seldom.places_m == pytest.approx(often.places_m, abs=1e-9)
+    assert seldom.spots[1].middle_m == pytest.approx(often.spots[1].middle_m, abs=1e-9)

@@ -294,3 +294,27 @@ def test_a_wheel_on_its_point_is_there() -> None:
         one = WordDetector(words, (0.0,), (Bend(0.0),), 1.0)
         one.look(0.0, [place], 1)
         assert one.due == due
+
+
+@pytest.mark.parametrize(("travel", "end"), [(1, (0.7, 1.7)), (-1, (1.7, 0.7))])
+def test_a_word_begins_and_ends_no_later_when_looks_are_seldom_far_from_it(
+    travel: int, end: tuple[float, float]
+) -> None:
+    often, seldom, due_s, looks = detector(valid_for_s=1e9), detector(valid_for_s=1e9), 0.0, 0
+    for step, place in enumerate(course(*end)):  # 1 mm in 20 ms
+        now_s, seen = 0.02 * step, [place - length for length in LENGTHS]
+        often.look(now_s, seen, travel)
+        if now_s >= due_s - 1e-9:
+            seldom.look(now_s, seen, travel)
+            due_s, looks = now_s + seldom.wait_s(), looks + 1
+        assert seldom.due == often.due or now_s - due_s <= 0.05
+
+    assert looks < 150  # of 400 at 0.05 s
+
+
+def test_looks_are_seldom_while_no_wheel_is_driven_and_frequent_until_a_speed_is_known() -> None:
+    resting, starting = detector(), detector()
+    resting.look(0.0, [0.95, 0.85, 0.75], 0)
+    starting.look(0.0, [0.5, 0.4, 0.3], 1)
+
+    assert (resting.wait_s(), starting.wait_s()) == (0.2, 0.05)
