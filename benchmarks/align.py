@@ -154,8 +154,8 @@ def _run(
     mission: str, pipe: str | None, backend: str, seed: int
 ) -> tuple[str, tuple[float, ...], float]:
     """Return why a mission failed, else "", the true rolls in degrees, and how long it took."""
-    from pirate_sm.running.runtime.first_choice import FirstChoice
     from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.runtime.scripted_events import FirstChoice
     from pirate_sm.running.wiring import Order, load, prepare
 
     wishes = Order(mission, backend, pipe=pipe, seed=seed)

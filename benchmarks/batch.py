@@ -29,8 +29,8 @@ from benchmarks import gliding
 from pirate_sm.core.companion import entered
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.options import Fidelity
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, load, prepare
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.backend import SimulatorBackend

@@ -96,8 +96,8 @@ def _loaded(order: str) -> LoadedMission:
 def run(order: Order, *, glides: bool, counts: bool = False) -> tuple[float, float, int, int]:
     """Return process time, mission time, frames taken, and frames that went through the engine."""
     from pirate_sm.core.companion import entered
-    from pirate_sm.running.runtime.first_choice import FirstChoice
     from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.runtime.scripted_events import FirstChoice
     from pirate_sm.running.wiring import prepare
 
     loaded = _loaded(order.mission)

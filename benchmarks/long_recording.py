@@ -7,8 +7,8 @@ from math import inf
 from pathlib import Path
 
 from pirate_sm.running.recording.write.recording_file import RecordingFile
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.pump import Pump
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.running.wiring.run_recorder import RunRecorder, run_header
 

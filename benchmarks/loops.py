@@ -25,8 +25,8 @@ from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.core.program import Wait
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.running.runtime.backend_links import Holder
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualPort
 

@@ -35,7 +35,7 @@ from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.recorded_mission import recorded_mission
 
 NEAR_M, NEAR_DEG = 0.020, 3.0
 """The bar for the house connection."""

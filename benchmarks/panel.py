@@ -24,10 +24,9 @@ from time import perf_counter
 
 from benchmarks.console import SIZE, SLICE_S, Timed, begun_session, busy, drive, spin, wait
 from pirate_sm.cli.commands.console import SWITCH_EVERY_S
-from pirate_sm.robot.control_panel.panel_companion import PanelCompanion
+from pirate_sm.robot.control_panel.panel_reader import PanelCompanion
+from pirate_sm.running.runtime.ending import INTERRUPTED, Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import INTERRUPTED
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.running.wiring import Order, load, prepare
 from pirate_sm.views.console.app import Console
 from pirate_sm.views.console.check_process import CheckProcess

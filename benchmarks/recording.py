@@ -31,9 +31,9 @@ from time import perf_counter, process_time
 
 from benchmarks.used import Used, used_by
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 
 MISSION = Path(__file__).with_name("ten_minutes.yaml")

@@ -300,7 +300,7 @@ def _tell_decision(hours: float) -> None:
         size_mb = path.stat().st_size / 1e6
         code = (
             "import sys, time; from pathlib import Path\n"
-            "from pirate_sm.running.recording.replay.end_of_run import end_of_run\n"
+            "from pirate_sm.running.wiring.resume_offer import end_of_run\n"
             "end_of_run(Path(sys.argv[2]))  # what is loaded once\n"
             "began = time.perf_counter(); end = end_of_run(Path(sys.argv[1]))\n"
             "read = time.perf_counter(); end.recording.sha256\n"

@@ -23,16 +23,15 @@ from pirate_sm.core.robot import states_of
 from pirate_sm.robot.backends.serial.assembly import read_plan
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.detectors.registry import Asked, Places, detecting
-from pirate_sm.running.recording.replay.end_of_run import EndOfRun, end_of_run
 from pirate_sm.running.recording.write.recording_file import RecordingFile
 from pirate_sm.running.runtime.backend_links import Holder
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.pump import Pump, Resuming
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, Prepared
-from pirate_sm.running.wiring.resume_offer import Said, offer, see
+from pirate_sm.running.wiring.backends import start_values
+from pirate_sm.running.wiring.resume_offer import EndOfRun, Said, end_of_run, offer, see
 from pirate_sm.running.wiring.resumed_run import driven_s, with_resumption
 from pirate_sm.running.wiring.run_recorder import RunRecorder, run_header
-from pirate_sm.running.wiring.sim import start_values
 from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort

@@ -38,9 +38,9 @@ from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.detectors.registry import Asked, detecting
 from pirate_sm.running.runtime.backend_links import Holder
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import Result
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import Result
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.simulation.bay.firmware import Record
 from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort

@@ -221,8 +221,8 @@ def _in_the_pipe(
 def _in_the_simulator(
     loaded: LoadedMission, mission: str, seed: int, down: int
 ) -> tuple[Watch, MissionRun]:
-    from pirate_sm.running.runtime.first_choice import FirstChoice
     from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.runtime.scripted_events import FirstChoice
     from pirate_sm.running.wiring import Order, prepare
 
     prepared = prepare(Order(mission, seed=seed, ruler=True), loaded)
@@ -239,10 +239,10 @@ def _over_the_line(
     from benchmarks.arrays import bay_at
     from pirate_sm.core.engine import Engine
     from pirate_sm.robot.backends.serial.backend import SerialBackend
-    from pirate_sm.robot.detectors.ruler import Ruler
+    from pirate_sm.robot.detectors.simple_detectors import Ruler
     from pirate_sm.running.runtime.backend_links import Holder
-    from pirate_sm.running.runtime.first_choice import FirstChoice
     from pirate_sm.running.runtime.loop import MissionRun
+    from pirate_sm.running.runtime.scripted_events import FirstChoice
     from pirate_sm.simulation.bay.switches import Switches
     from pirate_sm.simulation.bay.virtual import VirtualPort
 

@@ -33,10 +33,8 @@ from pirate_sm.core.events import Sighting
 from pirate_sm.core.files import library
 from pirate_sm.core.geometry import Route
 from pirate_sm.robot.camera_file import load_camera
-from pirate_sm.robot.vision.marker import MarkerFinder
-from pirate_sm.robot.vision.seeing import Eye, eye_of
-from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.robot.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+from pirate_sm.robot.vision.seeing import Eye, MarkerFinder, eye_of
+from pirate_sm.robot.vision.synthetic import ShownScene, SyntheticPictures, scene_in_pipe
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, load, prepare
 

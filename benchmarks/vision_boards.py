@@ -8,11 +8,9 @@ import numpy as np
 
 from pirate_sm.core.camera import CameraPose, FrameSize, Lens
 from pirate_sm.robot.vision.calibration import calibrate
-from pirate_sm.robot.vision.chessboard import Chessboard, find_board
-from pirate_sm.robot.vision.lens import LensModel
-from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.picture_arrays import Floats, Gray
-from pirate_sm.robot.vision.plane import View, rotation_of, turn_of
+from pirate_sm.robot.vision.opencv import Floats, Gray, cv2
+from pirate_sm.robot.vision.projection import LensModel, View, rotation_of, turn_of
+from pirate_sm.robot.vision.targets import Chessboard, find_board
 
 SIZE = (1920, 1080)
 TRUE = Lens(model="fisheye", f=(611.0, 612.8), centre=(971.0, 532.9), k=(-0.012, 0.003, 0.0, 0.0))

@@ -9,7 +9,7 @@ from pirate_sm.core.events import DetectorWord, Event, FaultReport, SensorFrame,
 from pirate_sm.core.registry import Plugin
 from pirate_sm.robot.backends.protocol import Backend, Completion
 from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector, Places
-from pirate_sm.running.runtime.trigger_script import TriggerScript
+from pirate_sm.running.runtime.scripted_events import TriggerScript
 from pirate_sm.running.wiring import Order
 from pirate_sm.running.wiring.prepared import Equipment, MakeBackend, Say
 

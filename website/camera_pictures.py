@@ -11,12 +11,9 @@ import pirate_sm
 from pirate_sm.core.camera import SyntheticSource
 from pirate_sm.core.files import library
 from pirate_sm.robot.camera_file import load_camera
-from pirate_sm.robot.vision.annotating import annotated
-from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.picture_arrays import Frame
-from pirate_sm.robot.vision.seeing import eye_of
-from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.robot.vision.synthetic.shown_scene import scene_in_pipe
+from pirate_sm.robot.vision.opencv import Frame, cv2
+from pirate_sm.robot.vision.seeing import annotated, eye_of
+from pirate_sm.robot.vision.synthetic import SyntheticPictures, scene_in_pipe
 
 SIZE = (960, 540)
 QUALITY = 85

@@ -15,8 +15,15 @@ from pirate_sm.cli import stored_help
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
-from pirate_sm.running.runtime.outcome import BACKEND, BUG, FAILED, RECORDING_LOST, SUCCEEDED
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, OUTPUT_LOST
+from pirate_sm.running.runtime.ending import (
+    BACKEND,
+    BUG,
+    BY_SIGNAL,
+    FAILED,
+    OUTPUT_LOST,
+    RECORDING_LOST,
+    SUCCEEDED,
+)
 from pirate_sm.views.drawing.robot.robot_page import robot_page
 from pirate_sm.views.drawing.robot.written_page import Drawing
 from pirate_sm.views.drawing.svg.svg_writer import svg

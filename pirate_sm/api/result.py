@@ -18,11 +18,11 @@ from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_file
 from pirate_sm.core.spelling import meant
 from pirate_sm.running.recording.format.header import RunHeader
+from pirate_sm.running.recording.read.pieces import Gap, RecordedStep
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.read.steps import Gap, RecordedStep
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import engine_of, rerun_steps
-from pirate_sm.running.recording.tables.table_rows import SIGNALS, TABLES, TIME, headers, rows_of
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import engine_of, rerun_steps
+from pirate_sm.running.recording.tables import SIGNALS, TABLES, TIME, headers, rows_of
 from pirate_sm.views.report import GENERATOR
 from pirate_sm.views.report.poses import Poses
 

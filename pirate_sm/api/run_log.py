@@ -20,7 +20,7 @@ from pirate_sm.core.resuming import AS_DECLARED, Beginning
 from pirate_sm.core.sensing import Glide
 from pirate_sm.core.simulation import Trail
 from pirate_sm.running.recording.format.header import RunHeader
-from pirate_sm.running.recording.read.steps import RecordedStep
+from pirate_sm.running.recording.read.pieces import RecordedStep
 from pirate_sm.running.recording.write.recorder import Recorder
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.run_recorder import RunRecorder, requested_recording, run_header

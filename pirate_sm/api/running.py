@@ -12,9 +12,9 @@ from pirate_sm.api.run_log import noted
 from pirate_sm.core.companion import entered
 from pirate_sm.core.errors import BackendError
 from pirate_sm.core.options import Options
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import BUG, INTERRUPTED
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import BUG, INTERRUPTED
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring.adoption import adopt_alone
 
 

@@ -13,9 +13,9 @@ from pirate_sm.api.arguments import Mission, loaded_once, prepared, whole
 from pirate_sm.api.result import Columns
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.options import Options
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import BUG, INTERRUPTED
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import BUG, INTERRUPTED
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 
 
 class _Row(NamedTuple):

@@ -222,7 +222,7 @@ def _enter(app: typer.Typer) -> None:
     """Run the app, which ends this process; report in one line that output cannot be written."""
     if sys.stdout is None:
         from pirate_sm.cli.errors import say
-        from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST
+        from pirate_sm.running.runtime.ending import OUTPUT_LOST
 
         say("the output cannot be written: standard output is closed")
         raise SystemExit(OUTPUT_LOST)

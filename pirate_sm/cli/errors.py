@@ -12,8 +12,7 @@ from pirate_sm.cli.ctrl_c import was_interrupted
 from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.outcome import BUG, INTERRUPTED
-from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST
+from pirate_sm.running.runtime.ending import BUG, INTERRUPTED, OUTPUT_LOST
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """Exceptions from writing to a standard output that is closed or full."""

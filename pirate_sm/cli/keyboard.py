@@ -14,11 +14,11 @@ from typing import TYPE_CHECKING, Any, Self
 
 from pirate_sm.core.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
 from pirate_sm.core.events import Answer, Event
-from pirate_sm.running.runtime.first_choice import Answered
+from pirate_sm.running.runtime.scripted_events import Answered
 
 if TYPE_CHECKING:
     from pirate_sm.core.engine import EngineState
-    from pirate_sm.robot.detectors.operator_keys import Keys
+    from pirate_sm.robot.detectors.simple_detectors import Keys
 
 _LOOK_EVERY_S = 0.05
 

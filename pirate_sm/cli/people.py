@@ -10,14 +10,12 @@ from pirate_sm.cli.keyboard import AllKeys, Operator, SharedKeys, TerminalKeys, 
 from pirate_sm.cli.options.running import RunOptions
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.outcome import INTERRUPTED
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.runtime.ending import INTERRUPTED, Stop, StopRequests
 from pirate_sm.running.wiring import Prepared, answers
 
 if TYPE_CHECKING:
-    from pirate_sm.robot.control_panel.panel_companion import PanelCompanion
-    from pirate_sm.robot.control_panel.panel_reader import PanelReader
-    from pirate_sm.robot.detectors.operator_keys import Keys, WordKeys
+    from pirate_sm.robot.control_panel.panel_reader import PanelCompanion, PanelReader
+    from pirate_sm.robot.detectors.simple_detectors import Keys, WordKeys
 
 
 class People(NamedTuple):
@@ -81,7 +79,7 @@ def people_of(
     asked = answering and not options.yes and not prepared.attended
     if not (asked or by_keys):
         return People(panel=panel)
-    from pirate_sm.robot.detectors.operator_keys import LETTERS, WordKeys
+    from pirate_sm.robot.detectors.simple_detectors import LETTERS, WordKeys
 
     def show(text: str) -> None:
         if not live and shown is not None:
@@ -102,7 +100,7 @@ def people_of(
 def _panel(prepared: Prepared, reader: PanelReader | None) -> PanelCompanion | None:
     if reader is None:
         return None
-    from pirate_sm.robot.control_panel.panel_companion import PanelCompanion
+    from pirate_sm.robot.control_panel.panel_reader import PanelCompanion
 
     return PanelCompanion(
         reader,

@@ -12,7 +12,7 @@ from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.serial.assembly import STAY_S, guarded_port, read_plan
 from pirate_sm.robot.diagnosis.facts import ExpectedRobot
 from pirate_sm.robot.diagnosis.listening import Listening
-from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.runtime.ending import StopRequests
 
 
 def find_loaded(name: str | None) -> LoadedRobot:

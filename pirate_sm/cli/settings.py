@@ -43,9 +43,9 @@ class Setting:
 
 def _backends() -> Collection[str]:
     from pirate_sm.core.registry import points_of
-    from pirate_sm.robot.backends import known
+    from pirate_sm.robot import known
 
-    return sorted({*known.ABOUT, *(point.name for point in points_of(known.GROUP))})
+    return sorted({*known.BACKENDS, *(point.name for point in points_of(known.BACKEND_GROUP))})
 
 
 SETTINGS: Mapping[str, Setting] = {

@@ -22,14 +22,17 @@ from pirate_sm.cli.people import People, open_panel, people_of
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.core.companion import Companion, entered
 from pirate_sm.core.files import shown
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import (
+    BUG,
+    OUTPUT_LOST,
+    RECORDING_LOST,
+    SUCCEEDED,
+    Result,
+    StopRequests,
+)
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.observers import Observer, Watcher
-from pirate_sm.running.runtime.outcome import BUG, RECORDING_LOST, SUCCEEDED, Result
-from pirate_sm.running.runtime.pump import Resuming
-from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST, StopRequests
-from pirate_sm.running.runtime.trace_repeats import LoopWatch
-from pirate_sm.running.runtime.trigger_script import Firing, TriggerScript
+from pirate_sm.running.runtime.pump import Observer, Resuming, Watcher
+from pirate_sm.running.runtime.scripted_events import Firing, FirstChoice, LoopWatch, TriggerScript
 from pirate_sm.running.wiring import Prepared, answers
 from pirate_sm.running.wiring.run_recorder import Kept
 

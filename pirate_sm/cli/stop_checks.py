@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 
 
 class StoppedError(Exception):

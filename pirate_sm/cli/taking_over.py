@@ -17,8 +17,8 @@ from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.resuming import VerdictTable
 from pirate_sm.core.robot import states_of
 from pirate_sm.core.visible import visible
+from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.running.runtime.pump import Resuming
-from pirate_sm.running.runtime.stop_requests import StopRequests
 from pirate_sm.running.wiring import Prepared, placed
 from pirate_sm.running.wiring.adoption import Stands, adopt, begun_there, doubts, look_at, unplaced
 from pirate_sm.running.wiring.resumed_run import check_place

@@ -16,9 +16,8 @@ from pirate_sm.core.errors import BackendError
 from pirate_sm.core.events import Event, SubmitResult
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.robot.backends.protocol import Backend, Completion
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.trigger_script import TriggerScript
+from pirate_sm.running.runtime.scripted_events import FirstChoice, TriggerScript
 
 MOST_CALLS = 10_000
 

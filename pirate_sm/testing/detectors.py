@@ -13,8 +13,8 @@ from pirate_sm.core.companion import Companion, Counting, Onlooker, entered
 from pirate_sm.core.effects import Effect
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, Prepared, prepare
 
 

@@ -11,10 +11,10 @@ from pirate_sm.checking.mission.check_mission import MissionCheck
 from pirate_sm.checking.reports.counterexamples import SCRIPT_SUFFIX, write_counterexample
 from pirate_sm.core import effects as fx
 from pirate_sm.core.robot import rules
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
 from pirate_sm.running.wiring import Order, prepare
-from pirate_sm.running.wiring.trace import read_script
+from pirate_sm.running.wiring.backends import read_script
 
 REFUSED = re.compile(r"step\..*|call\..*|handler\..*")
 MOST_EFFECTS = 1_000

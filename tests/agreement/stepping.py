@@ -12,8 +12,8 @@ from pirate_sm.core.effects import Effect, WakeAt
 from pirate_sm.core.events import Abort, Event
 from pirate_sm.core.sensing import Glide
 from pirate_sm.core.simulation import InSpace, Trail
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, load, prepare
 from pirate_sm.simulation.backend import SimulatorBackend
 

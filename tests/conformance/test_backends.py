@@ -7,7 +7,7 @@ import pytest
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.loading import load_mission
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.trigger_script import TriggerScript
+from pirate_sm.running.runtime.scripted_events import TriggerScript
 from pirate_sm.testing import BackendContract, Candidate
 
 from .candidates import CANDIDATES, NEWT, LateBackend

@@ -12,11 +12,11 @@ import pytest
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.cli.settings import RUNS_VARIABLE
 from pirate_sm.core.events import GoTo, OperatorCommand
+from pirate_sm.running.recording.compare import compared_run
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.compare import compared_run
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay
-from pirate_sm.running.recording.tables.csv_files import write_tables
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay
+from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.write.recording_file import NS_PER_S, RecordingFile
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.run_recorder import Kept

@@ -10,7 +10,7 @@ from pirate_sm.cli.commands.console import open_console
 from pirate_sm.cli.commands.resume import resume_dialog
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.core.errors import UsageError
-from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.running.wiring import Order
 from tests.unit.running.recording.recording_runs import record_cut_off
 

@@ -20,9 +20,8 @@ from pirate_sm.cli.commands.console import _conclude
 from pirate_sm.core.effects import Ended
 from pirate_sm.core.events import Event, FaultReport
 from pirate_sm.core.program import why_not_to
+from pirate_sm.running.runtime.ending import BY_SIGNAL, Result, Stop
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import Result
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop
 from pirate_sm.running.wiring import Order, Prepared
 from pirate_sm.views.console.app import Console
 from pirate_sm.views.console.dialogs import Confirm, Pick

@@ -12,8 +12,8 @@ import pytest
 from pirate_sm.cli.output.json_lines import JsonLines
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.core.files import library
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 
 HERE = Path(__file__).parent

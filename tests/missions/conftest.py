@@ -12,8 +12,8 @@ import pytest
 
 from pirate_sm.core.effects import Effect, Ended, Setpoints, StateChange, TriggerFired
 from pirate_sm.core.engine import EngineState
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, Prepared, prepare
 
 ROOT = Path(__file__).resolve().parents[2]

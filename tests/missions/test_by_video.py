@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import pirate_sm
-from pirate_sm.robot.vision import paced_sightings
+from pirate_sm.robot.vision import sightings
 from pirate_sm.robot.vision.opencv import cv2
 
 SMALL = Path(__file__).resolve().parents[1] / "cameras" / "small.yaml"
@@ -34,13 +34,13 @@ def watched() -> tuple[pirate_sm.Run, Frames]:
     """Return a run that a synthetic camera has watched, and all its pictures."""
     frames: list[np.ndarray[Any, Any]] = []
     patch = pytest.MonkeyPatch()
-    see = paced_sightings.Gaze.see
+    see = sightings.Gaze.see
 
     def keep(gaze: Any, frame: Any, captured_s: float) -> Any:
         frames.append(frame)
         return see(gaze, frame, captured_s)
 
-    patch.setattr(paced_sightings.Gaze, "see", keep)
+    patch.setattr(sightings.Gaze, "see", keep)
     run = pirate_sm.run("mitre_bend", detector=f"vision:{SMALL}", seed=4)
     patch.undo()
     return run, frames

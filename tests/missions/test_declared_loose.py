@@ -11,8 +11,8 @@ import pytest
 from pirate_sm.core.events import Event
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_pipe, load_robot
+from pirate_sm.running.runtime.ending import Result
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import Result
 from pirate_sm.running.wiring import Order, Prepared, prepare
 from pirate_sm.simulation.backend import SimulatorBackend
 

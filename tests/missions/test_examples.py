@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.running.runtime.trigger_script import Firing
+from pirate_sm.running.runtime.scripted_events import Firing
 
 DOCS = Path(__file__).resolve().parents[2] / "docs"
 EXAMPLES = sorted((DOCS / "examples").glob("*.yaml"))

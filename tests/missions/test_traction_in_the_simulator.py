@@ -13,10 +13,10 @@ import pytest
 from pirate_sm import run as run_mission
 from pirate_sm.core.files import library
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 
 UPRIGHT = """\

@@ -18,8 +18,7 @@ from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import DIMENSIONLESS, read_quantity
-from pirate_sm.running.wiring.bay import without_messages
-from pirate_sm.running.wiring.sim import COMPILING, start_values
+from pirate_sm.running.wiring.backends import COMPILING, start_values, without_messages
 
 if TYPE_CHECKING:
     from pirate_sm.simulation.bay.switches import Switches, Topic

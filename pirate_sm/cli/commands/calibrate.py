@@ -25,9 +25,9 @@ from pirate_sm.core.loading import (
 from pirate_sm.core.profile import Calibration
 from pirate_sm.core.spelling import unknown
 from pirate_sm.core.units import ANGLE, read_quantity
+from pirate_sm.robot.diagnosis.judgement import JointReading, objections, read_joints
 from pirate_sm.robot.diagnosis.listening import Listening
-from pirate_sm.robot.diagnosis.straightness import JointReading, objections, read_joints
-from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
 
 KEPT, REFUSED = 0, 1
 

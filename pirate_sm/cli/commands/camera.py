@@ -31,21 +31,28 @@ from pirate_sm.core.events import Sighting
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_pipe, load_robot
 from pirate_sm.core.visible import visible
-from pirate_sm.robot.camera_file import load_camera
-from pirate_sm.robot.camera_text import lens_line, pose_line, with_lens, with_pose
-from pirate_sm.robot.vision.annotating import annotated
-from pirate_sm.robot.vision.calibration import calibrate
+from pirate_sm.robot.camera_file import lens_line, load_camera, pose_line, with_lens, with_pose
+from pirate_sm.robot.vision.calibration import (
+    KnownPlace,
+    calibrate,
+    known_points,
+    known_tags,
+    survey,
+)
 from pirate_sm.robot.vision.captures import Capture, ImageCapture, first_frame, open_capture
-from pirate_sm.robot.vision.chessboard import Chessboard, find_board, is_another, is_sharp
-from pirate_sm.robot.vision.lens import LensModel
-from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.picture_arrays import Floats, Frame
-from pirate_sm.robot.vision.printing import board_sheet, tag_sheets
-from pirate_sm.robot.vision.seeing import eye_of
-from pirate_sm.robot.vision.surveying import KnownPlace, known_points, known_tags, survey
-from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.robot.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
-from pirate_sm.robot.vision.tags import grayed
+from pirate_sm.robot.vision.opencv import Floats, Frame, cv2
+from pirate_sm.robot.vision.projection import LensModel
+from pirate_sm.robot.vision.seeing import annotated, eye_of
+from pirate_sm.robot.vision.synthetic import ShownScene, SyntheticPictures, scene_in_pipe
+from pirate_sm.robot.vision.targets import (
+    Chessboard,
+    board_sheet,
+    find_board,
+    grayed,
+    is_another,
+    is_sharp,
+    tag_sheets,
+)
 
 _WARM_UP = 15
 """Pictures after which a camera has found its exposure."""

@@ -33,7 +33,7 @@ from pirate_sm.lab.campaign.crew import MOST_EACH, connected, most_workers
 from pirate_sm.lab.campaign.plan import CampaignPlan, mark_of
 from pirate_sm.lab.campaign.results import CampaignResult, as_junit, as_text, result_of
 from pirate_sm.lab.campaign.store import DamagedMarkError, Store, is_store
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop
+from pirate_sm.running.runtime.ending import BY_SIGNAL, Stop
 
 AS_EXPECTED, BELOW = 0, 1
 

@@ -16,11 +16,10 @@ from pirate_sm.core.events import Event
 from pirate_sm.core.files import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Wait
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.near_miss_kinds import NearMiss
-from pirate_sm.running.runtime.near_misses import NearMisses
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.runtime.near_misses import NearMiss, NearMisses
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 
 LONGEST_S = 3600.0

@@ -13,10 +13,9 @@ from pirate_sm.core.expressions import Vocabulary
 from pirate_sm.core.on_disk import is_folder, is_there, why_hidden
 from pirate_sm.core.units import format_quantity
 from pirate_sm.lab.campaign.store import is_store
+from pirate_sm.running.recording.compare import Comparison, compare, compared_run, unlike
 from pirate_sm.running.recording.format.header import RunHeader
-from pirate_sm.running.recording.replay.compare import Comparison, compare, compared_run
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.setup_differences import unlike
+from pirate_sm.running.recording.recorded_mission import recorded_mission
 
 SAME, DIFFERENT, UNREADABLE = 0, 1, 2
 

@@ -18,8 +18,7 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import BY_HAND
 from pirate_sm.core.palette import Theme
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.outcome import BUG, SUCCEEDED
-from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.runtime.ending import BUG, SUCCEEDED, CaughtSignals, StopRequests
 from pirate_sm.running.wiring import Order, Prepared, load, prepare
 
 if TYPE_CHECKING:

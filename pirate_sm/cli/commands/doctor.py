@@ -19,7 +19,7 @@ from pirate_sm.robot.diagnosis.facts import DoctorFinding, ExpectedRobot, Facts
 from pirate_sm.robot.diagnosis.judgement import judged
 from pirate_sm.robot.diagnosis.listening import Listening
 from pirate_sm.robot.diagnosis.moving import DUTY, TURN_FOR_S, Moving
-from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
 
 GO, NO_GO = 0, 1
 

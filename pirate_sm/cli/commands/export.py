@@ -16,8 +16,8 @@ from pirate_sm.core.files import shown
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.on_disk import is_there, take_place
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.tables.csv_files import write_tables
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.viewers import layouts
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.recording.viewers.urdf import urdf
@@ -78,7 +78,7 @@ def _table_writers(options: ExportOptions) -> Iterator[tuple[str, TableWriter]]:
     if options.csv is not None:
         yield options.csv, write_tables
     if options.parquet is not None:
-        from pirate_sm.running.recording.tables.parquet_files import write_parquet
+        from pirate_sm.running.recording.parquet_files import write_parquet
 
         yield options.parquet, write_parquet
 

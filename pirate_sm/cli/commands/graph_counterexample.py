@@ -9,12 +9,11 @@ from pathlib import Path
 from pirate_sm.core.effects import Effect
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import Event
-from pirate_sm.running.runtime.course_player import CoursePlayer
+from pirate_sm.running.runtime.ending import SUCCEEDED, Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import SUCCEEDED
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.running.runtime.scripted_events import CoursePlayer
 from pirate_sm.running.wiring import Order, prepare
-from pirate_sm.running.wiring.trace import read_script
+from pirate_sm.running.wiring.backends import read_script
 from pirate_sm.views.drawing.graph.highlight import RunPath
 from pirate_sm.views.drawing.graph.highlight import Stop as Reached
 

@@ -13,12 +13,18 @@ from pirate_sm.cli.options.links import PanelOptions
 from pirate_sm.core.files import library
 from pirate_sm.core.panel import Panel
 from pirate_sm.core.visible import visible
-from pirate_sm.robot.control_panel.control_changes import ControlChange, ControlChangeParser
-from pirate_sm.robot.control_panel.midi_devices import MidiSystem, open_device, read_device
 from pirate_sm.robot.control_panel.panel_file import read_panel
-from pirate_sm.robot.control_panel.presses import PRESSED, Press, Presses, action_text
-from pirate_sm.running.runtime.outcome import BACKEND, SUCCEEDED
-from pirate_sm.running.wiring.chosen_panel import panel_and_device
+from pirate_sm.robot.control_panel.panel_reader import MidiSystem, open_device, read_device
+from pirate_sm.robot.control_panel.presses import (
+    PRESSED,
+    ControlChange,
+    ControlChangeParser,
+    Press,
+    Presses,
+    action_text,
+)
+from pirate_sm.running.runtime.ending import BACKEND, SUCCEEDED
+from pirate_sm.running.wiring.prepared import panel_and_device
 
 
 def show_panel(options: PanelOptions) -> int:

@@ -19,12 +19,8 @@ from pirate_sm.core.loading import LoadedMission, load_mission
 from pirate_sm.core.units import TIME, QuantityError, read_quantity
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.replay.recorded_mission import (
-    as_recorded,
-    recorded_fit,
-    recorded_mission,
-)
-from pirate_sm.running.recording.replay.replay import Difference, Replayed, replay
+from pirate_sm.running.recording.recorded_mission import as_recorded, recorded_fit, recorded_mission
+from pirate_sm.running.recording.replay import Difference, Replayed, replay
 
 SAME, DIFFERENT = 0, 1
 
@@ -121,7 +117,7 @@ def _replayed(
         )
     jobs = 1 if other or recording.gaps else options.jobs or _jobs(recording, stretch)
     if jobs > 1 and next(recording.checkpoints(after), None) is not None:
-        from pirate_sm.running.recording.replay.parallel_replay import replay_shared
+        from pirate_sm.running.recording.parallel_replay import replay_shared
 
         return replay_shared(recording, jobs, after=after, until_s=stretch.until_s)
     return replay(recording, loaded, changed=other, after=after, until_s=stretch.until_s)

@@ -20,16 +20,17 @@ from pirate_sm.core.options import OPTIONS
 from pirate_sm.core.program import HERE
 from pirate_sm.core.resuming import FAILURE, Resumption
 from pirate_sm.core.visible import visible
-from pirate_sm.running.recording.replay.end_of_run import EndOfRun, end_of_run
+from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
 from pirate_sm.running.runtime.pump import Resuming
-from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.resume_offer import (
+    EndOfRun,
     Offer,
     Said,
     SeenRobot,
     check_said,
     counting_from,
+    end_of_run,
     offer,
     see,
 )

@@ -11,7 +11,7 @@ from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.terminal import agree, is_terminal
 from pirate_sm.cli.shown_run import Manner, run_prepared
 from pirate_sm.core.errors import UsageError
-from pirate_sm.running.runtime.stop_requests import CaughtSignals, StopRequests
+from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
 from pirate_sm.running.wiring import prepare
 
 ON_A_TERMINAL = 4.0

@@ -177,18 +177,18 @@ def routes(context: typer.Context, typed: str) -> Iterator[Candidate]:
 
 def backends(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the backends, also of other packages."""
-    from pirate_sm.robot.backends import known
+    from pirate_sm.robot import known
 
-    yield from _parts(known.ABOUT, known.GROUP)
+    yield from _parts(known.DETECTORS, known.DETECTOR_GROUP)
 
 
 def detectors(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the detectors, also of other packages; after ``vision:`` the cameras."""
-    from pirate_sm.robot.detectors import known
+    from pirate_sm.robot import known
 
     name, colon, camera = typed.partition(":")
     if not colon:
-        for each, about in _parts(known.ABOUT, known.GROUP):
+        for each, about in _parts(known.DETECTORS, known.DETECTOR_GROUP):
             yield (f"{each}:" if each == known.BY_CAMERA else each), about
     elif name == known.BY_CAMERA:
         for each, about in cameras(context, camera):

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from pydantic_core import ErrorDetails
 
     from pirate_sm.core.profile import Frozen
-    from pirate_sm.running.runtime.trigger_script import Firing
+    from pirate_sm.running.runtime.scripted_events import Firing
 
     Choices = TypeVar("Choices", bound=Frozen)
 
@@ -159,7 +159,7 @@ def read_fire(texts: Iterable[str]) -> Iterator[Firing]:
     Raises:
         UsageError: A text has another form.
     """
-    from pirate_sm.running.runtime.trigger_script import Firing
+    from pirate_sm.running.runtime.scripted_events import Firing
 
     for text in texts:
         trigger, given, after = text.partition("=")

@@ -111,7 +111,7 @@ class RunOptions(_RobotRunOptions):
             UsageError: An option does not have the right form.
         """
         from pirate_sm.core.campaign import LineFaults
-        from pirate_sm.running.wiring.trace import read_script
+        from pirate_sm.running.wiring.backends import read_script
 
         listed, course = ((), ()) if self.script is None else read_script(Path(self.script))
         return replace(

@@ -12,13 +12,13 @@ from pirate_sm.core.effects import Effect, Ended
 from pirate_sm.core.options import USUAL
 from pirate_sm.core.simulation import SIMULATORS
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.first_choice import Answered
-from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.runtime.ending import StopRequests
+from pirate_sm.running.runtime.scripted_events import Answered
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.showing.effect_lines import UNCONFIRMED, Teller, away, summary
 
 if TYPE_CHECKING:
-    from pirate_sm.robot.backends.serial.health import LinkHealth
+    from pirate_sm.robot.backends.serial.link.health import LinkHealth
 
 
 _INDENT = 22

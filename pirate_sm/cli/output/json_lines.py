@@ -13,7 +13,7 @@ from pirate_sm.core import effects as fx
 from pirate_sm.core.effects import Unmet
 from pirate_sm.core.engine import Evidence
 from pirate_sm.core.events import ALPHABET_VERSION
-from pirate_sm.running.runtime.first_choice import Answered
+from pirate_sm.running.runtime.scripted_events import Answered
 
 FORMAT = 1
 """Changes when a reader of the lines would have to."""

@@ -15,7 +15,7 @@ from pirate_sm.cli.keyboard import Operator
 from pirate_sm.cli.output.event_lines import how_it_runs
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.core.effects import Effect
-from pirate_sm.robot.detectors.operator_keys import WordKeys
+from pirate_sm.robot.detectors.simple_detectors import WordKeys
 from pirate_sm.views.showing import alarms, panels, picture
 from pirate_sm.views.showing import body_panel as body
 from pirate_sm.views.showing import text_styles as styled

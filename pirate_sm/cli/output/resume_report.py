@@ -9,8 +9,7 @@ from typing import NamedTuple
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Do, Program, Wait, successors
 from pirate_sm.core.resuming import Reconciled, Resumption, VerdictTable
-from pirate_sm.running.recording.replay.end_of_run import EndOfRun
-from pirate_sm.running.wiring.resume_offer import Offer, Said
+from pirate_sm.running.wiring.resume_offer import EndOfRun, Offer, Said
 from pirate_sm.running.wiring.resumed_run import first_wheel_m
 
 _NEXT = 3

@@ -13,16 +13,16 @@ from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Detected, Effect, Fault, Setpoints, StateChange
 from pirate_sm.core.errors import UsageError
 from pirate_sm.robot.detectors.word_timing import words_of
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import BUG
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import BUG
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, Prepared, prepare
 
 if TYPE_CHECKING:
     from pirate_sm.core.loading import LoadedMission
     from pirate_sm.core.robot import RobotSpec
     from pirate_sm.robot.backends.protocol import Backend
-    from pirate_sm.running.runtime.observers import Tap
+    from pirate_sm.running.runtime.pump import Tap
     from pirate_sm.simulation.bay.virtual import VirtualPort
     from pirate_sm.simulation.simulated_robot import FullTruth
 

@@ -19,9 +19,9 @@ from pirate_sm.core.on_disk import opened
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.spelling import nearest, one_of
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import rerun
-from pirate_sm.running.recording.tables.table_rows import SIGNALS, TIME, rows_of
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import rerun
+from pirate_sm.running.recording.tables import SIGNALS, TIME, rows_of
 from pirate_sm.simulation.arrays import Floats
 
 # --- columns -------------------------------------------------------------------------------------

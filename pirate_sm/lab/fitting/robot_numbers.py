@@ -28,9 +28,9 @@ from pirate_sm.lab.fitting.measurements import (
     has,
 )
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import rerun
-from pirate_sm.running.recording.tables.table_rows import TIME
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import rerun
+from pirate_sm.running.recording.tables import TIME
 from pirate_sm.simulation.arrays import Floats
 from pirate_sm.simulation.electronics import scale_of
 

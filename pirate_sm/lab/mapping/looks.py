@@ -15,9 +15,9 @@ from pirate_sm.core.engine import EngineState, MissionState
 from pirate_sm.core.events import DetectorWord, SensorFrame, SubmitResult
 from pirate_sm.core.robot import Flight, Mark, RobotSpec, RobotState, confirmed_parts, no_faults
 from pirate_sm.core.sensing import Surveyed, forget_stale, nothing_known, observe, survey
-from pirate_sm.robot.detectors.odometer import Odometer
+from pirate_sm.robot.detectors.odometry import Odometer
 from pirate_sm.robot.detectors.word_timing import Word
-from pirate_sm.running.recording.read.steps import RecordedStep
+from pirate_sm.running.recording.read.pieces import RecordedStep
 
 
 class RobotLook(NamedTuple):

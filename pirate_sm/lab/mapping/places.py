@@ -14,7 +14,7 @@ from pirate_sm.core.sensing import WHOLE, BodySpec, axis_at, axis_of, wheel_at
 from pirate_sm.lab.mapping.bend_angles import angle_between, outermost
 from pirate_sm.lab.mapping.legs import Map, middle
 from pirate_sm.lab.mapping.looks import RobotLook
-from pirate_sm.robot.detectors.odometer import Odometer
+from pirate_sm.robot.detectors.odometry import Odometer
 
 # --- spots ---------------------------------------------------------------------------------------
 

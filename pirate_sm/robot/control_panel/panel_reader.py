@@ -1,23 +1,182 @@
-"""Reads a panel's device in a thread, so that a stop waits for nothing else."""
+"""Reads a panel's MIDI device in a thread, so that a stop waits for nothing else.
+
+A companion gives the engine what is pressed, in a run without the console.
+"""
 
 from __future__ import annotations
 
+import errno
+import grp
 import os
+import re
 import select
+import stat
 import time
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import suppress
+from dataclasses import dataclass
 from math import inf
 from pathlib import Path
 from threading import Thread
 from typing import Literal, NamedTuple, Self, TypeAlias
 
+from pirate_sm.core.effects import Effect, Ended, Log
+from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import UsageError
-from pirate_sm.core.panel import Panel, RunButton
-from pirate_sm.robot.control_panel.control_changes import ControlChangeParser
-from pirate_sm.robot.control_panel.midi_devices import MidiSystem, open_device, read_device
-from pirate_sm.robot.control_panel.presses import Press, Presses
+from pirate_sm.core.events import (
+    BuiltInFault,
+    DetectorWord,
+    Event,
+    OperatorCommand,
+    Pause,
+    Resume,
+    Skip,
+    Step,
+)
+from pirate_sm.core.panel import (
+    AnswerButton,
+    CommandButton,
+    Panel,
+    RunAction,
+    RunButton,
+    WordButton,
+)
+from pirate_sm.core.robot import RobotSpec, lets_all_go
+from pirate_sm.robot.control_panel.presses import (
+    TWICE_WITHIN_S,
+    ControlChangeParser,
+    Press,
+    Presses,
+    action_text,
+)
+
+_CARDS = Path("/proc/asound/cards")
+_DEVICES = Path("/dev/snd")
+
+_CARD = re.compile(r"^ *(\d+) \[.*?\]: (.*)$")
+_DEVICE = re.compile(r"midiC(\d+)D(\d+)")
+
+_AT_ONCE = 4096
+
+_TAKEN = {errno.EBUSY, errno.EAGAIN}
+
+
+@dataclass(frozen=True)
+class MidiDevice:
+    """A MIDI device.
+
+    Attributes:
+        path: Its file.
+        card: Name of its sound card, as the system shows it.
+    """
+
+    path: Path
+    card: str
+
+    def __str__(self) -> str:
+        return f"{self.path} ({self.card})"
+
+
+@dataclass(frozen=True)
+class MidiSystem:
+    """Where the system lists its sound cards and keeps their devices (ALSA, on Linux).
+
+    Attributes:
+        cards: The file with the names of the sound cards.
+        devices: The folder with the files of their devices.
+    """
+
+    cards: Path = _CARDS
+    devices: Path = _DEVICES
+
+    def listed(self) -> list[MidiDevice]:
+        """Return all MIDI devices, in the order of their cards; empty on a machine without any."""
+        try:
+            names = card_names(self.cards.read_text("utf-8", errors="replace"))
+            files = [(_DEVICE.fullmatch(path.name), path) for path in self.devices.iterdir()]
+        except OSError:
+            return []
+        found = sorted((int(m[1]), int(m[2]), path) for m, path in files if m is not None)
+        return [MidiDevice(path, names.get(card, "unknown card")) for card, _, path in found]
+
+    def find(self, name: str) -> Path:
+        """Return the file of the first device whose card has this text in its name.
+
+        Raises:
+            UsageError: There is none; says which devices there are.
+        """
+        there = self.listed()
+        for device in there:
+            if name.casefold() in device.card.casefold():
+                return device.path
+        raise UsageError(f"no MIDI device is named '{name}'; {devices_text(there)}")
+
+
+def devices_text(devices: Sequence[MidiDevice]) -> str:
+    """Return which devices there are, for messages."""
+    return (
+        f"connected: {', '.join(map(str, devices))}" if devices else "no MIDI device is connected"
+    )
+
+
+def card_names(text: str) -> dict[int, str]:
+    """Return the names of sound cards by their numbers, from the text of ``/proc/asound/cards``.
+
+    A card has two lines: a number, an id and a short name; then its long name.
+    """
+    names: dict[int, str] = {}
+    card = None
+    for line in text.splitlines():
+        match = _CARD.match(line)
+        if match is not None:
+            card = int(match[1])
+            names[card] = match[2].partition(" - ")[2].strip() or match[2].strip()
+        elif card is not None and line.strip():
+            names[card] = f"{names[card]}: {line.strip()}"
+            card = None
+    return names
+
+
+def open_device(path: Path) -> int:
+    """Return a file descriptor that reads the device without blocking.
+
+    Raises:
+        UsageError: It is no device, or cannot be opened; says what to do.
+    """
+    try:
+        if not stat.S_ISCHR(path.stat().st_mode):
+            raise UsageError(f"{path} is not a device; MIDI devices are /dev/snd/midiC*D*")
+        return os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC)
+    except PermissionError:
+        raise UsageError(f"{path} may not be read: {_who_may(path)}") from None
+    except OSError as error:
+        taken = error.errno in _TAKEN
+        why = "another program uses it" if taken else (error.strerror or str(error))
+        raise UsageError(f"{path} cannot be opened: {why}") from None
+
+
+def read_device(fd: int) -> bytes | str:
+    """Return the bytes that wait in a device, perhaps none; why it is gone, if it is."""
+    try:
+        return os.read(fd, _AT_ONCE) or "its device has closed"
+    except BlockingIOError:
+        return b""
+    except OSError as error:
+        return error.strerror or str(error)
+
+
+def _who_may(path: Path) -> str:
+    """Return which users may read a file that this one may not."""
+    try:
+        status = path.stat()
+        group = grp.getgrgid(status.st_gid).gr_name
+    except (OSError, KeyError):
+        return "permission denied"
+    if not status.st_mode & stat.S_IRGRP:
+        return "permission denied, also to its group"
+    return f"only the group '{group}' may; `sudo usermod -aG {group} $USER`, then log in again"
+
 
 REOPEN_EVERY_S = 1.0
 
@@ -166,3 +325,116 @@ class PanelReader:
         with suppress(UsageError):
             self._fd = self._open()
             self._happened.append(Connection("back", "the panel is back"))
+
+
+LOOK_EVERY_S = 0.02
+"""The longest delay of a press, except for a stop, which needs no companion."""
+
+_EVENTS: dict[RunAction, Event] = {"go": Resume(), "pause": Pause(), "step": Step(), "skip": Skip()}
+
+
+class PanelCompanion:
+    """A companion that reads a panel.
+
+    A command that lets go of the pipe must be pressed twice, whatever the panel's file says: the
+    console would ask too.
+
+    Args:
+        reader: The panel, which is entered as long as the run goes on.
+        robot: The robot.
+        speaks: The detector that says the words, so that the panel may not; empty if none does.
+        valid_for_s: How long a word is valid.
+        keyboard: Whether a person also has a keyboard. Otherwise the loss of the panel is a fault.
+
+    Attributes:
+        listening: True until the run ends, because a person is watching the robot.
+        says_words: Whether the panel has buttons for words; likewise ``answers``.
+    """
+
+    def __init__(
+        self,
+        reader: PanelReader,
+        robot: RobotSpec,
+        *,
+        speaks: str,
+        valid_for_s: float,
+        keyboard: bool,
+    ) -> None:
+        self.due_s = 0.0
+        self.listening = True
+        buttons = reader.panel.buttons.values()
+        self.says_words = any(isinstance(each, WordButton) for each in buttons)
+        self.answers = any(isinstance(each, AnswerButton) for each in buttons)
+        self._reader = reader
+        self._robot = robot
+        self._speaks = speaks
+        self._valid_for_s = valid_for_s
+        self._keyboard = keyboard
+        self._events: list[Event] = []
+        self._logs: list[Log] = []
+        self._keys = ""
+        self._began = False
+        self._asked = ("", -inf)
+
+    def pressed(self) -> str:
+        """Return the numbers of the answers given since the last call, as keys would."""
+        keys, self._keys = self._keys, ""
+        return keys
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Stop listening at the end of the run."""
+        if any(isinstance(effect, Ended) for effect in effects):
+            self.due_s, self.listening = inf, False
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Take in what has happened on the panel; return messages for the operator."""
+        self._logs = []
+        for happening in self._reader.taken():
+            if isinstance(happening, Connection):
+                self._connection(happening)
+            elif not self._began:
+                continue  # it was pressed before this run
+            elif happening.asks:
+                self._asked = ("", -inf)  # another button takes the first press back
+                self._ask(happening.name, action_text(happening.button))
+            else:
+                self._press(happening, state, now_s)
+        self._began = True
+        return self._logs
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the events of the presses, oldest first."""
+        self.due_s = now_s + LOOK_EVERY_S
+        events, self._events = self._events, []
+        return events
+
+    def _connection(self, news: Connection) -> None:
+        if news.state == "lost" and not self._keyboard:
+            self._events.append(BuiltInFault.PANEL_LOST.report(news.message))
+        else:
+            self._logs.append(Log("warning" if news.state == "lost" else "info", news.message))
+
+    def _press(self, press: Press, state: EngineState, now_s: float) -> None:
+        asked, self._asked = self._asked, ("", -inf)
+        match press.button:
+            case RunButton(do=action):
+                self._events.append(_EVENTS[action])
+            case CommandButton(command=command):
+                again = asked[0] == press.name and now_s <= asked[1] + TWICE_WITHIN_S
+                sure = again or press.button.twice
+                if sure or not lets_all_go(self._robot, state.robot, command):
+                    self._events.append(OperatorCommand(command))
+                else:
+                    self._asked = press.name, now_s
+                    self._ask(press.name, f"{command}, after which nothing holds the robot")
+            case WordButton(word=word) if self._speaks:
+                said = f"'{word}' on the panel is ignored: the detector is {self._speaks}"
+                self._logs.append(Log("warning", said))
+            case WordButton(word=word):
+                self._events.append(DetectorWord(word, self._valid_for_s))
+            case AnswerButton(answer=number):
+                self._keys += str(number)
+
+    def _ask(self, name: str, what: str) -> None:
+        text = f"press {name} again within {TWICE_WITHIN_S:g} s: {what}"
+        self._logs.append(Log("warning", text))

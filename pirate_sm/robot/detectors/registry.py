@@ -1,7 +1,7 @@
-"""The registry of detectors, and the choice of the one that a user asks for.
+"""The registry of detectors, and the choice of the one that a user asks for, or of a second one.
 
-A detector's factory receives :class:`Asked` and returns :class:`Detecting`. The package's own
-detectors are at the end.
+A detector's factory receives :class:`Asked` and returns :class:`Detecting`. What goes wrong in a
+detector of another package is said to be its own. The package's own detectors are at the end.
 """
 
 from __future__ import annotations
@@ -9,29 +9,197 @@ from __future__ import annotations
 import json
 import os
 import secrets
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import AbstractContextManager, ExitStack, contextmanager
 from dataclasses import dataclass, replace
-from typing import NamedTuple, Protocol
+from functools import wraps
+from math import inf
+from typing import Any, NamedTuple, Protocol, Self, get_args
 
-from pirate_sm.core.companion import Companion
-from pirate_sm.core.errors import Hint, UsageError
+from pirate_sm.core.companion import Companion, Counting, Onlooker, entered
+from pirate_sm.core.effects import Effect, Log
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.errors import DetectorError, Hint, PirateError, UsageError
+from pirate_sm.core.events import DetectorWord, Event, FaultReport
 from pirate_sm.core.geometry import Bend
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.registry import Plugin, Registry
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.core.simulation import Truth
-from pirate_sm.robot.detectors import known
-from pirate_sm.robot.detectors.odometry_detector import Odometry
-from pirate_sm.robot.detectors.of_others import OfOthers, guarded
-from pirate_sm.robot.detectors.operator_keys import offer
-from pirate_sm.robot.detectors.signal_words import SignalWords
-from pirate_sm.robot.detectors.sim_detector import TruePlaces
-from pirate_sm.robot.detectors.socket_address import read_address
-from pirate_sm.robot.detectors.socket_detector import OutsideWords
-from pirate_sm.robot.detectors.socket_lines import AcceptedLines
+from pirate_sm.robot import known
+from pirate_sm.robot.detectors.odometry import Odometry
+from pirate_sm.robot.detectors.simple_detectors import SignalWords, TruePlaces, offer
+from pirate_sm.robot.detectors.socket_detector import AcceptedLines, OutsideWords, read_address
 from pirate_sm.robot.detectors.vision_detector import CameraView
 from pirate_sm.robot.detectors.word_timing import words_of
+
+
+class SecondDetector:
+    """A companion that logs what another detector would report; a repeated word is logged once.
+
+    Args:
+        name: The detector's name.
+        companion: A companion of the detector.
+    """
+
+    def __init__(self, name: str, companion: Companion) -> None:
+        self._name = name
+        self._companion = companion
+        self._until_s: dict[str, float] = {}
+        self._entered = ExitStack()
+
+    @property
+    def due_s(self) -> float:
+        """Return the mission time of its next call."""
+        return self._companion.due_s
+
+    @property
+    def listening(self) -> bool:
+        """Return whether the detector waits for a person or another program."""
+        return self._companion.listening
+
+    def __enter__(self) -> Self:
+        """Open the detector."""
+        self._entered.enter_context(entered([self._companion]))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Close the detector."""
+        self._entered.close()
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Process the effects of the last step."""
+        self._companion.react(effects, now_s)
+
+    def restart(self, robot: RobotSpec) -> None:
+        """Begin again for another mission."""
+        if isinstance(self._companion, Counting):
+            self._companion.restart(robot)
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Return the detector's own messages, and its words and faults since the last look."""
+        looked = self._companion.look(state, now_s) if isinstance(self._companion, Onlooker) else ()
+        return (*looked, *self._logs(self._companion.speak(now_s), now_s))
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return nothing: the detector has been asked in ``look``."""
+        return ()
+
+    def _logs(self, events: Sequence[Event], now_s: float) -> Iterator[Log]:
+        """Yield a message for each fault, and for a word that is not valid already."""
+        for event in events:
+            if isinstance(event, FaultReport):
+                yield Log("warning", f"also {self._name}: {event.message}")
+            elif isinstance(event, DetectorWord):
+                if now_s > self._until_s.get(event.word, -inf):
+                    yield Log("info", f"also {self._name}: {event.word}")
+                self._until_s = {event.word: now_s + event.valid_for_s}
+
+
+_MOST_WORDS_OF_A_MOMENT = 1_000
+_MOMENT_S = 1e-4
+"""A detector that speaks more often than that within this mission time lets time stand still."""
+
+_OPTIONAL = ("look", "restart", "follow", "word_watch", "relieve")
+"""What only some companions can do: see :mod:`pirate_sm.core.companion`."""
+
+
+class OfOthers:
+    """A companion of another package, whose faults carry its name.
+
+    It can do what the other one can.
+
+    Args:
+        whose: The detector, its package and its entry point.
+        companion: The companion.
+    """
+
+    def __init__(self, whose: str, companion: Companion) -> None:
+        self._whose = whose
+        self._companion = companion
+        self._entered = ExitStack()
+        self._moment_s, self._left = -inf, _MOST_WORDS_OF_A_MOMENT
+        for name in _OPTIONAL:
+            if hasattr(companion, name):
+                setattr(self, name, guarded(whose, name, getattr(companion, name)))
+
+    @property
+    def due_s(self) -> float:
+        """Return the mission time of its next call."""
+        with _blaming(self._whose, "due_s"):
+            return float(self._companion.due_s)
+
+    @property
+    def listening(self) -> bool:
+        """Return whether it waits for a person."""
+        with _blaming(self._whose, "listening"):
+            return bool(self._companion.listening)
+
+    def __enter__(self) -> Self:
+        """Enter the companion if it is a context manager; what it refuses is said in its words."""
+        if isinstance(self._companion, AbstractContextManager):
+            with _blaming(self._whose, "__enter__", lets_refuse=True):
+                self._entered.enter_context(self._companion)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the companion."""
+        with _blaming(self._whose, "__exit__"):
+            self._entered.close()
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Process the effects of the last step."""
+        with _blaming(self._whose, "react"):
+            self._companion.react(effects, now_s)
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the events due now.
+
+        Raises:
+            DetectorError: It raises, returns anything else, or does not move ``due_s`` on.
+        """
+        with _blaming(self._whose, "speak"):
+            said = tuple(self._companion.speak(now_s))
+            for each in said:
+                if not isinstance(each, get_args(Event)):
+                    raise TypeError(f"{each!r} is no event")
+        self._keep_time(now_s)
+        return said
+
+    def _keep_time(self, now_s: float) -> None:
+        if now_s > self._moment_s + _MOMENT_S:
+            self._moment_s, self._left = now_s, _MOST_WORDS_OF_A_MOMENT
+        self._left -= 1
+        if self._left < 0:
+            due = f"due_s is {self.due_s:g} s at {now_s:g} s of mission time"
+            raise DetectorError(
+                f"{self._whose} lets time stand still: {due}; speak must move it on"
+            )
+
+
+def guarded(whose: str, what: str, function: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the function so that what it raises is a ``DetectorError``."""
+
+    @wraps(function)
+    def called(*arguments: Any, **options: Any) -> Any:
+        with _blaming(whose, what):
+            return function(*arguments, **options)
+
+    return called
+
+
+@contextmanager
+def _blaming(whose: str, what: str, *, lets_refuse: bool = False) -> Iterator[None]:
+    """Turn what is raised into a ``DetectorError``; ``lets_refuse``: not our own errors."""
+    try:
+        yield
+    except (Exception, SystemExit) as error:
+        if isinstance(error, DetectorError) or (lets_refuse and isinstance(error, PirateError)):
+            raise
+        fault = f"{type(error).__name__}: {error}"
+        raise DetectorError(f"{whose} fails in {what} with {fault}") from error
+
 
 TOKEN_VARIABLE = "PIRATE_SM_TOKEN"
 """Environment variable with the token of programs that connect over TCP."""
@@ -259,18 +427,18 @@ def _guards(whose: str, made: Detecting) -> Detecting:
     )
 
 
-SIM: Plugin[MakeDetector] = Plugin(known.ABOUT["sim"], _true_places)
-ODOMETRY: Plugin[MakeDetector] = Plugin(known.ABOUT["odometry"], _odometry)
-SIGNALS: Plugin[MakeDetector] = Plugin(known.ABOUT["signals"], _signals)
-OPERATOR: Plugin[MakeDetector] = Plugin(known.ABOUT["operator"], _operator)
-SOCKET: Plugin[MakeDetector] = Plugin(known.ABOUT[known.BY_SOCKET], _socket)
+SIM: Plugin[MakeDetector] = Plugin(known.DETECTORS["sim"], _true_places)
+ODOMETRY: Plugin[MakeDetector] = Plugin(known.DETECTORS["odometry"], _odometry)
+SIGNALS: Plugin[MakeDetector] = Plugin(known.DETECTORS["signals"], _signals)
+OPERATOR: Plugin[MakeDetector] = Plugin(known.DETECTORS["operator"], _operator)
+SOCKET: Plugin[MakeDetector] = Plugin(known.DETECTORS[known.BY_SOCKET], _socket)
 
 _ELSEWHERE = {known.BY_CAMERA: "pirate_sm.running.wiring.vision:DETECTOR"}
 
 DETECTORS: Registry[MakeDetector] = Registry(
     "detector",
-    known.GROUP,
-    {name: f"{__name__}:{name.upper()}" for name in known.ABOUT} | _ELSEWHERE,
+    known.DETECTOR_GROUP,
+    {name: f"{__name__}:{name.upper()}" for name in known.DETECTORS} | _ELSEWHERE,
     returns=Detecting,
     guards=_guards,
 )

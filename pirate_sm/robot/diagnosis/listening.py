@@ -11,22 +11,20 @@ from typing import Self
 from pirate_sm.core.errors import BackendError
 from pirate_sm.core.events import BuiltInFault, Event, FaultReport, SensorFrame, SubmitResult
 from pirate_sm.robot.backends.serial.backend import ANSWER_WITHIN_S, SerialBackend
-from pirate_sm.robot.backends.serial.link.connection_errors import unanswered
+from pirate_sm.robot.backends.serial.link.conversation import Wanted, unanswered
 from pirate_sm.robot.backends.serial.link.exchange import Exchange
 from pirate_sm.robot.backends.serial.link.link_plan import STATE
-from pirate_sm.robot.backends.serial.link.wanted_topics import Wanted
-from pirate_sm.robot.backends.serial.ports.protocol import Port
-from pirate_sm.robot.diagnosis.facts import ExpectedRobot, Facts, LinkFact, TopicFact
+from pirate_sm.robot.backends.serial.port import Port
+from pirate_sm.robot.diagnosis.facts import ExpectedRobot, Facts, LinkFact, Records, TopicFact
 from pirate_sm.robot.diagnosis.judgement import judged
-from pirate_sm.robot.diagnosis.records import Records
-from pirate_sm.robot.rosserial import topics
+from pirate_sm.robot.rosserial import frames
 from pirate_sm.robot.rosserial.frames import Decoder, encode
 from pirate_sm.robot.rosserial.message_types import Malformed
 
 
 def topic_facts(
     wanted: Sequence[Wanted],
-    offered: Mapping[tuple[topics.Direction, str], topics.TopicInfo],
+    offered: Mapping[tuple[frames.Direction, str], frames.TopicInfo],
     counts: Mapping[int, int],
     elapsed_s: float,
 ) -> tuple[TopicFact, ...]:
@@ -52,7 +50,7 @@ def topic_facts(
 
 
 def _offered(
-    info: topics.TopicInfo, our_type: str, our_md5: str, counts: Mapping[int, int], elapsed_s: float
+    info: frames.TopicInfo, our_type: str, our_md5: str, counts: Mapping[int, int], elapsed_s: float
 ) -> TopicFact:
     rate = counts.get(info.number, 0) / elapsed_s
     its = info.name, info.direction, info.number, info.type
@@ -201,14 +199,14 @@ class Listening:
     def _ask(self, now: float) -> None:
         """Ask for the topics again, to measure the time to the answer."""
         self._asked_s = now
-        self.port.write(encode(topics.REQUEST_TOPICS))
+        self.port.write(encode(frames.REQUEST_TOPICS))
 
     def _hear(self, data: bytes, now: float) -> None:
         if not self._connected:
             self._sample = (self._sample + data)[-_SAMPLE_BYTES:]
         for topic, payload in self._decoder.feed(data):
             self._counts[topic] += 1
-            if topic in {topics.PUBLISHER, topics.SUBSCRIBER, topics.TIME} and self._asked_s < inf:
+            if topic in {frames.PUBLISHER, frames.SUBSCRIBER, frames.TIME} and self._asked_s < inf:
                 self._asked_ms.append((now - self._asked_s) * 1e3)
                 self._asked_s = inf
             self._meet(topic, payload)
@@ -261,7 +259,7 @@ class Listening:
             damaged=counts.damaged,
             repeats=counts.repeats,
             resets=self._resets,
-            time_requests=max(0, self._counts[topics.TIME] - len(self._asked_ms)),
+            time_requests=max(0, self._counts[frames.TIME] - len(self._asked_ms)),
             asked_ms=tuple(self._asked_ms),
             echoed_ms=tuple(each * 1e3 for each in self.exchange.link.quality.round_trips),
             stood_still_s=self._late_s,

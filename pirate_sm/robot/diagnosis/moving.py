@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from contextlib import suppress
 from math import isnan, nan
 
-from pirate_sm.robot.backends.serial.link.wire_slots import to_counts
-from pirate_sm.robot.backends.serial.ports.protocol import PortLostError
+from pirate_sm.robot.backends.serial.link.link_plan import to_counts
+from pirate_sm.robot.backends.serial.port import PortLostError
 from pirate_sm.robot.diagnosis.facts import MoveFact, TurnFact
 from pirate_sm.robot.diagnosis.listening import Listening
 

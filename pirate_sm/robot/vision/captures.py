@@ -9,8 +9,7 @@ from typing import Any, Protocol
 from pirate_sm.core.camera import camera_source as kinds
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.on_disk import is_file
-from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.picture_arrays import Frame
+from pirate_sm.robot.vision.opencv import Frame, cv2
 
 _OPEN_MS, _READ_MS = 4000, 2000
 """How long a camera in the network is waited for; OpenCV's own limits are 30 s."""

@@ -1,9 +1,15 @@
-"""OpenCV, imported once with its settings: no output of its own, and one thread."""
+"""OpenCV, imported once with its settings, and the types of the arrays in this package.
+
+It has no output of its own, and one thread.
+"""
 
 from __future__ import annotations
 
 import os
-from typing import Any
+from typing import Any, TypeAlias
+
+import numpy as np
+import numpy.typing as npt
 
 from pirate_sm.core.errors import not_installed
 
@@ -22,3 +28,16 @@ if os.environ["OPENCV_LOG_LEVEL"] == "SILENT":
     cv2.utils.logging.setLogLevel(cv2.utils.logging.LOG_LEVEL_SILENT)
 # The control loop runs beside it: one core is enough (docs/measurements.md).
 cv2.setNumThreads(1)
+
+
+Floats: TypeAlias = npt.NDArray[np.float64]
+"""Points are rows: (N, 2) in the picture or a plane, (N, 3) in space."""
+
+Flags: TypeAlias = npt.NDArray[np.bool_]
+"""Whether something is so, for each point."""
+
+Frame: TypeAlias = npt.NDArray[np.uint8]
+"""A picture: (height, width, 3), blue, green, red."""
+
+Gray: TypeAlias = npt.NDArray[np.uint8]
+"""A picture of one channel: (height, width)."""

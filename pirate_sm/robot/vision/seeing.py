@@ -1,23 +1,169 @@
-"""See the robot in a frame: the whole way from pixels to places, as one pure function."""
+"""See the robot in a frame: the whole way from pixels to places, as one pure function.
+
+A round marker is found by its colour, by one of three finders: ``components`` labels the picture
+as it is and corrects the distortion of the found points alone; ``blob`` and ``hough`` work on the
+picture without distortion, as the thesis does (section 5-4: threshold of hue, saturation and value,
+Gaussian blur, then SimpleBlobDetector or HoughCircles).
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from math import atan2
+from math import atan2, cos, sin
 from zlib import crc32
 
 import numpy as np
 
-from pirate_sm.core.camera import Camera, MarkedRobot, RobotTags
+from pirate_sm.core.camera import Camera, FrameSize, MarkedRobot, Marker, RobotTags
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import SeenMark, Sighting
-from pirate_sm.robot.vision.lens import LensModel
-from pirate_sm.robot.vision.marker import MarkerFinder
-from pirate_sm.robot.vision.picture_arrays import Floats, Frame
-from pirate_sm.robot.vision.plane import View, find_view, raised, rms
-from pirate_sm.robot.vision.tags import FoundTag, find_tag_near, find_tags, grayed, tag_corners
+from pirate_sm.robot.vision.opencv import Floats, Frame, Gray, cv2
+from pirate_sm.robot.vision.projection import (
+    LensModel,
+    UndistortedView,
+    View,
+    find_view,
+    raised,
+    rms,
+)
+from pirate_sm.robot.vision.targets import FoundTag, find_tag_near, find_tags, grayed, tag_corners
+
+WINDOW_PX = 60
+"""Half the side of the window around the last place: 0.1 m/s and 1 px/mm are 50 px in 0.5 s."""
+
+_SMALLEST, _LARGEST = 0.5, 1.6
+"""Of a marker's diameter, what is taken for it: a part of it may be covered."""
+
+_EDGES = np.array([(0.0, 0.0), (-0.5, 0.0), (0.5, 0.0), (0.0, -0.5), (0.0, 0.5)])
+"""The middle of a disc and its edges, in diameters."""
+
+_NOTHING = np.empty((0, 3))
+
+
+@dataclass(frozen=True)
+class MarkerFinder:
+    """Finds one marker over the setup.
+
+    Attributes:
+        marker: The marker.
+        view: The camera's lens and place.
+        size: Width and height of the pictures.
+    """
+
+    marker: Marker
+    view: View
+    size: FrameSize
+
+    def places(self, frame: Frame, near: tuple[float, float] | None = None) -> Floats:
+        """Return the places of what may be the marker in its plane, (N, 2) in m, best first.
+
+        Args:
+            frame: The picture.
+            near: The last place, m: what is nearest to it is best, and ``components`` searches
+                around it only.
+        """
+        if self.marker.finder == "components":
+            return self._everywhere(frame) if near is None else self._around(frame, near)
+        mask = self._mask(self._flat.of(frame))
+        width = int(self.marker.blur) | 1  # OpenCV wants an odd number
+        blurred = cv2.GaussianBlur(mask, (width, width), 0)
+        spots = _blobs(blurred) if self.marker.finder == "blob" else _circles(blurred)
+        return self._fitting(spots, self._flat.rays, near)
+
+    @cached_property
+    def _flat(self) -> UndistortedView:
+        return UndistortedView(self.view.lens, self.size)
+
+    def _everywhere(self, frame: Frame) -> Floats:
+        """Return the places that fit in every second pixel; the best one from all pixels."""
+        small = cv2.resize(frame, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_NEAREST)
+        spots = 2 * _components(self._mask(small))
+        places = self._fitting(spots, self.view.lens.rays, None)
+        if len(places):
+            x, y = places[0]
+            places[:1] = self._around(frame, (float(x), float(y)))[:1]
+        return places
+
+    def _around(self, frame: Frame, near: tuple[float, float]) -> Floats:
+        """Return the places that fit in a window around a place."""
+        at = self.view.project(raised(np.array([near]), self.marker.height))[0]
+        if not np.all(np.isfinite(at)):
+            return np.empty((0, 2))
+        left, top = (max(int(each) - WINDOW_PX, 0) for each in at)
+        right, bottom = (max(int(each) + WINDOW_PX, 0) for each in at)
+        part = frame[top:bottom, left:right]
+        spots = _components(self._mask(part)) if part.size else _NOTHING.copy()
+        spots[:, :2] += (left, top)
+        return self._fitting(spots, self.view.lens.rays, near)
+
+    def _mask(self, frame: Frame) -> Gray:
+        """Return where the colour of a picture is that of the marker: 0 or 255."""
+        hsv = cv2.cvtColor(frame, cv2.COLOR_BGR2HSV)
+        low, high = self.marker.hsv
+        if low[0] <= high[0]:
+            within: Gray = cv2.inRange(hsv, low, high)
+            return within
+        above = cv2.inRange(hsv, low, (179, *high[1:]))
+        below = cv2.inRange(hsv, (0, *low[1:]), high)
+        both: Gray = cv2.bitwise_or(above, below)
+        return both
+
+    def _fitting(
+        self, spots: Floats, rays: Callable[[Floats], Floats], near: tuple[float, float] | None
+    ) -> Floats:
+        """Return the places of spots that have the size of the marker in its plane, best first.
+
+        Args:
+            spots: (N, 3): middle and diameter, px.
+            rays: Returns the directions of pixels.
+            near: The last place, m.
+        """
+        edges = spots[:, None, :2] + _EDGES * spots[:, None, 2:]
+        places = self.view.cut(rays(edges.reshape(-1, 2)), self.marker.height).reshape(-1, 5, 2)
+        across = np.linalg.norm(places[:, 2] - places[:, 1], axis=1)
+        down = np.linalg.norm(places[:, 4] - places[:, 3], axis=1)
+        ratio = np.nan_to_num(np.sqrt(across * down) / self.marker.size)
+        fits = (ratio > _SMALLEST) & (ratio < _LARGEST)
+        middles, ratio = places[fits, 0], ratio[fits]
+        if near is None:
+            return middles[np.argsort(np.abs(np.log(ratio)))]
+        return middles[np.argsort(np.linalg.norm(middles - np.array(near), axis=1))]
+
+
+def _components(mask: Gray) -> Floats:
+    """Return middle and diameter of the connected parts of a mask, (N, 3), px."""
+    _, _, stats, middles = cv2.connectedComponentsWithStats(mask, connectivity=8)
+    areas = stats[1:, cv2.CC_STAT_AREA].astype(np.float64)  # the first one is the background
+    large = areas >= 12  # less is noise
+    diameters = np.sqrt(areas * 4 / np.pi)
+    return np.column_stack([middles[1:], diameters])[large]
+
+
+def _blobs(mask: Gray) -> Floats:
+    """Return middle and diameter of the bright spots that are round and filled, (N, 3), px."""
+    parameters = cv2.SimpleBlobDetector_Params()
+    parameters.filterByColor, parameters.blobColor = True, 255
+    parameters.filterByArea, parameters.minArea, parameters.maxArea = True, 12.0, 1e5
+    parameters.filterByCircularity, parameters.minCircularity = True, 0.6
+    parameters.filterByConvexity, parameters.minConvexity = True, 0.8
+    parameters.filterByInertia = False
+    parameters.minThreshold, parameters.maxThreshold, parameters.thresholdStep = 100, 160, 50
+    parameters.minRepeatability = 1
+    found = cv2.SimpleBlobDetector_create(parameters).detect(mask)
+    return np.array([(*each.pt, each.size) for each in found]).reshape(-1, 3)
+
+
+def _circles(mask: Gray) -> Floats:
+    """Return middle and diameter of circles by the Hough transform, (N, 3), px."""
+    found = cv2.HoughCircles(
+        mask, cv2.HOUGH_GRADIENT, 2, 20, param1=100, param2=12, minRadius=4, maxRadius=40
+    )
+    if found is None:
+        return _NOTHING
+    return found.reshape(-1, 3).astype(np.float64) * np.array([1.0, 1.0, 2.0])
+
 
 _SAMPLE = 32
 """Every 32nd pixel of every 32nd line is enough for light and checksum."""
@@ -88,7 +234,7 @@ class Eye:
             corners = self.view.on_plane(tag.corners, robot.height)
             error = _size_error(corners, robot.size)
             if error < min(_SIZE_ERROR, best.get(number, (np.inf,))[0]):
-                best[number] = error, _mark(robot.on[number], corners)
+                best[number] = error, _seen_mark(robot.on[number], corners)
         return tuple(best[number][1] for number in robot.on if number in best)
 
     def _setup_tags(self, frame: Frame) -> Sequence[FoundTag]:
@@ -161,8 +307,65 @@ def _size_error(corners: Floats, size_m: float) -> float:
     return float(error) if np.isfinite(error) else float("inf")
 
 
-def _mark(on: str, corners: Floats) -> SeenMark:
+def _seen_mark(on: str, corners: Floats) -> SeenMark:
     """Return the mark of a tag whose corners are at these places."""
     x, y = corners.mean(axis=0)
     ahead_x, ahead_y = corners[:2].mean(axis=0) - corners[2:].mean(axis=0)
     return SeenMark(on, (float(x), float(y)), atan2(ahead_y, ahead_x))
+
+
+_FOUND, _EXPECTED, _AXES = (60, 220, 60), (230, 140, 30), (40, 40, 230)
+_ARROW_M = 0.045
+_AXIS_M = 0.1
+
+
+def annotated(eye: Eye, frame: Frame, sighting: Sighting) -> Frame:
+    """Return a copy of a frame with what was found, the setup's tags where they should be, axes."""
+    drawn = frame.copy()
+    for number in eye.camera.setup.at if eye.camera.setup.tags else ():
+        corners = eye.view.project(setup_tag_points(eye.camera, number))
+        _line(drawn, np.vstack([corners, corners[:1]]), _EXPECTED)
+        _label(drawn, corners.mean(axis=0), number, _EXPECTED)
+    for mark in sighting.marks:
+        _draw_mark(drawn, eye, mark)
+    for name, end in (("x", (_AXIS_M, 0.0)), ("y", (0.0, _AXIS_M))):
+        ends = eye.view.project(raised(np.array([(0.0, 0.0), end]), 0.0))
+        _line(drawn, ends, _AXES)
+        _label(drawn, ends[1], name, _AXES)
+    return drawn
+
+
+def _draw_mark(frame: Frame, eye: Eye, mark: SeenMark) -> None:
+    """Draw a ring around a mark, and an arrow ahead."""
+    robot = eye.camera.robot
+    height_m = robot.height if hasattr(robot, "height") else robot.marker.height
+    x, y = mark.place_m
+    places = np.array([(x, y)])
+    if mark.heading_rad is not None:
+        ahead = _ARROW_M * cos(mark.heading_rad), _ARROW_M * sin(mark.heading_rad)
+        places = np.vstack([places, places + np.array(ahead)])
+    pixels = eye.view.project(raised(places, height_m))
+    if not np.all(np.isfinite(pixels)):
+        return
+    _line(frame, pixels, _FOUND)
+    cv2.circle(frame, _pixel(pixels[0]), 9, _FOUND, 2, cv2.LINE_AA)
+    _label(frame, pixels[0], mark.on, _FOUND)
+
+
+def _line(frame: Frame, pixels: Floats, colour: tuple[int, int, int]) -> None:
+    if len(pixels) > 1 and np.all(np.isfinite(pixels)):
+        cv2.polylines(frame, [np.round(pixels).astype(np.int32)], False, colour, 2, cv2.LINE_AA)
+
+
+def _label(frame: Frame, at: Floats, text: str, colour: tuple[int, int, int]) -> None:
+    if not np.all(np.isfinite(at)):
+        return
+    x, y = _pixel(at)
+    for shade, width in (((0, 0, 0), 3), (colour, 1)):
+        cv2.putText(
+            frame, text, (x + 14, y - 8), cv2.FONT_HERSHEY_SIMPLEX, 0.6, shade, width, cv2.LINE_AA
+        )
+
+
+def _pixel(at: Floats) -> tuple[int, int]:
+    return round(float(at[0])), round(float(at[1]))

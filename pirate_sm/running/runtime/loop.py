@@ -7,23 +7,112 @@ which waits for the result of the safe array. A second signal and any exception 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import time
+from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Protocol
 
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.effects import Effect, Ended, Fault
 from pirate_sm.core.errors import DetectorError
 from pirate_sm.core.events import BuiltInFault
-from pirate_sm.running.runtime.observers import PULSE_S, Observer, Tap, Watcher
-from pirate_sm.running.runtime.outcome import BACKEND, BUG, INTERRUPTED, Result, exit_code
-from pirate_sm.running.runtime.pacer import Clock, Pacer, WallClock
-from pirate_sm.running.runtime.pump import BackendRaisedError, Pump, Resuming, described
-from pirate_sm.running.runtime.stop_requests import OUTPUT_LOST, Stop, StopRequests
+from pirate_sm.running.runtime.ending import (
+    BACKEND,
+    BUG,
+    INTERRUPTED,
+    OUTPUT_LOST,
+    Result,
+    Stop,
+    StopRequests,
+    exit_code,
+)
+from pirate_sm.running.runtime.pump import (
+    PULSE_S,
+    BackendRaisedError,
+    Observer,
+    Pump,
+    Resuming,
+    Tap,
+    Watcher,
+    described,
+)
 
 if TYPE_CHECKING:
     from pirate_sm.core.engine import Engine, EngineState
     from pirate_sm.robot.backends.protocol import Backend
+
+
+SLICE_S = 0.004
+"""Longest sleep, so that a request to stop, from any thread, waits no longer than this."""
+
+FORGIVEN_LAG_S = 0.5
+"""A run this far behind (a suspended process, a slow machine) does not catch up."""
+
+
+class Pacer:
+    """Holds a run to ``factor`` mission seconds per second of the wall clock; infinite: no waiting.
+
+    It begins now, at mission time ``mission_s``.
+    """
+
+    def __init__(self, factor: float, clock: Clock, mission_s: float = 0.0) -> None:
+        self._wanted = factor
+        self._factor = factor
+        self._clock = clock
+        self._wall_s = clock.now()
+        self._mission_s = mission_s
+
+    @property
+    def waits(self) -> bool:
+        """Whether mission time is held back at all."""
+        return self._factor != inf
+
+    def limit(self, factor: float, mission_s: float) -> None:
+        """From this mission time on run at ``factor``, or at the user's factor if that is lower."""
+        factor = min(factor, self._wanted)
+        if factor != self._factor:
+            self._factor = factor
+            self._anchor(mission_s)
+
+    def release(self) -> None:
+        """Do not hold mission time back any more."""
+        self._wanted = self._factor = inf
+
+    def wait_until(self, mission_s: float, cut_short: Callable[[], bool]) -> None:
+        """Wait until the wall clock has reached this mission time or ``cut_short`` returns true.
+
+        ``cut_short`` is called before every slice of sleep, so it may do small work too.
+        """
+        due_s = self._wall_s + (mission_s - self._mission_s) / self._factor
+        while (left_s := due_s - self._clock.now()) > 0:
+            if cut_short():
+                return
+            self._clock.sleep(min(left_s, SLICE_S))
+        if left_s < -FORGIVEN_LAG_S:
+            self._anchor(mission_s)
+
+    def _anchor(self, mission_s: float) -> None:
+        self._wall_s = self._clock.now()
+        self._mission_s = mission_s
+
+
+class Clock(Protocol):
+    """Measures seconds from an arbitrary start, and waits."""
+
+    def now(self) -> float:
+        """Return the time in s; it never goes back."""
+
+    def sleep(self, seconds: float) -> None:
+        """Wait this many seconds; a signal handler may run meanwhile."""
+
+
+class WallClock:
+    """The monotonic clock of this machine, which changes of the date do not affect."""
+
+    # Class attributes, to save a call: the loop reads the time at every frame.
+    now = staticmethod(time.perf_counter)
+    sleep = staticmethod(time.sleep)
+
 
 BACKEND_FAILED = BuiltInFault.BACKEND_FAILED.code
 

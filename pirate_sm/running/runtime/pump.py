@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
 
 from pirate_sm.core.companion import Companion, Counting, Following, Onlooker
 from pirate_sm.core.effects import Effect, Ended, Fault, Setpoints, WakeAt
 from pirate_sm.core.errors import BackendError
-from pirate_sm.core.events import Abort, Event, SensorFrame, SignalReport, Tick
-from pirate_sm.core.resuming import Beginning
-from pirate_sm.running.runtime.last_frames import LastFrames
-from pirate_sm.running.runtime.observers import Tap
-from pirate_sm.running.runtime.quiet_time import QuietTime
+from pirate_sm.core.events import Abort, Event, FrameBlock, SensorFrame, SignalReport, Tick
+from pirate_sm.core.resuming import AS_DECLARED, Beginning
+from pirate_sm.running.runtime.backend_links import QuietTime
 
 if TYPE_CHECKING:
     from pirate_sm.core.engine import Engine, EngineState
@@ -25,6 +23,83 @@ if TYPE_CHECKING:
     from pirate_sm.core.robot import RobotState
     from pirate_sm.core.sensing import Glide
     from pirate_sm.robot.backends.protocol import Backend
+
+
+PULSE_S = 0.05
+
+
+class Observer(Protocol):
+    """Receives every effect; raises ``OSError`` when its output cannot be written any more."""
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Receive the latest effects."""
+
+
+@runtime_checkable
+class Watcher(Protocol):
+    """Is called every ``PULSE_S`` of the wall clock."""
+
+    def pulse(self, now_s: float) -> None:
+        """Look at the run."""
+
+
+class Tap(Protocol):
+    """Receives every input and output of the engine, in order; never raises.
+
+    Attributes:
+        stepwise: Whether it looks at the run after each step, so that it cannot use blocks.
+    """
+
+    stepwise: bool
+
+    @property
+    def due_s(self) -> float:
+        """Return when it looks at the engine next: at the first step that reaches this time."""
+
+    def start(
+        self,
+        seen: Sequence[Event],
+        now_s: float,
+        effects: Sequence[Effect],
+        begins: Beginning = AS_DECLARED,
+    ) -> None:
+        """Receive the start of the engine, with the events known then."""
+
+    def take(self, event: Event, now_s: float, effects: Sequence[Effect]) -> None:
+        """Receive a step; a step in which the engine raised has no effects."""
+
+    def secure(self) -> None:
+        """Return when all that was received is on the disk, or soon if that takes too long."""
+
+    def take_glide(self, glide: Glide) -> None:
+        """Receive the steps that were taken at once, and where the robot was at each."""
+
+    def abandon(self, now_s: float, effects: Sequence[Effect]) -> None:
+        """Receive the effects of actions past the engine."""
+
+
+class LastFrames:
+    """Remembers the last frame of each board; one of a block is made when it is needed."""
+
+    def __init__(self) -> None:
+        self._last: dict[int, SensorFrame | tuple[FrameBlock, int]] = {}
+
+    def hear(self, frame: SensorFrame) -> None:
+        """Remember a frame."""
+        self._last[frame.board] = frame
+
+    def hear_block(self, block: FrameBlock) -> None:
+        """Remember the frames of a block."""
+        for at, board in enumerate(block.boards):
+            self._last[board] = block, at
+
+    def frames(self) -> tuple[SensorFrame, ...]:
+        """Return the last frame of each board."""
+        return tuple(
+            each if isinstance(each, SensorFrame) else each[0].frame(each[1])
+            for each in self._last.values()
+        )
+
 
 UNCONFIRMED = "the safe setpoints were not confirmed"
 

@@ -12,19 +12,24 @@ from pirate_sm.core.loading import LoadedMission, holding_in, load_mission
 from pirate_sm.core.options import OPTIONS, OTHERS
 from pirate_sm.core.program import Wait
 from pirate_sm.core.registry import Registry
-from pirate_sm.robot.backends import known
+from pirate_sm.robot import known
 from pirate_sm.robot.detectors.registry import (
     NOBODY,
     Asked,
     Detecting,
+    SecondDetector,
     counts,
     detecting,
     speaks_of_bends,
 )
-from pirate_sm.robot.detectors.second_detector import SecondDetector
-from pirate_sm.running.wiring.chosen_panel import choose_panel
-from pirate_sm.running.wiring.prepared import Equipment, MakeBackend, Prepared, Say
-from pirate_sm.running.wiring.run_order import Order
+from pirate_sm.running.wiring.prepared import (
+    Equipment,
+    MakeBackend,
+    Order,
+    Prepared,
+    Say,
+    choose_panel,
+)
 
 __all__ = [
     "BACKENDS",
@@ -41,8 +46,8 @@ __all__ = [
 
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
-    known.GROUP,
-    {name: f"pirate_sm.running.wiring.{name}:BACKEND" for name in known.ABOUT},
+    known.BACKEND_GROUP,
+    {name: f"pirate_sm.running.wiring.{name}:BACKEND" for name in known.BACKENDS},
     returns=Equipment,
 )
 
@@ -131,7 +136,7 @@ def _refuse_for_others(order: Order) -> None:
     Raises:
         UsageError: One is given.
     """
-    ours = order.backend in known.ABOUT
+    ours = order.backend in known.BACKENDS
     if ours and order.backend != "trace" and (order.firings or order.course):
         hint = Hint(": use --backend trace", ": use backend='trace'")
         raise UsageError("triggers can be fired in a trace only", hint=hint)

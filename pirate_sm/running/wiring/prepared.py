@@ -1,25 +1,103 @@
-"""The equipment that a backend's factory returns, and the prepared run."""
+"""The order of a run, the equipment that a backend's factory returns, and the prepared run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Protocol
+from pathlib import Path
+from typing import TYPE_CHECKING, NamedTuple, Protocol
 
+from pirate_sm.core.campaign import LineFaults
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.engine import Engine
-from pirate_sm.core.loading import LoadedMission
+from pirate_sm.core.files import library
+from pirate_sm.core.loading import LoadedMission, LoadedRobot
+from pirate_sm.core.mission import Happening
+from pirate_sm.core.options import GivenOptions
+from pirate_sm.core.panel import Panel
 from pirate_sm.core.simulation import InSpace, Truth
+from pirate_sm.robot.control_panel.panel_file import load_panel
+from pirate_sm.robot.control_panel.panel_reader import EndRun, PanelReader
 from pirate_sm.robot.detectors.registry import NOBODY, Detecting, Places
 from pirate_sm.robot.detectors.vision_detector import CameraView
-from pirate_sm.running.wiring.chosen_panel import ChosenPanel
-from pirate_sm.running.wiring.run_order import Order
+from pirate_sm.running.runtime.scripted_events import Firing
 
 if TYPE_CHECKING:
     from pirate_sm.robot.backends.protocol import Backend
-    from pirate_sm.robot.backends.serial.health import LinkHealth
+    from pirate_sm.robot.backends.serial.link.health import LinkHealth
     from pirate_sm.robot.diagnosis.listening import OpenLink
     from pirate_sm.running.recording.format.header import RunHeader
+
+
+class PutBack(NamedTuple):
+    """How a simulated robot stood when a recording was cut off.
+
+    Attributes:
+        places_m: Centre of each wheel.
+        bends_rad: Angle of each driven joint of the body; ``torques_nm`` what its spring bears.
+        values: The setpoints that hold it.
+        at_s: Time since the run began.
+        rolls_rad: The angle of the roll joint, and the rolls of the parts ahead and behind against
+            the pipe where they are.
+    """
+
+    places_m: tuple[tuple[float, float, float], ...]
+    bends_rad: tuple[float, ...]
+    torques_nm: tuple[float, ...]
+    values: tuple[float, ...]
+    at_s: float
+    rolls_rad: tuple[float, ...]
+
+
+@dataclass(frozen=True)
+class Order(GivenOptions):
+    """The order of a run: its mission, the options that were given, and what belongs to a backend.
+
+    Attributes:
+        firings: Triggers that a trace fires instead of the first trigger of each wait.
+        course: All events of a trace, in order.
+        line: Faults of the line to the emulated bay; None: none.
+        put_back: How a simulated robot stands that is put back; None: as its mission begins.
+    """
+
+    firings: tuple[Firing, ...] = ()
+    course: tuple[Happening, ...] = ()
+    line: LineFaults | None = None
+    put_back: PutBack | None = None
+
+
+class ChosenPanel(NamedTuple):
+    """The control panel of a run.
+
+    Attributes:
+        panel: The panel, whose names the robot has.
+        device: Its device, if the user has named one.
+    """
+
+    panel: Panel
+    device: Path | None
+
+    def reader(self, end_run: EndRun) -> PanelReader:
+        """Return the reader of the panel, unopened, which ends the run by this function."""
+        return PanelReader(self.panel, self.device, end_run)
+
+
+def choose_panel(text: str, robot: LoadedRobot) -> ChosenPanel:
+    """Return the panel in ``NAME`` or ``NAME:DEVICE``; a name may also be the path of a file.
+
+    Raises:
+        LoadError: Its file has faults, or the robot lacks a command or a word.
+        UsageError: There is no such panel.
+    """
+    name, device = panel_and_device(text)
+    return ChosenPanel(load_panel(library.find_panel(name, Path.cwd()), robot), device)
+
+
+def panel_and_device(text: str) -> tuple[str, Path | None]:
+    """Return the two parts of ``NAME:DEVICE``; the device is None if it is not named."""
+    name, colon, device = text.partition(":")
+    return name, Path(device) if colon else None
+
 
 Say = Callable[[str], None]
 """Takes messages about steps that take longer than a moment."""

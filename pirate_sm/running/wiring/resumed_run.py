@@ -22,13 +22,12 @@ from pirate_sm.core.robot import known_values
 from pirate_sm.core.simulation import InSpace
 from pirate_sm.robot.camera_file import opened_by
 from pirate_sm.running.wiring import Order, Prepared, prepare
-from pirate_sm.running.wiring.prepared import Say
-from pirate_sm.running.wiring.run_order import PutBack
+from pirate_sm.running.wiring.prepared import PutBack, Say
 
 if TYPE_CHECKING:
     from pirate_sm.running.recording.format.header import RecordedFile, RunHeader
     from pirate_sm.running.recording.read.reader import Recording
-    from pirate_sm.running.recording.replay.end_of_run import EndOfRun
+    from pirate_sm.running.wiring.resume_offer import EndOfRun
 
 COUNTING = ("odometry", "vision")
 """Detectors that count from where the robot is said to be."""
@@ -137,8 +136,8 @@ def with_resumption(
         it: With what the mission goes on.
         said: What the operator has said about the robot.
     """
-    from pirate_sm.running.recording.format.engine_state_text import resumption_to_text
     from pirate_sm.running.recording.format.header import ResumedRun
+    from pirate_sm.running.recording.format.json_values import resumption_to_text
 
     recording = end.recording
     before = ResumedRun(

@@ -1,36 +1,144 @@
-"""Records a prepared run: the header, the viewers' messages, the recorder with its file."""
+"""Records a prepared run: the header, the viewers' messages, the recorder with its file.
+
+Samples of the run are taken for viewers, or to keep what its inputs do not give again.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import datetime
+from itertools import chain
 from math import isinf
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.files import shown
+from pirate_sm.core.geometry import Place
+from pirate_sm.core.simulation import InSpace, Stood, Trail
 from pirate_sm.core.visible import visible
 from pirate_sm.running.wiring.prepared import Prepared
-from pirate_sm.running.wiring.run_samples import (
-    samples_for_viewers,
-    samples_of_trails,
-    samples_to_keep,
-)
 
 if TYPE_CHECKING:
     from pirate_sm.core.companion import Companion
+    from pirate_sm.running.recording.format.engine_topics import PlacesSample
     from pirate_sm.running.recording.format.header import RunHeader
     from pirate_sm.running.recording.viewers.live_server import Live
-    from pirate_sm.running.recording.write.kept_samples import KeptSamples
+    from pirate_sm.running.recording.write.piece_maker import Pictured, PlacesOfTrail, Sample
     from pirate_sm.running.recording.write.recorder import Recorder
     from pirate_sm.running.recording.write.recording_file import RecordingFile
-    from pirate_sm.running.recording.write.side_channel import SideChannel
+    from pirate_sm.running.recording.write.sampler import KeptSamples, Look, LookBack, SideChannel
     from pirate_sm.running.runtime.loop import MissionRun
+
+
+State: TypeAlias = Callable[[], EngineState | None]
+"""Returns the engine's state; None before it has started."""
+
+
+def samples_for_viewers(prepared: Prepared, state: State) -> Look[Sample]:
+    """Return a function that takes samples with everything that viewers are shown."""
+    from pirate_sm.running.recording.viewers.viewer_messages import ViewerSnapshot
+    from pirate_sm.running.recording.write.piece_maker import Sample
+
+    numbers = prepared.engine.numbers
+
+    def look(now_s: float, stood: Stood | None) -> Sample | None:
+        now = state()
+        if now is None:
+            return None
+        camera = prepared.camera() if prepared.camera else None
+        places, known = _wheels(prepared, stood)
+        beside = _space(prepared, stood), _rolls(prepared, stood)
+        return Sample(now_s, ViewerSnapshot(now, numbers(now), places, known, camera, *beside))
+
+    return look
+
+
+def samples_to_keep(prepared: Prepared, state: State) -> Look[PlacesSample | Pictured]:
+    """Return a function that takes samples of what the run's inputs do not give again."""
+    from pirate_sm.running.recording.format.engine_topics import PlacesSample, places_sample
+    from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
+    from pirate_sm.running.recording.write.piece_maker import Pictured
+
+    true, camera = prepared.wheels, prepared.camera
+    if true is not None and camera is None and prepared.in_space is None:
+        # Nearly every run at full speed.
+        return lambda now_s, stood: (
+            places_sample(now_s, True, true(), None, _rolls(prepared, None))
+            if stood is None
+            else PlacesSample(now_s, True, stood.places_m, (), stood.space.rolls_rad)
+        )
+    loaded = prepared.loaded
+    robot = loaded.loaded_robot.profile, loaded.robot
+    placing = WheelPlacing(*robot, loaded.pipe, prepared.order.start_at_m)
+
+    def look(now_s: float, stood: Stood | None) -> PlacesSample | Pictured | None:
+        now = state()
+        if now is None:
+            return None
+        places, known = _wheels(prepared, stood)
+        taken = places or placing.look(now, now_s) or ()
+        beside = _space(prepared, stood), _rolls(prepared, stood)
+        sample = places_sample(now_s, known, taken, *beside)
+        seen = camera() if camera else None
+        return sample if seen is None else Pictured(sample, seen)
+
+    return look
+
+
+def samples_of_trails(prepared: Prepared) -> LookBack[PlacesOfTrail] | None:
+    """Return a function that takes samples to keep, of steps that were taken at once.
+
+    It is None if such samples need more than where the robot was.
+    """
+    from pirate_sm.running.recording.format.engine_topics import PlacesSample
+    from pirate_sm.running.recording.write.piece_maker import PlacesOfTrail
+
+    if prepared.wheels is None or prepared.camera is not None:
+        return None
+    flat = prepared.in_space is None
+
+    def look_back(times_s: Sequence[float], trail: Trail) -> PlacesOfTrail:
+        def samples(kept: Sequence[PlacesOfTrail]) -> Iterator[PlacesSample]:
+            columns = trail.read([each.noted for each in kept])
+            all_s = chain.from_iterable(each.times_s for each in kept)
+            for at_s, places_m, z_m, rolls_rad in zip(all_s, *columns, strict=True):
+                if flat:
+                    yield PlacesSample(at_s, True, places_m, (), rolls_rad)
+                else:
+                    yield PlacesSample(at_s, True, places_m, (*z_m, *rolls_rad))
+
+        return PlacesOfTrail(times_s, trail.noted(times_s), samples)
+
+    return look_back
+
+
+def _wheels(prepared: Prepared, stood: Stood | None) -> tuple[tuple[Place, ...] | None, bool]:
+    """Return where the wheels are, None if nobody knows; and whether that is true."""
+    if prepared.wheels is not None:
+        return prepared.wheels() if stood is None else stood.wheels, True
+    taken = prepared.reckoned() if prepared.reckoned else None
+    return (taken.wheels if taken else None), False
+
+
+def _space(prepared: Prepared, stood: Stood | None) -> InSpace | None:
+    """Return what the wheels' places leave out of a robot in space; None if nobody knows."""
+    if prepared.in_space is not None:
+        return prepared.in_space() if stood is None else stood.space
+    taken = prepared.reckoned() if prepared.reckoned else None
+    return InSpace(taken.z_m, taken.rolls_rad) if taken is not None and taken.z_m else None
+
+
+def _rolls(prepared: Prepared, stood: Stood | None) -> tuple[float, ...]:
+    """Return the rolls of a simulated robot that moves in a plane; empty for any other one."""
+    if prepared.rolls is None:
+        return ()
+    return prepared.rolls() if stood is None else stood.space.rolls_rad
+
 
 LIVE_S = 0.1
 """Interval at which connected viewers get new data."""
@@ -109,7 +217,7 @@ class RunRecorder:
 
     def follow(self, prepared: Prepared, state: Callable[[], EngineState | None]) -> None:
         """Show a run to viewers, and record its state at intervals."""
-        from pirate_sm.running.recording.write.side_channel import SideChannel
+        from pirate_sm.running.recording.write.sampler import SideChannel
 
         self.recorder.follow(state)
         if isinstance(self.side, SideChannel):
@@ -128,15 +236,15 @@ class RunRecorder:
 def _side_channel(prepared: Prepared, live: Live | None) -> SideChannel:
     """Return what makes the messages for viewers."""
     from pirate_sm.running.recording.viewers.viewer_messages import ViewerMessages
-    from pirate_sm.running.recording.write.side_channel import SideChannel
+    from pirate_sm.running.recording.write.sampler import SideChannel
 
     return SideChannel(ViewerMessages(prepared.loaded, prepared.order.start_at_m), live)
 
 
 def _kept_samples(prepared: Prepared) -> KeptSamples:
     """Return what keeps the samples from which messages for viewers can be made."""
-    from pirate_sm.running.recording.viewers.camera_messages import CameraMessages
-    from pirate_sm.running.recording.write.kept_samples import KeptSamples
+    from pirate_sm.running.recording.viewers.viewer_messages import CameraMessages
+    from pirate_sm.running.recording.write.sampler import KeptSamples
 
     wheels = [wheel.name for wheel in prepared.loaded.loaded_robot.profile.body.wheels]
     return KeptSamples(CameraMessages(wheels) if prepared.camera else None)

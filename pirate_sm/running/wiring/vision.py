@@ -12,12 +12,17 @@ from pirate_sm.core.files import library
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.registry import Plugin
+from pirate_sm.robot import known
 from pirate_sm.robot.camera_file import load_camera
-from pirate_sm.robot.detectors import known
-from pirate_sm.robot.detectors.odometry_detector import Odometry
+from pirate_sm.robot.detectors.odometry import Odometry
 from pirate_sm.robot.detectors.registry import Asked, Detecting, MakeDetector
-from pirate_sm.robot.detectors.seen_places import OneMarker, Placing, Tags
-from pirate_sm.robot.detectors.vision_detector import CameraSight, SightingSource
+from pirate_sm.robot.detectors.vision_detector import (
+    CameraSight,
+    OneMarker,
+    Placing,
+    SightingSource,
+    Tags,
+)
 
 _INSTALLED = {"cv2", "numpy"}
 """The packages that the extra `vision` installs."""
@@ -83,12 +88,12 @@ def _opening(
             backend knows no robot to show.
     """
     try:
-        from pirate_sm.robot.vision.cameras import open_sightings
+        from pirate_sm.robot.vision.sightings import open_sightings
     except ModuleNotFoundError as error:
         if error.name not in _INSTALLED:
             raise
         raise not_installed("the detector vision", error.name, "vision") from None
-    from pirate_sm.robot.vision.synthetic.shown_scene import ShownScene, scene_in_pipe
+    from pirate_sm.robot.vision.synthetic import ShownScene, scene_in_pipe
 
     wheels, body, route = asked.wheels, asked.profile.body, pipe.route()
     if isinstance(camera.source, SyntheticSource) and wheels is None:
@@ -102,4 +107,4 @@ def _opening(
     return partial(open_sightings, camera, folder, scene, asked.seed)
 
 
-DETECTOR: Plugin[MakeDetector] = Plugin(known.ABOUT[known.BY_CAMERA], make)
+DETECTOR: Plugin[MakeDetector] = Plugin(known.DETECTORS[known.BY_CAMERA], make)

@@ -11,9 +11,8 @@ from collections import deque
 from collections.abc import Callable
 from typing import NamedTuple
 
-from pirate_sm.robot.rosserial.frames import SerialFrame
+from pirate_sm.robot.rosserial.frames import LOG, LogLine, SerialFrame, log_payload
 from pirate_sm.robot.rosserial.messages import Array
-from pirate_sm.robot.rosserial.topics import LOG, LogLine, log_payload
 from pirate_sm.simulation.bay.line import SerialLine
 from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception, Wire
 from pirate_sm.simulation.bay.switches import Switches

@@ -11,24 +11,25 @@ from typing import NamedTuple
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.profile import Profile
 from pirate_sm.robot.rosserial import messages
-from pirate_sm.robot.rosserial.frames import LONGEST_PAYLOAD, SYNC, SerialFrame
-from pirate_sm.robot.rosserial.message_types import Malformed, MessageType
-from pirate_sm.robot.rosserial.messages import Array, link_messages, serial_of
-from pirate_sm.robot.rosserial.state_messages import StateReading
-from pirate_sm.robot.rosserial.topics import (
+from pirate_sm.robot.rosserial.frames import (
     FIRST_OF_THE_DEVICE,
     LOG,
+    LONGEST_PAYLOAD,
     PARAMETER,
     PUBLISHER,
     REQUEST_TOPICS,
     SUBSCRIBER,
+    SYNC,
     TIME,
     TIME_REQUEST,
     TX_STOP,
     Direction,
+    SerialFrame,
     TopicInfo,
     topic_payload,
 )
+from pirate_sm.robot.rosserial.message_types import Malformed, MessageType
+from pirate_sm.robot.rosserial.messages import Array, StateReading, link_messages, serial_of
 from pirate_sm.simulation.bay.switches import Topic as TopicName
 
 MOST_SUBSCRIBERS = 25

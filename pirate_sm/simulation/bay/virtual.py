@@ -12,11 +12,18 @@ import numpy as np
 
 from pirate_sm.core.pipe import Pipe
 from pirate_sm.core.profile import Profile
-from pirate_sm.robot.backends.serial.guardian.guard import Guard
-from pirate_sm.robot.backends.serial.guardian.guard_actions import Action, Reopen, ToPort, ToRunner
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind
-from pirate_sm.robot.backends.serial.link.wanted_topics import Wanted
-from pirate_sm.robot.backends.serial.ports.protocol import PortLostError
+from pirate_sm.robot.backends.serial.guardian.guard import (
+    Action,
+    Guard,
+    Instructions,
+    Note,
+    NoteKind,
+    Reopen,
+    ToPort,
+    ToRunner,
+)
+from pirate_sm.robot.backends.serial.link.conversation import Wanted
+from pirate_sm.robot.backends.serial.port import PortLostError
 from pirate_sm.robot.rosserial.messages import Array, serial_of
 from pirate_sm.simulation.acting_defect import Incident
 from pirate_sm.simulation.bay.firmware import Firmware, Record

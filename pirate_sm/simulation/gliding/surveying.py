@@ -359,7 +359,7 @@ def survey(
 # --- looks of a detector -------------------------------------------------------------------------
 # The same operations in the same order give the same bits as
 # :class:`pirate_sm.robot.detectors.word_timing.WordDetector` and
-# :class:`pirate_sm.robot.detectors.place_filter.Tracker`.
+# :class:`pirate_sm.robot.detectors.word_timing.Tracker`.
 
 
 @compiled

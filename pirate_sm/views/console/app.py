@@ -16,7 +16,7 @@ from textual.widgets import Footer
 
 from pirate_sm.core.palette import USUAL, Theme
 from pirate_sm.robot.control_panel.panel_reader import PanelReader
-from pirate_sm.running.runtime.stop_requests import Stop
+from pirate_sm.running.runtime.ending import Stop
 from pirate_sm.views.console import availability, hand_back_plan
 from pirate_sm.views.console.check_process import CheckCall, ask_here
 from pirate_sm.views.console.checklist import Checklist

@@ -20,7 +20,7 @@ from traceback import format_exc
 from typing import Any, Final, NamedTuple, ParamSpec, Protocol, Self, TypeVar, cast
 
 from pirate_sm.core.loading import LoadedMission, MissionPickler
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL
+from pirate_sm.running.runtime.ending import BY_SIGNAL
 
 _P = ParamSpec("_P")
 _R = TypeVar("_R")

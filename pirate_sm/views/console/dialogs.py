@@ -21,7 +21,7 @@ from textual.widgets.option_list import Option
 
 from pirate_sm.core.events import Observation
 from pirate_sm.core.units import LENGTH, QuantityError, read_quantity
-from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.views.console.key_bindings import LEAVE, NO, YES, both_cases
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.console.themes import line

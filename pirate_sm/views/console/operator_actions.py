@@ -24,7 +24,7 @@ from pirate_sm.core.events import (
     Step,
 )
 from pirate_sm.core.robot import lets_all_go
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL
+from pirate_sm.running.runtime.ending import BY_SIGNAL
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.alarm_list import AlarmActions
 from pirate_sm.views.console.checklist import Checklist

@@ -11,8 +11,8 @@ from contextlib import suppress
 from threading import Thread
 from typing import Any
 
-from pirate_sm.running.runtime.pacer import Clock, WallClock
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop, StopRequests
+from pirate_sm.running.runtime.ending import BY_SIGNAL, Stop, StopRequests
+from pirate_sm.running.runtime.loop import Clock, WallClock
 
 LEAVE_WITHIN_S = 1.7
 """How long leaving may take once the operator has gone and the robot is safe. With the time to

@@ -13,12 +13,12 @@ from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.geometry import Place, drawn_walls
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.simulation import InSpace, Truth
-from pirate_sm.running.recording.format.samples import Placed
+from pirate_sm.running.recording.format.engine_topics import Placed
+from pirate_sm.running.recording.read.pieces import Checkpoint, Gap, with_own_times
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.read.steps import Checkpoint, Gap, with_own_times
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import engine_of, rerun
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import engine_of, rerun
 from pirate_sm.views.showing.live_snapshots import Trends
 from pirate_sm.views.showing.robot_anatomy import anatomy_of
 from pirate_sm.views.showing.run_history import Memory

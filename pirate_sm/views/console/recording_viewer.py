@@ -13,7 +13,7 @@ from textual.events import Resize
 from textual.widgets import Footer
 
 from pirate_sm.core.palette import USUAL, Theme
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, StopRequests
+from pirate_sm.running.runtime.ending import BY_SIGNAL, StopRequests
 from pirate_sm.views.console.dialogs import HelpDialog
 from pirate_sm.views.console.help_page import recording_lines
 from pirate_sm.views.console.key_bindings import LEAVE, both_cases

@@ -10,9 +10,8 @@ from math import inf, isnan
 from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Answer, Event
-from pirate_sm.running.runtime.first_choice import Answered
-from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.pacer import Clock
+from pirate_sm.running.runtime.loop import Clock, MissionRun
+from pirate_sm.running.runtime.scripted_events import Answered
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.views.showing.effect_lines import EffectLine
 from pirate_sm.views.showing.live_snapshots import Trends, snapshot_of

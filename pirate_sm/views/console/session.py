@@ -10,13 +10,10 @@ from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Ended
 from pirate_sm.core.events import Event, GoTo
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.runtime.first_choice import FirstChoice
-from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import BUG, Result
-from pirate_sm.running.runtime.pacer import Clock, WallClock
+from pirate_sm.running.runtime.ending import BUG, Result, Stop
+from pirate_sm.running.runtime.loop import Clock, MissionRun, WallClock
 from pirate_sm.running.runtime.pump import Resuming
-from pirate_sm.running.runtime.stop_requests import Stop
-from pirate_sm.running.runtime.trace_repeats import LoopWatch
+from pirate_sm.running.runtime.scripted_events import FirstChoice, LoopWatch
 from pirate_sm.running.wiring import Prepared, again
 from pirate_sm.running.wiring.run_recorder import Kept
 from pirate_sm.views.console.command_series import RUN_OVER, Giver

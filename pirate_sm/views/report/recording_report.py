@@ -11,8 +11,8 @@ from pirate_sm.core.simulation import SIMULATORS
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import rerun
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import rerun
 from pirate_sm.views.report.contents import Fact, Report
 from pirate_sm.views.report.poses import Poses
 from pirate_sm.views.report.report_builder import About, gather

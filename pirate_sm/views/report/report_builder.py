@@ -15,8 +15,8 @@ from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import Event, SensorFrame
 from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.recording.replay.replay import Rerun, same
-from pirate_sm.running.recording.viewers.wheel_places import WheelPlacing
+from pirate_sm.running.recording.replay import Rerun, same
+from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
 from pirate_sm.views.drawing.graph.highlight import RunPath, highlight
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph
 from pirate_sm.views.drawing.svg.svg_writer import svg

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from html import escape
 
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.viewers.camera_messages import PICTURES
+from pirate_sm.running.recording.viewers.viewer_messages import PICTURES
 from pirate_sm.views.report.contents import Lane, Photo
 from pirate_sm.views.report.timeline import DETECTOR
 

@@ -11,7 +11,7 @@ from pirate_sm.core import effects as fx
 from pirate_sm.core.robot import RobotSpec, SlotSpec
 
 if TYPE_CHECKING:
-    from pirate_sm.robot.backends.serial.health import LinkHealth
+    from pirate_sm.robot.backends.serial.link.health import LinkHealth
 
 
 class EffectLine(NamedTuple):

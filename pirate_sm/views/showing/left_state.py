@@ -8,7 +8,7 @@ from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.robot import DECLARED, Mark, at_rest_in, confirmed_parts, verdict
 
 if TYPE_CHECKING:
-    from pirate_sm.robot.backends.serial.health import LinkHealth
+    from pirate_sm.robot.backends.serial.link.health import LinkHealth
 
 
 def left_state(

@@ -17,7 +17,7 @@ from pirate_sm.views.showing.robot_anatomy import Anatomy
 from pirate_sm.views.showing.run_history import RunStory
 
 if TYPE_CHECKING:
-    from pirate_sm.robot.backends.serial.health import LinkHealth
+    from pirate_sm.robot.backends.serial.link.health import LinkHealth
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ import pytest
 from typer.testing import CliRunner, Result
 
 from pirate_sm.cli.entry import commands, only_run
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL
+from pirate_sm.running.runtime.ending import BY_SIGNAL
 
 ROOT = Path(__file__).resolve().parents[3]
 NEWT = ROOT / "tests" / "robots" / "newt"

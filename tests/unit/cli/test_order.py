@@ -8,7 +8,7 @@ import pytest
 
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
 from pirate_sm.core.errors import UsageError
-from pirate_sm.running.runtime.trigger_script import Firing
+from pirate_sm.running.runtime.scripted_events import Firing
 from pirate_sm.running.wiring import Order
 
 SHARED: dict[str, Any] = {

@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 from typer.testing import Result
 
-from pirate_sm.robot.control_panel.midi_devices import MidiDevice, MidiSystem
+from pirate_sm.robot.control_panel.panel_reader import MidiDevice, MidiSystem
 
 from .conftest import NEWT, ROOT
 

@@ -19,10 +19,10 @@ from pirate_sm.core.events import OperatorCommand
 from pirate_sm.core.robot import states_of
 from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.detectors.registry import Detecting
-from pirate_sm.running.recording.replay.end_of_run import end_of_run
+from pirate_sm.running.runtime.ending import BY_SIGNAL, StopRequests
 from pirate_sm.running.runtime.pump import Pump
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, StopRequests
 from pirate_sm.running.wiring import Prepared
+from pirate_sm.running.wiring.resume_offer import end_of_run
 
 ADOPT = RunOptions(adopt=True)
 Says = Callable[..., None]

@@ -14,7 +14,7 @@ import pytest
 from pirate_sm.core.engine import Engine
 from pirate_sm.core.errors import BackendError
 from pirate_sm.robot.backends.trace import TraceBackend
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL
+from pirate_sm.running.runtime.ending import BY_SIGNAL
 
 from .conftest import NEWT
 

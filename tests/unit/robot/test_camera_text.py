@@ -8,8 +8,7 @@ import pytest
 
 from pirate_sm.core.camera import CameraPose, Lens
 from pirate_sm.core.errors import UsageError
-from pirate_sm.robot.camera_file import load_camera
-from pirate_sm.robot.camera_text import with_lens, with_pose
+from pirate_sm.robot.camera_file import load_camera, with_lens, with_pose
 
 LENS = Lens(model="fisheye", f=(611.25, 612.5), centre=(970.5, 533.0), k=(-0.0125, 3e-05, 0, 0))
 POSE = CameraPose(at=(0.1, -0.2, 0.55), turn=(3.0, 0.5, 0.0))

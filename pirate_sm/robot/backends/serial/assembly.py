@@ -8,8 +8,8 @@ from pirate_sm.core.errors import not_installed
 from pirate_sm.core.profile import Profile
 from pirate_sm.core.robot import RobotSpec
 from pirate_sm.robot.backends.serial.backend import SerialBackend
+from pirate_sm.robot.backends.serial.guardian.guard import Instructions
 from pirate_sm.robot.backends.serial.guardian.guarded_port import GuardedPort
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan, plan_of
 from pirate_sm.robot.rosserial.messages import read_messages, serial_of
 

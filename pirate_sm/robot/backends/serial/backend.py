@@ -1,9 +1,13 @@
-"""The serial backend: an exchange on a port, timed by the port's clock."""
+"""The serial backend: an exchange on a port, timed by the port's clock.
+
+Mission time stands still while the link is silent. A lost port is opened again.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager, suppress
+from math import inf
 from threading import Event as Flag
 from threading import Lock, Thread
 
@@ -11,14 +15,170 @@ from pirate_sm.core.errors import BackendError
 from pirate_sm.core.events import BuiltInFault, Event, SensorFrame
 from pirate_sm.core.sensing import board_name
 from pirate_sm.robot.backends.protocol import Completion
-from pirate_sm.robot.backends.serial.health import LinkHealth, health_of
-from pirate_sm.robot.backends.serial.link.connection_errors import mute, no_sensors, unanswered
-from pirate_sm.robot.backends.serial.link.conversation import SILENT_AFTER_S
+from pirate_sm.robot.backends.serial.link.conversation import (
+    SILENT_AFTER_S,
+    mute,
+    no_sensors,
+    unanswered,
+)
 from pirate_sm.robot.backends.serial.link.exchange import Exchange
+from pirate_sm.robot.backends.serial.link.health import LinkHealth, health_of
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.robot.backends.serial.link_pump import LinkPump
-from pirate_sm.robot.backends.serial.mission_time import MissionTime
-from pirate_sm.robot.backends.serial.ports.protocol import Port
+from pirate_sm.robot.backends.serial.port import Port, PortLostError
+
+_REOPEN_EVERY_S = 0.5
+_SAMPLE_BYTES = 4096
+
+
+class LinkPump:
+    """Writes due bytes to the port and passes received ones to the exchange.
+
+    Args:
+        port: The robot's port.
+        exchange: The driver of the link.
+
+    Attributes:
+        sample: The last bytes received before the topics were known, for error messages.
+    """
+
+    def __init__(self, port: Port, exchange: Exchange) -> None:
+        self.sample = b""
+        self._port = port
+        self._exchange = exchange
+        self._faults: list[Event] = []
+        self._lost_s = inf
+        self._retry_s = -inf
+
+    @property
+    def lost(self) -> bool:
+        """Whether the port has gone."""
+        return self._lost_s < inf
+
+    def take(self) -> list[Event]:
+        """Return the events since the last call, oldest first."""
+        faults, self._faults = self._faults, []
+        return [*faults, *self._exchange.take()]
+
+    def turn(self, until_s: float) -> None:
+        """Write everything that is due, and take in what comes by ``until_s``."""
+        port, exchange = self._port, self._exchange
+        if self.lost:
+            self._retry(port.now())
+        now = port.now()
+        able = not self.lost
+        try:
+            while data := exchange.write(now, able):
+                port.beat(exchange.guarded_frame())  # before the robot moves
+                port.write(data)
+            port.beat(exchange.guarded_frame())
+            data = port.read(min(until_s, self._due_s(now))) if able else b""
+        except PortLostError as error:
+            self._lose(str(error))
+        if self.lost:
+            port.wait(min(until_s, self._due_s(now)))
+            return
+        if data:
+            if not exchange.conversation.known:
+                self.sample = (self.sample + data)[-_SAMPLE_BYTES:]
+            exchange.receive(data, port.now())
+        self._heed_guardian()
+
+    def put(self, data: bytes) -> None:
+        """Write the bytes as soon as the device's ring has room for them."""
+        port, exchange = self._port, self._exchange
+        free_s = exchange.room_s(len(data), port.now())
+        while port.now() < free_s:
+            port.wait(free_s)
+        port.write(data)
+        exchange.wrote(len(data), port.now())
+
+    def _heed_guardian(self) -> None:
+        """Report a fault if the guardian has stopped the robot instead of this program."""
+        try:
+            overruled = self._port.overruled()
+        except PortLostError as error:
+            self._lose(str(error))
+            return
+        if overruled:
+            message = "this program stood still for too long, the guardian of the port has stopped"
+            self._faults.append(BuiltInFault.RUNNER_STALLED.report(f"{message} the robot"))
+
+    def _due_s(self, now: float) -> float:
+        return self._retry_s if self.lost else self._exchange.due_s(now)
+
+    def _lose(self, reason: str) -> None:
+        now = self._port.now()
+        if not self.lost:
+            self._lost_s = now
+            self._retry_s = now + _REOPEN_EVERY_S
+            self._exchange.lost(reason, now)
+
+    def _retry(self, now: float) -> None:
+        """Try to reopen a lost port; the exchange then asks for topics and sends the array."""
+        if now < self._retry_s:
+            return
+        self._retry_s = now + _REOPEN_EVERY_S
+        if self._port.reopen():
+            self._lost_s = inf
+            self._exchange.connected(self._port.now())
+
+
+class MissionTime:
+    """Derives mission time from the port's clock.
+
+    Attributes:
+        now_s: Mission time, s.
+    """
+
+    def __init__(self) -> None:
+        self.now_s = 0.0
+        self._zero_s = 0.0
+        self._held_s = inf
+        self._late = False
+
+    def deadline_s(self, until_s: float, look_up_s: float) -> float:
+        """Return the time of the clock until which to wait: a mission time, or ``look_up_s``."""
+        return look_up_s if self._held_s < inf else min(self._zero_s + until_s, look_up_s)
+
+    def follow(self, exchange: Exchange, now: float) -> None:
+        """Stop mission time while the mission is held.
+
+        After a brief silence it catches up, except for the time in which this program stood still.
+        It leaves out a silence that is reported as a fault.
+        """
+        outage = exchange.outage
+        self._zero_s += exchange.take_left_out_s()
+        if outage is not None:
+            self._held_s = min(self._held_s, outage.since_s)
+        elif self._held_s < inf:
+            if exchange.brief:
+                self._late = True
+            else:
+                self._zero_s += now - self._held_s
+            self._held_s = inf
+
+    def stand(self, now: float) -> None:
+        """Go on from this time of the clock, and leave out what has passed before."""
+        self._zero_s = min(now, self._held_s) - self.now_s
+        self._late = False
+
+    def reach(self, now: float, until_s: float) -> bool:
+        """Advance mission time to this time of the clock, at most to ``until_s``.
+
+        Returns:
+            Whether events may be reported now; if not, mission time is still catching up.
+        """
+        running_s = min(now, self._held_s)
+        now_s = running_s - self._zero_s
+        # `now_s` alone is not enough: rounding may leave it just below `until_s`.
+        self.now_s = max(self.now_s, min(now_s, until_s))
+        if running_s >= self._zero_s + until_s:
+            self.now_s = until_s
+        if self._late and now_s > until_s:
+            return False
+        self._late = False
+        return True
+
 
 ANSWER_WITHIN_S = 6.0
 """Longer than a boot loader runs, and long enough even if every second frame is lost."""

@@ -1,17 +1,37 @@
-"""Encodes values of the engine's events and effects as JSON and decodes them, without loss.
+"""Encodes the engine's values and records as JSON and decodes them, without loss.
 
 Python writes the shortest text that reads as the same float64. NaN is written as ``null`` and the
 infinities as ``"inf"`` and ``"-inf"``, because JSON has none of them.
+
+Records are checkpoints, and with what a mission begins or is resumed. Their text is derived field
+by field from the types of the engine's own records. A new field needs no change here unless it has
+a new type.
 """
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 from math import inf, nan
-from typing import Any, Literal, TypeAlias, TypeVar, get_args, get_origin, get_type_hints
+from types import NoneType, UnionType
+from typing import (
+    Any,
+    Literal,
+    NamedTuple,
+    TypeAlias,
+    TypeVar,
+    Union,
+    get_args,
+    get_origin,
+    get_type_hints,
+)
 
 from pirate_sm.core.effects import Unmet
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.resuming import Resumption
+from pirate_sm.core.robot import Mark, RobotState
 
 JsonSchema: TypeAlias = dict[str, Any]
 T = TypeVar("T")
@@ -148,3 +168,183 @@ def one_of(words: tuple[str, ...]) -> Callable[[Any], str]:
         return text(value)
 
     return decode
+
+
+class _Form(NamedTuple):
+    """How values of one type are encoded as JSON and decoded."""
+
+    encode: Callable[[Any], Any]
+    decode: Callable[[Any], Any]
+
+
+def state_to_text(state: EngineState) -> str:
+    """Return the state as JSON, without loss."""
+    return _to_text(EngineState, state)
+
+
+def state_from_text(written: str) -> EngineState:
+    """Return the state in the output of :func:`state_to_text`.
+
+    Raises:
+        ValueError: The text is not a state of this version of the engine.
+    """
+    state: EngineState = _from_text(EngineState, written)
+    return state
+
+
+def resumption_to_text(resumption: Resumption | None) -> str:
+    """Return with what a mission goes on as JSON, without loss; empty for none."""
+    return "" if resumption is None else _to_text(Resumption, resumption)
+
+
+def resumption_from_text(written: str) -> Resumption | None:
+    """Return with what a mission goes on, from the output of :func:`resumption_to_text`.
+
+    Raises:
+        ValueError: The text is not a resumption by this version of the engine.
+    """
+    return _from_text(Resumption, written) if written else None
+
+
+class _AtRest(NamedTuple):
+    """What is kept of the robot between two missions; see :class:`RobotState`."""
+
+    configuration: int
+    values: tuple[float, ...]
+    marks: frozenset[tuple[Literal["region", "part"], int, int]]
+    next_id: int
+    seeking: frozenset[int]
+    sent: bool
+
+
+def body_to_text(body: RobotState | None) -> str:
+    """Return the robot state between two missions as JSON; empty for none."""
+    if body is None:
+        return ""
+    return _to_text(_AtRest, [getattr(body, name) for name in _AtRest._fields])
+
+
+def body_from_text(written: str) -> RobotState | None:
+    """Return the robot state in the output of :func:`body_to_text`.
+
+    Raises:
+        ValueError: The text is not a robot state.
+    """
+    if not written:
+        return None
+    found: _AtRest = _from_text(_AtRest, written)
+    marks = frozenset(Mark(*mark) for mark in found.marks)
+    return RobotState(**found._asdict() | {"marks": marks})
+
+
+def _to_text(kind: Any, value: Any) -> str:
+    return json.dumps(_form(kind).encode(value), separators=(",", ":"), allow_nan=False)
+
+
+def _from_text(kind: Any, written: str) -> Any:
+    try:
+        return _form(kind).decode(json.loads(written))
+    except (KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"no {kind.__name__} of this engine: {error!r}") from None
+
+
+@cache
+def _form(hint: Any) -> _Form:
+    """Return the encoding of values of this type.
+
+    Raises:
+        KeyError: The type has no encoding.
+    """
+    origin, args = get_origin(hint), get_args(hint)
+    if origin in (Union, UnionType):
+        return _optional(*args) if NoneType in args else _one_of_records(args)
+    if origin is Literal:
+        return _Form(_as_it_is, one_of(args))
+    if origin is frozenset:
+        return _set(_form(args[0]))
+    if origin is tuple:
+        return _row(_form(args[0])) if args[-1] is Ellipsis else _fixed([*map(_form, args)])
+    return _PLAIN[hint] if hint in _PLAIN else _form_of_record(hint)
+
+
+def _as_it_is(value: Any) -> Any:
+    return value
+
+
+def _optional(hint: Any, none: Any) -> _Form:
+    if none is not NoneType or hint is float:  # null is an unknown number
+        raise KeyError(hint)
+    form = _form(hint)
+    return _Form(
+        lambda value: None if value is None else form.encode(value),
+        lambda value: None if value is None else form.decode(value),
+    )
+
+
+def _row(form: _Form) -> _Form:
+    return _Form(
+        lambda values: [form.encode(value) for value in values],
+        lambda values: tuple([form.decode(value) for value in values]),
+    )
+
+
+def _set(form: _Form) -> _Form:
+    return _Form(
+        lambda values: [form.encode(value) for value in sorted(values)],
+        lambda values: frozenset([form.decode(value) for value in values]),
+    )
+
+
+def _fixed(forms: list[_Form]) -> _Form:
+    return _Form(
+        lambda values: [form.encode(value) for form, value in zip(forms, values, strict=True)],
+        lambda values: tuple(
+            [form.decode(value) for form, value in zip(forms, values, strict=True)]
+        ),
+    )
+
+
+def _one_of_records(kinds: tuple[type[Any], ...]) -> _Form:
+    """Return the encoding of one of several records, which differ in their fields."""
+
+    def decode(values: dict[str, Any]) -> Any:
+        kind: Any = next((each for each in kinds if values.keys() == {*each._fields}), None)
+        if kind is None:
+            raise ValueError(f"none of {', '.join(each.__name__ for each in kinds)}")
+        return _form(kind).decode(values)
+
+    def encode(value: Any) -> Any:
+        kind: Any = type(value)
+        return _form(kind).encode(value)
+
+    return _Form(encode, decode)
+
+
+def _form_of_record(kind: Any) -> _Form:
+    """Return the encoding of a named tuple: an object with exactly its fields."""
+    if not issubclass(kind, tuple):
+        raise KeyError(kind)
+    hints = get_type_hints(kind)
+    forms = [(name, _form(hints[name])) for name in kind._fields]
+
+    def decode(values: dict[str, Any]) -> Any:
+        later = kind._field_defaults.keys()  # an older engine may lack them
+        if not hints.keys() - later <= values.keys() <= hints.keys():
+            raise ValueError(f"no {kind.__name__} of this engine")
+        known = {name: form.decode(values[name]) for name, form in forms if name in values}
+        return kind(**known)
+
+    return _Form(
+        lambda values: {
+            name: form.encode(value) for (name, form), value in zip(forms, values, strict=True)
+        },
+        decode,
+    )
+
+
+_PLAIN: dict[Any, _Form] = {
+    float: _Form(number_to_json, number_from_json),
+    int: _Form(_as_it_is, whole),
+    bool: _Form(_as_it_is, truth),
+    str: _Form(_as_it_is, text),
+}

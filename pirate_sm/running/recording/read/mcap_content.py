@@ -1,7 +1,8 @@
-"""Finds the content of an MCAP file that is whole, cut short, or damaged.
+"""Finds the content of an MCAP file that is whole, cut short, or damaged, chunk by chunk.
 
 The official reader stops with one of many exceptions if a file ends early. This module first finds
-the records by their lengths, to distinguish records that are cut off from damaged ones.
+the records by their lengths, to distinguish records that are cut off from damaged ones. One chunk
+is in memory at a time.
 """
 
 from __future__ import annotations
@@ -10,25 +11,158 @@ import json
 import os
 import struct
 import zlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import suppress
+from io import BytesIO
 from itertools import chain
+from pathlib import Path
 from typing import BinaryIO, Final, NamedTuple
 
+import zstandard
+from mcap.data_stream import ReadDataStream
+from mcap.exceptions import McapError
 from mcap.opcode import Opcode
-from mcap.records import Attachment, Header, Metadata
+from mcap.records import Attachment, Channel, Chunk, Header, Metadata, Schema
+from mcap.stream_reader import CRCValidationError, get_chunk_data_stream
 from mcap.writer import MCAP0_MAGIC
 
+from pirate_sm.core.on_disk import opened
 from pirate_sm.running.recording.format.header import CHECKPOINT
-from pirate_sm.running.recording.read.mcap_records import (
-    BROKEN,
-    FRAME,
-    ChunkPlace,
-    DamagedError,
-    RecordPlace,
-    bytes_at,
-    records_of,
-    stream_of,
+
+LARGEST_CHUNK: Final = 1 << 28
+"""The largest chunk or text that is read, bytes. Ours are far smaller, and damage can claim any
+size."""
+
+FRAME: Final = struct.Struct("<BQ")
+_MESSAGE: Final = struct.Struct("<HIQQ")
+BROKEN: Final = (
+    *(McapError, CRCValidationError, ValueError, OverflowError),
+    *(struct.error, zstandard.ZstdError),
 )
+"""The exceptions that reading a damaged record can raise."""
+
+
+class DamagedError(Exception):
+    """Is raised for damaged bytes."""
+
+
+class RecordPlace(NamedTuple):
+    """A record's place in the file or in a chunk."""
+
+    opcode: int
+    start: int
+    end: int
+
+
+class ChunkPlace(NamedTuple):
+    """A chunk in the file.
+
+    Attributes:
+        at: Offset of its content, bytes; ``size`` is the length of the content.
+        start_ns: Time of its first message.
+    """
+
+    at: int
+    size: int
+    start_ns: int
+
+
+class RawMessage(NamedTuple):
+    """A message.
+
+    Attributes:
+        number: Number of its topic, see :class:`FileTopics`.
+        time_ns: Time, ns since 1970.
+        data: Its content.
+    """
+
+    number: int
+    time_ns: int
+    data: bytes
+
+
+def records_of(file: BinaryIO, piece: ChunkPlace) -> bytes:
+    """Return the records of a chunk.
+
+    Raises:
+        DamagedError: The chunk is damaged.
+        OSError: The chunk cannot be read.
+    """
+    try:
+        chunk: Chunk = Chunk.read(stream_of(bytes_at(file, piece.at, piece.size)))
+        size = chunk.uncompressed_size
+        if chunk.compression == "zstd":
+            size = max(size, zstandard.frame_content_size(chunk.data))
+        if size > LARGEST_CHUNK:
+            raise ValueError("the chunk is larger than any of this program")
+        stream, length = get_chunk_data_stream(chunk, validate_crc=True)
+        records: bytes = stream.read(length)
+    except BROKEN:
+        raise DamagedError(f"at byte {piece.at}") from None
+    return records
+
+
+class FileTopics:
+    """The topics of a file by their numbers, which never change."""
+
+    def __init__(self) -> None:
+        self.names: dict[int, str] = {}
+        self.channels: dict[int, Channel] = {}
+        self.schemas: dict[int, Schema] = {}
+
+    def learn(self, records: bytes) -> None:
+        """Remember the topics that are introduced in this chunk."""
+        for opcode, start, end in _inside(records):
+            if opcode == Opcode.CHANNEL:
+                channel: Channel = Channel.read(stream_of(records[start:end]))
+                self.channels[channel.id] = channel
+                self.names[channel.id] = channel.topic
+            elif opcode == Opcode.SCHEMA:
+                schema: Schema = Schema.read(stream_of(records[start:end]))
+                self.schemas[schema.id] = schema
+
+    def described(self, number: int) -> tuple[str, str, bytes]:
+        """Return a topic, the name of its schema and the schema; empty without a schema."""
+        name, channel = self.names[number], self.channels.get(number)
+        schema = self.schemas.get(channel.schema_id) if channel else None
+        return (name, schema.name, schema.data) if schema else (name, "", b"")
+
+
+def messages_in(records: bytes) -> Iterator[RawMessage]:
+    """Yield the messages of a chunk, in the order of writing."""
+    for opcode, start, end in _inside(records):
+        if opcode == Opcode.MESSAGE:
+            number, _, time_ns, _ = _MESSAGE.unpack_from(records, start)
+            yield RawMessage(number, time_ns, records[start + _MESSAGE.size : end])
+
+
+def _inside(records: bytes) -> Iterator[RecordPlace]:
+    """Yield the places of the records in a chunk.
+
+    Raises:
+        DamagedError: A record goes beyond the end of the chunk.
+    """
+    at, size = 0, len(records)
+    while at + FRAME.size <= size:
+        opcode, length = FRAME.unpack_from(records, at)
+        start, at = at + FRAME.size, at + FRAME.size + length
+        if at > size or (opcode == Opcode.MESSAGE and length < _MESSAGE.size):
+            raise DamagedError("a chunk holds something else than records")
+        yield RecordPlace(opcode, start, at)
+
+
+def bytes_at(file: BinaryIO, at: int, size: int) -> bytes:
+    """Return bytes at a place in the file; raise ``ValueError`` for more than a chunk."""
+    if size > LARGEST_CHUNK:
+        raise ValueError("it is larger than any of this program")
+    file.seek(at)
+    return file.read(size)
+
+
+def stream_of(data: bytes) -> ReadDataStream:
+    """Return the bytes as a stream for the official library."""
+    return ReadDataStream(BytesIO(data))
+
 
 _SEARCHED_BYTES: Final = 1 << 20
 """How much of a file is searched at once for the last checkpoint, bytes."""
@@ -251,3 +385,54 @@ _READ: Final[dict[int, Callable[[Content, bytes], Content]]] = {
     Opcode.ATTACHMENT: _attachment,
     Opcode.METADATA: _metadata,
 }
+
+
+class Chunks:
+    """Reads pieces of a file.
+
+    Args:
+        path: The file.
+        pieces: The places of the pieces.
+        topics: Names of topics that are known already, by their numbers.
+
+    Attributes:
+        topics: The topics read so far.
+    """
+
+    def __init__(
+        self, path: Path, pieces: list[ChunkPlace], topics: Mapping[int, str] | None = None
+    ) -> None:
+        self.topics = FileTopics()
+        self.topics.names.update(topics or {})
+        self._path = path
+        self._pieces = pieces
+        self._learned = 0
+
+    def entries(self, place: int) -> list[RawMessage]:
+        """Return the messages of a piece in the order of writing, and remember their topics.
+
+        Args:
+            place: Number of the piece.
+
+        Raises:
+            DamagedError: The piece is damaged.
+            OSError: The file cannot be read.
+        """
+        records = self._records(place)
+        self.topics.learn(records)
+        found = list(messages_in(records))
+        missing = {each.number for each in found} - self.topics.names.keys()
+        if missing and not self._learned:  # reading began in the middle, or after damage
+            with opened(self._path) as file:
+                self.topics.learn(index_of(file))
+        while (missing := missing - self.topics.names.keys()) and self._learned < place:
+            with suppress(DamagedError):
+                self.topics.learn(self._records(self._learned))
+            self._learned += 1
+        if missing:
+            raise DamagedError(f"channel {min(missing)} is unknown")
+        return found
+
+    def _records(self, place: int) -> bytes:
+        with opened(self._path) as file:
+            return records_of(file, self._pieces[place])

@@ -25,21 +25,24 @@ from pirate_sm.core.files import shown
 from pirate_sm.core.on_disk import opened
 from pirate_sm.running.recording.format.engine_topics import ENGINE
 from pirate_sm.running.recording.format.header import PROFILE, REPAIRED, RunHeader
-from pirate_sm.running.recording.read.header_reader import DamagedInsideError, read_header
 from pirate_sm.running.recording.read.mcap_content import (
     Content,
     NotMcapError,
     newest_checkpoints,
     read_content,
 )
-from pirate_sm.running.recording.read.piece_reader import FirstInput, PieceReader, unreadable
-from pirate_sm.running.recording.read.steps import (
+from pirate_sm.running.recording.read.pieces import (
     Checkpoint,
+    DamagedInsideError,
+    FirstInput,
     Gap,
     Message,
+    PieceReader,
     RecordedStep,
     StepEffects,
     ViewerMessage,
+    read_header,
+    unreadable,
     with_own_times,
 )
 

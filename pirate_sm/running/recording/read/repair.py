@@ -15,11 +15,9 @@ from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.on_disk import opened
 from pirate_sm.running.recording.format.engine_topics import STATE, UNLOGGED, Topics
 from pirate_sm.running.recording.format.header import REPAIRED
-from pirate_sm.running.recording.read.chunks import Chunks
-from pirate_sm.running.recording.read.header_reader import DamagedInsideError
-from pirate_sm.running.recording.read.mcap_content import index_of
+from pirate_sm.running.recording.read.mcap_content import Chunks, index_of
+from pirate_sm.running.recording.read.pieces import DamagedInsideError, Gap, RecordedStep
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.read.steps import Gap, RecordedStep
 from pirate_sm.running.recording.write.recording_file import DiskFile, Pieces
 
 _LEAST_BYTES = 1 << 20

@@ -16,19 +16,28 @@ from typing import Generic, TypeVar
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.recording.format.engine_state_text import body_to_text
-from pirate_sm.running.recording.format.engine_topics import Abandoned, Input, Started, Topics
+from pirate_sm.running.recording.format.engine_topics import (
+    SAMPLES,
+    Abandoned,
+    Input,
+    Placed,
+    Started,
+    Topics,
+    decode_samples,
+)
 from pirate_sm.running.recording.format.header import REPAIRED
-from pirate_sm.running.recording.format.samples import SAMPLES, Placed, decode_samples
+from pirate_sm.running.recording.format.json_values import body_to_text
+from pirate_sm.running.recording.read.pieces import RecordedStep
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.read.steps import RecordedStep
-from pirate_sm.running.recording.replay.replay import Rerun, engine_of, rerun
-from pirate_sm.running.recording.viewers.camera_messages import CameraMessages
-from pirate_sm.running.recording.viewers.viewer_messages import ViewerMessages, ViewerSnapshot
-from pirate_sm.running.recording.write.gathered import Gathered, Sample
-from pirate_sm.running.recording.write.piece_maker import PieceMaker
+from pirate_sm.running.recording.replay import Rerun, engine_of, rerun
+from pirate_sm.running.recording.viewers.viewer_messages import (
+    CameraMessages,
+    ViewerMessages,
+    ViewerSnapshot,
+)
+from pirate_sm.running.recording.write.piece_maker import Gathered, PieceMaker, Sample
 from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
-from pirate_sm.running.recording.write.side_channel import SideChannel
+from pirate_sm.running.recording.write.sampler import SideChannel
 
 T = TypeVar("T")
 

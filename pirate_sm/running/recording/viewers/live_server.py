@@ -6,7 +6,7 @@ import json
 from typing import Final
 
 from pirate_sm.core.errors import UsageError, not_installed
-from pirate_sm.running.recording.viewers.viewer_channel import ViewerChannel
+from pirate_sm.running.recording.viewers.viewer_messages import ViewerChannel
 
 HOST: Final = "127.0.0.1"
 PORT: Final = 8765

@@ -8,8 +8,11 @@ positions and the camera's messages can be made again from the engine's inputs.
 from __future__ import annotations
 
 import json
+from base64 import b64encode
 from collections.abc import Iterator, Mapping, Sequence
-from math import isfinite
+from dataclasses import dataclass
+from importlib.resources import files
+from math import isfinite, isnan
 from typing import Any, NamedTuple
 
 from pirate_sm.core import effects as fx
@@ -18,24 +21,156 @@ from pirate_sm.core.engine import EngineState
 from pirate_sm.core.expressions import EnumType
 from pirate_sm.core.geometry import Place, drawn_walls, link_poses
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.core.robot import USUAL, RobotSpec
+from pirate_sm.core.pipe import Pipe, Straight
+from pirate_sm.core.profile import Body, Profile
+from pirate_sm.core.robot import USUAL, RobotSpec, confirmed_parts
 from pirate_sm.core.simulation import InSpace
+from pirate_sm.robot.detectors.dead_reckoning import Reckoned, Reckoner
 from pirate_sm.robot.detectors.vision_detector import CameraView
-from pirate_sm.running.recording.column_names import signal_names, slot_names
-from pirate_sm.running.recording.format.samples import rounded
-from pirate_sm.running.recording.viewers.camera_messages import CameraMessages
+from pirate_sm.running.recording.columns import signal_names, slot_names
+from pirate_sm.running.recording.format.engine_topics import DIALECT, rounded
 from pirate_sm.running.recording.viewers.foxglove_scene import scene_message
-from pirate_sm.running.recording.viewers.transforms import Transforms
-from pirate_sm.running.recording.viewers.transforms_in_space import SpaceTransforms
-from pirate_sm.running.recording.viewers.viewer_channel import (
-    NUMBER,
-    WORD,
-    Message,
-    flat,
-    foxglove,
-    stamp,
-)
-from pirate_sm.running.recording.viewers.wheel_places import WheelPlacing
+from pirate_sm.running.recording.viewers.transforms import SpaceTransforms, Transforms
+
+NS_PER_S = 1_000_000_000
+NUMBER = {"type": "number"}
+WORD = {"type": "string"}
+
+
+@dataclass(frozen=True, eq=False)
+class ViewerChannel:
+    """A topic for viewers."""
+
+    topic: str
+    schema_name: str
+    schema: Mapping[str, Any]
+
+
+Message = tuple[ViewerChannel, bytes]
+
+
+def flat(topic: str, columns: Mapping[str, Any]) -> ViewerChannel:
+    """Return a topic of plain columns."""
+    name = f"pirate_sm{topic.replace('/', '.')}"
+    schema = {"$schema": DIALECT, "title": name, "type": "object", "properties": dict(columns)}
+    return ViewerChannel(topic, name, schema)
+
+
+def foxglove(topic: str, name: str) -> ViewerChannel:
+    """Return a topic of one of Foxglove's types; their schemas are beside this module."""
+    title = f"foxglove.{name}"
+    file = files("pirate_sm.running.recording.viewers") / "foxglove_schemas" / f"{title}.json"
+    return ViewerChannel(topic, title, json.loads(file.read_text("utf-8")))
+
+
+def stamp(time_ns: int) -> str:
+    """Return the time as JSON in Foxglove's format."""
+    seconds, rest = divmod(time_ns, NS_PER_S)
+    return f'{{"sec":{seconds},"nsec":{rest}}}'
+
+
+PICTURES = "/camera"
+"""The topic with the camera's pictures."""
+
+
+class CameraMessages:
+    """Makes the messages of one run.
+
+    Args:
+        wheels: Names of the wheels.
+    """
+
+    def __init__(self, wheels: Sequence[str]) -> None:
+        self._names = [f"{name}_m" for name in wheels]
+        columns = (*self._names, "marks", "rms_px", "gray_spread", "age_s")
+        self._seen = flat("/vision", dict.fromkeys(columns, NUMBER))
+        self._pictures = foxglove(PICTURES, "CompressedImage")
+
+    @property
+    def channels(self) -> dict[str, ViewerChannel]:
+        """Return the topics by their names."""
+        return {channel.topic: channel for channel in (self._seen, self._pictures)}
+
+    def of(self, at_s: float, time_ns: int, view: CameraView) -> Iterator[Message]:
+        """Yield where the camera sees the wheels along the pipe, and its picture if there is one.
+
+        Unknown numbers are left out.
+        """
+        sighting = view.sighting
+        numbers = dict(zip(self._names, view.seen.places_m, strict=True))
+        numbers |= {
+            "marks": len(sighting.marks),
+            "gray_spread": sighting.gray_spread,
+            "age_s": at_s - sighting.captured_s,
+        }
+        if sighting.rms_px is not None:
+            numbers["rms_px"] = sighting.rms_px
+        known = {name: round(value, 6) for name, value in numbers.items() if isfinite(value)}
+        yield self._seen, json.dumps(known).encode()
+        if view.jpeg:
+            yield self._pictures, self._picture(time_ns, view.jpeg)
+
+    @staticmethod
+    def _picture(time_ns: int, jpeg: bytes) -> bytes:
+        data = b64encode(jpeg).decode()
+        head = f'{{"timestamp":{stamp(time_ns)},"frame_id":"camera","format":"jpeg"'
+        return f'{head},"data":"{data}"}}'.encode()
+
+
+_PATIENCE_S = 1.0
+"""A joint without a value for this long is drawn straight, s."""
+
+_LONGEST_M = 100.0
+
+
+class WheelPlacing:
+    """Follows a robot by its joints and its odometer, if its true position is not known.
+
+    Args:
+        profile: The robot's profile.
+        robot: The robot as the engine knows it.
+        pipe: The pipe; None: a straight one.
+        first_wheel_m: Position of the first wheel along the pipe at the start; None: the pipe's.
+    """
+
+    def __init__(
+        self, profile: Profile, robot: RobotSpec, pipe: Pipe | None, first_wheel_m: float | None
+    ) -> None:
+        pipe = pipe or _somewhere(profile.body)
+        self._robot = robot
+        joints = (*robot.body.joints, robot.body.roll)
+        self._joints = [joint for joint in joints if joint >= 0]
+        self._reckoner = Reckoner(robot.body, pipe.route(), robot.odometry)
+        length_m = sum(robot.body.lengths_m)
+        self._first_m = pipe.start_of(length_m) if first_wheel_m is None else first_wheel_m
+        self._roll_rad = pipe.start.roll if pipe.start is not None else 0.0
+        self._reckoned: Reckoned | None = None
+        self._angles = dict.fromkeys(self._joints, 0.0)
+
+    def look(self, state: EngineState, now_s: float) -> tuple[Place, ...] | None:
+        """Return the present position of each wheel; None before its joints have values.
+
+        A picture needs an angle, so an unknown one is drawn with its last value.
+        """
+        numbers, held = list(state.sensing.numbers), confirmed_parts(self._robot, state.robot)
+        unknown = [joint for joint in self._joints if isnan(numbers[joint])]
+        if unknown and self._reckoned is None and now_s < _PATIENCE_S:
+            return None
+        for joint in unknown:
+            numbers[joint] = self._angles[joint]
+        self._angles = {joint: numbers[joint] for joint in self._joints}
+        if self._reckoned is None:
+            self._reckoned = self._reckoner.begin(self._first_m, numbers, held, self._roll_rad)
+        else:
+            self._reckoned = self._reckoner.look(self._reckoned, numbers, held)
+        return self._reckoned.points
+
+
+def _somewhere(body: Body) -> Pipe:
+    """Return a straight pipe just wide enough for the robot, if the pipe is unknown."""
+    straight = Straight(straight=_LONGEST_M)
+    return Pipe(diameter=2.5 * body.wheel_radius, segments=(straight,))
+
 
 LEVELS: dict[Level, int] = {"info": 2, "warning": 3, "error": 4}
 """Level numbers of ``foxglove.Log``."""
@@ -55,7 +190,7 @@ class ViewerSnapshot(NamedTuple):
         space: What they leave out of a robot in space, if known.
         camera: What the detector's camera sees, if there is one.
         rolls_rad: The rolls of a robot in a plane, as in
-            :class:`~pirate_sm.running.recording.format.samples.Placed`.
+            :class:`~pirate_sm.running.recording.format.engine_topics.Placed`.
     """
 
     state: EngineState

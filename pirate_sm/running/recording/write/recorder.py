@@ -18,14 +18,12 @@ from pirate_sm.core.events import Event
 from pirate_sm.core.resuming import AS_DECLARED, Beginning
 from pirate_sm.core.sensing import Glide
 from pirate_sm.core.simulation import Trail
-from pirate_sm.running.recording.format.engine_state_text import body_to_text, resumption_to_text
 from pirate_sm.running.recording.format.engine_topics import Abandoned, Input, Started, Topics
 from pirate_sm.running.recording.format.header import RunHeader
-from pirate_sm.running.recording.write.gathered import Gathered, Told
-from pirate_sm.running.recording.write.kept_samples import KeptSamples
-from pirate_sm.running.recording.write.piece_maker import PieceMaker, WrittenPiece
+from pirate_sm.running.recording.format.json_values import body_to_text, resumption_to_text
+from pirate_sm.running.recording.write.piece_maker import Gathered, PieceMaker, Told, WrittenPiece
 from pirate_sm.running.recording.write.recording_file import RecordingFile
-from pirate_sm.running.recording.write.side_channel import SideChannel
+from pirate_sm.running.recording.write.sampler import KeptSamples, SideChannel
 
 AHEAD_S = 0.010
 """The longest time that a command waits for the disk, s: a third of a round of the boards [D]."""

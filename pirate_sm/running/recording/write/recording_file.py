@@ -25,7 +25,7 @@ from mcap.writer import MCAP0_MAGIC, CompressionType, Writer
 
 from pirate_sm import __version__
 from pirate_sm.running.recording.format.header import CHECKPOINT, PROFILE, RUN, RunHeader
-from pirate_sm.running.recording.read.mcap_records import FRAME
+from pirate_sm.running.recording.read.mcap_content import FRAME
 
 NS_PER_S = 1_000_000_000
 

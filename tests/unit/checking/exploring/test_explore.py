@@ -17,7 +17,7 @@ from pirate_sm.core.effects import CommandStatus, Effect
 from pirate_sm.core.loading import load_mission
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
-from pirate_sm.running.wiring.trace import read_script
+from pirate_sm.running.wiring.backends import read_script
 
 ONE = "start: p\nphases: {p: {do: [HoldNose], go: good}}\n"
 WAITING = """

@@ -18,8 +18,7 @@ from pirate_sm.core.files import library
 from pirate_sm.robot.camera_file import load_camera
 from pirate_sm.robot.vision.opencv import cv2
 from pirate_sm.robot.vision.seeing import eye_of
-from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.robot.vision.synthetic.shown_scene import ShownLink, ShownScene
+from pirate_sm.robot.vision.synthetic import ShownLink, ShownScene, SyntheticPictures
 from tests.unit.robot.vision.rendered_boards import RenderedLens
 
 ROOT = Path(__file__).resolve().parents[4]

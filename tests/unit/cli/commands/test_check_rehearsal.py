@@ -9,7 +9,7 @@ from typing import Any
 import jsonschema
 import pytest
 
-from pirate_sm.running.wiring.sim import COMPILING
+from pirate_sm.running.wiring.backends import COMPILING
 from pirate_sm.simulation.backend import SimulatorBackend
 
 from ..conftest import NEWT, ROOT

@@ -19,11 +19,10 @@ from pirate_sm.robot.backends.serial.backend import SerialBackend
 from pirate_sm.robot.detectors.registry import Detecting
 from pirate_sm.running.recording.format.header import CHECKPOINT
 from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.replay.end_of_run import end_of_run
 from pirate_sm.running.recording.write import recorder
-from pirate_sm.running.runtime.stop_requests import StopRequests
+from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.running.wiring import Order, placed
-from pirate_sm.running.wiring.resume_offer import Said
+from pirate_sm.running.wiring.resume_offer import Said, end_of_run
 from pirate_sm.running.wiring.resumed_run import first_wheel_m
 from tests.unit.running.recording.recording_runs import record_cut_off
 

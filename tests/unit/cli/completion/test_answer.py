@@ -22,7 +22,7 @@ from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.completion.answer import answered
 from pirate_sm.core._model.campaign import LineFaults, StartJitter
 from pirate_sm.core.files import library
-from pirate_sm.robot.backends import known as backends
+from pirate_sm.robot import known as backends
 from pirate_sm.running.wiring import BACKENDS
 
 from ..conftest import NEWT, ROOT
@@ -142,7 +142,7 @@ def test_every_name_has_its_line(here: Path) -> None:
 def test_all_of_a_kind_are_there(here: Path) -> None:
     assert values("pirate run ") == [path.stem for path in library.missions()]
     assert values("pirate run --robot ") == [path.name for path in library.robots()]
-    assert values("pirate run --backend ") == BACKENDS.names == sorted(backends.ABOUT)
+    assert values("pirate run --backend ") == BACKENDS.names == sorted(backends.BACKENDS)
     assert set(values("pirate explain ")) > set(catalogue.entries())
     assert values("pirate run --jitter ") == [f"{name}=" for name in StartJitter.model_fields]
     assert values("pirate run --line ") == [f"{name}=" for name in LineFaults.model_fields]

@@ -6,8 +6,8 @@ import pytest
 
 from pirate_sm.cli.output.event_lines import SaysWhyItWaits
 from pirate_sm.core.effects import Ended
-from pirate_sm.robot.backends.serial.health import LinkHealth
-from pirate_sm.running.runtime.stop_requests import Stop, StopRequests
+from pirate_sm.robot.backends.serial.link.health import LinkHealth
+from pirate_sm.running.runtime.ending import Stop, StopRequests
 
 WELL = LinkHealth(9, 0, 3, 0, 0, nan, 0.0, "")
 AWAY = WELL._replace(trouble="nothing comes from the robot", silent_s=2.5, patience_s=7.6)

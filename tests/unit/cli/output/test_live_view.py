@@ -12,8 +12,8 @@ from rich.console import Console
 from pirate_sm.cli.output.live_view import LiveView
 from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.core.effects import Effect
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.views.drawing.canvas import Canvas
 

@@ -20,8 +20,8 @@ from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._model.campaign import SimulatedBackend
 from pirate_sm.core.errors import UsageError
 from pirate_sm.lab.campaign.campaign_file import check_campaign
-from pirate_sm.running.recording.replay.end_of_run import EndOfRun, end_of_run
 from pirate_sm.running.wiring import Order
+from pirate_sm.running.wiring.resume_offer import EndOfRun, end_of_run
 from pirate_sm.running.wiring.resumed_run import prepare_again
 from tests.unit.running.recording.recording_runs import record_cut_off
 

@@ -21,9 +21,9 @@ from pirate_sm.core.profile import Profile
 from pirate_sm.lab.mapping.legs import Map
 from pirate_sm.lab.mapping.mapper import mapped
 from pirate_sm.lab.mapping.pipe_text import pipe_text
+from pirate_sm.running.recording.read.pieces import Gap, RecordedStep
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.read.steps import Gap, RecordedStep
 
 NEAR_M, NEAR_RAD = 0.020, radians(3)
 """The bar for a map."""

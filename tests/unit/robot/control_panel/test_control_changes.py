@@ -7,7 +7,7 @@ import random
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.robot.control_panel.control_changes import ControlChange, ControlChangeParser
+from pirate_sm.robot.control_panel.presses import ControlChange, ControlChangeParser
 
 
 def found(data: bytes) -> list[ControlChange]:

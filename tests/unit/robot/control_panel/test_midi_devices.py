@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.robot.control_panel.midi_devices import (
+from pirate_sm.robot.control_panel.panel_reader import (
     MidiSystem,
     card_names,
     open_device,

@@ -20,8 +20,7 @@ from pirate_sm.core.events import (
     Step,
 )
 from pirate_sm.core.panel import Panel
-from pirate_sm.robot.control_panel.panel_companion import PanelCompanion
-from pirate_sm.robot.control_panel.panel_reader import Connection, Happening
+from pirate_sm.robot.control_panel.panel_reader import Connection, Happening, PanelCompanion
 from pirate_sm.robot.control_panel.presses import Press
 
 PANEL = Panel.model_validate(

@@ -7,8 +7,7 @@ from math import inf
 import pytest
 
 from pirate_sm.core.panel import Panel
-from pirate_sm.robot.control_panel.control_changes import ControlChange
-from pirate_sm.robot.control_panel.presses import Press, Presses, action_text
+from pirate_sm.robot.control_panel.presses import ControlChange, Press, Presses, action_text
 
 PANEL = Panel.model_validate(
     {

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 
 from pirate_sm.core.events import SeenMark, Sighting
-from pirate_sm.robot.detectors.camera_watch import CameraWatch
+from pirate_sm.robot.detectors.vision_detector import CameraWatch
 
 GOOD = Sighting(0.0, (SeenMark("head", (0.0, 0.0), 0.0),), 0.5, 100.0, 0)
 """The robot and the tags of the setup are seen; each picture differs from the last one."""

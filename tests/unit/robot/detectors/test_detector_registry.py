@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core._engine.robot.robot_spec import WordCondition
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import compile_condition
-from pirate_sm.robot.detectors.odometry_detector import Odometry
+from pirate_sm.robot.detectors.odometry import Odometry
 from pirate_sm.robot.detectors.registry import (
     Asked,
     Detecting,
@@ -19,11 +19,8 @@ from pirate_sm.robot.detectors.registry import (
     detecting,
     speaks_of_bends,
 )
-from pirate_sm.robot.detectors.signal_words import SignalWords
-from pirate_sm.robot.detectors.sim_detector import TruePlaces
-from pirate_sm.robot.detectors.socket_address import Address
-from pirate_sm.robot.detectors.socket_detector import OutsideWords
-from pirate_sm.robot.detectors.socket_lines import AcceptedLines
+from pirate_sm.robot.detectors.simple_detectors import SignalWords, TruePlaces
+from pirate_sm.robot.detectors.socket_detector import AcceptedLines, Address, OutsideWords
 from pirate_sm.running.wiring import Order, load
 
 

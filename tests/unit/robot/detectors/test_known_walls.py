@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.core._geometry.network import Mitre, Straight, planar
 from pirate_sm.core.geometry import Route, Vector
-from pirate_sm.robot.detectors.known_walls import KnownWalls
+from pirate_sm.robot.detectors.dead_reckoning import KnownWalls
 
 ROUTE = Route(planar(0.12, (Straight(1.0), Mitre(pi / 2), Straight(1.0)), section="round"))
 ROOM_M = 0.035

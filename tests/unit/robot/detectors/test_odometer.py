@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.robot import Flight, RobotSpec
-from pirate_sm.robot.detectors.odometer import Odometer
+from pirate_sm.robot.detectors.odometry import Odometer
 from pirate_sm.running.wiring import Order, prepare
 
 SPEED = 0.1

@@ -13,8 +13,7 @@ from pirate_sm.core.companion import Companion, Counting, Following, Onlooker, R
 from pirate_sm.core.effects import Effect
 from pirate_sm.core.errors import BackendError, DetectorError, UsageError
 from pirate_sm.core.events import DetectorWord, Event
-from pirate_sm.robot.detectors.of_others import OfOthers, guarded
-from pirate_sm.robot.detectors.registry import Detecting, _guards
+from pirate_sm.robot.detectors.registry import Detecting, OfOthers, _guards, guarded
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
 

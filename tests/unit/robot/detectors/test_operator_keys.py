@@ -6,7 +6,7 @@ import pytest
 
 from pirate_sm.core.effects import Ended, Log
 from pirate_sm.core.events import DetectorWord
-from pirate_sm.robot.detectors.operator_keys import WordKeys
+from pirate_sm.robot.detectors.simple_detectors import WordKeys
 
 
 class Keyboard:

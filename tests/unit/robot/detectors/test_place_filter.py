@@ -5,7 +5,7 @@ from math import isnan, nan
 
 import pytest
 
-from pirate_sm.robot.detectors.place_filter import Tracker
+from pirate_sm.robot.detectors.word_timing import Tracker
 
 
 def follow(places: list[float], *, driven: bool, every_s: float = 0.05) -> Tracker:

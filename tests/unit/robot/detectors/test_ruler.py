@@ -9,7 +9,7 @@ import pytest
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.simulation import RulerSettings
-from pirate_sm.robot.detectors.ruler import Ruler
+from pirate_sm.robot.detectors.simple_detectors import Ruler
 from pirate_sm.running.wiring import Order, prepare
 
 NEWT = Path(__file__).resolve().parents[3] / "robots" / "newt"

@@ -10,7 +10,7 @@ from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import Detected, Effect, Log
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import DetectorWord, Event, FaultReport, OutsideNumber
-from pirate_sm.robot.detectors.second_detector import SecondDetector
+from pirate_sm.robot.detectors.registry import SecondDetector
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
 

@@ -12,7 +12,7 @@ from pirate_sm.core.geometry import DRAWING, ChainInSpace, Pose, inner_corner
 from pirate_sm.core.pipe import Mitre, Pipe, Straight
 from pirate_sm.core.sensing import BodySpec
 from pirate_sm.robot.detectors.dead_reckoning import Reckoned
-from pirate_sm.robot.detectors.seen_places import OneMarker, SeenWheels, Tags
+from pirate_sm.robot.detectors.vision_detector import OneMarker, SeenWheels, Tags
 
 BODY = BodySpec((0.10, 0.06, 0.08, 0.11, 0.07), (1,) * 6, (-1, 0, 1, 2, 3, -1), (), 0.02)
 BORE_M = 0.12

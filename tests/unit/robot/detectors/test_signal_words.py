@@ -15,7 +15,7 @@ from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.expressions import compile_condition
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.robot.detectors.signal_words import SignalWords
+from pirate_sm.robot.detectors.simple_detectors import SignalWords
 from pirate_sm.running.wiring import Order, load
 
 

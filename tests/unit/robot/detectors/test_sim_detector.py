@@ -10,7 +10,7 @@ from pirate_sm.core.companion import Counting, Onlooker
 from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.geometry import Bend
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.robot.detectors.sim_detector import TruePlaces
+from pirate_sm.robot.detectors.simple_detectors import TruePlaces
 from pirate_sm.running.wiring import Order, load
 
 Polarity = Literal["normal", "mirrored"]

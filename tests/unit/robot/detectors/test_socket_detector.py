@@ -18,9 +18,13 @@ import pytest
 from pirate_sm.core.effects import Ended, Log
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import DetectorWord, Event, OutsideNumber
-from pirate_sm.robot.detectors.socket_address import Address, read_address
-from pirate_sm.robot.detectors.socket_detector import OutsideWords
-from pirate_sm.robot.detectors.socket_lines import LONGEST_LINE, AcceptedLines
+from pirate_sm.robot.detectors.socket_detector import (
+    LONGEST_LINE,
+    AcceptedLines,
+    Address,
+    OutsideWords,
+    read_address,
+)
 
 DOCUMENT = Path(__file__).resolve().parents[4] / "docs" / "detectors.md"
 ACCEPTED = AcceptedLines(("close", "in", "past"), 1.0, {"ruler": 0.3})

@@ -8,7 +8,12 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core.events import DetectorWord, OutsideNumber
-from pirate_sm.robot.detectors.socket_lines import LONGEST_LINE, AcceptedLines, LineError, read_line
+from pirate_sm.robot.detectors.socket_detector import (
+    LONGEST_LINE,
+    AcceptedLines,
+    LineError,
+    read_line,
+)
 
 FIELDS = ("word", "valid_for_s", "age_s", "signal", "value")
 ACCEPTED = AcceptedLines(("near", "far"), 0.5, {"ruler": 0.3})

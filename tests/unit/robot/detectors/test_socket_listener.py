@@ -9,9 +9,13 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.robot.detectors.socket_address import Address
-from pirate_sm.robot.detectors.socket_lines import LONGEST_LINE, LineError
-from pirate_sm.robot.detectors.socket_listener import Listener, _Client
+from pirate_sm.robot.detectors.socket_detector import (
+    LONGEST_LINE,
+    Address,
+    LineError,
+    Listener,
+    _Client,
+)
 
 FULL = b" " * (LONGEST_LINE - 1) + b"\n"
 """All that is read in a turn, and no word."""

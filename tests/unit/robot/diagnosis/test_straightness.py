@@ -7,7 +7,7 @@ from math import degrees, radians
 import pytest
 
 from pirate_sm.robot.diagnosis.facts import ExpectedRobot
-from pirate_sm.robot.diagnosis.straightness import JointReading, objections, read_joints
+from pirate_sm.robot.diagnosis.judgement import JointReading, objections, read_joints
 
 from .conftest import Connect
 

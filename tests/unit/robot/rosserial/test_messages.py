@@ -16,10 +16,10 @@ from pirate_sm.robot.rosserial.messages import (
     Array,
     Messages,
     SetpointCodec,
+    StateReading,
     link_messages,
     read_messages,
 )
-from pirate_sm.robot.rosserial.state_messages import StateReading
 
 from . import captured
 

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.robot.rosserial.topics import (
+from pirate_sm.robot.rosserial.frames import (
     PUBLISHER,
     SUBSCRIBER,
     LogLine,

@@ -6,8 +6,7 @@ from typing import Any
 
 from pirate_sm.core.camera import Camera
 from pirate_sm.robot.vision.seeing import Eye, eye_of
-from pirate_sm.robot.vision.synthetic.picture import SyntheticPictures
-from pirate_sm.robot.vision.synthetic.shown_scene import ShownLink, ShownScene
+from pirate_sm.robot.vision.synthetic import ShownLink, ShownScene, SyntheticPictures
 
 SIZE = (640, 480)
 LENS = {

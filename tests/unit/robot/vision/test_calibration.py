@@ -8,11 +8,9 @@ import pytest
 from benchmarks.vision_boards import draw_board
 from pirate_sm.core.camera import CameraPose, Lens
 from pirate_sm.robot.vision.calibration import LensCalibration, calibrate
-from pirate_sm.robot.vision.chessboard import Chessboard, find_board, is_another, is_sharp
-from pirate_sm.robot.vision.lens import LensModel
-from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.picture_arrays import Floats
-from pirate_sm.robot.vision.plane import View, rotation_of, turn_of
+from pirate_sm.robot.vision.opencv import Floats, cv2
+from pirate_sm.robot.vision.projection import LensModel, View, rotation_of, turn_of
+from pirate_sm.robot.vision.targets import Chessboard, find_board, is_another, is_sharp
 from tests.unit.robot.vision.rendered_boards import SIZE as RENDERED_SIZE
 from tests.unit.robot.vision.rendered_boards import RenderedLens
 

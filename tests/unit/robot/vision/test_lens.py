@@ -6,9 +6,8 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.camera import Lens
-from pirate_sm.robot.vision.lens import LensModel, UndistortedView
-from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.picture_arrays import Floats
+from pirate_sm.robot.vision.opencv import Floats, cv2
+from pirate_sm.robot.vision.projection import LensModel, UndistortedView
 
 FISHEYE = Lens(model="fisheye", f=(611.0, 612.8), centre=(971.0, 532.9), k=(-0.012, 0.003, 1e-4, 0))
 BROWN = Lens(

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.robot.vision.live_sightings import LiveSightings
-from pirate_sm.robot.vision.picture_arrays import Frame
+from pirate_sm.robot.vision.opencv import Frame
+from pirate_sm.robot.vision.sightings import LiveSightings
 
 from .small_setup import drawn, scene
 

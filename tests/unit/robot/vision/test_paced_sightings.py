@@ -11,9 +11,8 @@ import pytest
 from pirate_sm.core._model.camera_source import FileSource
 from pirate_sm.core.camera import ImagesSource
 from pirate_sm.core.errors import UsageError
-from pirate_sm.robot.vision.cameras import open_sightings
 from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.paced_sightings import SyntheticSightings
+from pirate_sm.robot.vision.sightings import SyntheticSightings, open_sightings
 
 from .small_setup import SIZE, camera, drawn, scene
 

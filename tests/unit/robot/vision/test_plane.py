@@ -6,8 +6,15 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.camera import CameraPose, Lens
-from pirate_sm.robot.vision.lens import LensModel
-from pirate_sm.robot.vision.plane import View, find_view, raised, rms, rotation_of, turn_of
+from pirate_sm.robot.vision.projection import (
+    LensModel,
+    View,
+    find_view,
+    raised,
+    rms,
+    rotation_of,
+    turn_of,
+)
 
 LENS = LensModel(
     Lens(model="fisheye", f=(611.0, 612.8), centre=(971.0, 532.9), k=(-0.012, 0.003, 0.0, 0.0))

@@ -8,10 +8,8 @@ from xml.etree import ElementTree
 import numpy as np
 import pytest
 
-from pirate_sm.robot.vision.chessboard import Chessboard
 from pirate_sm.robot.vision.opencv import cv2
-from pirate_sm.robot.vision.printing import board_sheet, tag_sheets
-from pirate_sm.robot.vision.tags import find_tags
+from pirate_sm.robot.vision.targets import Chessboard, board_sheet, find_tags, tag_sheets
 
 SVG = "{http://www.w3.org/2000/svg}"
 PX_PER_MM = 4

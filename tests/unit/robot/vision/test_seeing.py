@@ -11,7 +11,7 @@ from pirate_sm.core.camera import Camera
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import SeenMark
 from pirate_sm.robot.vision.seeing import eye_of
-from pirate_sm.robot.vision.synthetic.shown_scene import ShownScene
+from pirate_sm.robot.vision.synthetic import ShownScene
 
 from .small_setup import GREEN, POSE, SETUP, camera, drawn, scene
 

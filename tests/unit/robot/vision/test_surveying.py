@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from pirate_sm.core.errors import UsageError
-from pirate_sm.robot.vision.surveying import KnownPlace, Survey, known_points, known_tags, survey
+from pirate_sm.robot.vision.calibration import KnownPlace, Survey, known_points, known_tags, survey
 
 from .small_setup import POSE, camera, drawn, scene
 

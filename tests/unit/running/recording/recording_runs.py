@@ -23,12 +23,12 @@ from pirate_sm.running.recording.format.header import header_of
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.write.recorder import Recorder
 from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.pump import Pump
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
+from pirate_sm.running.wiring.backends import start_values
 from pirate_sm.running.wiring.run_recorder import Kept, RunRecorder, run_header
-from pirate_sm.running.wiring.sim import start_values
 from pirate_sm.simulation.bay.node_handle import message_texts
 from pirate_sm.simulation.bay.switches import Switches
 from pirate_sm.simulation.bay.virtual import VirtualBay, VirtualPort

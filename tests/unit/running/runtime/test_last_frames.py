@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pirate_sm.core.events import FrameBlock, SensorFrame
-from pirate_sm.running.runtime.last_frames import LastFrames
+from pirate_sm.running.runtime.pump import LastFrames
 
 BLOCK = FrameBlock(
     (1.0, 2.0, 3.0), (7, 8, 7), ((1.0, 2.0, 0.0), (3.0, 4.0, 5.0), (6.0, 7.0, 0.0)), {7: 2, 8: 3}

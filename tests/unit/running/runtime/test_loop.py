@@ -11,8 +11,8 @@ import pytest
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
 from pirate_sm.core.errors import BackendError
+from pirate_sm.running.runtime.ending import BY_SIGNAL, Stop, StopRequests
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.stop_requests import BY_SIGNAL, Stop, StopRequests
 
 SAFE = (0.0, 0.5)
 MOVING = (1.0, 0.5)

@@ -15,8 +15,7 @@ from pirate_sm.core.engine import Engine
 from pirate_sm.core.events import SensorFrame, Tick
 from pirate_sm.core.loading import load_mission
 from pirate_sm.core.robot import at_rest_in
-from pirate_sm.running.runtime.near_miss_kinds import NearMiss
-from pirate_sm.running.runtime.near_misses import NearMisses
+from pirate_sm.running.runtime.near_misses import NearMiss, NearMisses
 
 MISSION = """\
 format: 1

@@ -9,7 +9,7 @@ import pytest
 from pirate_sm.core.expressions import EnumType, NumberType, Vocabulary, compile_condition
 from pirate_sm.core.robot import FaultSpec
 from pirate_sm.core.units import DIMENSIONLESS, LENGTH, SPEED
-from pirate_sm.running.runtime.rule_margins import RuleMargin, margins_of
+from pirate_sm.running.runtime.near_misses import RuleMargin, margins_of
 
 WORDS = Vocabulary(
     {

@@ -5,12 +5,7 @@ from collections.abc import Iterator
 
 import pytest
 
-from pirate_sm.running.runtime.stop_requests import (
-    BY_SIGNAL,
-    PATIENCE_S,
-    CaughtSignals,
-    StopRequests,
-)
+from pirate_sm.running.runtime.ending import BY_SIGNAL, PATIENCE_S, CaughtSignals, StopRequests
 
 
 @pytest.fixture(autouse=True)

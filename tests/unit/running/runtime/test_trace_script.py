@@ -9,10 +9,9 @@ import pytest
 
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.effects import Effect, Ended, TriggerFired
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.runtime.ending import FAILED
 from pirate_sm.running.runtime.loop import MissionRun
-from pirate_sm.running.runtime.outcome import FAILED
-from pirate_sm.running.runtime.trigger_script import Firing, TriggerScript
+from pirate_sm.running.runtime.scripted_events import Firing, FirstChoice, TriggerScript
 from pirate_sm.running.wiring import Order, prepare
 
 ENDS = "\nends: {passed: {succeed: Passed}, late: {fail: Late}}\n"

@@ -14,7 +14,7 @@ from pirate_sm.core.events import Event
 from pirate_sm.core.loading import load_mission
 from pirate_sm.robot.backends.trace import TraceBackend
 from pirate_sm.running.runtime.pump import Pump
-from pirate_sm.running.runtime.trigger_script import TriggerScript
+from pirate_sm.running.runtime.scripted_events import TriggerScript
 
 ROOT = Path(__file__).parents[4]
 

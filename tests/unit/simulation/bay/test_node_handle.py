@@ -1,7 +1,6 @@
 from __future__ import annotations
 
-from pirate_sm.robot.rosserial.frames import SerialFrame
-from pirate_sm.robot.rosserial.topics import TopicInfo
+from pirate_sm.robot.rosserial.frames import SerialFrame, TopicInfo
 from pirate_sm.simulation.bay.node_handle import NodeHandle, NodeReply
 
 SAYS = TopicInfo(125, "state", "pirate_msgs/State", "0123456789abcdef" * 2, 512, "publishes")

@@ -7,8 +7,8 @@ from math import hypot
 from pathlib import Path
 
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import rerun
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import rerun
 from pirate_sm.views.report.contents import Report
 from pirate_sm.views.report.poses import MOST_POSES, Poses
 from pirate_sm.views.report.report_builder import About, gather

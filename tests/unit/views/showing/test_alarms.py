@@ -6,7 +6,7 @@ from math import inf, nan
 import pytest
 
 from pirate_sm.core.effects import CommandStatus, Ended, Fault, Log
-from pirate_sm.robot.backends.serial.health import LinkHealth
+from pirate_sm.robot.backends.serial.link.health import LinkHealth
 from pirate_sm.views.showing import alarms, panels
 from pirate_sm.views.showing.run_history import Memory
 from pirate_sm.views.showing.snapshot import Snapshot

@@ -7,7 +7,7 @@ from math import nan
 
 import pytest
 
-from pirate_sm.robot.backends.serial.health import LinkHealth
+from pirate_sm.robot.backends.serial.link.health import LinkHealth
 from pirate_sm.views.showing.live_snapshots import TREND_LENGTH, sent_name
 from pirate_sm.views.showing.motor_page import heading, motors
 from pirate_sm.views.showing.snapshot import Snapshot

@@ -20,18 +20,21 @@ from math import inf
 from types import FrameType
 
 from pirate_sm.core.errors import BackendError
-from pirate_sm.robot.backends.serial.guardian.guard import Guard
-from pirate_sm.robot.backends.serial.guardian.guard_actions import (
+from pirate_sm.robot.backends.serial.guardian.guard import (
     Action,
     EndGuardian,
+    Guard,
+    Instructions,
+    Note,
+    NoteKind,
+    NoteReader,
     Reopen,
     ToPort,
     ToRunner,
 )
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind, NoteReader
 from pirate_sm.robot.backends.serial.guardian.takeover import LeftBehind, Registration
-from pirate_sm.robot.backends.serial.ports.protocol import PortLostError
-from pirate_sm.robot.backends.serial.ports.serial_port import SerialPort
+from pirate_sm.robot.backends.serial.port import PortLostError
+from pirate_sm.robot.backends.serial.serial_port import SerialPort
 
 _MOST_BYTES = 65536
 _POLL_S = 0.005

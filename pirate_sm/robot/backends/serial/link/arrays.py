@@ -16,22 +16,60 @@ comes for long, the array in force is sent again like a new one.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
 from math import inf
+from typing import NamedTuple
 
 from pirate_sm.core.events import BuiltInFault, FaultReport, SubmitResult, SubmitStatus
-from pirate_sm.robot.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
-from pirate_sm.robot.backends.serial.link.pending_arrays import (
-    ArrayUnderWay,
-    Unanswered,
-    WantedArray,
-)
-from pirate_sm.robot.backends.serial.link.wire_slots import (
+from pirate_sm.robot.backends.serial.link.health import NEVER, LineQuality, Refreshing
+from pirate_sm.robot.backends.serial.link.link_plan import (
     Integers,
     WireSlot,
     to_counts,
     why_refused,
 )
 from pirate_sm.robot.rosserial.messages import Array
+
+
+@dataclass
+class WantedArray:
+    """An array that should come into force."""
+
+    setpoint_id: int
+    counts: Integers
+    since_s: float
+
+
+@dataclass
+class ArrayUnderWay:
+    """An array that is being written.
+
+    Attributes:
+        reported: Its result has been reported; only its last copy still has to be confirmed.
+        needed: It must be confirmed again, because the device may have forgotten it.
+        again: It must be written again.
+    """
+
+    order: WantedArray
+    began_s: float
+    reported: bool = False
+    needed: bool = False
+    sent_s: float = -inf
+    numbers: list[int] = field(default_factory=list)
+    again: bool = True
+
+
+class Unanswered(NamedTuple):
+    """A writing whose echo nothing waits for, but which still measures the line.
+
+    Attributes:
+        at_s: When it was written.
+        overtaken: The array that a newer one has replaced; None for a refresh.
+    """
+
+    at_s: float
+    overtaken: ArrayUnderWay | None = None
+
 
 BUDGET = 8
 """After this many times the longest wait for an echo, an array's result is ``unknown``."""

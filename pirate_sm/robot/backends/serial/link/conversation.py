@@ -1,40 +1,141 @@
 """The host's side of rosserial: learns and checks topics, answers for the time, notices silence.
 
 Pure: bytes and the time go in, frames to write come out. An 8-bit checksum lets some damage
-through, so an introduction counts only when it has come twice with the same content.
+through, so an introduction counts only when it has come twice with the same content. What makes
+a connection fail is explained in one sentence, with what to do.
 """
 
 from __future__ import annotations
 
 from collections import Counter, deque
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from math import inf, isnan, nan
+from typing import NamedTuple, TypeAlias
 
-from pirate_sm.robot.backends.serial.link.silence_timer import SilenceTimer
-from pirate_sm.robot.backends.serial.link.wanted_topics import (
-    Heard,
-    TopicPayload,
-    TopicRefused,
-    TopicsKnown,
-    Wanted,
-    difference,
-)
-from pirate_sm.robot.rosserial.frames import LONGEST_PAYLOAD, Decoder, SerialFrame, encode
-from pirate_sm.robot.rosserial.topics import (
+from pirate_sm.robot.rosserial.frames import (
     FIRST_OF_THE_DEVICE,
     LOG,
+    LONGEST_PAYLOAD,
     PUBLISHER,
     REQUEST_TOPICS,
     SUBSCRIBER,
     TIME,
     TX_STOP,
+    Decoder,
     Direction,
     LogLine,
+    SerialFrame,
     TopicInfo,
+    encode,
     read_log,
     read_topic,
     time_payload,
 )
+
+_OVERSLEPT = 2.0
+"""A look that is this many intervals late shows that this process did not run in between."""
+
+_LEAST_S = 1e-3
+"""The shortest wait. Without it, rounding could make the last wait zero forever."""
+
+
+class SilenceTimer:
+    """Measures the silence of another process by looks at regular intervals.
+
+    When the whole computer stands still, both processes do, and the first to wake would take the
+    other for dead. A standstill of our own therefore restarts the measurement, once until the
+    other side is heard: it gets the time for one more message.
+
+    Args:
+        nap_s: The longest time between two looks.
+    """
+
+    def __init__(self, nap_s: float) -> None:
+        self._nap_s = nap_s
+        self.hear(-inf)
+
+    def hear(self, now: float) -> None:
+        """Begin the measurement: the other side has been heard."""
+        self._looked_s, self._waited_s, self._spared = now, 0.0, False
+
+    def look(self, now: float) -> float:
+        """Return how long the other side has been silent while we were awake, s."""
+        gap_s, self._looked_s = now - self._looked_s, now
+        if gap_s <= _OVERSLEPT * self._nap_s:
+            self._waited_s += gap_s
+        elif self._spared:
+            self._waited_s += self._nap_s
+        else:
+            self._spared, self._waited_s = True, 0.0
+        return self._waited_s
+
+    def due_s(self, limit_s: float) -> float:
+        """Return when to look next, to notice a silence of ``limit_s`` in time."""
+        return self._looked_s + min(self._nap_s, max(_LEAST_S, limit_s - self._waited_s))
+
+
+class Wanted(NamedTuple):
+    """A topic that the robot's profile names.
+
+    Attributes:
+        direction: What the device does with it.
+        text: Our definition, for people.
+        longest: Bytes of its longest payload.
+        answers: The device only sends it to answer a writing. So it does not show that the device
+            works of its own accord, and does not end a silence.
+    """
+
+    name: str
+    type: str
+    md5: str
+    direction: Direction
+    text: str = ""
+    longest: int = LONGEST_PAYLOAD
+    answers: bool = False
+
+
+class TopicPayload(NamedTuple):
+    """A payload on the wanted topic with index ``which``."""
+
+    which: int
+    payload: bytes
+
+
+class TopicsKnown(NamedTuple):
+    """Event: all wanted topics are known.
+
+    Attributes:
+        again: They had been known before; the device had to be asked anew.
+        silence_s: How long the device had been silent.
+    """
+
+    again: bool
+    silence_s: float
+
+
+class TopicRefused(NamedTuple):
+    """Event: a topic is not used, because the device defines it differently."""
+
+    reason: str
+
+
+Heard: TypeAlias = TopicPayload | TopicsKnown | TopicRefused
+
+
+def difference(wanted: Wanted, info: TopicInfo) -> str:
+    """Return how the device's definition differs from ours, as text for people."""
+    if wanted.type != info.type:
+        return (
+            f"the device says that topic '{info.name}' carries {info.type}, "
+            f"the robot's profile says {wanted.type}"
+        )
+    return (
+        f"the firmware's {info.type} is another one than ours: its md5 is {info.md5}, that of our "
+        f"text {wanted.md5}. Put the .msg text of the firmware instead of this program's, "
+        f"which is:\n"
+        f"{wanted.text}"
+    )
+
 
 ASK_EVERY_S = 0.1
 """The interval at which a booting device is asked again; its whole answer takes half of it."""
@@ -282,3 +383,74 @@ class TimeAnswers:
             self._asked_s, self._copies = asked_s + TIME_PERIOD_S, 0
             self.due_s = self._asked_s + _TIME_AGAIN_S  # unless it requests it before
         return encode(TIME, time_payload(self._epoch_s + asked_s))
+
+
+NO_SENSORS = "the robot's controller answers but no board sends any value"
+
+_TEXT_SHARE = 0.9
+_SHOWN = 40
+
+
+def unanswered(
+    port: str, baud: int, conversation: Conversation, sample: bytes, usual_baud: int | None = None
+) -> str:
+    """Return why the required topics have not been introduced.
+
+    Args:
+        port: Name of the port.
+        baud: Baud rate of the line.
+        conversation: The conversation so far.
+        sample: The last bytes received.
+        usual_baud: The baud rate in the robot's profile.
+    """
+    if conversation.frames:
+        return _incomplete(port, conversation)
+    if usual_baud not in {None, baud} and not sample:
+        return (
+            f"nothing answers on {port} at {baud} baud: the robot's profile says that its firmware "
+            f"speaks {usual_baud}"
+        )
+    if not sample:
+        return (
+            f"nothing answers on {port} at {baud} baud: is this the robot's port, is it switched "
+            "on, does its firmware speak rosserial at this speed?"
+        )
+    printable = sum(32 <= byte < 127 or byte in b"\r\n\t" for byte in sample)
+    if printable >= _TEXT_SHARE * len(sample):
+        shown = " ".join(sample.decode("ascii", "replace").split())[:_SHOWN]
+        return f"{port} does not speak rosserial, it sends '{shown}': another device?"
+    return (
+        f"{port} sends bytes that make no sense at {baud} baud: the firmware uses another speed "
+        "(option baud), or it is another device"
+    )
+
+
+def _incomplete(port: str, conversation: Conversation) -> str:
+    missing = ", ".join(
+        f"{each.name} ({each.type}, which it {each.direction})" for each in conversation.missing
+    )
+    offered = sorted(
+        f"{info.name} ({info.type}, which it {info.direction})"
+        for info in conversation.offered.values()
+    )
+    there = ", ".join(offered) if offered else "no topic at all"
+    return (
+        f"the device on {port} speaks rosserial but does not announce {missing}. It offers "
+        f"{there}: put its names and types into section 'serial' of the robot's profile"
+    )
+
+
+def no_sensors(advice: str) -> str:
+    """Return the message that no board reports; ``advice`` is the profile's, or empty."""
+    return f"{NO_SENSORS}: {sensors_off(advice)}"
+
+
+def sensors_off(advice: str) -> str:
+    """Return what a person can do when no board reports; ``advice`` may be empty."""
+    return advice or "are the sensors switched on, are the boards powered?"
+
+
+def mute(modules: Mapping[int, str], silent: Iterable[int]) -> str:
+    """Return which boards do not report."""
+    names = ", ".join(f"{board} ({modules[board]})" for board in sorted(silent))
+    return f"no values come from board {names}"

@@ -2,30 +2,82 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
-from math import inf
+from collections.abc import Collection, Mapping
+from math import inf, nan
 
-from pirate_sm.core.events import BuiltInFault, Event
+from pirate_sm.core.events import BuiltInFault, Event, SensorFrame
 from pirate_sm.robot.backends.serial.link.arrays import SetpointLink
-from pirate_sm.robot.backends.serial.link.connection_errors import sensors_off
-from pirate_sm.robot.backends.serial.link.conversation import SILENT_AFTER_S, Conversation
-from pirate_sm.robot.backends.serial.link.counts import Counts
-from pirate_sm.robot.backends.serial.link.line_quality import Refreshing
-from pirate_sm.robot.backends.serial.link.link_plan import ECHO, SETPOINTS, STATE, LinkPlan
-from pirate_sm.robot.backends.serial.link.measurements import Measurements
-from pirate_sm.robot.backends.serial.link.safe_array import SAFE_WIRE_ID, SafeArray
-from pirate_sm.robot.backends.serial.link.stop_confirmation import StopConfirmation
-from pirate_sm.robot.backends.serial.link.throttle import Throttle
-from pirate_sm.robot.backends.serial.link.wanted_topics import (
+from pirate_sm.robot.backends.serial.link.conversation import (
+    SILENT_AFTER_S,
+    Conversation,
     TopicPayload,
     TopicRefused,
     TopicsKnown,
+    sensors_off,
 )
-from pirate_sm.robot.backends.serial.link.wire_slots import to_counts, why_refused
-from pirate_sm.robot.backends.serial.recovery import BRIEF, Outage, Recovery, was_reset
+from pirate_sm.robot.backends.serial.link.health import Counts, Refreshing
+from pirate_sm.robot.backends.serial.link.link_plan import (
+    ECHO,
+    SETPOINTS,
+    STATE,
+    LinkPlan,
+    Throttle,
+    to_counts,
+    why_refused,
+)
+from pirate_sm.robot.backends.serial.link.recovery import (
+    BRIEF,
+    SAFE_WIRE_ID,
+    Outage,
+    Recovery,
+    SafeArray,
+    StopConfirmation,
+    was_reset,
+)
 from pirate_sm.robot.rosserial.frames import OVERHEAD_BYTES
 from pirate_sm.robot.rosserial.message_types import Malformed
-from pirate_sm.robot.rosserial.messages import Array
+from pirate_sm.robot.rosserial.messages import Array, StateReading
+
+
+class Measurements:
+    """Collects readings until they make the frame of a board.
+
+    If a message carries one value, a board is reported when all its values have come. A lost value
+    is replaced by the previous one when the next round begins.
+
+    Args:
+        channels: Number of channels of each board that reports.
+
+    Attributes:
+        strange: Readings of unknown boards or channels.
+    """
+
+    def __init__(self, channels: Mapping[int, int]) -> None:
+        self._channels = dict(channels)
+        self._values = {board: [nan] * count for board, count in channels.items()}
+        self._fresh: dict[int, set[int]] = {board: set() for board in channels}
+        self.strange = 0
+
+    def take(self, reading: StateReading) -> SensorFrame | None:
+        """Return the frame that this reading completes; None if it completes none."""
+        board, channel, values = reading
+        count = self._channels.get(board)
+        if count is None or (len(values) < count if channel < 0 else channel >= count):
+            self.strange += 1
+            return None
+        if channel < 0:
+            return SensorFrame(board, values[:count])
+        held, fresh = self._values[board], self._fresh[board]
+        lapped = SensorFrame(board, tuple(held)) if channel in fresh else None
+        if lapped is not None:
+            fresh.clear()
+        held[channel] = values[0]
+        fresh.add(channel)
+        if len(fresh) < count:
+            return lapped
+        fresh.clear()
+        return SensorFrame(board, tuple(held))
+
 
 _GREETING_BYTES = OVERHEAD_BYTES * 2
 """The longest frame that the conversation itself writes, bytes."""

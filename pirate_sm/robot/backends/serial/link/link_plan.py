@@ -1,20 +1,55 @@
-"""The numbers of one robot that the driver needs, taken from its profile."""
+"""What one robot makes of its link: topics, integers of its slots, the rate at which it reads."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from math import inf, radians
+from collections import deque
+from collections.abc import Mapping, Sequence
+from math import inf, isfinite, radians
 from typing import NamedTuple
 
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.profile import Profile, Serial, Slot
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.robot.backends.serial.link.wanted_topics import Wanted
-from pirate_sm.robot.backends.serial.link.wire_slots import WireSlot
-from pirate_sm.robot.rosserial.frames import LONGEST_PAYLOAD
+from pirate_sm.robot.backends.serial.link.conversation import Wanted
+from pirate_sm.robot.rosserial.frames import LONGEST_PAYLOAD, Direction
 from pirate_sm.robot.rosserial.message_types import MessageType
 from pirate_sm.robot.rosserial.messages import Messages, serial_of
-from pirate_sm.robot.rosserial.topics import Direction
+
+Integers = tuple[int, ...]
+
+_ROUNDING = 1e-6
+
+
+class WireSlot(NamedTuple):
+    """How one setpoint is written, and its limit, checked here once more.
+
+    Attributes:
+        resolution: Value of one count.
+        limit: Largest magnitude, in the slot's own unit.
+    """
+
+    name: str
+    resolution: float
+    limit: float
+
+
+def why_refused(slots: Sequence[WireSlot], values: Sequence[float]) -> str:
+    """Return why this array must not be sent; empty if it may (thesis section 4-2-1)."""
+    if len(values) != len(slots):
+        return f"{len(values)} values for {len(slots)} slots"
+    for slot, value in zip(slots, values, strict=True):
+        if not isfinite(value):
+            return f"{slot.name} is no number"
+        if abs(value) > slot.limit + _ROUNDING:
+            return f"{slot.name} = {value:g} is beyond its limit of {slot.limit:g}"
+    return ""
+
+
+def to_counts(slots: Sequence[WireSlot], values: Sequence[float]) -> Integers:
+    """Return the array as counts of the wire."""
+    pairs = zip(slots, values, strict=True)
+    return tuple(round(value / slot.resolution) for slot, value in pairs)
+
 
 SETPOINTS, ECHO, STATE = range(3)
 """Indices of the wanted topics."""
@@ -91,3 +126,61 @@ def _wire_slot(profile: Profile, slot: Slot) -> WireSlot:
         return WireSlot(slot.name, profile.link.duty_resolution, 1.0)
     limit = inf if slot.limit is None else slot.limit
     return WireSlot(slot.name, profile.link.angle_resolution, min(limit, radians(360)))
+
+
+RING_BYTES = 64
+"""Receive ring of the Arduino Mega's serial port."""
+
+_READ_WITHIN_S = 0.020
+"""A healthy device reads its ring this often; a frame must be complete by then too."""
+
+_BITS_PER_BYTE = 10
+"""Bits of a byte on the wire: start bit, eight data bits, stop bit."""
+
+_SETPOINT_SHARE = 1 / 6
+"""Share of the line for arrays of setpoints: 20 per second at 57,600 baud and 18 slots."""
+
+
+class Throttle:
+    """Keeps the bytes under way to the device below its ring, whatever the device does meanwhile.
+
+    Args:
+        baud: Baud rate of the line.
+    """
+
+    def __init__(self, baud: int) -> None:
+        self._byte_s = _BITS_PER_BYTE / baud
+        self._written: deque[tuple[float, int]] = deque()
+        self._recent = 0
+
+    def free_s(self, size: int, now: float) -> float:
+        """Return when a frame of this size may be written; ``now`` if at once."""
+        self._forget(now)
+        excess = self._recent + min(size, RING_BYTES) - RING_BYTES
+        free = now
+        for at_s, written in self._written:
+            if excess <= 0:
+                break
+            excess -= written
+            free = at_s
+        return free
+
+    def wrote(self, size: int, now: float, busy_s: float = 0.0) -> None:
+        """Count this many bytes as written.
+
+        Args:
+            size: Number of bytes.
+            now: The time.
+            busy_s: How long the device reads nothing after these bytes.
+        """
+        arrives = max(now, self._written[-1][0] - _READ_WITHIN_S if self._written else now)
+        self._written.append((arrives + size * self._byte_s + _READ_WITHIN_S + busy_s, size))
+        self._recent += size
+
+    def spacing_s(self, size: int) -> float:
+        """Return the least time between two arrays with frames of this size, s."""
+        return size * self._byte_s / _SETPOINT_SHARE
+
+    def _forget(self, now: float) -> None:
+        while self._written and self._written[0][0] <= now:
+            self._recent -= self._written.popleft()[1]

@@ -12,7 +12,7 @@ from rolling_newt import BEARING, CONTROLS, SWITCH
 from pirate_sm.core._engine.robot.robot_state import at_rest_in, state_change
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
-from pirate_sm.running.recording.format.engine_state_text import state_from_text, state_to_text
+from pirate_sm.running.recording.format.json_values import state_from_text, state_to_text
 
 BORNE = {"neck_torque": -0.3, "hip_torque": 0.3}
 SLOW = {"roll_a": 2.0, "roll_b": -2.0, "roll_c": 2.0, "roll_d": -2.0}

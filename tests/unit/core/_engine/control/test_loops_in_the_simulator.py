@@ -10,8 +10,8 @@ from rolling_newt import rolling_newt
 from pirate_sm import run
 from pirate_sm.core._model.effects import Setpoints
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay
 
 
 @pytest.fixture(scope="module")

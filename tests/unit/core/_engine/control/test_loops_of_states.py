@@ -11,7 +11,7 @@ from rolling_newt import DRIVE, HELD
 from pirate_sm.core._loading.problems import LoadError
 from pirate_sm.core._model import effects as fx
 from pirate_sm.core._model import events as ev
-from pirate_sm.running.recording.format.engine_state_text import state_from_text, state_to_text
+from pirate_sm.running.recording.format.json_values import state_from_text, state_to_text
 
 WHEELS = ("drive_a", "drive_b", "drive_c", "drive_d")
 SLOW = {"roll_a": 2.0, "roll_b": -2.0, "roll_c": 2.0, "roll_d": -2.0}

@@ -18,9 +18,8 @@ from pathlib import Path
 from types import TracebackType
 from typing import Self
 
-from pirate_sm.robot.backends.serial.link.wanted_topics import Wanted
-from pirate_sm.robot.rosserial.frames import SerialFrame, encode
-from pirate_sm.robot.rosserial.topics import Direction, TopicInfo
+from pirate_sm.robot.backends.serial.link.conversation import Wanted
+from pirate_sm.robot.rosserial.frames import Direction, SerialFrame, TopicInfo, encode
 from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception
 
 PATIENCE_S = 10.0

@@ -11,7 +11,7 @@ from random import Random
 
 from pirate_sm.core.errors import BackendError
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
-from pirate_sm.robot.backends.serial.ports.protocol import PortLostError
+from pirate_sm.robot.backends.serial.port import PortLostError
 from pirate_sm.robot.rosserial.frames import Decoder, encode
 
 NUMBERS = {"setpoints": 100, "state": 125, "echo": 126}

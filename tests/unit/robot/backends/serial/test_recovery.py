@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.core.events import FaultReport, SensorFrame
-from pirate_sm.robot.backends.serial.recovery import Outage, Recovery
+from pirate_sm.robot.backends.serial.link.recovery import Outage, Recovery
 
 WITHIN_S = 8.0
 

@@ -7,7 +7,7 @@ from itertools import pairwise
 import pytest
 
 from pirate_sm.robot.backends.serial.backend import SerialBackend
-from pirate_sm.robot.backends.serial.link.line_quality import LineQuality, Refreshing
+from pirate_sm.robot.backends.serial.link.health import LineQuality, Refreshing
 from pirate_sm.robot.backends.serial.link.link_plan import LinkPlan
 from pirate_sm.robot.rosserial.frames import OVERHEAD_BYTES, Decoder
 

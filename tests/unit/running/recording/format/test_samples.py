@@ -10,8 +10,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from pirate_sm.core.simulation import InSpace
-from pirate_sm.running.recording.format.samples import (
-    SCHEMA,
+from pirate_sm.running.recording.format.engine_topics import (
+    SAMPLES_SCHEMA,
     Placed,
     decode_samples,
     encode_samples,
@@ -45,7 +45,7 @@ def shown(each: Placed) -> Placed:
 def test_samples_come_back_rounded(samples: list[Placed]) -> None:
     written = json.loads(encode_samples([places_sample(*each) for each in samples]))
 
-    jsonschema.validate(written, SCHEMA)
+    jsonschema.validate(written, SAMPLES_SCHEMA)
     assert list(decode_samples(written)) == [shown(each) for each in samples]
 
 

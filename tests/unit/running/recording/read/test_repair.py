@@ -19,19 +19,19 @@ from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.robot import confirmed_parts, state_change, states_of
 from pirate_sm.running.recording.format.engine_topics import STATE
 from pirate_sm.running.recording.read import repair as module
-from pirate_sm.running.recording.read.mcap_records import FRAME
+from pirate_sm.running.recording.read.mcap_content import FRAME
+from pirate_sm.running.recording.read.pieces import Gap
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.read.repair import is_whole, repair
-from pirate_sm.running.recording.read.steps import Gap
-from pirate_sm.running.recording.replay.end_of_run import end_of_run
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay, rerun, same
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay, rerun, same
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.recording.write import recorder
 from pirate_sm.running.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.running.wiring import Order
+from pirate_sm.running.wiring.resume_offer import end_of_run
 from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
 from pirate_sm.views.showing.panels import phases, states
 from pirate_sm.views.showing.progress_lines import idle

@@ -5,9 +5,9 @@ from __future__ import annotations
 import pytest
 from recording_runs import record
 
-from pirate_sm.running.recording.replay import compare as module
-from pirate_sm.running.recording.replay.compare import ComparedRun, Milestone, compare, compared_run
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording import compare as module
+from pirate_sm.running.recording.compare import ComparedRun, Milestone, compare, compared_run
+from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.wiring import Order
 
 

@@ -14,15 +14,14 @@ from pirate_sm.core.effects import CommandStatus
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.robot import Flight
-from pirate_sm.running.recording.format.engine_topics import UNLOGGED
-from pirate_sm.running.recording.format.samples import Placed
+from pirate_sm.running.recording.format.engine_topics import UNLOGGED, Placed
+from pirate_sm.running.recording.read.pieces import Gap, Message
 from pirate_sm.running.recording.read.reader import Recording, read_end_of_recording, read_recording
-from pirate_sm.running.recording.read.steps import Gap, Message
-from pirate_sm.running.recording.replay import end_of_run as module
-from pirate_sm.running.recording.replay.end_of_run import end_of_run
-from pirate_sm.running.recording.replay.replay import Rerun, rerun, same
+from pirate_sm.running.recording.replay import Rerun, rerun, same
 from pirate_sm.running.recording.write import piece_maker, recorder
 from pirate_sm.running.wiring import Order
+from pirate_sm.running.wiring import resume_offer as module
+from pirate_sm.running.wiring.resume_offer import end_of_run
 from tests.unit.running.recording.recording_runs import ROOT, record, record_cut_off
 
 CUT_S = 5.0

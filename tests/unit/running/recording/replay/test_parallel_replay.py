@@ -12,13 +12,9 @@ from types import SimpleNamespace
 import pytest
 from recording_runs import record
 
-from pirate_sm.running.recording.replay.parallel_replay import (
-    _heed_no_keys,
-    _stretches,
-    replay_shared,
-)
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay
+from pirate_sm.running.recording.parallel_replay import _heed_no_keys, _stretches, replay_shared
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay
 from pirate_sm.running.recording.write import piece_maker, recorder
 from pirate_sm.running.wiring import Order
 

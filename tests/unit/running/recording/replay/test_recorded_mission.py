@@ -17,13 +17,13 @@ from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.loading import LoadedMission, load_mission, with_zeros
 from pirate_sm.running.recording.format.header import RunHeader, header_of
 from pirate_sm.running.recording.read.reader import Recording
-from pirate_sm.running.recording.replay.recorded_mission import (
+from pirate_sm.running.recording.recorded_mission import (
     recorded_fit,
     recorded_mission,
     recorded_robot,
     recorded_robot_files,
 )
-from pirate_sm.running.recording.replay.replay import replay
+from pirate_sm.running.recording.replay import replay
 from pirate_sm.running.wiring import Order
 
 STALL_NM = 0.6

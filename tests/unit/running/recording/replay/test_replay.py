@@ -15,12 +15,12 @@ from pirate_sm.core.effects import CommandStatus, PhaseChange, Setpoints, StateC
 from pirate_sm.core.events import SensorFrame
 from pirate_sm.core.loading import load_mission
 from pirate_sm.core.robot import confirmed_parts
-from pirate_sm.running.recording.format.engine_state_text import state_from_text, state_to_text
-from pirate_sm.running.recording.read import piece_reader
+from pirate_sm.running.recording.format.json_values import state_from_text, state_to_text
+from pirate_sm.running.recording.read import pieces
+from pirate_sm.running.recording.read.pieces import Gap
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.read.steps import Gap
-from pirate_sm.running.recording.replay.recorded_mission import as_recorded, recorded_mission
-from pirate_sm.running.recording.replay.replay import engine_of, replay, rerun, rerun_steps, same
+from pirate_sm.running.recording.recorded_mission import as_recorded, recorded_mission
+from pirate_sm.running.recording.replay import engine_of, replay, rerun, rerun_steps, same
 from pirate_sm.running.recording.write import piece_maker, recorder
 from pirate_sm.running.wiring import Order
 from pirate_sm.simulation.bay.switches import Switches
@@ -320,7 +320,7 @@ def test_a_state_that_has_changed_is_a_difference(tmp_path, often, monkeypatch):
 
 def test_another_version_does_not_take_checkpoints_for_its_own(tmp_path, often, monkeypatch):
     recording = record(tmp_path / "run.mcap", Order("mitre_bend", seed=2))
-    monkeypatch.setattr(piece_reader, "__version__", "0.0.1")
+    monkeypatch.setattr(pieces, "__version__", "0.0.1")
 
     assert recording.checkpoint(1e9) is None
     assert list(recording.checkpoints()) == []

@@ -7,7 +7,7 @@ from dataclasses import replace
 import pytest
 from keeping import header
 
-from pirate_sm.running.recording.replay.setup_differences import unlike
+from pirate_sm.running.recording.compare import unlike
 
 
 def test_runs_made_alike_have_nothing_to_tell():

@@ -14,13 +14,12 @@ from recording_runs import ROOT, record_as_asked, record_with_viewers
 
 from pirate_sm.core.errors import RecordingError
 from pirate_sm.core.events import Sighting
-from pirate_sm.robot.detectors.seen_places import SeenWheels
-from pirate_sm.robot.detectors.vision_detector import CameraView
+from pirate_sm.robot.detectors.vision_detector import CameraView, SeenWheels
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay
-from pirate_sm.running.recording.tables.csv_files import write_tables
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay
+from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.viewers import complete_recording
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.wiring import Order

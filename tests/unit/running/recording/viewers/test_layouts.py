@@ -15,7 +15,7 @@ from recording_runs import ROOT, record_with_viewers
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_mission
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.viewers.layouts import lichtblick_layout, plotjuggler_layout
 from pirate_sm.running.wiring import Order
 

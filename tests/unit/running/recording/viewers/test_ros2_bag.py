@@ -16,7 +16,7 @@ from rosbags.interfaces import QosDurability
 import pirate_sm
 from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
+from pirate_sm.running.recording.recorded_mission import recorded_mission
 from pirate_sm.running.recording.viewers import ros2_bag
 from pirate_sm.running.recording.viewers.ros2_bag import write_bag
 

@@ -16,8 +16,8 @@ from recording_runs import ROOT, record_with_viewers
 from pirate_sm.core._geometry.network import Elbow, Mitre, Reducer, Straight, planar
 from pirate_sm.core.geometry import Route, dot, part_normals
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.viewers.pipes_in_space import Cylinder, Mesh, walls_to_draw
-from pirate_sm.running.recording.viewers.quaternions import Quaternion, about, of_axes
+from pirate_sm.running.recording.viewers.foxglove_scene import Cylinder, Mesh, walls_to_draw
+from pirate_sm.running.recording.viewers.transforms import Quaternion, about, of_axes
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
 from pirate_sm.views.showing.pose import pose_of

@@ -15,8 +15,8 @@ from pathlib import Path
 from typing import Any
 
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
-from pirate_sm.running.runtime.first_choice import FirstChoice
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 
 STEP = struct.Struct("<qd")

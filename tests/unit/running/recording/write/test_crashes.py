@@ -17,8 +17,8 @@ import pytest
 from crashing import witnessed
 
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.running.recording.replay.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay.replay import replay
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import replay
 
 HERE = Path(__file__).parent
 MOMENTS = 100 if os.environ.get("NIGHTLY") else 3

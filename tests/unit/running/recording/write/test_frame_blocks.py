@@ -18,14 +18,14 @@ from pirate_sm.core.effects import Effect, WakeAt
 from pirate_sm.core.events import Event, FrameBlock, SensorFrame, Tick
 from pirate_sm.core.sensing import Glide, Step
 from pirate_sm.core.simulation import Trail, Whereabouts
-from pirate_sm.running.recording.format.samples import PlacesSample, places_sample
+from pirate_sm.running.recording.format.engine_topics import PlacesSample, places_sample
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.write import recorder as module
-from pirate_sm.running.recording.write.gathered import PlacesOfTrail
-from pirate_sm.running.recording.write.kept_samples import KeptSamples
+from pirate_sm.running.recording.write.piece_maker import PlacesOfTrail
 from pirate_sm.running.recording.write.recorder import Recorder
 from pirate_sm.running.recording.write.recording_file import RecordingFile
+from pirate_sm.running.recording.write.sampler import KeptSamples
 
 WIDTHS = {board: len(channels) for board, channels in header().boards.items() if channels}
 CYCLE_S = 0.016

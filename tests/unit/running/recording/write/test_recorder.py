@@ -13,16 +13,16 @@ from pirate_sm.core.engine import Engine
 from pirate_sm.core.events import Event, SensorFrame, SignalReport, Tick
 from pirate_sm.core.resuming import Beginning
 from pirate_sm.core.robot import Mark, RobotState, at_rest_in
-from pirate_sm.running.recording.format.engine_state_text import body_from_text, body_to_text
+from pirate_sm.running.recording.format.json_values import body_from_text, body_to_text
+from pirate_sm.running.recording.read.pieces import RecordedStep
 from pirate_sm.running.recording.read.reader import Recording, read_recording
-from pirate_sm.running.recording.read.steps import RecordedStep
 from pirate_sm.running.recording.viewers.viewer_messages import ViewerMessages
 from pirate_sm.running.recording.write import recorder as module
 from pirate_sm.running.recording.write.recorder import AHEAD_S, Recorder
 from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
-from pirate_sm.running.recording.write.side_channel import SideChannel
-from pirate_sm.running.runtime.first_choice import FirstChoice
+from pirate_sm.running.recording.write.sampler import SideChannel
 from pirate_sm.running.runtime.loop import MissionRun
+from pirate_sm.running.runtime.scripted_events import FirstChoice
 from pirate_sm.running.wiring import Order, prepare
 
 

@@ -7,17 +7,20 @@ from math import inf
 
 import pytest
 
-from pirate_sm.robot.backends.serial.guardian.guard import AFTER_A_WRITE_S, REOPEN_EVERY_S, Guard
-from pirate_sm.robot.backends.serial.guardian.guard_actions import (
+from pirate_sm.robot.backends.serial.guardian.guard import (
+    AFTER_A_WRITE_S,
+    REOPEN_EVERY_S,
     Action,
     EndGuardian,
+    Guard,
+    Instructions,
+    Note,
+    NoteKind,
     Reopen,
     ToPort,
     ToRunner,
 )
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind
-from pirate_sm.robot.rosserial.frames import Decoder, SerialFrame, encode
-from pirate_sm.robot.rosserial.topics import FIRST_OF_THE_DEVICE
+from pirate_sm.robot.rosserial.frames import FIRST_OF_THE_DEVICE, Decoder, SerialFrame, encode
 from pirate_sm.simulation.bay.node_handle import NodeHandle
 
 from ..bench import ARRAY, ECHO, FIRST_PUBLISHER, FIRST_SUBSCRIBER, STATE, WANTED, topic

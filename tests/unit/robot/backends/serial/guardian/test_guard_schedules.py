@@ -8,15 +8,17 @@ from typing import NamedTuple
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pirate_sm.robot.backends.serial.guardian.guard import Guard
-from pirate_sm.robot.backends.serial.guardian.guard_actions import (
+from pirate_sm.robot.backends.serial.guardian.guard import (
     Action,
     EndGuardian,
+    Guard,
+    Instructions,
+    Note,
+    NoteKind,
     Reopen,
     ToPort,
     ToRunner,
 )
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.robot.rosserial.frames import SerialFrame, encode
 from pirate_sm.simulation.bay.node_handle import NodeHandle, Reception
 

@@ -9,10 +9,10 @@ import pytest
 
 from pirate_sm.core.errors import BackendError
 from pirate_sm.robot.backends.serial.guardian import guarded_port
+from pirate_sm.robot.backends.serial.guardian.guard import Instructions, Note, NoteKind
 from pirate_sm.robot.backends.serial.guardian.guarded_port import GuardedPort
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind
 from pirate_sm.robot.backends.serial.guardian.takeover import LeftBehind
-from pirate_sm.robot.backends.serial.ports.protocol import PortLostError
+from pirate_sm.robot.backends.serial.port import PortLostError
 
 from ..bench import WANTED
 

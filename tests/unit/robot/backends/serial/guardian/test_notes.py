@@ -6,7 +6,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions, Note, NoteKind, NoteReader
+from pirate_sm.robot.backends.serial.guardian.guard import Instructions, Note, NoteKind, NoteReader
 
 from ..bench import WANTED
 

@@ -15,9 +15,9 @@ import pytest
 
 from pirate_sm.core.errors import BackendError
 from pirate_sm.robot.backends.serial.guardian import guarded_port
+from pirate_sm.robot.backends.serial.guardian.guard import Instructions
 from pirate_sm.robot.backends.serial.guardian.guarded_port import GuardedPort
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions
-from pirate_sm.robot.backends.serial.ports.protocol import PortLostError
+from pirate_sm.robot.backends.serial.port import PortLostError
 from pirate_sm.robot.rosserial.frames import encode
 
 from ..bench import FIRST_SUBSCRIBER, PATIENCE_S, WANTED, Bench
@@ -29,7 +29,7 @@ PATIENT = INSTRUCTIONS._replace(silence_s=5.0)
 
 RUNNER = """
 import sys, time
-from pirate_sm.robot.backends.serial.guardian.notes import Instructions
+from pirate_sm.robot.backends.serial.guardian.guard import Instructions
 from pirate_sm.robot.backends.serial.guardian.guarded_port import GuardedPort
 port = GuardedPort(sys.argv[1], 57600, Instructions.from_json(sys.argv[4]))
 port.open()

@@ -10,8 +10,8 @@ import pytest
 
 from pirate_sm.core.events import FaultReport, SubmitResult
 from pirate_sm.robot.backends.serial.link.arrays import SetpointLink
-from pirate_sm.robot.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
-from pirate_sm.robot.backends.serial.link.wire_slots import WireSlot
+from pirate_sm.robot.backends.serial.link.health import NEVER, LineQuality, Refreshing
+from pirate_sm.robot.backends.serial.link.link_plan import WireSlot
 
 SPACING_S = 0.05
 HURRY_S = 0.6 * SPACING_S

@@ -6,11 +6,15 @@ import struct
 
 import pytest
 
-from pirate_sm.robot.backends.serial.link.connection_errors import mute, no_sensors, unanswered
-from pirate_sm.robot.backends.serial.link.conversation import Conversation
-from pirate_sm.robot.backends.serial.link.wanted_topics import Wanted, difference
-from pirate_sm.robot.rosserial.frames import encode
-from pirate_sm.robot.rosserial.topics import PUBLISHER, TopicInfo
+from pirate_sm.robot.backends.serial.link.conversation import (
+    Conversation,
+    Wanted,
+    difference,
+    mute,
+    no_sensors,
+    unanswered,
+)
+from pirate_sm.robot.rosserial.frames import PUBLISHER, TopicInfo, encode
 
 STATE = Wanted("state", "some_msgs/State", "0" * 32, "publishes", "int16 value")
 TAKES = Wanted("setpoints", "some_msgs/Setpoints", "1" * 32, "takes")

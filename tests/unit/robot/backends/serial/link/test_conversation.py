@@ -6,10 +6,15 @@ import struct
 
 import pytest
 
-from pirate_sm.robot.backends.serial.link.conversation import Conversation
-from pirate_sm.robot.backends.serial.link.wanted_topics import TopicRefused, Wanted
-from pirate_sm.robot.rosserial.frames import Decoder, encode
-from pirate_sm.robot.rosserial.topics import PUBLISHER, REQUEST_TOPICS, SUBSCRIBER, TIME
+from pirate_sm.robot.backends.serial.link.conversation import Conversation, TopicRefused, Wanted
+from pirate_sm.robot.rosserial.frames import (
+    PUBLISHER,
+    REQUEST_TOPICS,
+    SUBSCRIBER,
+    TIME,
+    Decoder,
+    encode,
+)
 
 STATE = Wanted("state", "some_msgs/State", "0" * 32, "publishes")
 NUMBER = 125

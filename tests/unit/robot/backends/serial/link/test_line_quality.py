@@ -6,7 +6,7 @@ from math import inf
 
 import pytest
 
-from pirate_sm.robot.backends.serial.link.line_quality import NEVER, LineQuality, Refreshing
+from pirate_sm.robot.backends.serial.link.health import NEVER, LineQuality, Refreshing
 
 LONGEST_S = 0.4
 

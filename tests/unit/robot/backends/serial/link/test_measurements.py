@@ -7,8 +7,8 @@ import math
 import pytest
 
 from pirate_sm.core.events import SensorFrame
-from pirate_sm.robot.backends.serial.link.measurements import Measurements
-from pirate_sm.robot.rosserial.state_messages import StateReading
+from pirate_sm.robot.backends.serial.link.exchange import Measurements
+from pirate_sm.robot.rosserial.messages import StateReading
 
 
 @pytest.fixture

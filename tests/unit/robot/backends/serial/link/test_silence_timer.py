@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.robot.backends.serial.link.silence_timer import SilenceTimer
+from pirate_sm.robot.backends.serial.link.conversation import SilenceTimer
 
 NAP_S = 0.05
 

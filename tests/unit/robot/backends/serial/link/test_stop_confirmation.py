@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.robot.backends.serial.link.stop_confirmation import StopConfirmation
+from pirate_sm.robot.backends.serial.link.recovery import StopConfirmation
 
 DRIVE, STOP = (7, 1), (7, 0)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.robot.backends.serial.link.throttle import RING_BYTES, Throttle
+from pirate_sm.robot.backends.serial.link.link_plan import RING_BYTES, Throttle
 
 BYTE_S = 0.001
 READ_S = 0.020

@@ -7,8 +7,8 @@ from math import inf, nan
 import pytest
 
 from pirate_sm.core.loading import load_robot
-from pirate_sm.robot.backends.serial.link.safe_array import SafeArray
-from pirate_sm.robot.backends.serial.link.wire_slots import WireSlot, to_counts, why_refused
+from pirate_sm.robot.backends.serial.link.link_plan import WireSlot, to_counts, why_refused
+from pirate_sm.robot.backends.serial.link.recovery import SafeArray
 from pirate_sm.robot.rosserial.messages import SetpointCodec, read_messages, serial_of
 
 from ..conftest import SIX_WHEELED

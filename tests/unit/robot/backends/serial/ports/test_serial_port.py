@@ -14,7 +14,7 @@ import pytest
 import serial
 
 from pirate_sm.core.errors import BackendError
-from pirate_sm.robot.backends.serial.ports.serial_port import SerialPort
+from pirate_sm.robot.backends.serial.serial_port import SerialPort
 
 from ..bench import Bench
 

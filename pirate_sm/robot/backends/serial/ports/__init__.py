@@ -1,1 +1,0 @@
-"""Serial ports: the protocol that the driver uses, and the real port (pyserial)."""

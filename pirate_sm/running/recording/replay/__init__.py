@@ -1,1 +1,0 @@
-"""Replays recordings and compares the result, or one run with another."""

@@ -1,1 +1,0 @@
-"""Recordings as tables: CSV files, and Parquet files with types and units."""
