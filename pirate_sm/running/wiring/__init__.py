@@ -47,7 +47,7 @@ __all__ = [
 BACKENDS: Registry[MakeBackend] = Registry(
     "backend",
     known.BACKEND_GROUP,
-    {name: f"pirate_sm.running.wiring.{name}:BACKEND" for name in known.BACKENDS},
+    {name: f"pirate_sm.running.wiring.backends:{name.upper()}" for name in known.BACKENDS},
     returns=Equipment,
 )
 
