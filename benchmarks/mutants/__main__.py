@@ -33,6 +33,11 @@ KEPT = ROOT / "runs" / "mutants"
 EQUIVALENT = Path(__file__).with_name("equivalent.yaml")
 ASKED = 0.95
 
+_REPLAYING = (
+    *("recording/compare", "recording/parallel_replay", "recording/recorded_mission"),
+    *("recording/replay", "wiring/resume_offer"),
+)
+
 PACKAGES = {
     "engine": ("pirate_sm/core/_engine",),
     "expressions": ("pirate_sm/core/_expressions",),
@@ -47,7 +52,10 @@ PACKAGES = {
         )
     ),
     "exploration": ("pirate_sm/checking/exploring",),
-    "recordings": ("pirate_sm/running/recording/read", "pirate_sm/running/recording/replay"),
+    "recordings": (
+        "pirate_sm/running/recording/read",
+        *(f"pirate_sm/running/{name}.py" for name in _REPLAYING),
+    ),
     "campaign": tuple(
         f"pirate_sm/lab/campaign/{name}.py"
         for name in ("intervals", "results", "tally", "watched_run")

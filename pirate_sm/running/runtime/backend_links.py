@@ -4,21 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Callable, Collection, Sequence
 from math import inf
-from typing import TYPE_CHECKING
 
 from pirate_sm.core.companion import Companion, Relieved
 from pirate_sm.core.effects import Effect, Log
 from pirate_sm.core.engine import Engine, EngineState
-from pirate_sm.core.events import BuiltInFault, Event, FaultReport
+from pirate_sm.core.events import BuiltInFault, Event, FaultReport, WordWatch
 from pirate_sm.core.robot import confirmed_parts
-from pirate_sm.robot.backends.protocol import Gliding
-
-if TYPE_CHECKING:
-    from pirate_sm.core.engine import Engine, EngineState
-    from pirate_sm.core.events import WordWatch
-    from pirate_sm.core.sensing import Glide
-    from pirate_sm.robot.backends.protocol import Backend
-
+from pirate_sm.core.sensing import Glide
+from pirate_sm.robot.backends.protocol import Backend, Gliding
 
 _LOOK_S, _SLID_M = 0.6, 0.1
 """A loose robot that straightens moves its wheels apart. One whose wheels have all moved the same

@@ -10,12 +10,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, Protocol
+from typing import Protocol
 
 from pirate_sm.core.companion import Companion
 from pirate_sm.core.effects import Effect, Ended, Fault
+from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import DetectorError
 from pirate_sm.core.events import BuiltInFault
+from pirate_sm.robot.backends.protocol import Backend
 from pirate_sm.running.runtime.ending import (
     BACKEND,
     BUG,
@@ -36,11 +38,6 @@ from pirate_sm.running.runtime.pump import (
     Watcher,
     described,
 )
-
-if TYPE_CHECKING:
-    from pirate_sm.core.engine import Engine, EngineState
-    from pirate_sm.robot.backends.protocol import Backend
-
 
 SLICE_S = 0.004
 """Longest sleep, so that a request to stop, from any thread, waits no longer than this."""

@@ -8,22 +8,18 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import inf
-from typing import TYPE_CHECKING, NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from pirate_sm.core.companion import Companion, Counting, Following, Onlooker
 from pirate_sm.core.effects import Effect, Ended, Fault, Setpoints, WakeAt
+from pirate_sm.core.engine import Engine, EngineState
 from pirate_sm.core.errors import BackendError
 from pirate_sm.core.events import Abort, Event, FrameBlock, SensorFrame, SignalReport, Tick
-from pirate_sm.core.resuming import AS_DECLARED, Beginning
+from pirate_sm.core.resuming import AS_DECLARED, Beginning, Resumption
+from pirate_sm.core.robot import RobotState
+from pirate_sm.core.sensing import Glide
+from pirate_sm.robot.backends.protocol import Backend
 from pirate_sm.running.runtime.backend_links import QuietTime
-
-if TYPE_CHECKING:
-    from pirate_sm.core.engine import Engine, EngineState
-    from pirate_sm.core.resuming import Resumption
-    from pirate_sm.core.robot import RobotState
-    from pirate_sm.core.sensing import Glide
-    from pirate_sm.robot.backends.protocol import Backend
-
 
 PULSE_S = 0.05
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from pirate_sm.checking.gate import pass_or_raise
 from pirate_sm.core.engine import Engine
@@ -24,14 +24,11 @@ from pirate_sm.core.resuming import (
     unknowns,
 )
 from pirate_sm.core.robot import known_values
+from pirate_sm.robot.backends.protocol import Backend
 from pirate_sm.robot.detectors.registry import speaks_of_bends
 from pirate_sm.running.runtime.pump import Resuming
 from pirate_sm.running.wiring.prepared import Prepared
 from pirate_sm.running.wiring.resumed_run import COUNTING
-
-if TYPE_CHECKING:
-    from pirate_sm.robot.backends.protocol import Backend
-
 
 LOOK_S = 1.0
 """How long the boards are read: a clamp must have been seen for half a second [D]."""

@@ -15,7 +15,14 @@ from typing import TYPE_CHECKING
 from pirate_sm.core.campaign import LineFaults
 from pirate_sm.core.documents import read_document
 from pirate_sm.core.errors import Hint, UsageError, not_installed
-from pirate_sm.core.loading import LoadedMission, simulated_profile, trace_script
+from pirate_sm.core.loading import (
+    LoadedMission,
+    newest_calibration,
+    simulated_profile,
+    summary,
+    trace_script,
+    with_zeros,
+)
 from pirate_sm.core.mission import Happening
 from pirate_sm.core.options import JITTER, written
 from pirate_sm.core.pipe import Pipe
@@ -170,9 +177,6 @@ def start_values(loaded: LoadedMission) -> tuple[float, ...] | None:
     )
 
 
-SIM: Plugin[MakeBackend] = Plugin(known.BACKENDS["sim"], _sim)
-
-
 def _physics(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the robot in MuJoCo's world, where the mission begins.
 
@@ -191,9 +195,6 @@ def _physics(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
             raise
         raise not_installed("the backend physics", "mujoco", "physics") from None
     return simulated(order, loaded, MujocoWorld)
-
-
-PHYSICS: Plugin[MakeBackend] = Plugin(known.BACKENDS["physics"], _physics)
 
 
 def without_messages(error: ModuleNotFoundError) -> UsageError:
@@ -265,9 +266,6 @@ def _bay(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     )
 
 
-BAY: Plugin[MakeBackend] = Plugin(known.BACKENDS["bay"], _bay)
-
-
 def _serial(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
     """Return the link to the robot at the order's port, without opening the port.
 
@@ -306,16 +304,11 @@ def calibrated(order: Order, loaded: LoadedMission) -> tuple[LoadedMission, tupl
 
     Without zeros, or if the order does not want them, the mission is unchanged, without a notice.
     """
-    from pirate_sm.core.loading import newest_calibration, summary, with_zeros
-
     calibration = newest_calibration(loaded.loaded_robot) if order.calibration else None
     if calibration is None:
         return loaded, ()
     robot = with_zeros(loaded.robot, calibration.zeros)
     return replace(loaded, robot=robot), (summary(calibration),)
-
-
-SERIAL: Plugin[MakeBackend] = Plugin(known.BACKENDS["serial"], _serial)
 
 
 def _trace(order: Order, loaded: LoadedMission, say: Say) -> Equipment:
@@ -382,4 +375,8 @@ def _check_firings(firings: tuple[Firing, ...], loaded: LoadedMission) -> None:
         raise UsageError("\n".join(filter(None, wrong)))
 
 
+SIM: Plugin[MakeBackend] = Plugin(known.BACKENDS["sim"], _sim)
+PHYSICS: Plugin[MakeBackend] = Plugin(known.BACKENDS["physics"], _physics)
+BAY: Plugin[MakeBackend] = Plugin(known.BACKENDS["bay"], _bay)
+SERIAL: Plugin[MakeBackend] = Plugin(known.BACKENDS["serial"], _serial)
 TRACE: Plugin[MakeBackend] = Plugin(known.BACKENDS["trace"], _trace)

@@ -99,6 +99,11 @@ def damaged(path: Path, how: str) -> RecordingError:
     return RecordingError(f"{shown(path)} is damaged: {how}")
 
 
+def unreadable(path: Path, error: OSError) -> RecordingError:
+    """Return the error for a file that cannot be read."""
+    return RecordingError(f"{shown(path)} cannot be read: {error.strerror}")
+
+
 class DamagedInsideError(RecordingError):
     """Is raised if the beginning of a recording is usable, but not all that follows.
 
@@ -325,8 +330,3 @@ def _step(number: int, at_s: float, made: Any, effects: list[tuple[int, Effect]]
     if isinstance(made, Abandoned):
         return RecordedStep(number, at_s, None, given, "runtime")
     return RecordedStep(number, at_s, made, given, "engine")
-
-
-def unreadable(path: Path, error: OSError) -> RecordingError:
-    """Return the error for a file that cannot be read."""
-    return RecordingError(f"{shown(path)} cannot be read: {error.strerror}")

@@ -184,7 +184,7 @@ def batches_of_frames(topics: Topics, frames: Mapping[int, Sequence[Any]]) -> It
 
     Args:
         topics: The topics of the robot.
-        frames: See :class:`pirate_sm.running.recording.write.piece_maker.Gathered`.
+        frames: See :class:`Gathered`.
     """
     for board, flat in frames.items():
         if flat:

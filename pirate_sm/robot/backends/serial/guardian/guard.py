@@ -242,9 +242,8 @@ class Guard:
                 if not self.acting:
                     self.payload = _payload_of(note.body)
                 return [ToRunner(Note(NoteKind.HEARD))]
-            case NoteKind.WRITE if (
-                not self.acting
-            ):  # else it may be older than what stopped the robot
+            # While the guardian acts, it may be older than what stopped the robot.
+            case NoteKind.WRITE if not self.acting:
                 return self._relay(note.body, now)
         return []
 
