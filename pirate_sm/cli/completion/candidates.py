@@ -179,7 +179,7 @@ def backends(context: typer.Context, typed: str) -> Iterator[Candidate]:
     """Yield the backends, also of other packages."""
     from pirate_sm.robot import known
 
-    yield from _parts(known.DETECTORS, known.DETECTOR_GROUP)
+    yield from _parts(known.BACKENDS, known.BACKEND_GROUP)
 
 
 def detectors(context: typer.Context, typed: str) -> Iterator[Candidate]:
