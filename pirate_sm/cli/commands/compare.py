@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from pirate_sm.cli.commands.replay import DIFFERENT, SAME
 from pirate_sm.cli.errors import say
 from pirate_sm.cli.opened_recording import opened_recording, print_visible, title
 from pirate_sm.cli.options.recordings import CompareOptions
@@ -17,7 +18,7 @@ from pirate_sm.running.recording.compare import Comparison, compare, compared_ru
 from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.recorded_mission import recorded_mission
 
-SAME, DIFFERENT, UNREADABLE = 0, 1, 2
+UNREADABLE = 2
 
 _MOST_SIGNALS = 12
 
