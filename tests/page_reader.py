@@ -83,7 +83,7 @@ class Reader:
             return 0, self._behind(line.removesuffix("&"))
         if not self.in_real_time:
             line = re.sub("--backend serial --port bay", "--backend bay", line)
-            self._patch.setattr("pirate_sm.cli.robot_connection.guarded_port", self._port)
+            self._patch.setattr("pirate_sm.cli.commands.doctor.guarded_port", self._port)
         program, *arguments = shlex.split(line)
         if program in PROGRAMS and not {"|", ">", "||"} & set(arguments):
             result = CliRunner().invoke(

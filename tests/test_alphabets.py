@@ -66,7 +66,7 @@ ALPHABETS = {
         '| Annotated[WaitStep, Tag("wait")]',
         "NewStep(_AnyStep)",
         (
-            "views/drawing/graph/step_text.py",
+            "views/drawing/words.py",
             "core/_loading/mission/program_writer.py",
             "core/_model/mission.py",
         ),
@@ -78,8 +78,8 @@ ALPHABETS = {
         (
             "checking/mission/mission_parameters.py",
             "views/drawing/graph/mission_graph.py",
-            "views/drawing/graph/step_text.py",
-            "views/interchange/scxml_writer.py",
+            "views/drawing/words.py",
+            "views/interchange/scxml.py",
             "core/_loading/mission/wait_writer.py",
         ),
     ),
@@ -87,7 +87,7 @@ ALPHABETS = {
         "core/_model/criteria.py",
         "| Aligned | Below",
         "NewCriterion(Frozen)",
-        ("views/drawing/robot/criterion_text.py", "core/_loading/robot/commands.py"),
+        ("views/drawing/words.py", "core/_loading/robot/commands.py"),
     ),
     "resolved criterion": Alphabet(
         "core/_engine/robot/criteria.py",

@@ -17,7 +17,7 @@ from typer.testing import CliRunner
 
 from pirate_sm import __version__
 from pirate_sm.cli.entry import commands
-from pirate_sm.cli.output.json_lines import FORMAT as LINES
+from pirate_sm.cli.output.event_lines import FORMAT as LINES
 from pirate_sm.core.events import ALPHABET_VERSION
 from pirate_sm.running.recording.format.header import FORMAT as RECORDING
 

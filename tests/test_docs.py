@@ -12,12 +12,12 @@ from pathlib import Path
 import pytest
 
 import pirate_sm
-from pirate_sm.cli import stored_help
+from pirate_sm.cli import start
 from website.built_site import near
 
 ROOT = Path(__file__).resolve().parents[1]
 PAGES = [ROOT / "README.md", ROOT / "CONTRIBUTING.md", *sorted((ROOT / "docs").rglob("*.md"))]
-HELP = Path(stored_help.FOLDER)
+HELP = Path(start.HELP_FOLDER)
 _LINK = re.compile(r"\]\(([^)#:]+)(?:#[^)]*)?\)")
 _CODE = re.compile(r"^ *```.*?^ *```", re.MULTILINE | re.DOTALL)
 

@@ -13,7 +13,7 @@ from pathlib import Path
 import pytest
 import yaml
 
-from pirate_sm.cli import stored_help
+from pirate_sm.cli import start
 
 ROOT = Path(__file__).resolve().parents[1]
 LIST = Path(__file__).with_name("english.yaml")
@@ -27,7 +27,7 @@ FIRST_READ = [
     *sorted((ROOT / "docs" / "how-to").glob("*.md")),
 ]
 CATALOGUE = sorted((ROOT / "pirate_sm" / "checking" / "catalogue").glob("*.yaml"))
-HELP = sorted(Path(stored_help.FOLDER).iterdir())
+HELP = sorted(Path(start.HELP_FOLDER).iterdir())
 
 _FENCED = re.compile(r"^ *```.*?^ *```", re.MULTILINE | re.DOTALL)
 _SPAN = re.compile(r"``[^`]*``|`[^`]*`")

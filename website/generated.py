@@ -11,7 +11,7 @@ from typing import Any
 
 import pirate_sm
 from pirate_sm import learning
-from pirate_sm.cli import stored_help
+from pirate_sm.cli import start
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.core.files import library
 from pirate_sm.core.loading import load_robot
@@ -24,8 +24,7 @@ from pirate_sm.running.runtime.ending import (
     RECORDING_LOST,
     SUCCEEDED,
 )
-from pirate_sm.views.drawing.robot.robot_page import robot_page
-from pirate_sm.views.drawing.robot.written_page import Drawing
+from pirate_sm.views.drawing.robot_page import Drawing, robot_page
 from pirate_sm.views.drawing.svg.svg_writer import svg
 from website import notebook
 
@@ -90,7 +89,7 @@ def _drawings(robot: Path) -> Iterator[str]:
 
 
 def _command_line() -> str:
-    texts = {file.stem: file.read_text("utf-8") for file in Path(stored_help.FOLDER).iterdir()}
+    texts = {file.stem: file.read_text("utf-8") for file in Path(start.HELP_FOLDER).iterdir()}
     lines = [
         "# Command line",
         "These are the help texts of the installed programs: `pirate COMMAND --help`.",

@@ -6,11 +6,9 @@ Everything here does what the command line does, with the package's own exceptio
 from __future__ import annotations
 
 from pirate_sm.api.arguments import Mission, check, load
-from pirate_sm.api.batches import batch
 from pirate_sm.api.result import Columns, Page, Run, read
-from pirate_sm.api.running import run
+from pirate_sm.api.running import batch, run, sweep
 from pirate_sm.api.stepping import Session, advance_all, session
-from pirate_sm.api.sweeping import sweep
 from pirate_sm.checking.findings import Finding
 from pirate_sm.checking.gate import CheckError
 from pirate_sm.core.documents import LoadError

@@ -2,29 +2,54 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from contextlib import ExitStack
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import ExitStack, contextmanager
 from math import inf
 from os import PathLike
 from typing import Self, Unpack
 
 from pirate_sm.api.arguments import Mission, is_number, prepared, whole
-from pirate_sm.api.guarded_pump import abandoned_on_error
-from pirate_sm.api.result import Run
-from pirate_sm.api.run_log import Notes, noted
+from pirate_sm.api.result import Notes, Run, noted
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import CommandStatus, Effect, Ended
 from pirate_sm.core.engine import EngineState
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import BackendError, DetectorError, UsageError
 from pirate_sm.core.events import Answer, Event, OperatorCommand, Pause, Resume
 from pirate_sm.core.expressions import Expression, compile_condition
 from pirate_sm.core.options import Options
 from pirate_sm.core.program import why_not_command
 from pirate_sm.core.spelling import meant
-from pirate_sm.running.runtime.pump import Pump
+from pirate_sm.running.runtime.loop import raised_by_part
+from pirate_sm.running.runtime.pump import BackendRaisedError, Pump, described
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.adoption import adopt_alone
 from pirate_sm.simulation.crew import Crew
+
+
+@contextmanager
+def abandoned_on_error(pump: Pump, backend: str) -> Iterator[None]:
+    """Send the safe array past the engine if a step breaks, and say so by our own errors.
+
+    Raises:
+        BackendError: It was the backend of this name that raised.
+        DetectorError: It was a detector of another package.
+    """
+    try:
+        yield
+    except BaseException as error:
+        if pump.ended is not None:
+            raise
+        cause = raised_by_part(error)
+        if isinstance(cause, DetectorError):
+            pump.abandon(Ended("fault", str(cause)))
+            raise cause from None
+        if isinstance(error, BackendRaisedError):
+            message = f"the {backend} backend failed: {described(cause)}"
+            pump.abandon(Ended("fault", message))
+            raise BackendError(message) from cause
+        pump.abandon(Ended("interrupted", described(error)))
+        raise
+
 
 CLOSED = "the session was closed"
 

@@ -21,7 +21,7 @@ from pirate_sm.cli import ctrl_c
 from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.options.common import VERSION
 from pirate_sm.cli.options.declaring import made, parameters_of
-from pirate_sm.cli.output.encoding import degrade
+from pirate_sm.cli.output.terminal import degrade
 
 COMMANDS = {
     "run": ("running:RunOptions", "run:run_mission"),
@@ -137,7 +137,7 @@ class _Command(TyperCommand):
                     raise typer.BadParameter(f"did you mean: --set {name}={value}?")
             return super().make_context(info_name, args, *given, **more)
         except typer.BadParameter as error:
-            from pirate_sm.cli.options.values import plain_refusal
+            from pirate_sm.cli.options.declaring import plain_refusal
 
             error.message = plain_refusal(error.message)
             raise

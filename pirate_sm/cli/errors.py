@@ -1,4 +1,4 @@
-"""Turns every error of a command into one message and an exit code."""
+"""Turns every error of a command, and a stop, into one message and an exit code."""
 
 from __future__ import annotations
 
@@ -9,10 +9,31 @@ from collections.abc import Callable
 from contextlib import suppress
 
 from pirate_sm.cli.ctrl_c import was_interrupted
-from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.core.errors import PirateError
 from pirate_sm.core.visible import visible
-from pirate_sm.running.runtime.ending import BUG, INTERRUPTED, OUTPUT_LOST
+from pirate_sm.running.runtime.ending import BUG, INTERRUPTED, OUTPUT_LOST, Stop, StopRequests
+
+
+class StoppedError(Exception):
+    """Is raised to end a command when a stop is requested."""
+
+    def __init__(self, stop: Stop) -> None:
+        super().__init__(stop.reason)
+        self.exit_code = stop.exit_code
+
+
+def stopper(requests: StopRequests) -> Callable[[], None]:
+    """Return a check that raises once when a stop is requested; cleaning up is then undisturbed."""
+    raised = False
+
+    def check() -> None:
+        nonlocal raised
+        if requests.stop is not None and not raised:
+            raised = True
+            raise StoppedError(requests.stop)
+
+    return check
+
 
 _LOST = {errno.EPIPE, errno.ENOSPC, errno.EBADF}
 """Exceptions from writing to a standard output that is closed or full."""

@@ -1,21 +1,200 @@
-"""The people of a run: companions for a keyboard and for a control panel."""
+"""The people of a run: companions for a keyboard and for a control panel.
+
+At the keyboard one key answers, and Enter gives the first choice.
+"""
 
 from __future__ import annotations
 
+import os
+import select
 import sys
-from contextlib import ExitStack
-from typing import TYPE_CHECKING, NamedTuple
+import termios
+import tty
+from collections.abc import Callable, Mapping, Sequence
+from contextlib import ExitStack, suppress
+from math import inf
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
-from pirate_sm.cli.keyboard import AllKeys, Operator, SharedKeys, TerminalKeys, can_type
 from pirate_sm.cli.options.running import RunOptions
+from pirate_sm.core.effects import Ask, Effect, Ended, Log, TriggerFired, WaitArmed
 from pirate_sm.core.errors import UsageError
+from pirate_sm.core.events import Answer, Event
 from pirate_sm.core.visible import visible
 from pirate_sm.running.runtime.ending import INTERRUPTED, Stop, StopRequests
+from pirate_sm.running.runtime.scripted_events import Answered
 from pirate_sm.running.wiring import Prepared, answers
 
 if TYPE_CHECKING:
+    from pirate_sm.core.engine import EngineState
     from pirate_sm.robot.control_panel.panel_reader import PanelCompanion, PanelReader
     from pirate_sm.robot.detectors.simple_detectors import Keys, WordKeys
+
+
+_LOOK_EVERY_S = 0.05
+
+
+def can_type() -> bool:
+    """Return whether standard input is a terminal whose keys reach this process."""
+    try:
+        fd = sys.stdin.fileno()
+        # A process in the background would be stopped by touching the terminal, during a run.
+        return os.isatty(fd) and os.tcgetpgrp(fd) == os.getpgrp()
+    except (AttributeError, OSError, ValueError):  # closed, or no terminal of ours
+        return False
+
+
+class TerminalKeys:
+    """Reads keys as they are pressed, without echo, while it is entered; Ctrl-C still works."""
+
+    def __init__(self) -> None:
+        self._fd = sys.stdin.fileno()
+        self._before: list[Any] | None = None
+
+    def __enter__(self) -> Self:
+        """Let keys arrive one by one, without echo."""
+        self._before = termios.tcgetattr(self._fd)
+        tty.setcbreak(self._fd)
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        """Leave the terminal as it was."""
+        if self._before is not None:
+            with suppress(termios.error):  # the terminal may have gone
+                termios.tcsetattr(self._fd, termios.TCSADRAIN, self._before)
+
+    def pressed(self) -> str:
+        """Return the keys pressed since the last call."""
+        ready, _, _ = select.select([self._fd], [], [], 0)
+        if not ready:
+            return ""
+        try:
+            return os.read(self._fd, 64).decode(errors="replace")
+        except OSError:
+            return ""  # the terminal has gone; a signal will follow
+
+
+class _Share:
+    """The keys of one user of a shared keyboard."""
+
+    def __init__(self, look: Callable[[], None]) -> None:
+        self._look = look
+        self.waiting = ""
+
+    def pressed(self) -> str:
+        """Return this user's keys since the last call."""
+        self._look()
+        keys, self.waiting = self.waiting, ""
+        return keys
+
+
+class SharedKeys:
+    """Shares a keyboard: some keys are the detector's words, all others are answers.
+
+    Attributes:
+        words: The keys for words.
+        answers: The other keys.
+    """
+
+    def __init__(self, keys: Keys, for_words: str) -> None:
+        self._keys = keys
+        self._for_words = for_words
+        self.words = _Share(self._look)
+        self.answers = _Share(self._look)
+
+    def _look(self) -> None:
+        for key in self._keys.pressed():
+            share = self.words if key.lower() in self._for_words else self.answers
+            share.waiting += key
+
+
+class AllKeys:
+    """The keys of several sources."""
+
+    def __init__(self, sources: Sequence[Keys]) -> None:
+        self._sources = tuple(sources)
+
+    def pressed(self) -> str:
+        """Return the keys pressed since the last call, source by source."""
+        return "".join(each.pressed() for each in self._sources)
+
+
+class Operator:
+    """A companion that asks a person the mission's questions and the operator's triggers.
+
+    Attributes:
+        question: The present question, empty if there is none.
+        choices: Its answers, numbered from 1.
+    """
+
+    def __init__(
+        self,
+        keys: Keys,
+        heard: Mapping[str, Sequence[str]],
+        show_question: Callable[[str], None] = lambda text: None,
+    ) -> None:
+        """Begin with no question.
+
+        Args:
+            keys: Source of the answers.
+            heard: The words that the wait of each phase listens to.
+            show_question: Shows a question if there is no view.
+        """
+        self._keys = keys
+        self._heard = heard
+        self._show = show_question
+        self.question = ""
+        self.choices: tuple[str, ...] = ()
+        self._expects = False
+        self._answer: str | None = None
+        self.due_s = inf
+
+    @property
+    def listening(self) -> bool:
+        """Whether a person may answer."""
+        return bool(self.choices)
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Ask a new question; drop an old one."""
+        for effect in effects:
+            if isinstance(effect, Ask):
+                self._put(effect.question, effect.choices, now_s, expects=True)
+            elif isinstance(effect, WaitArmed):
+                words = tuple(self._heard.get(effect.phase, ()))
+                self._put("Operator:" if words else "", words, now_s, expects=False)
+            elif isinstance(effect, TriggerFired | Ended):
+                self._put("", (), now_s, expects=False)
+
+    def look(self, state: EngineState | None, now_s: float) -> Sequence[Log]:
+        """Return a log line if a key has answered; ``speak`` returns the answer next."""
+        self.due_s = now_s + _LOOK_EVERY_S
+        for key in self._keys.pressed():
+            choice = self._choice(key)
+            if choice is not None:
+                self._put("", (), now_s, expects=False)
+                self._answer = choice
+                return (Answered("info", f"answered '{choice}' (operator)"),)
+        return ()
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the answer found by ``look``."""
+        answer, self._answer = self._answer, None
+        return () if answer is None else (Answer(answer),)
+
+    def _put(self, question: str, choices: tuple[str, ...], now_s: float, expects: bool) -> None:
+        self.question, self.choices = question, choices
+        self._expects = expects
+        self.due_s = now_s if choices else inf
+        if choices:
+            self._keys.pressed()  # earlier keys are no answer
+            offered = "  ".join(f"[{n}] {choice}" for n, choice in enumerate(choices, 1))
+            self._show(f"{question}  {offered}")
+
+    def _choice(self, key: str) -> str | None:
+        if key in "\r\n" and self._expects:
+            return self.choices[0]
+        if key.isdecimal() and 1 <= int(key) <= len(self.choices):
+            return self.choices[int(key) - 1]
+        return None
 
 
 class People(NamedTuple):

@@ -9,7 +9,7 @@ from typing import Any
 import typer
 
 from pirate_sm.cli.entry import commands
-from pirate_sm.cli.options.values import read_settings
+from pirate_sm.cli.options.declaring import read_settings
 from pirate_sm.core.campaign import SceneStep
 from pirate_sm.core.documents import LoadError
 from pirate_sm.core.documents import Path as Keys

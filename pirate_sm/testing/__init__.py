@@ -16,9 +16,8 @@ from __future__ import annotations
 
 import pytest
 
-pytest.register_assert_rewrite("pirate_sm.testing.backends", "pirate_sm.testing.detectors")
+pytest.register_assert_rewrite("pirate_sm.testing.contracts", "pirate_sm.testing.contracts")
 
-from pirate_sm.testing.backends import BackendContract, Candidate  # noqa: E402 - rewritten first
-from pirate_sm.testing.detectors import DetectorContract, Subject  # noqa: E402
+from pirate_sm.testing.contracts import BackendContract, Candidate, DetectorContract, Subject  # noqa: E402 - rewritten first  # noqa: E402
 
 __all__ = ["BackendContract", "Candidate", "DetectorContract", "Subject"]

@@ -21,7 +21,7 @@ from pirate_sm.core.robot import states_of
 from pirate_sm.running.runtime.pump import Resuming
 from pirate_sm.running.wiring import Order, Prepared, load, prepare
 from pirate_sm.views.console.app import Console
-from pirate_sm.views.console.mission_list import without_mission
+from pirate_sm.views.console.missions import without_mission
 from pirate_sm.views.console.session import Keep, OperatorSession, unkept
 from pirate_sm.views.showing.snapshot import Snapshot
 

@@ -13,7 +13,7 @@ from pirate_sm.core.engine import EngineState
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.dialogs import Confirm
-from pirate_sm.views.console.hand_driving import (
+from pirate_sm.views.console.driving import (
     FIRST_REPEAT_S,
     JOINT_CLEARANCE_M,
     LIMITS_M,

@@ -20,9 +20,9 @@ from pirate_sm.running.recording.tables import write_tables
 from pirate_sm.running.recording.write.recording_file import NS_PER_S, RecordingFile
 from pirate_sm.running.wiring import Prepared
 from pirate_sm.running.wiring.run_recorder import Kept
-from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
+from pirate_sm.views.console.recording_viewer import recorded_snapshots
+from pirate_sm.views.report.pages import listed
 from pirate_sm.views.report.recording_report import report_of
-from pirate_sm.views.report.run_list import listed
 
 from .driving import Operator, operator, played, with_mission
 

@@ -12,8 +12,7 @@ from pirate_sm.core.events import OperatorCommand
 from pirate_sm.core.loading import load_robot
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.console.app import Console
-from pirate_sm.views.console.dialogs import Confirm
-from pirate_sm.views.console.key_bindings import (
+from pirate_sm.views.console.availability import (
     ANSWERS,
     CONTROLS,
     LEAVE,
@@ -21,6 +20,7 @@ from pirate_sm.views.console.key_bindings import (
     arrows_for,
     letters_for,
 )
+from pirate_sm.views.console.dialogs import Confirm
 from pirate_sm.views.showing import panels
 from pirate_sm.views.showing.alarms import shows_success
 

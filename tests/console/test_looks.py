@@ -13,7 +13,7 @@ from pirate_sm.core.effects import CommandStatus
 from pirate_sm.core.events import OperatorCommand
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.console import availability
-from pirate_sm.views.console.key_bindings import RESERVED, letters_for
+from pirate_sm.views.console.availability import RESERVED, letters_for
 from pirate_sm.views.showing.body_panel import sparkline
 from pirate_sm.views.showing.picture import draw
 

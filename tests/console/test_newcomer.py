@@ -11,7 +11,7 @@ from textual.widgets import OptionList
 
 from pirate_sm.views.console import availability
 from pirate_sm.views.console.dialogs import Confirm
-from pirate_sm.views.console.hand_back_plan import not_passed
+from pirate_sm.views.console.hand_back import not_passed
 from pirate_sm.views.showing import panels
 
 from .driving import by_hand, operator, played, with_mission

@@ -17,7 +17,7 @@ from pirate_sm.lab.mapping.pipe_text import pipe_text
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.wiring import Order
 from pirate_sm.views.console.dialogs import ObservationDialog
-from pirate_sm.views.console.hand_driving import place_m
+from pirate_sm.views.console.driving import place_m
 from pirate_sm.views.console.terminal_driver import StopDriver
 from pirate_sm.views.report.timeline import operator_action
 

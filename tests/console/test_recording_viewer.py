@@ -16,8 +16,7 @@ from pirate_sm.core.engine import Engine
 from pirate_sm.core.robot import states_of
 from pirate_sm.running.recording.write import recorder
 from pirate_sm.running.wiring import Order
-from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.views.console.recording_viewer import RecordingViewer
+from pirate_sm.views.console.recording_viewer import RecordingViewer, recorded_snapshots
 from pirate_sm.views.console.widgets import Lines
 
 

@@ -16,13 +16,13 @@ from textual.widgets import OptionList, Static
 from pirate_sm.core import effects as fx
 from pirate_sm.core.events import GoTo, OperatorCommand
 from pirate_sm.core.robot import at_rest_in
-from pirate_sm.views.console import hand_back_plan
+from pirate_sm.views.console import hand_back
 from pirate_sm.views.console.app import Console
 from pirate_sm.views.console.availability import UNHEARD, look_at_entries
-from pirate_sm.views.console.command_series import BY_OPERATOR, Giver
 from pirate_sm.views.console.dialogs import Confirm, Pick
+from pirate_sm.views.console.driving import BY_OPERATOR, Giver
 from pirate_sm.views.console.session import OperatorSession
-from pirate_sm.views.showing.live_snapshots import scene_of
+from pirate_sm.views.showing.snapshot import scene_of
 
 from .driving import WALL_S, Operator, confirming, operator, played, with_mission
 from .test_looks import PICTURES, picture_of, text_of
@@ -221,13 +221,13 @@ def test_a_grey_phase_shows_its_whole_reason_and_no_path(width: int) -> None:
 def test_the_list_says_that_commands_are_still_being_looked_for(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    looked, look = Event(), hand_back_plan.look_for_ways
+    looked, look = Event(), hand_back.look_for_ways
 
-    def waiting(*arguments: Any) -> hand_back_plan.Ways:
+    def waiting(*arguments: Any) -> hand_back.Ways:
         assert looked.wait(WALL_S)
         return look(*arguments)
 
-    monkeypatch.setattr(hand_back_plan, "look_for_ways", waiting)
+    monkeypatch.setattr(hand_back, "look_for_ways", waiting)
 
     async def story() -> None:
         async with operator(with_mission("mitre_bend", backend="trace")) as me:
@@ -249,7 +249,7 @@ def test_the_list_says_that_commands_are_still_being_looked_for(
     played(story)
 
 
-@pytest.mark.parametrize("broken", [look_at_entries, hand_back_plan.look_for_ways])
+@pytest.mark.parametrize("broken", [look_at_entries, hand_back.look_for_ways])
 def test_a_check_that_fails_costs_its_answer_and_not_the_console(
     broken: Callable[..., object],
 ) -> None:

@@ -25,8 +25,14 @@ from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, Prepared
 from pirate_sm.views.console.app import Console
 from pirate_sm.views.console.dialogs import Confirm, Pick
-from pirate_sm.views.console.quitting import LEAVE_WITHIN_S, SAFE_WITHIN_S, Quitting, Watchdog
-from pirate_sm.views.console.session import LEFT, OperatorSession
+from pirate_sm.views.console.session import (
+    LEAVE_WITHIN_S,
+    LEFT,
+    SAFE_WITHIN_S,
+    OperatorSession,
+    Quitting,
+    Watchdog,
+)
 from pirate_sm.views.console.terminal_driver import Lossy, StopDriver
 
 from .driving import HandClock, Operator, by_hand, confirming, operator, played, with_mission

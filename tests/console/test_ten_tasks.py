@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.running.wiring import Order, load
-from pirate_sm.views.console.key_bindings import letters_for
+from pirate_sm.views.console.availability import letters_for
 
 from .operators_desk import PIRATE, ROBOT, Bay, Cable, Desk, wheels_sent
 

@@ -10,7 +10,7 @@ from textual.widgets import Button
 
 from pirate_sm.core.palette import THEMES, USUAL
 from pirate_sm.running.wiring import Order
-from pirate_sm.views.console.help_page import help_lines, recording_lines
+from pirate_sm.views.console.dialogs import help_lines, recording_lines
 from pirate_sm.views.console.recording_viewer import RecordingViewer
 from tests.colour_vision import GRAPHICS, TEXT, contrast
 

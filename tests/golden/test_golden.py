@@ -9,8 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli.output.json_lines import JsonLines
-from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.cli.output.event_lines import JsonLines, ObservedRun
 from pirate_sm.core.files import library
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice

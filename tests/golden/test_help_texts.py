@@ -7,11 +7,11 @@ from pathlib import Path
 
 import pytest
 
-from pirate_sm.cli import stored_help
+from pirate_sm.cli import start
 from pirate_sm.cli.entry import COMMANDS, commands, only_run
-from pirate_sm.cli.stored_help import help_name
+from pirate_sm.cli.start import help_name
 
-FOLDER = Path(stored_help.FOLDER)
+FOLDER = Path(start.HELP_FOLDER)
 GROUPS = ["pirate", "pirate new", "pirate camera"]
 LINES = ["pirate-run", *GROUPS, *(f"pirate {command}" for command in COMMANDS)]
 
@@ -21,7 +21,7 @@ def test_the_stored_text_is_as_the_options_are(
     line: str, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     program, *words = line.split()
-    monkeypatch.setenv("COLUMNS", str(stored_help.WIDEST))
+    monkeypatch.setenv("COLUMNS", str(start.WIDEST_HELP))
     app = only_run if program == "pirate-run" else commands
     app([*words, "--help"], prog_name=program, standalone_mode=False)
     told = capsys.readouterr().out

@@ -13,8 +13,8 @@ import pytest
 import pirate_sm
 from pirate_sm import LoadError, UsageError
 from pirate_sm.running.recording.read.reader import read_recording
+from pirate_sm.views.report.film_strip import seen_words
 from pirate_sm.views.report.recording_report import report_of
-from pirate_sm.views.report.seen_words import seen_words
 
 ROOT = Path(__file__).resolve().parents[2]
 SMALL = ROOT / "tests" / "cameras" / "small.yaml"

@@ -9,15 +9,15 @@ from glob import glob
 from math import degrees, inf
 from pathlib import Path
 
-from pirate_sm.cli.options.cameras import (
+from pirate_sm.cli.options.declaring import read_board
+from pirate_sm.cli.options.devices import (
     CalibrateCameraOptions,
     LookOptions,
     PrintOptions,
     SurveyOptions,
 )
-from pirate_sm.cli.options.values import read_board
 from pirate_sm.cli.output.files import refuse_losses, write_bytes, write_file
-from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.camera import (
     Camera,
     DeviceSource,

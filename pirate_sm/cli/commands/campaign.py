@@ -11,11 +11,10 @@ from importlib.util import find_spec
 from pathlib import Path
 from time import monotonic
 
-from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.campaigns import CampaignOptions
-from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.errors import StoppedError, say
+from pirate_sm.cli.options.estimates import CampaignOptions
+from pirate_sm.cli.output.terminal import progress
 from pirate_sm.cli.settings import BUILT_IN, SETTINGS, runs, unusable_runs
-from pirate_sm.cli.stop_checks import StoppedError
 from pirate_sm.core.errors import UsageError, not_installed
 from pirate_sm.core.files import library
 from pirate_sm.core.on_disk import is_file, is_folder

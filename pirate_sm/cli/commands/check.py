@@ -14,10 +14,8 @@ from pirate_sm.checking.reports.check_report import CheckReport, Rehearse
 from pirate_sm.checking.reports.text import text_report
 from pirate_sm.cli import settings
 from pirate_sm.cli.options.checks import CheckOptions
-from pirate_sm.cli.options.values import read_settings
-from pirate_sm.cli.output.encoding import writable
-from pirate_sm.cli.output.progress import progress
-from pirate_sm.cli.output.terminal import columns_of, shows_colour, wrapped
+from pirate_sm.cli.options.declaring import read_settings
+from pirate_sm.cli.output.terminal import columns_of, progress, shows_colour, wrapped, writable
 from pirate_sm.core.documents import Document, FileKind, Problems
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.files import is_below
@@ -135,7 +133,7 @@ def _rehearse(options: CheckOptions) -> Rehearse | None:
         if options.seeds != 1:
             raise UsageError("--seeds is for --rehearse")
         return None
-    from pirate_sm.cli.commands.check_rehearsal import rehearsing  # needs the simulator
+    from pirate_sm.cli.commands.rehearsal import rehearsing  # needs the simulator
 
     return rehearsing(options.seeds)
 

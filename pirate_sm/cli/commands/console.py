@@ -8,11 +8,9 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from pirate_sm.cli.errors import say, say_bug
+from pirate_sm.cli.options.declaring import read_speed
 from pirate_sm.cli.options.running import ConsoleOptions
-from pirate_sm.cli.options.values import read_speed
-from pirate_sm.cli.output.encoding import shows_signs
-from pirate_sm.cli.output.progress import progress
-from pirate_sm.cli.output.terminal import is_terminal
+from pirate_sm.cli.output.terminal import is_terminal, progress, shows_signs
 from pirate_sm.cli.run_recording import RecordingOptions, recorded
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.loading import BY_HAND
@@ -68,7 +66,7 @@ def open_console(options: ConsoleOptions) -> int:
     else:
         prepared, begun = _prepared(order), None
         if prepared.backend.real_time:
-            from pirate_sm.cli.taking_over import take_over
+            from pirate_sm.cli.commands.resume import take_over
 
             # Where the robot stands, each phase is checked before it is offered.
             order = prepared.order
@@ -79,7 +77,7 @@ def open_console(options: ConsoleOptions) -> int:
         session = _session(prepared, factor, recording, begun)
     from pirate_sm.views.console.app import Console
     from pirate_sm.views.console.check_process import CheckProcess
-    from pirate_sm.views.console.quitting import Watchdog, ender
+    from pirate_sm.views.console.session import Watchdog, ender
     from pirate_sm.views.console.terminal_driver import StopDriver
 
     sys.setswitchinterval(SWITCH_EVERY_S)
@@ -152,9 +150,8 @@ def _view(path: str, theme: Theme) -> int:
     from pathlib import Path
 
     from pirate_sm.running.recording.read.reader import read_recording
-    from pirate_sm.views.console.quitting import LeaveRequests, Watchdog, ender
-    from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
-    from pirate_sm.views.console.recording_viewer import RecordingViewer
+    from pirate_sm.views.console.recording_viewer import RecordingViewer, recorded_snapshots
+    from pirate_sm.views.console.session import LeaveRequests, Watchdog, ender
     from pirate_sm.views.console.terminal_driver import StopDriver
 
     with progress(f"reading {visible(path)}") as watch:
@@ -170,7 +167,7 @@ def _view(path: str, theme: Theme) -> int:
 
 
 def _prepared(order: Order) -> Prepared:
-    from pirate_sm.views.console.mission_list import without_mission
+    from pirate_sm.views.console.missions import without_mission
 
     if order.mission:
         return prepare(order, load(order), say=say)
@@ -183,7 +180,7 @@ def _prepared(order: Order) -> Prepared:
 
 def _conclude(app: Console, session: OperatorSession, debug: bool) -> int:
     """Print how the session ended and how it left the robot; return the exit code."""
-    from pirate_sm.views.showing.left_state import left_state
+    from pirate_sm.views.showing.effect_lines import left_state
 
     if parting := session.prepared.parting():
         say(parting)

@@ -13,8 +13,8 @@ from time import monotonic, sleep
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.errors import say
+from pirate_sm.cli.options.declaring import read_speed
 from pirate_sm.cli.options.running import DemoOptions
-from pirate_sm.cli.options.values import read_speed
 from pirate_sm.cli.output.files import refuse_losses, write_file
 from pirate_sm.cli.output.terminal import columns_of, is_terminal, wrapped
 from pirate_sm.cli.scene_steps import simulating, why_refused, why_unplayable

@@ -9,19 +9,18 @@ from urllib.parse import quote
 
 from pirate_sm import __version__
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.options.recordings import ReportOptions
+from pirate_sm.cli.options.files import ReportOptions
 from pirate_sm.cli.output.files import HEAD, begins, is_recording, write_file
-from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.output.terminal import progress
 from pirate_sm.core.errors import RecordingError, UsageError
 from pirate_sm.core.on_disk import is_folder, why_hidden
 from pirate_sm.core.visible import visible
 from pirate_sm.lab.campaign.store import RECORDINGS, is_store
 from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.views.report import GENERATOR
+from pirate_sm.views.report.pages import ListedRun, index_html, listed, unreadable
 from pirate_sm.views.report.recording_report import report_of
 from pirate_sm.views.report.report_page import html
-from pirate_sm.views.report.run_list import ListedRun, listed, unreadable
-from pirate_sm.views.report.run_list_page import index_html
 
 WRITTEN, UNREADABLE = 0, 1
 

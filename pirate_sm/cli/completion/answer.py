@@ -19,7 +19,7 @@ import typer
 from typer.core import TyperArgument, TyperGroup, TyperOption
 
 from pirate_sm.cli.completion import ASKING
-from pirate_sm.cli.completion.reading import OPEN, Candidate
+from pirate_sm.cli.completion.candidates import OPEN, Candidate
 from pirate_sm.core.visible import visible
 
 LINE = "PIRATE_SM_LINE"

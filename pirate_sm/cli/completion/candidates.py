@@ -1,37 +1,212 @@
-"""The values that a shell offers for an option or an argument, from what is in files.
+"""The values that a shell offers for an option or an argument, from files and their names.
 
-Options name these functions and those of :mod:`named_files`. Each takes what is on the command line
-before the cursor and the beginning of the word, and yields values with a line about each. They read
-files and names of entry points, and neither run nor import what is in them. What cannot be read
-yields nothing: whoever asks catches all errors (see ``answer.py``).
+Options name these functions. Each takes what is on the command line before the cursor and the
+beginning of the word, and yields values with a line about each. They read files and names of entry
+points, and neither run nor import what is in them. What cannot be read yields nothing: whoever
+asks catches all errors (see ``answer.py``).
 """
 
 from __future__ import annotations
 
+import os
 import re
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from contextlib import suppress
+from itertools import islice
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeAlias
 
 import typer
 
-from pirate_sm.cli.completion.named_files import cameras, missions
-from pirate_sm.cli.completion.reading import (
-    RECORDING,
-    Candidate,
-    described,
-    items,
-    line,
-    mapping,
-    read,
-    read_extended,
-    recorded,
-)
-from pirate_sm.core.errors import UsageError
+from pirate_sm.core.errors import PirateError, UsageError
 from pirate_sm.core.files import PROFILE_FILE, library
-from pirate_sm.core.on_disk import opened
+from pirate_sm.core.on_disk import is_file, is_folder, opened
 from pirate_sm.core.options import KEYS, keys_of
+
+Candidate: TypeAlias = tuple[str, str]
+"""A value, and a line about it."""
+
+OPEN = ("/", "=", ":", ",")
+"""Signs behind which a value goes on."""
+
+RECORDING = ".mcap"
+
+
+def read(path: Path) -> Mapping[Any, Any]:
+    """Return what is in a file; nothing if it cannot be read."""
+    from pirate_sm.core.documents import read_document
+
+    try:
+        return mapping(read_document(path).data)
+    except (PirateError, OSError, ValueError):
+        return {}
+
+
+def read_extended(path: Path) -> Mapping[Any, Any]:
+    """Return what is in a file and in the one that it extends; nothing if they cannot be read."""
+    from pirate_sm.core.documents import extended_file
+
+    try:
+        return mapping(extended_file.read_extended(path).data)
+    except (PirateError, OSError, ValueError):
+        return {}
+
+
+def recorded(path: Path, role: str) -> Mapping[Any, Any]:
+    """Return what was in the file of a recording's mission or robot; it may be cut off."""
+    from mcap.records import Attachment, Chunk
+    from mcap.stream_reader import StreamReader
+
+    from pirate_sm.core.documents import parse_document
+
+    with opened(path) as file:
+        for record in StreamReader(file, emit_chunks=True).records:
+            if isinstance(record, Attachment) and record.name.endswith(f"_{role}.yaml"):
+                return mapping(parse_document(record.data, record.name).data)
+            if isinstance(record, Chunk):  # the run begins, and the files stand before it
+                break
+    return {}
+
+
+def about_file(path: Path) -> str:
+    """Return the description in a file; empty if there is none."""
+    return line(read(path).get("description")) if path.suffix in library.SUFFIXES else ""
+
+
+def described(found: Any) -> Iterator[Candidate]:
+    """Yield the keys of a mapping with the descriptions in their values."""
+    for name, each in mapping(found).items():
+        yield str(name), line(mapping(each).get("description"))
+
+
+def mapping(found: Any) -> Mapping[Any, Any]:
+    """Return a mapping as it is; of anything else an empty one."""
+    return found if isinstance(found, dict) else {}
+
+
+def items(found: Any, key: str) -> list[Any]:
+    """Return the list at a key of a mapping; an empty one if there is none."""
+    listed = mapping(found).get(key)
+    return listed if isinstance(listed, list) else []
+
+
+def line(found: Any) -> str:
+    """Return a text or a number as text; of anything else an empty one."""
+    return str(found) if isinstance(found, str | int | float) else ""
+
+
+MOST_FILES = 1000
+"""The most files of a folder that are read."""
+
+MOST_RUNS = 20
+"""The most recordings that are offered from the folder for recordings; the newest ones."""
+
+
+def _of(
+    shipped: Callable[[], Iterable[Path]], fits: Callable[[Path], bool]
+) -> Callable[[typer.Context, str], Iterator[Candidate]]:
+    """Return a function that yields shipped names, and the files that fit."""
+
+    def found(context: typer.Context, typed: str) -> Iterator[Candidate]:
+        yield from _shipped(shipped(), typed)
+        yield from _files(typed, fits)
+
+    return found
+
+
+missions = _of(library.missions, lambda path: _is(path, {"mission"}))
+missions_or_recordings = _of(
+    library.missions, lambda path: path.suffix == RECORDING or _is(path, {"mission"})
+)
+campaigns = _of(library.missions, lambda path: _is(path, {"campaign", "mission"}))
+pipes = _of(library.pipes, lambda path: _is(path, {"pipe"}))
+cameras = _of(library.cameras, lambda path: _is(path, {"camera"}))
+panels = _of(library.panels, lambda path: _is(path, {"panel"}))
+scripts = _of(tuple, lambda path: _is(path, {"trace script"}))
+twins = _of(tuple, lambda path: _is(path, {"twin"}))
+charts_in_scxml = _of(tuple, lambda path: path.suffix in {".scxml", ".xml"})
+checkable = _of(tuple, lambda path: path.suffix in library.SUFFIXES)
+files = _of(tuple, lambda path: True)
+folders = _of(tuple, lambda path: False)
+
+
+def robots(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the shipped robots, and folders."""
+    for robot in library.robots():
+        if robot.name.startswith(typed):
+            yield robot.name, about_file(robot / PROFILE_FILE)
+    for folder, about in folders(context, typed):
+        profile = Path(folder).expanduser() / PROFILE_FILE
+        yield (folder.rstrip("/"), about_file(profile)) if is_file(profile) else (folder, about)
+
+
+def scenes(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield the scenes of the gallery, and files."""
+    for path in library.scenes():
+        if path.stem.startswith(typed):
+            yield path.stem, line(read(path).get("title"))
+    yield from _files(typed, lambda path: "scene" in read(path))
+
+
+def drawable(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield missions, robots and pipes, and files of them and of charts."""
+    yield from _shipped([*library.missions(), *library.pipes()], typed)
+    yield from robots(context, typed)
+    yield from _files(typed, lambda path: _is(path, {"mission", "pipe", "robot", "chart"}))
+
+
+def recordings(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield recordings of the working folder, and the newest of the folder for recordings."""
+    yield from _files(typed, lambda path: path.suffix == RECORDING)
+    from pirate_sm.cli.settings import values
+
+    runs = values()["runs"]
+    if not typed and runs.value and not runs.refused:
+        names = (each.name for each in _entries(Path(runs.value)) if each.name.endswith(RECORDING))
+        for name in sorted(names, reverse=True)[:MOST_RUNS]:  # they begin with the time
+            yield f"{runs.value}/{name}", ""
+
+
+def recordings_or_tables(context: typer.Context, typed: str) -> Iterator[Candidate]:
+    """Yield recordings, and tables in CSV files."""
+    yield from recordings(context, typed)
+    yield from _files(typed, lambda path: path.suffix == ".csv")
+
+
+def _shipped(paths: Iterable[Path], typed: str) -> Iterator[Candidate]:
+    for path in paths:
+        if path.stem.startswith(typed):
+            yield path.stem, about_file(path)
+
+
+def _files(typed: str, fits: Callable[[Path], bool]) -> Iterator[Candidate]:
+    """Yield files and folders whose path begins so; a ``~`` stays as it is."""
+    folder, slash, name = typed.rpartition("/")
+    inside = Path(f"{folder}{slash}" or ".").expanduser()
+    for each in _entries(inside):
+        if not each.name.startswith(name) or (each.name[0] == "." and not name):
+            continue
+        path = inside / each.name
+        if is_folder(each):
+            yield f"{folder}{slash}{each.name}/", ""
+        elif fits(path):
+            yield f"{folder}{slash}{each.name}", about_file(path)
+
+
+def _entries(folder: Path) -> list[os.DirEntry[str]]:
+    """Return what is in a folder, sorted by name; nothing if it cannot be read."""
+    try:
+        with os.scandir(folder) as found:
+            return sorted(islice(found, MOST_FILES), key=lambda each: each.name)
+    except OSError:
+        return []
+
+
+def _is(path: Path, kinds: Collection[str]) -> bool:
+    from pirate_sm.core.documents import kind_of
+
+    return path.suffix in library.SUFFIXES and kind_of(path) in kinds
+
 
 LONGEST_LINE = 100_000
 """The most characters that are read of the first line of a table."""

@@ -1,14 +1,19 @@
-"""Declares the options and arguments of commands as fields of a dataclass."""
+"""Declares the options of commands as fields of a dataclass, and reads values given as text."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+import re
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import MISSING, field, fields
 from inspect import Parameter, signature
-from math import inf
+from math import inf, isfinite
 from typing import Annotated, Any, TypeAlias
 
 import typer
+
+from pirate_sm.core.errors import UsageError
+from pirate_sm.core.spelling import meant
+from pirate_sm.core.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
 
 Completion: TypeAlias = Callable[..., Any] | None
 """Answers a shell that completes the value; None where there is nothing to choose from."""
@@ -83,3 +88,129 @@ def made(options: type[Any], given: Mapping[str, Any]) -> Any:
     rest = {name: value for name, value in given.items() if name not in own}
     several = (each.name for each in fields(options) if "several" in each.metadata)
     return options(**own, **dict.fromkeys(several, rest))
+
+
+_CHOICE = re.compile(r"(?:Value error, )?'(.*)' is not one of ('.*')\.", re.DOTALL)
+_PLAIN = (
+    (re.compile(r"Input should be a valid integer.*"), "expected a whole number"),
+    (re.compile(r"Input should be a valid number.*"), "expected a number"),
+    (re.compile(r"Input should be greater than or equal to "), "expected at least "),
+    (re.compile(r"Input should be greater than "), "expected more than "),
+    (re.compile(r"Input should be less than or equal to "), "expected at most "),
+    (re.compile(r"Input should be less than "), "expected less than "),
+    (re.compile(r"Value error, "), ""),
+)
+"""What the library for command lines says of values, and what that means."""
+
+
+def plain_refusal(message: str) -> str:
+    """Return in plain words why a value is refused, with the name that was probably meant."""
+    if choice := _CHOICE.fullmatch(message):
+        names = re.findall(r"'([^']*)'", choice[2])
+        return f"there is no '{choice[1]}'; {meant(choice[1], names)}"
+    for pattern, plain in _PLAIN:
+        message = pattern.sub(plain, message)
+    return message
+
+
+def read_settings(texts: Iterable[str] | None) -> dict[str, str]:
+    """Return the values of parameters from ``--set NAME=VALUE``, as text, by name.
+
+    Raises:
+        UsageError: A text has another form, or a name occurs twice.
+    """
+    return read_pairs("--set", texts or (), "NAME=VALUE")
+
+
+def read_pairs(option: str, texts: Iterable[str], form: str) -> dict[str, str]:
+    """Return the pairs of a repeatable option in the form NAME=VALUE.
+
+    Raises:
+        UsageError: A text has another form, or a name occurs twice.
+    """
+    pairs: dict[str, str] = {}
+    for text in texts:
+        name, equals, value = (part.strip() for part in text.partition("="))
+        if not (name and equals and value):
+            raise UsageError(f"{option} {text}: expected {form}")
+        if name in pairs:
+            raise UsageError(f"{option} gives '{name}' twice")
+        pairs[name] = value
+    return pairs
+
+
+def read_length(option: str, text: str | None) -> float | None:
+    """Return the length in an option, m.
+
+    Raises:
+        UsageError: It is not a length.
+    """
+    return _read(option, text, LENGTH)
+
+
+def read_duration(option: str, text: str | None) -> float | None:
+    """Return the duration in an option, s.
+
+    Raises:
+        UsageError: It is not a duration above zero.
+    """
+    duration_s = _read(option, text, TIME)
+    if duration_s is not None and duration_s <= 0.0:
+        raise UsageError(f"{option} {text}: expected a duration above zero, such as '10 min'")
+    return duration_s
+
+
+def read_board(inside: str, square: str) -> tuple[tuple[int, int], float]:
+    """Return the corners inside of a chessboard and the length of the sides of its squares, m.
+
+    Raises:
+        UsageError: A text has another form, or the board is too small.
+    """
+    match = re.fullmatch(r"(\d{1,2})x(\d{1,2})", inside)
+    if match is None or min(int(match[1]), int(match[2])) < 3:
+        raise UsageError(f"--board {inside}: expected the corners inside of it, such as 9x6")
+    square_m = read_length("--square", square)
+    if square_m is None or square_m <= 0.0:
+        raise UsageError(f"--square {square}: expected a length above zero, such as '25 mm'")
+    return (int(match[1]), int(match[2])), square_m
+
+
+def read_slip_speed(option: str, text: str | None) -> float | None:
+    """Return the speed that an option gives, m/s.
+
+    Raises:
+        UsageError: It is not a number above zero.
+    """
+    speed_m_s = _read(option, text, SPEED)
+    if speed_m_s is not None and speed_m_s <= 0.0:
+        raise UsageError(f"{option} {text}: expected a speed above zero, such as '1 mm/s'")
+    return speed_m_s
+
+
+def _read(option: str, text: str | None, dimension: Dimension) -> float | None:
+    if text is None:
+        return None
+    try:
+        return read_quantity(text, dimension)
+    except QuantityError as error:
+        raise UsageError(f"{option} {text}: {error}") from None
+
+
+def read_speed(text: str | None, default: float) -> float:
+    """Return mission seconds per second of the wall clock; infinite for ``max``.
+
+    Raises:
+        UsageError: The text is not a speed.
+    """
+    if text is None:
+        return default
+    named = {"max": inf, "realtime": 1.0}
+    if text in named:
+        return named[text]
+    try:
+        factor = float(text)
+    except ValueError:
+        factor = 0.0
+    if not (isfinite(factor) and factor > 0):
+        raise UsageError(f"--speed {text}: expected max, realtime, or a factor such as 4")
+    return factor

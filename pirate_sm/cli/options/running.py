@@ -7,10 +7,11 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from pirate_sm.cli.completion import candidates, named_files
+from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options import common
+from pirate_sm.cli.options.common import ahead_of, of_all_runs, read_choices, read_fire, values_of
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
-from pirate_sm.cli.options.of_runs import ahead_of, of_all_runs, read_choices, read_fire, values_of
 from pirate_sm.core.palette import USUAL as USUAL_THEME
 from pirate_sm.core.palette import Theme
 

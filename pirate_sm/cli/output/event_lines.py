@@ -1,24 +1,100 @@
-"""One readable line per event."""
+"""A run as lines: one readable line per event, or JSON Lines for programs (``docs/output.md``)."""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, TextIO
+from math import isfinite, isnan
+from typing import TYPE_CHECKING, Any, TextIO
 
+from pirate_sm import __version__
 from pirate_sm.cli.errors import say
-from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.cli.output.terminal import columns_of, wrapped
-from pirate_sm.core.effects import Effect, Ended
+from pirate_sm.core import effects as fx
+from pirate_sm.core.effects import Effect, Ended, Setpoints, Unmet
+from pirate_sm.core.engine import Evidence
+from pirate_sm.core.events import ALPHABET_VERSION
 from pirate_sm.core.options import USUAL
-from pirate_sm.core.simulation import SIMULATORS
+from pirate_sm.core.simulation import SIMULATORS, Truth
 from pirate_sm.core.visible import visible
 from pirate_sm.running.runtime.ending import StopRequests
 from pirate_sm.running.runtime.scripted_events import Answered
-from pirate_sm.running.wiring import Order
-from pirate_sm.views.showing.effect_lines import UNCONFIRMED, Teller, away, summary
+from pirate_sm.running.wiring import Order, Prepared
+from pirate_sm.views.showing.effect_lines import UNCONFIRMED, Teller, away, left_state, summary
 
 if TYPE_CHECKING:
+    from pirate_sm.core.engine import EngineState
     from pirate_sm.robot.backends.serial.link.health import LinkHealth
+    from pirate_sm.running.runtime.loop import MissionRun
+
+
+class ObservedRun:
+    """The present state of a run; ``run`` is set once it exists."""
+
+    def __init__(self, prepared: Prepared) -> None:
+        self.prepared = prepared
+        self.robot = prepared.loaded.robot
+        self.run: MissionRun | None = None
+        self._sent: tuple[float, ...] = ()
+        self._driven_from_m: float | None = None
+        self._ended: Ended | None = None
+
+    @property
+    def now_s(self) -> float:
+        """Mission time, s."""
+        return self.run.now_s if self.run else 0.0
+
+    @property
+    def state(self) -> EngineState | None:
+        """The engine's state, None before it began."""
+        return self.run.state if self.run else None
+
+    def truth(self) -> Truth | None:
+        """Return the robot's true position, if it is known."""
+        return self.prepared.truth() if self.prepared.truth else None
+
+    def note(self, effects: Sequence[Effect]) -> None:
+        """Note what was sent last, and the end."""
+        for effect in effects:
+            if isinstance(effect, Setpoints):
+                self._sent = effect.values
+                if self._driven_from_m is None and self.robot.travel(effect.values):
+                    truth = self.truth()
+                    self._driven_from_m = truth.distance_m if truth else None
+            elif isinstance(effect, Ended):
+                self._ended = effect
+
+    def left(self) -> str:
+        """Return in what state a run that did not succeed left the robot; empty otherwise."""
+        ended, state, link = self._ended, self.state, self.prepared.link
+        if ended is None or ended.outcome == "succeeded" or state is None:
+            return ""
+        return left_state(self.prepared.engine, state, self._sent, link() if link else None)
+
+    def odometry_m(self) -> float | None:
+        """Return the distance that the wheels have rolled, m, if it is measured."""
+        state = self.state
+        if state is None or self.robot.odometry < 0 or self.prepared.engine.nominal:
+            return None
+        value = state.sensing.numbers[self.robot.odometry]
+        return None if isnan(value) else value
+
+    def bound_m(self) -> float | None:
+        """Return how far the robot may be from that distance, m, if the mission reads it."""
+        state = self.state
+        if state is None or self.robot.bound < 0 or self.odometry_m() is None:
+            return None
+        value = state.sensing.numbers[self.robot.bound]
+        return None if isnan(value) else value
+
+    def distance_m(self) -> float | None:
+        """Return how far the robot has truly moved since it first drove, m, if it is known.
+
+        Odometry counts from there too. Before, clamping moves the middle of the wheels by some
+        20 mm, because a robot that folds is shorter.
+        """
+        truth = self.truth()
+        return truth.distance_m - (self._driven_from_m or 0.0) if truth else None
 
 
 _INDENT = 22
@@ -107,3 +183,105 @@ def how_it_runs(order: Order) -> str:
     how = ways.get(order.backend, "ideal")
     defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
     return f"{order.backend} ({how}{defects})"
+
+
+FORMAT = 1
+"""Changes when a reader of the lines would have to."""
+
+_DIGITS = 6
+
+
+class JsonLines:
+    """Writes each effect as one line; they are flushed together as they happen."""
+
+    def __init__(self, out: TextIO, observed: ObservedRun) -> None:
+        self._out = out
+        self._observed = observed
+        self._regions = observed.robot.regions
+        self._answered = False
+
+    def begin(self) -> None:
+        """Write what is about to run as the first line."""
+        order, loaded = self._observed.prepared.order, self._observed.prepared.loaded
+        self._write(
+            0.0,
+            "start",
+            {
+                "format": FORMAT,
+                "alphabet": ALPHABET_VERSION,
+                "version": __version__,
+                "mission": loaded.mission.mission,
+                "robot": loaded.robot.name,
+                "polarity": loaded.robot.polarity,
+                "pipe": loaded.pipe_name or None,
+                "backend": order.backend,
+                "detector": self._observed.prepared.detector,
+                "ideal": self._observed.prepared.engine.nominal,
+                "seed": order.seed,
+                "defects": list(order.defects),
+                "parameters": dict(loaded.parameters),
+                "from": order.start_phase,
+                "slots": [{"name": s.name, "unit": s.unit} for s in loaded.robot.slots],
+                "files": dict(loaded.files),
+            },
+        )
+        for notice in self._observed.prepared.notices:
+            self._write(0.0, "log", {"level": "info", "message": notice})
+        self._out.flush()
+
+    def see(self, effects: Sequence[fx.Effect], now_s: float) -> None:
+        """Write a line for each effect, and flush them."""
+        for effect in effects:
+            line = self._object(effect)
+            if line is not None and not self._is_known(effect):
+                self._write(now_s, *line)
+        self._out.flush()
+
+    def _is_known(self, effect: fx.Effect) -> bool:
+        """Whether a question is withdrawn only because of the answer that was just written."""
+        if isinstance(effect, fx.Ask):
+            known, self._answered = self._answered and not effect.question, False
+            return known
+        self._answered = self._answered or isinstance(effect, Answered)
+        return False
+
+    def _write(self, now_s: float, kind: str, rest: dict[str, Any]) -> None:
+        line = {"t": _plain(now_s), "type": kind, **rest}
+        text = json.dumps(line, ensure_ascii=False, allow_nan=False)
+        if not text.isprintable():  # it may be shown on a terminal, where that would hide the rest
+            text = json.dumps(line, allow_nan=False)
+        self._out.write(f"{text}\n")
+
+    def _object(self, effect: fx.Effect) -> tuple[str, dict[str, Any]] | None:
+        """Return the type of an effect's line and what it says; None where there is no line."""
+        display = fx.display_of(effect, nominal=self._observed.prepared.engine.nominal)
+        said = effect._asdict() if display.fields is None else {**display.fields}
+        if isinstance(effect, fx.Ended):
+            there = self._observed
+            said |= {
+                "sim_time_s": there.now_s,
+                "distance_m": there.distance_m(),
+                "odometry_m": there.odometry_m(),
+                "bound_m": there.bound_m(),
+            }
+        elif isinstance(effect, fx.StateChange):
+            named = dict(zip(self._regions, effect.states, strict=True))
+            said = {"state": named, "unconfirmed": effect.unconfirmed} | self._evidence()
+        return (display.kind, _plain(said)) if display.kind else None
+
+    def _evidence(self) -> dict[str, Any]:
+        """Return what has shown each state and clamp; empty without sensors."""
+        state, names = self._observed.state, (*self._regions, *self._observed.robot.parts)
+        shown = dict(zip(names, state.proofs if state else (), strict=False))
+        return {"evidence": shown} if shown else {}
+
+
+def _plain(value: Any) -> Any:
+    """Return a value for JSON: numbers to six digits, None for NaN and infinity."""
+    if isinstance(value, float):
+        return round(value, _DIGITS) if isfinite(value) else None
+    if isinstance(value, Unmet | Evidence):
+        value = value._asdict()
+    if isinstance(value, dict):
+        return {name: _plain(each) for name, each in value.items()}
+    return list(map(_plain, value)) if isinstance(value, tuple | list) else value

@@ -11,18 +11,15 @@ from rich.live import Live
 from rich.text import Text
 from rich.theme import Theme
 
-from pirate_sm.cli.keyboard import Operator
-from pirate_sm.cli.output.event_lines import how_it_runs
-from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.cli.output.event_lines import ObservedRun, how_it_runs
+from pirate_sm.cli.people import Operator
 from pirate_sm.core.effects import Effect
 from pirate_sm.robot.detectors.simple_detectors import WordKeys
 from pirate_sm.views.showing import alarms, panels, picture
 from pirate_sm.views.showing import body_panel as body
 from pirate_sm.views.showing import text_styles as styled
 from pirate_sm.views.showing.effect_lines import setpoint, summary
-from pirate_sm.views.showing.live_snapshots import Trends, scene_of, snapshot_of
-from pirate_sm.views.showing.run_history import Memory
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.snapshot import Memory, Snapshot, Trends, scene_of, snapshot_of
 from pirate_sm.views.showing.text_styles import BAD, FLAG, GOOD, MUTED, STRONG, WARN, fitted, line
 
 _LEFT = 40

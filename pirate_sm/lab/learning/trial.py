@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from pirate_sm.api.arguments import is_number, path_of, prepared
-from pirate_sm.api.guarded_pump import abandoned_on_error
+from pirate_sm.api.stepping import abandoned_on_error
 from pirate_sm.core.companion import entered
 from pirate_sm.core.effects import CommandStatus, Effect, Ended, Fault
 from pirate_sm.core.engine import EngineState

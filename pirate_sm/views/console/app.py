@@ -17,23 +17,22 @@ from textual.widgets import Footer
 from pirate_sm.core.palette import USUAL, Theme
 from pirate_sm.robot.control_panel.panel_reader import PanelReader
 from pirate_sm.running.runtime.ending import Stop
-from pirate_sm.views.console import availability, hand_back_plan
-from pirate_sm.views.console.check_process import CheckCall, ask_here
-from pirate_sm.views.console.checklist import Checklist
-from pirate_sm.views.console.dialogs import Dialog, Help, ObservationDialog
-from pirate_sm.views.console.hand_driving import is_still
-from pirate_sm.views.console.help_page import help_lines
-from pirate_sm.views.console.key_bindings import (
+from pirate_sm.views.console import availability, hand_back
+from pirate_sm.views.console.availability import (
     CONTROLS,
     LEAVE,
     MISSIONS,
+    Request,
     arrows_for,
     both_cases,
     letters_for,
+    obstacles,
     ways,
 )
-from pirate_sm.views.console.panel_actions import PanelActions
-from pirate_sm.views.console.reason_lines import Request, obstacles
+from pirate_sm.views.console.check_process import CheckCall, ask_here
+from pirate_sm.views.console.dialogs import Checklist, Dialog, Help, ObservationDialog, help_lines
+from pirate_sm.views.console.driving import is_still
+from pirate_sm.views.console.operator_actions import PanelActions
 from pirate_sm.views.console.session import OperatorSession
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.console.widgets import (
@@ -215,7 +214,7 @@ class Console(PanelActions, RobotApp):
     def show_words(self, snapshot: Snapshot) -> None:
         """Show everything but the picture, and what is open to be read."""
         self.show_robot(snapshot, panels.header(snapshot, self.size.width), self.seen)
-        series = hand_back_plan.bar(self.session.giver.series)
+        series = hand_back.bar(self.session.giver.series)
         self.show_bar("question", series or panels.question(snapshot, self.size.width))
         self.on_base(Lines, "pages").show([_tabs(self.page)])
         self._show_rows(snapshot)

@@ -1,20 +1,113 @@
-"""Decides which requests of the operator are possible now, with the engine's reasons."""
+"""The keys of the console, which requests are possible now, and the engine's reasons against them.
+
+A key means one thing, so a key that answers a question never moves the robot. A letter means the
+same in both cases, so Caps Lock does no harm.
+"""
 
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+import unicodedata
+from collections.abc import Mapping, Sequence
+from functools import lru_cache
 from pathlib import Path
+from string import ascii_lowercase
+from textwrap import wrap
 from typing import NamedTuple
+
+from rich.text import Text
 
 from pirate_sm.checking.plans import why_not_from
 from pirate_sm.core.engine import EngineState
 from pirate_sm.core.events import GoTo, Resume
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import SwitchControl, Wait, why_not_command, why_not_on, why_not_to
-from pirate_sm.core.robot import RobotSpec, RobotState, marks_after, refusal, state_change
-from pirate_sm.views.console.key_bindings import CONTROLS, ways
+from pirate_sm.core.robot import (
+    RobotSpec,
+    RobotState,
+    StoppedSpec,
+    at_rest_in,
+    marks_after,
+    refusal,
+    state_change,
+)
+from pirate_sm.views.showing.effect_lines import shortened
 from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.text_styles import MUTED, STRONG, line
+
+LEAVE, MISSIONS = "q", "m"
+YES, NO = "y", "n"
+CONTROLS: Mapping[str, str] = {
+    "go": "r",
+    "pause": "p",
+    "step": ".",
+    "skip": "k",
+    "hand_back": "h",
+    "abort": "x",
+}
+"""Keys of the controls of a mission."""
+
+ANSWERS = frozenset([YES, NO, LEAVE, "escape", "enter", *"123456789"])
+"""Keys that answer a question; no command, control or word of a detector has one of them."""
+
+RESERVED = frozenset([*ANSWERS, MISSIONS, *CONTROLS.values()])
+"""Keys that no command and no word of a detector gets."""
+
+_SPARE_KEYS = ",;'[]"
+"""Keys for names when there are no more letters."""
+
+
+def letters_for(names: Sequence[str]) -> dict[str, str]:
+    """Return a lower-case letter for each name, in order, as far as there are letters and signs.
+
+    The first that is free of: the capitals of the name, its other letters, the rest of the
+    alphabet from its end, some signs.
+    """
+    free = [key for key in ascii_lowercase + _SPARE_KEYS if key not in RESERVED]
+    found: dict[str, str] = {}
+    for name in names:
+        capitals = [letter.lower() for letter in name if letter.isupper()]
+        wanted = (*capitals, *name.lower(), *reversed(ascii_lowercase), *_SPARE_KEYS)
+        letter = next((each for each in wanted if each in free), None)
+        if letter is None:
+            break
+        free.remove(letter)
+        found[name] = letter
+    return found
+
+
+def both_cases(letter: str) -> str:
+    """Return the keys of a letter in both cases, for a binding; of a sign its name."""
+    if letter.isalpha():
+        return f"{letter},{letter.upper()}"
+    return unicodedata.name(letter).lower().replace("-", "_").replace(" ", "_")
+
+
+def arrows_for(robot: RobotSpec) -> dict[str, str]:
+    """Return the command of each arrow key: up and down drive, left and right brake."""
+    found: dict[str, str] = {}
+    for command in robot.commands:
+        if isinstance(command.done, StoppedSpec):
+            found.setdefault("left", command.name)
+            found.setdefault("right", command.name)
+    for name, way in ways(robot).items():
+        found.setdefault("up" if way > 0 else "down", name)
+    return found
+
+
+@lru_cache(maxsize=8)
+def ways(robot: RobotSpec) -> dict[str, int]:
+    """Return the commands that drive: 1 forward, -1 backward."""
+    found: dict[str, int] = {}
+    for index, command in enumerate(robot.commands):
+        for here in range(len(robot.table.configurations)):
+            target = robot.table.follow(here, index)
+            if robot.driven[target].keys() - robot.driven[here].keys():
+                travel = robot.travel(at_rest_in(robot, target).values)
+                if travel:
+                    found.setdefault(command.name, travel)
+    return found
+
 
 OVER = "the session is over: q leaves"
 OPENING = "the backend is being opened"
@@ -226,3 +319,84 @@ def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:
     if held and loaded.robot.polarity != scene.robot.polarity:
         return f"it wants {loaded.robot.polarity} polarity, and the robot holds on in the other"
     return ""
+
+
+_SIGNS = {"unneeded": "=", "impossible": "✕"}
+
+
+class Request(NamedTuple):
+    """A request of the operator, and why it is not available; the reason is empty if it is."""
+
+    key: str
+    reason: str
+
+
+def sign_of(reason: str) -> str:
+    """Return ``=`` if the state is reached already, ``✕`` if it cannot be."""
+    return _SIGNS.get(reason.partition(": ")[0], "✕")
+
+
+def obstacles(
+    asked: Mapping[str, Sequence[Request]], robot: RobotSpec, width: int, rows: int
+) -> list[Text]:
+    """Return every reason in as many lines as there is room; reached states come last.
+
+    Args:
+        asked: All requests, by the name that is shown if one reason holds for all.
+        robot: The robot, whose regions are shown by their short names.
+        width: Width of a line.
+        rows: Number of lines.
+    """
+    short = {
+        name: [it._replace(reason=_shortened(it.reason, robot)) for it in each]
+        for name, each in asked.items()
+    }
+    found = sorted(_grouped(short).items(), key=lambda each: each[0][0] == "=")
+    heads = [f"{reason[0]} {keys}  " for reason, keys in found]
+    texts = [head + reason[2:] for head, (reason, _) in zip(heads, found, strict=True)]
+    lines = []
+    for head, shown in zip(heads, _fitting(texts, width, rows), strict=False):
+        first, *more = shown
+        lines.append(line((first[: len(head)], STRONG), (first[len(head) :], MUTED)))
+        lines += [line((each, MUTED)) for each in more]
+    return lines if found else [line(("everything can be asked for", MUTED))]
+
+
+def _grouped(asked: Mapping[str, Sequence[Request]]) -> dict[str, str]:
+    """Return the keys of each reason."""
+    found: dict[str, list[str]] = {}
+    for name, each in asked.items():
+        reasons = {key: reason for key, reason in each if reason}
+        if len(reasons) == len(each) > 1 and len(set(reasons.values())) == 1:
+            found.setdefault(each[0].reason, []).append(name if len(asked) > 1 else "all")
+            continue
+        for key, reason in reasons.items():
+            found.setdefault(reason, []).append(key)
+    return {reason: " ".join(keys) for reason, keys in found.items()}
+
+
+def _shortened(reason: str, robot: RobotSpec) -> str:
+    """Return the sign of a reason, and what it says without what there is no room for."""
+    if not reason:
+        return ""
+    kind, _, rest = reason.partition(": ")
+    said = (rest if kind in _SIGNS else reason).replace("it needs ", "needs ", 1)
+    before, first, _ = said.partition(" first (")
+    said = f"{before} first" if first else said
+    for region, label in zip(robot.regions, shortened(robot.regions), strict=True):
+        said = said.replace(region, label)
+    return f"{sign_of(reason)} {said}"
+
+
+def _fitting(texts: Sequence[str], width: int, rows: int) -> list[list[str]]:
+    """Wrap each text; while there are too many lines, drop the last one of the longest text."""
+    most = [len(_wrapped(text, width, rows)) for text in texts]
+    while sum(most) > rows and max(most) > 1:
+        most[most.index(max(most))] -= 1
+    return [_wrapped(text, width, count) for text, count in zip(texts, most, strict=True)][:rows]
+
+
+def _wrapped(text: str, width: int, most: int) -> list[str]:
+    return wrap(
+        text, max(width, 8), subsequent_indent="  ", max_lines=max(most, 1), placeholder=" …"
+    )

@@ -1,4 +1,7 @@
-"""Acts on keys, clicked rows and the command palette."""
+"""Acts on keys, clicked rows, the command palette and a control panel.
+
+What is pressed on a panel counts as a key; a stop does not come this way.
+"""
 
 from __future__ import annotations
 
@@ -7,7 +10,7 @@ from functools import partial
 from math import inf, isnan
 from signal import SIGHUP
 from time import monotonic
-from typing import Any
+from typing import Any, assert_never
 
 from textual.app import SystemCommand
 from textual.worker import Worker, WorkerState
@@ -23,14 +26,16 @@ from pirate_sm.core.events import (
     Skip,
     Step,
 )
+from pirate_sm.core.panel import AnswerButton, Button, CommandButton, RunButton, WordButton
 from pirate_sm.core.robot import lets_all_go
+from pirate_sm.robot.control_panel.panel_reader import Connection, PanelReader
+from pirate_sm.robot.control_panel.presses import TWICE_WITHIN_S, Press, action_text
 from pirate_sm.running.runtime.ending import BY_SIGNAL
 from pirate_sm.views.console import availability
-from pirate_sm.views.console.alarm_list import AlarmActions
-from pirate_sm.views.console.checklist import Checklist
-from pirate_sm.views.console.dialogs import ObservationDialog
-from pirate_sm.views.console.hand_back_actions import FAULT, HandBackActions
-from pirate_sm.views.console.hand_driving import (
+from pirate_sm.views.console.availability import CONTROLS, ways
+from pirate_sm.views.console.confirmed_actions import AlarmActions
+from pirate_sm.views.console.dialogs import Checklist, Confirm, ObservationDialog
+from pirate_sm.views.console.driving import (
     FIRST_REPEAT_S,
     NEXT_REPEAT_S,
     SaidPlace,
@@ -38,8 +43,8 @@ from pirate_sm.views.console.hand_driving import (
     is_still,
     place_m,
 )
-from pirate_sm.views.console.key_bindings import ways
-from pirate_sm.views.console.mission_actions import MissionActions
+from pirate_sm.views.console.hand_back import FAULT, HandBackActions
+from pirate_sm.views.console.missions import MissionActions
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.showing.panels import choices
 
@@ -291,3 +296,56 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         yield SystemCommand("Missions", "Choose a mission", self.action_missions)
         for word in snapshot.scene.robot.detector_words:
             yield SystemCommand(f"Detector: {word}", "Say it", partial(self.action_word, word))
+
+
+class PanelActions(OperatorActions):
+    """The part of the console that heeds a control panel.
+
+    Attributes:
+        panel: The panel, opened; None if there is none.
+    """
+
+    panel: PanelReader | None = None
+
+    def heed_panel(self) -> None:
+        """Act on what has happened on the panel since the last call."""
+        for happening in self.panel.taken() if self.panel is not None else ():
+            match happening:
+                case Connection("lost", message):
+                    self.notify(message, severity="warning", timeout=10, markup=False)
+                case Connection(_, message):
+                    self.notify(message, timeout=10, markup=False)
+                case Press(name, button, asks=True):
+                    what = f"press {name} again within {TWICE_WITHIN_S:g} s"
+                    self._refuse(action_text(button), what)
+                case Press(_, button):
+                    self._press(button)
+                case _:
+                    assert_never(happening)
+
+    def _press(self, button: Button) -> None:
+        """Do what the button does; while a dialog is open, only answers count."""
+        dialog = self.screen if len(self.screen_stack) > 1 else None
+        unread = self.is_unread(monotonic())
+        if isinstance(dialog, Confirm) and isinstance(button, AnswerButton) and not unread:
+            dialog.action_answer(button.answer == 1)
+            return
+        if dialog is not None:
+            self._refuse(action_text(button), "a dialog is open")
+            return
+        match button:
+            case RunButton(do="go") if self.session.latest.stopped_in:
+                self.session.giver.stop()
+                key = CONTROLS["go"]
+                reason = f"it was stopped: choose the phase with {key} at the keyboard"
+                self._refuse(action_text(button), reason)
+            case RunButton(do=control):
+                self.action_control(control)
+            case CommandButton(command=command):
+                self.action_command(command)
+            case WordButton(word=word):
+                self.action_word(word)
+            case AnswerButton(answer=number):
+                self.action_answer(number)
+            case _:
+                assert_never(button)

@@ -1,10 +1,16 @@
-"""The console's viewer of a recording: it shows everything and controls nothing."""
+"""The console's viewer of a recording: it shows everything and controls nothing.
+
+Its snapshots come from replaying the recording.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence, Set
+from bisect import bisect_right
+from collections.abc import Callable, Iterator, Sequence, Set
+from dataclasses import replace
+from functools import lru_cache
 from signal import SIGHUP
-from typing import ClassVar
+from typing import ClassVar, NamedTuple
 
 from textual.app import ComposeResult
 from textual.binding import Binding, BindingType
@@ -12,15 +18,198 @@ from textual.containers import Horizontal, Vertical
 from textual.events import Resize
 from textual.widgets import Footer
 
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.errors import RecordingError
+from pirate_sm.core.geometry import Place, drawn_walls
+from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.palette import USUAL, Theme
+from pirate_sm.core.simulation import InSpace, Truth
+from pirate_sm.running.recording.format.engine_topics import Placed
+from pirate_sm.running.recording.read.pieces import Checkpoint, Gap, with_own_times
+from pirate_sm.running.recording.read.places import recorded_places
+from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.recorded_mission import recorded_mission
+from pirate_sm.running.recording.replay import engine_of, rerun
 from pirate_sm.running.runtime.ending import BY_SIGNAL, StopRequests
-from pirate_sm.views.console.dialogs import HelpDialog
-from pirate_sm.views.console.help_page import recording_lines
-from pirate_sm.views.console.key_bindings import LEAVE, both_cases
-from pirate_sm.views.console.recorded_snapshots import RecordedSnapshots
+from pirate_sm.views.console.availability import LEAVE, both_cases
+from pirate_sm.views.console.dialogs import HelpDialog, recording_lines
 from pirate_sm.views.console.widgets import Lines, PipePicture, RobotApp, panel
 from pirate_sm.views.showing import panels
+from pirate_sm.views.showing.robot_anatomy import anatomy_of
+from pirate_sm.views.showing.snapshot import Memory, MissionScene, Snapshot, Trends
 from pirate_sm.views.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
+
+MOST_FRAMES = 4000
+"""The most snapshots between two checkpoints. If checkpoints are far apart, or in old recordings
+without them, so are the snapshots."""
+
+FINEST_S = 0.1
+
+_MOST_WINDOWS = 8
+"""The most stretches between checkpoints whose snapshots are in memory."""
+
+
+class RecordedSnapshots:
+    """The snapshots of a recording, made on demand.
+
+    Args:
+        windows: The stretches of the recording that can be replayed separately, in order.
+        phases_s: When each phase was entered.
+        length_s: Time of the last snapshot.
+        frames: Returns the snapshots of the window with this number, in order.
+    """
+
+    def __init__(
+        self,
+        windows: list[_Window],
+        phases_s: list[float],
+        length_s: float,
+        frames: Callable[[int], list[Snapshot]],
+    ) -> None:
+        self.phases_s = phases_s
+        self.length_s = length_s
+        self._starts_s = [window.start_s for window in windows]
+        self._frames = frames
+
+    def at(self, time_s: float) -> Snapshot:
+        """Return the newest snapshot not later than this time, else the first one."""
+        frames = self._frames(max(bisect_right(self._starts_s, time_s) - 1, 0))
+        return frames[max(bisect_right(frames, time_s, key=lambda frame: frame.now_s) - 1, 0)]
+
+
+class _Window(NamedTuple):
+    """A stretch of a recording.
+
+    Attributes:
+        after: The checkpoint at its beginning; None: the start of the run.
+        memory: The events before it.
+        start_s: Time of its beginning.
+    """
+
+    after: Checkpoint | None
+    memory: Memory
+    start_s: float
+
+
+def recorded_snapshots(recording: Recording) -> RecordedSnapshots:
+    """Return the snapshots of a recording.
+
+    Raises:
+        RecordingError: The recording is damaged or empty.
+    """
+    with recorded_mission(recording.header) as loaded:
+        windows, phases_s = _windows(recording, loaded)
+
+    @lru_cache(maxsize=_MOST_WINDOWS)
+    def frames(number: int) -> list[Snapshot]:
+        return list(_frames(recording, loaded, windows, number))
+
+    if not frames(0):
+        raise RecordingError(f"{recording.path} ends before the run began")
+    return RecordedSnapshots(windows, phases_s, recording.until_s, frames)
+
+
+def _windows(recording: Recording, loaded: LoadedMission) -> tuple[list[_Window], list[float]]:
+    """Return a window from each checkpoint on, and when each phase was entered."""
+    memory = Memory(loaded.robot, nominal=recording.header.nominal)
+    windows, phases_s = [_Window(None, memory.twin(), 0.0)], [0.0]
+    checkpoints, gaps = recording.checkpoints(), _gaps(recording)
+    due = next(checkpoints, None)
+    for step in recording.effects():
+        while due is not None and due.step < step.number:
+            windows.append(_Window(due, memory.twin(), due.at_s))
+            due = next(checkpoints, None)
+        if gap := gaps.get(step.number):
+            memory.lose(gap.from_s, gap.until_s)
+        memory.see(step.effects, step.at_s)
+        if memory.story.phase.since_s > phases_s[-1]:
+            phases_s.append(memory.story.phase.since_s)
+    return windows, phases_s
+
+
+def _gaps(recording: Recording) -> dict[int, Gap]:
+    """Return the gaps of a recording, each by the number of the first step after it."""
+    return {gap.step: gap for gap in recording.gaps}
+
+
+def _frames(
+    recording: Recording, loaded: LoadedMission, windows: list[_Window], number: int
+) -> Iterator[Snapshot]:
+    """Yield the snapshots of a window, with trends continued from the window before."""
+    begin, window = windows[max(number - 1, 0)], windows[number]
+    last = number + 1 == len(windows)
+    until_s = recording.until_s if last else windows[number + 1].start_s
+    robot = loaded.robot
+    engine = engine_of(recording.header, loaded)
+    anatomy = anatomy_of(loaded.loaded_robot.profile, robot)
+    scene = MissionScene(loaded, engine, anatomy, recording.header.backend)
+    memory, gaps = begin.memory.twin(), _gaps(recording)
+    places = _RecordedPlaces(recording, loaded)
+    trends = Trends()
+    every_s, due_s = max(FINEST_S, (until_s - window.start_s) / MOST_FRAMES), window.start_s
+    state, last_s = None, 0.0
+    places.begin(window.start_s)
+
+    def shown(
+        state: EngineState, at_s: float, *, over: bool = False, lost_s: float = 0.0
+    ) -> Snapshot:
+        what = scene, at_s, state, memory.story, places.at(at_s), not places.known
+        ahead_s = recording.origin_s
+        found = Snapshot(*what, trends=trends.latest, over=over, ahead_s=ahead_s)
+        return replace(found, held_s=lost_s)
+
+    for again in rerun(recording, loaded, begin.after):
+        at_s = last_s = again.at_s
+        if at_s >= until_s and not last:
+            return
+        if gap := gaps.get(again.step.number):
+            memory.lose(gap.from_s, gap.until_s)
+            if state is not None:
+                lost_s = gap.until_s - gap.from_s
+                yield shown(state, gap.from_s + min(FINEST_S, lost_s), lost_s=lost_s)
+        memory.see(with_own_times(again.effects, recording.origin_s), at_s)
+        state = again.state or state
+        if state is None:
+            continue
+        trends.look(scene, state, at_s)
+        if at_s >= due_s:
+            due_s = at_s + every_s
+            yield shown(state, at_s)
+    if last and state is not None:
+        yield shown(state, last_s, over=recording.complete)
+
+
+class _RecordedPlaces:
+    """Reads the robot's positions from the recording."""
+
+    def __init__(self, recording: Recording, loaded: LoadedMission) -> None:
+        self._body = loaded.loaded_robot.profile.body
+        pipe = loaded.pipe
+        self._walls = drawn_walls(pipe.route()) if pipe is not None else ()
+        self._places: Iterator[Placed] = iter(())
+        self._recording = recording
+        self._next: Placed | None = None
+        self._newest: tuple[Place, ...] = ()
+        self._space: InSpace | None = None
+        self.known = False
+
+    def begin(self, since_s: float) -> None:
+        """Begin to read positions at this time."""
+        self._places = recorded_places(self._recording, self._body, since_s)
+        self._next = next(self._places, None)
+
+    def at(self, time_s: float) -> Truth | None:
+        """Return the newest position by this time, in order of time; None if none is recorded."""
+        while self._next is not None and self._next.at_s <= time_s:
+            self.known, self._newest = self._next.known, tuple(self._next.wheels)
+            self._space = self._next.space
+            self._next = next(self._places, None)
+        if not self._newest:
+            return None
+        truth = Truth(self._newest, self._body.wheel_radius, self._walls, 0.0)
+        space = self._space
+        return truth if space is None else replace(truth, z_m=space.z_m, rolls_rad=space.rolls_rad)
+
 
 FRAMES_PER_S = 20
 

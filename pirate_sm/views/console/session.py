@@ -1,27 +1,281 @@
-"""Runs missions one after the other on one open backend, in a separate thread."""
+"""Runs missions one after the other on one open backend, in a separate thread, and ends them."""
 
 from __future__ import annotations
 
+import os
+import signal
+import sys
+import termios
+from collections import deque
 from collections.abc import Callable, Sequence
-from contextlib import AbstractContextManager, nullcontext
+from contextlib import AbstractContextManager, nullcontext, suppress
+from dataclasses import replace
+from math import inf, isnan
 from threading import Thread
+from typing import Any
 
 from pirate_sm.core.companion import entered
-from pirate_sm.core.effects import Ended
-from pirate_sm.core.events import Event, GoTo
+from pirate_sm.core.effects import Effect, Ended, Log
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.events import Answer, Event, GoTo
 from pirate_sm.core.loading import LoadedMission
-from pirate_sm.running.runtime.ending import BUG, Result, Stop
+from pirate_sm.running.runtime.ending import BUG, BY_SIGNAL, Result, Stop, StopRequests
 from pirate_sm.running.runtime.loop import Clock, MissionRun, WallClock
 from pirate_sm.running.runtime.pump import Resuming
-from pirate_sm.running.runtime.scripted_events import FirstChoice, LoopWatch
+from pirate_sm.running.runtime.scripted_events import Answered, FirstChoice, LoopWatch
 from pirate_sm.running.wiring import Prepared, again
 from pirate_sm.running.wiring.run_recorder import Kept
-from pirate_sm.views.console.command_series import RUN_OVER, Giver
-from pirate_sm.views.console.hand_driving import HandDriving, SaidPlace
-from pirate_sm.views.console.quitting import Quitting
-from pirate_sm.views.console.run_bridge import RunBridge
-from pirate_sm.views.showing.live_snapshots import scene_of
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.console.driving import RUN_OVER, Giver, HandDriving, SaidPlace
+from pirate_sm.views.showing.effect_lines import EffectLine
+from pirate_sm.views.showing.snapshot import (
+    Memory,
+    MissionScene,
+    Snapshot,
+    Trends,
+    scene_of,
+    snapshot_of,
+)
+
+QUIET = frozenset({"another mission was chosen", "the console was left"})
+"""Ends that the operator has requested by other means than a stop; they need no banner."""
+
+HELD_S = 1.0
+"""After this long without a new snapshot the newest one is not taken for the present any more."""
+
+LOOK_EVERY_S = 0.02
+"""The longest delay of an operator's event to the engine."""
+
+
+class RunBridge:
+    """An observer, watcher and companion of the runs of one session, one after the other.
+
+    Attributes:
+        asked: Number of the operator's events in the present run.
+    """
+
+    listening = False
+
+    def __init__(self, scene: MissionScene, prepared: Prepared, clock: Clock) -> None:
+        self._clock = clock
+        self._scene = scene
+        self._prepared = prepared
+        self._memory = Memory(scene.robot, nominal=scene.engine.nominal, quiet=QUIET)
+        self._waiting: deque[Event] = deque()
+        self._run: MissionRun | None = None
+        self._due_s = 0.0
+        self._trends = Trends()
+        self._over = False
+        self._before_m = 0.0
+        self.asked = 0
+        self._newest = self._snapshot(0.0)
+        self._made_s = clock.now()
+
+    # --- from the console's thread ------------------------------------------------------------
+
+    @property
+    def latest(self) -> Snapshot:
+        """The newest snapshot; it says how old it is if the run does not make newer ones."""
+        newest, held_s = self._newest, self._clock.now() - self._made_s
+        if newest.over or newest.state is None or held_s < HELD_S:
+            return newest
+        return replace(newest, held_s=held_s)
+
+    def queue(self, event: Event) -> None:
+        """Queue an event for the engine at the next turn of the loop."""
+        self._waiting.append(event)
+
+    # --- from the run's thread ----------------------------------------------------------------
+
+    def begin(self, scene: MissionScene, prepared: Prepared, run: MissionRun) -> None:
+        """Follow another run; the log keeps its earlier lines."""
+        self._waiting.clear()
+        came_m = self._snapshot(self.latest.now_s).odometry_m
+        self._before_m += 0.0 if isnan(came_m) else came_m
+        same = scene.loaded.documents == self._scene.loaded.documents
+        self._memory.begin(scene.robot, same_mission=same)
+        self._scene, self._prepared, self._run = scene, prepared, run
+        self._due_s, self.asked = -inf, 0
+        for notice in prepared.notices:
+            self._memory.tell(EffectLine("console", notice), self.latest.now_s)
+
+    def end(self, now_s: float) -> None:
+        """Note that the last run is over."""
+        self._over = True
+        self._renew(now_s)
+
+    @property
+    def due_s(self) -> float:
+        """When it is due: at once after a request of the operator."""
+        return -inf if self._waiting else self._due_s
+
+    def react(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Do nothing: :meth:`see` notes what has happened."""
+
+    def look(self, state: EngineState, now_s: float) -> Sequence[Log]:
+        """Make a new snapshot; return a log line for each answer of the operator."""
+        self._due_s = now_s + LOOK_EVERY_S
+        self._trends.look(self._scene, state, now_s)
+        self._renew(now_s)
+        return [
+            Answered("info", f"answered '{event.choice}' (operator)")
+            for event in tuple(self._waiting)
+            if isinstance(event, Answer)
+        ]
+
+    def speak(self, now_s: float) -> Sequence[Event]:
+        """Return the operator's events."""
+        said = []
+        while self._waiting:
+            said.append(self._waiting.popleft())
+        self.asked += len(said)
+        return said
+
+    def see(self, effects: Sequence[Effect], now_s: float) -> None:
+        """Note the effects for the log and the history of the run."""
+        self._memory.see(effects, now_s)
+
+    def pulse(self, now_s: float) -> None:
+        """Make a new snapshot, also while mission time stands still."""
+        self._renew(now_s)
+
+    def _renew(self, now_s: float) -> None:
+        self._newest, self._made_s = self._snapshot(now_s), self._clock.now()
+
+    def _snapshot(self, now_s: float) -> Snapshot:
+        state = self._run.state if self._run is not None else None
+        what = self._scene, self._prepared, state, now_s, self._memory.story, self._trends
+        return snapshot_of(*what, over=self._over, before_m=self._before_m)
+
+
+LEAVE_WITHIN_S = 1.7
+"""How long leaving may take once the operator has gone and the robot is safe. With the time to
+notice it, 2 s."""
+
+SAFE_WITHIN_S = 5.0
+"""The safe stop, which takes 0.1 s, may take so long on a busy machine."""
+
+_LOOK_EVERY_S = 0.05
+
+_GONE = frozenset(BY_SIGNAL.values()) - {BY_SIGNAL[signal.SIGINT]}
+"""Requests after which nobody waits for the process to end by itself. Ctrl-C is a person's."""
+
+_RESTORED = "\x1b[<u\x1b[?1000l\x1b[?1003l\x1b[?1006l\x1b[?2004l\x1b[?1004l\x1b[?1049l\x1b[?25h"
+"""Ends what the console asks of a terminal: its keys, mouse, paste, focus and second screen."""
+
+
+class LeaveRequests(StopRequests):
+    """Requests to leave; signals make them too.
+
+    Attributes:
+        gone: The first request made without a person at the terminal; None without one.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self.gone: Stop | None = None
+
+    def ask(self, stop: Stop) -> None:
+        """Ask to leave; the first reason counts."""
+        super().ask(stop)
+        if self.gone is None and stop in _GONE:
+            self.gone = stop
+
+    @property
+    def safe(self) -> bool:
+        """Whether no robot needs this process any more; here there is none."""
+        return True
+
+
+class Quitting(LeaveRequests):
+    """Requests that end the session with its present run.
+
+    Args:
+        unreachable: Returns whether nothing comes from the robot.
+
+    Attributes:
+        stopped: Whether the robot has been brought to its safe state after a request.
+    """
+
+    def __init__(self, unreachable: Callable[[], bool] = lambda: False) -> None:
+        super().__init__()
+        self.run = StopRequests()
+        self.stopped = False
+        self._unreachable = unreachable
+
+    @property
+    def safe(self) -> bool:
+        """Whether the robot stands, or only its guardian can still stop it."""
+        return self.stopped or self._unreachable()
+
+    def begin(self) -> StopRequests:
+        """Return the requests of the next run, with a stop if the session was asked to stop."""
+        self.run = StopRequests()
+        if self.stop is not None:
+            self.run.ask(self.stop)
+        return self.run
+
+    def ask(self, stop: Stop) -> None:
+        """End the present run through the engine's safe stop; no run follows."""
+        super().ask(stop)
+        self.run.ask(stop)
+
+    def insist(self) -> None:
+        """End it at once, with the safe array sent past the engine."""
+        super().insist()
+        self.run.insist()
+
+
+class Watchdog:
+    """Ends this process where leaving takes too long after the operator has gone.
+
+    The safe stop is the first thing that leaving does, and the limit counts from its end. Where it
+    takes too long itself, the guardian, which owns the port, continues without this process.
+
+    Args:
+        requests: The requests to leave.
+        end: Ends the process with an exit code; called in a thread of its own.
+        clock: The wall clock.
+    """
+
+    def __init__(
+        self, requests: LeaveRequests, end: Callable[[int], object], clock: Clock | None = None
+    ) -> None:
+        self._requests, self._end = requests, end
+        self._clock = clock or WallClock()
+
+    def start(self) -> None:
+        """Watch until the process ends."""
+        Thread(target=self.watch, name="watchdog", daemon=True).start()
+
+    def watch(self) -> None:
+        """Wait until the operator has gone; end the process if it is still there after that."""
+        while (gone := self._requests.gone) is None:
+            self._clock.sleep(_LOOK_EVERY_S)
+        give_up_s = self._clock.now() + SAFE_WITHIN_S
+        while not self._requests.safe and self._clock.now() < give_up_s:
+            self._clock.sleep(_LOOK_EVERY_S)
+        self._clock.sleep(LEAVE_WITHIN_S)
+        self._end(gone.exit_code)
+
+
+def ender() -> Callable[[int], None]:
+    """Return what ends this process at once and leaves its terminal as it is now."""
+    terminal = sys.stdin.fileno()
+    before: list[Any] = termios.tcgetattr(terminal)
+    words = f"{_RESTORED}the console has ended before everything was closed: look at the robot\n"
+
+    def end(code: int) -> None:
+        # A process in the background would be stopped here.
+        signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGTTOU])
+        with suppress(OSError, termios.error):
+            termios.tcsetattr(terminal, termios.TCSANOW, before)
+            # The terminal may take nothing, whatever `select` says: nothing must wait for it.
+            again = os.open(os.ctermid(), os.O_WRONLY | os.O_NONBLOCK | os.O_NOCTTY)
+            os.write(again, words.encode())
+        os._exit(code)
+
+    return end
+
 
 BY_OPERATOR = Stop("stopped by the operator", 0)
 CHANGED = Stop("another mission was chosen", 0)

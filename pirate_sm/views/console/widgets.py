@@ -1,29 +1,131 @@
-"""The kinds of widgets of the console, each given its content, and the panels of a robot."""
+"""The kinds of widgets of the console, each given its content, its panels, and its themes."""
 
 from __future__ import annotations
 
+import os
 from collections.abc import Container, Sequence, Set
 from pathlib import Path
-from typing import ClassVar, TypeVar
+from typing import Any, ClassVar, TypeVar
 
 from rich.segment import Segment
 from rich.style import Style
 from rich.text import Text
 from textual.app import App, ComposeResult
 from textual.color import Color
+from textual.content import Content, Span
 from textual.events import Click, Resize
 from textual.message import Message
 from textual.strip import Strip
+from textual.theme import Theme as Textual
 from textual.widget import Widget
 from textual.widgets import Static
 
-from pirate_sm.core.palette import Theme
+from pirate_sm.core.palette import THEMES, Palette, Theme
 from pirate_sm.core.visible import visible
-from pirate_sm.views.console.reason_lines import sign_of
-from pirate_sm.views.console.themes import next_theme, no_colour, themed, wear
-from pirate_sm.views.showing import alarms, body_panel, motor_page, panels, picture
+from pirate_sm.views.console.availability import sign_of
+from pirate_sm.views.showing import alarms, body_panel, panels, picture
+from pirate_sm.views.showing import body_panel as motor_page
+from pirate_sm.views.showing import text_styles as styled
 from pirate_sm.views.showing.snapshot import Snapshot
-from pirate_sm.views.showing.text_styles import ACCENT, BAD, FLAG, GOOD, MUTED, STRONG, line
+from pirate_sm.views.showing.text_styles import (
+    ACCENT,
+    BAD,
+    FLAG,
+    GOOD,
+    MUTED,
+    STRONG,
+    WARN,
+    Part,
+    line,
+)
+
+
+def wear(app: App[Any], name: Theme) -> None:
+    """Give the app all themes, and choose one."""
+    for each, palette in THEMES.items():
+        app.register_theme(_textual(each, palette, plain=app.no_color))
+    app.theme = name
+
+
+def next_theme(app: App[Any]) -> None:
+    """Choose the theme after the present one, and say its name."""
+    names = list(THEMES)
+    app.theme = names[(names.index(app.theme) + 1) % len(names)]  # type: ignore[arg-type]
+    app.clear_notifications()
+    app.notify(f"theme {app.theme}", timeout=2)
+
+
+def no_colour() -> dict[str, bool]:
+    """Return the options of an app that is to have no colours, as ``NO_COLOR`` asks [no-color.org].
+
+    Textual by itself would make them grey.
+    """
+    if os.environ.get("NO_COLOR") == "":  # the same as if it were not set
+        del os.environ["NO_COLOR"]
+    return {"ansi_color": True} if "NO_COLOR" in os.environ else {}
+
+
+def _textual(name: str, palette: Palette, *, plain: bool) -> Textual:
+    """Return the theme of the library with these colours; ``plain``: they will be left out."""
+    return Textual(
+        name,
+        primary=palette["path"],
+        secondary=palette["fault"],
+        accent=palette["path"],
+        success=palette["good"],
+        warning=palette["late"],
+        error=palette["bad"],
+        foreground=palette["ink"],
+        background=palette["ground"],
+        surface=palette["paper"],
+        panel=palette["box"],
+        dark=Color.parse(palette["paper"]).brightness < 0.5,
+        variables={
+            "soft": palette["soft"],
+            "line": palette["line"],
+            "on-colour": palette["paper"],
+            "text-muted": palette["soft"],
+            "text-success": palette["good"],
+            "text-warning": palette["late"],
+            "text-error": palette["bad"],
+            "block-cursor-foreground": palette["ink"],
+            "block-cursor-background": palette["path_box"],
+            "block-cursor-text-style": "bold underline" if plain else "bold",
+            "scrollbar": palette["line"],
+            "scrollbar-background": palette["ground"],
+            "footer-key-foreground": palette["path"],
+            "footer-description-foreground": palette["ink"],
+            "footer-background": palette["box"],
+        },
+    )
+
+
+_THEMED = {
+    MUTED: "$soft",
+    STRONG: "bold",
+    GOOD: "$text-success",
+    WARN: "$text-warning",
+    BAD: "$text-error",
+    ACCENT: "$accent",
+    FLAG: "bold reverse",
+}
+_THEMED |= {f"{FLAG}.{role}": f"bold reverse {_THEMED[role]}" for role in (GOOD, WARN, BAD, ACCENT)}
+
+
+def themed(text: Text) -> Content:
+    """Return the text as Textual content."""
+    spans = [
+        Span(each.start, each.end, _THEMED[style])
+        for each in text.spans
+        if (style := str(each.style))
+    ]
+    return Content(text.plain, spans)
+
+
+def content_line(*parts: Part) -> Content:
+    """Return one line of these parts."""
+    return themed(styled.line(*parts))
+
 
 _W = TypeVar("_W", bound=Widget)
 
@@ -282,7 +384,7 @@ class RobotApp(App[None]):
             body.border_title = body_panel.heading(body.content_size.width)
             body.show(body_panel.body(snapshot, body.content_size.width))
         if motors.size:
-            motors.border_title = motor_page.heading(motors.content_size.width)
+            motors.border_title = motor_page.motors_heading(motors.content_size.width)
             motors.show(motor_page.motors(snapshot, *motors.content_size))
         if phases.size:
             width, rows = phases.content_size

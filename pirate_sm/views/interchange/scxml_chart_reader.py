@@ -1,4 +1,4 @@
-"""Read a chart from SCXML, and report what a chart of ours cannot be.
+"""Reads a chart from SCXML, reports what a chart of ours cannot be, and writes it as a chart file.
 
 The elements become the data of a chart file, each value with its place in the SCXML. So the checks
 of chart files find the other faults, at their line and column.
@@ -7,17 +7,21 @@ of chart files find the other faults, at their line and column.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import Final
+from typing import Any, Final
+
+import yaml
 
 from pirate_sm.core.documents import Document, Place, Problem, Problems, YamlNode
 from pirate_sm.core.loading import ChartOutline, outline_chart
 from pirate_sm.core.spelling import nearest, one_of
-from pirate_sm.views.interchange.scxml_guards import ConditionError, guard_of
-from pirate_sm.views.interchange.xml_elements import (
+from pirate_sm.core.visible import visible
+from pirate_sm.views.interchange.scxml import (
     OURS,
     SCXML,
     Attribute,
+    ConditionError,
     XmlElement,
+    guard_of,
     lines_of,
     read_elements,
 )
@@ -324,3 +328,14 @@ def _mapping(at: XmlElement, content: Mapping[str, YamlNode]) -> YamlNode:
     return YamlNode(
         at.line, at.column, 0, 0, {key: it.value for key, it in content.items()}, children
     )
+
+
+def chart_text(data: dict[str, Any], source: str) -> str:
+    """Return the data of a chart as the text of its file.
+
+    Args:
+        data: The data, as a chart file has them.
+        source: Where they are from, for people.
+    """
+    text = yaml.safe_dump(data, sort_keys=False, allow_unicode=True, width=100)
+    return f"# Made from {visible(source)} by `pirate import`.\n{text}"

@@ -1,6 +1,7 @@
-"""A film strip: pictures of the robot in its pipe at the end of phases and of long commands.
+"""Strips of pictures: the robot in its pipe, and what the camera saw when words began.
 
-All pictures have the same size and scale, with the robot in the middle, as in thesis fig. 6-9.
+The robot is drawn at the end of phases and of long commands. All these pictures have the same size
+and scale, with the robot in the middle, as in thesis fig. 6-9.
 """
 
 from __future__ import annotations
@@ -12,9 +13,10 @@ from itertools import pairwise
 from typing import Literal, NamedTuple
 
 from pirate_sm.core.geometry import Place
-from pirate_sm.views.report.contents import Lane, Report, RobotScene
-from pirate_sm.views.report.space_contents import FlatView
-from pirate_sm.views.report.timeline import COMMANDS, PHASE
+from pirate_sm.running.recording.read.reader import Recording
+from pirate_sm.running.recording.viewers.viewer_messages import PICTURES
+from pirate_sm.views.report.contents import FlatView, Lane, Photo, Report, RobotScene
+from pirate_sm.views.report.timeline import COMMANDS, DETECTOR, PHASE
 
 MOST_PICTURES = 60
 """The most pictures; beyond them commands are left out first, then the shortest phases."""
@@ -209,3 +211,41 @@ def _box(points: Sequence[Place]) -> tuple[float, float, float, float]:
 
 def _path(points: Sequence[Place]) -> str:
     return "M" + "L".join(f"{x * _MM:.0f} {-y * _MM:.0f}" for x, y in points)
+
+
+_NEAR_S = 0.6
+"""Pictures are recorded twice a second, and with each word."""
+
+_MOST = 24
+
+
+def photos_of(recording: Recording, lanes: Iterable[Lane]) -> tuple[Photo, ...]:
+    """Return the picture nearest to the beginning of each word; none without a camera."""
+    words = [span for lane in lanes if lane.name == DETECTOR for span in lane.spans][:_MOST]
+    nearest: dict[int, tuple[float, Photo]] = {}
+    if not words:
+        return ()
+    for shown in recording.shown(PICTURES):
+        for number, word in enumerate(words):
+            off_s = abs(shown.at_s - word.start_s)
+            if off_s <= min(_NEAR_S, nearest.get(number, (_NEAR_S, None))[0]):
+                photo = Photo(word.start_s, word.text, str(shown.content.get("data", "")))
+                nearest[number] = off_s, photo
+    return tuple(nearest[number][1] for number in sorted(nearest))
+
+
+def seen_words(photos: Sequence[Photo]) -> str:
+    """Return the section of the page with these pictures; empty without any."""
+    if not photos:
+        return ""
+    figures = "\n".join(
+        f'<li><button type="button" data-at="{photo.at_s:.3f}">'
+        f'<img alt="What the camera saw" src="data:image/jpeg;base64,{escape(photo.jpeg)}">'
+        f"<b>{escape(photo.word)}</b><time>{photo.at_s:.2f} s</time></button></li>"
+        for photo in photos
+    )
+    return (
+        '<section class="wide" aria-labelledby="seen-title">\n'
+        '<h2 id="seen-title">What the camera saw at each word</h2>\n'
+        f'<ol class="strip seen">\n{figures}\n</ol>\n</section>'
+    )

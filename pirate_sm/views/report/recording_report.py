@@ -1,10 +1,19 @@
-"""Makes the report of a recording."""
+"""Makes the report of a recording: its contents are collected while the run is replayed.
+
+States, commands and faults come from the recording. Signals are not recorded, so the engine
+computes them again from the recorded inputs.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
-from dataclasses import replace
+from collections.abc import Iterable, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from math import isnan, nan
 
+from pirate_sm.core import effects as fx
+from pirate_sm.core.engine import EngineState
+from pirate_sm.core.events import Event, SensorFrame
+from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.options import JITTER
 from pirate_sm.core.simulation import SIMULATORS
@@ -12,11 +21,199 @@ from pirate_sm.running.recording.format.header import RunHeader
 from pirate_sm.running.recording.read.places import recorded_places
 from pirate_sm.running.recording.read.reader import Recording
 from pirate_sm.running.recording.recorded_mission import recorded_mission
-from pirate_sm.running.recording.replay import rerun
-from pirate_sm.views.report.contents import Fact, Report
-from pirate_sm.views.report.poses import Poses
-from pirate_sm.views.report.report_builder import About, gather
-from pirate_sm.views.report.seen_words import photos_of
+from pirate_sm.running.recording.replay import Rerun, rerun, same
+from pirate_sm.running.recording.viewers.viewer_messages import WheelPlacing
+from pirate_sm.views.drawing.graph.highlight import RunPath, highlight
+from pirate_sm.views.drawing.graph.mission_graph import mission_graph
+from pirate_sm.views.drawing.svg.svg_writer import svg
+from pirate_sm.views.report.charts import Measured, Samples, TravelChart, charts
+from pirate_sm.views.report.contents import Fact, Report, Sentence
+from pirate_sm.views.report.film_strip import photos_of
+from pirate_sm.views.report.poses import Holding, Poses, ReckonedPath, scene_of, travel_of
+from pirate_sm.views.report.story import RunEnding, RunFacts, Story, summary
+from pirate_sm.views.report.timeline import Timeline
+
+_MOST_CAUSES = 3
+"""The most failures that are shown: the last ones."""
+
+
+@dataclass(frozen=True)
+class About:
+    """Facts about a run besides its events.
+
+    Attributes:
+        where: Its pipe and backend, in words.
+        nominal: Whether commands ended after their nominal duration.
+        first_wheel_m: Position of the first wheel at the start of odometry; None: the pipe's.
+        warnings: Warnings that the reader must know first.
+        facts: The details at the end of the page.
+        files: Hash of each file that it was made from, by name.
+    """
+
+    where: str
+    nominal: bool
+    first_wheel_m: float | None = None
+    warnings: tuple[str, ...] = ()
+    facts: tuple[Fact, ...] = ()
+    files: Mapping[str, str] = field(default_factory=dict)
+
+
+def gather(
+    loaded: LoadedMission, about: About, steps: Iterable[Rerun], seen: Poses | None
+) -> Report:
+    """Return the report of a run.
+
+    Args:
+        loaded: The mission of the run.
+        about: Facts about the run.
+        steps: The replayed steps.
+        seen: The robot's true positions; None if unknown.
+    """
+    run = _Run(loaded, about)
+    for again in steps:
+        run.take(again)
+    return run.report(seen)
+
+
+class _Run:
+    """Collects the contents while a run is replayed."""
+
+    def __init__(self, loaded: LoadedMission, about: About) -> None:
+        robot, profile = loaded.robot, loaded.loaded_robot.profile
+        self._loaded, self._about = loaded, about
+        self._state: EngineState | None = None
+        self._signals = Samples(len(robot.vocabulary.numbers))
+        self._setpoints = Samples(len(robot.slots))
+        self._timeline = Timeline(robot.regions, nominal=about.nominal)
+        descriptions = {name: each.description for name, each in loaded.mission.phases.items()}
+        self._story = Story(descriptions, nominal=about.nominal)
+        self._way = RunPath()
+        self._holding = Holding(robot)
+        placing = WheelPlacing(profile, robot, loaded.pipe, about.first_wheel_m)
+        self._following = ReckonedPath(placing)
+        # Dead reckoning stays in the plane of the drawing.
+        flat = loaded.pipe is None or bool(drawn_walls(loaded.pipe.route()))
+        self._reckons = flat and not about.nominal
+        self._at_s = 0.0
+        self._doubt = ""
+        self._ended: fx.Ended | None = None
+        self._causes: list[Sentence] = []
+        self._measured = {
+            board.id: tuple({*board.numbers, *(n for n in (robot.odometry, robot.speed) if n >= 0)})
+            if board.wheels
+            else board.numbers
+            for board in robot.boards.values()
+        }
+
+    def take(self, again: Rerun) -> None:
+        """Take in one step of the run."""
+        step, at_s = again.step, again.at_s
+        self._at_s = max(self._at_s, at_s)
+        if again.state is not None:
+            self._look(again.state, step.event, at_s)
+        if not self._doubt and not same(step.effects, again.effects):
+            self._doubt = (
+                f"From {at_s:.2f} s on this version of the program differs from the "
+                "one that recorded: signals may differ from what was known then."
+            )
+        if again.state is not None:
+            self._note_cause(again.state.mission.cause, at_s)
+            self._timeline.proofs = again.state.proofs
+        control = 0 if self._state is None else self._state.robot.control
+        name = self._loaded.robot.controls[control].name
+        self._timeline.take(at_s, step.event, step.effects, name)
+        self._story.take(at_s, step.event, step.effects)
+        self._way.see(step.effects, at_s)
+        for effect in step.effects:
+            if isinstance(effect, fx.Setpoints):
+                self._setpoints.take(at_s, effect.values)
+            elif isinstance(effect, fx.Ended):
+                self._ended = effect
+
+    def _look(self, state: EngineState, event: Event | None, at_s: float) -> None:
+        """Note the signals and states at this time."""
+        if self._state is None or isnan(state.robot.values[0]):  # at the start, or after a gap
+            self._setpoints.take(at_s, state.robot.values)
+        self._state = state
+        measured = self._measured.get(event.board, ()) if isinstance(event, SensorFrame) else ()
+        self._signals.take(at_s, state.sensing.shown, measured)
+        self._holding.look(state, at_s)
+        if self._reckons:
+            self._following.look(state, at_s)
+
+    def _note_cause(self, cause: str, at_s: float) -> None:
+        """Note the engine's cause of a failure and its phase."""
+        if cause and (not self._causes or cause != self._causes[-1].text):
+            self._causes.append(Sentence(at_s, cause, "trouble", self._timeline.phase))
+
+    def report(self, seen: Poses | None) -> Report:
+        """Return the report."""
+        loaded, about, until_s = self._loaded, self._about, self._at_s
+        robot, profile = loaded.robot, loaded.loaded_robot.profile
+        poses = seen or self._following.poses
+        travel = travel_of(poses, loaded.pipe)
+        measured = Measured(profile, robot, self._signals, self._setpoints, until_s, travel)
+        ending = self._ending()
+        lanes = self._timeline.lanes(until_s)
+        held, sampled = self._holding.lanes(until_s), (self._signals, self._setpoints)
+        scene = scene_of(poses, profile, robot, loaded.pipe, *sampled, held)
+        graph = highlight(mission_graph(loaded.mission), self._way.stops)
+        return Report(
+            title=loaded.mission.mission,
+            outcome=ending.outcome,
+            summary=summary(self._run_facts(ending, travel)),
+            story=self._story.finish(ending),
+            warnings=(*about.warnings, *self._doubts(seen)),
+            duration_s=until_s,
+            lanes=lanes,
+            charts=charts(measured),
+            scene=scene,
+            diagram=svg(graph),
+            facts=about.facts,
+            files=about.files,
+            failures=self._failures(),
+        )
+
+    def _ending(self) -> RunEnding:
+        if self._ended is None:
+            return RunEnding("unfinished", "", self._at_s)
+        return RunEnding(self._ended.outcome, self._ended.message, self._at_s)
+
+    def _failures(self) -> tuple[Sentence, ...]:
+        """Return what made the run fail; the end itself if the engine names no cause."""
+        if self._ended is None or self._ended.outcome not in ("failed", "fault"):
+            return ()
+        if not self._causes:
+            return (Sentence(self._at_s, self._ended.message, "end"),)
+        return tuple(self._causes[-_MOST_CAUSES:])
+
+    def _run_facts(self, ending: RunEnding, travel: TravelChart | None) -> RunFacts:
+        loaded, story, robot = self._loaded, self._story, self._loaded.robot
+        odometer = nan
+        if self._state is not None and robot.odometry >= 0 and not self._about.nominal:
+            odometer = self._state.sensing.numbers[robot.odometry]
+        moved = travel.distance.values[-1] if travel is not None and travel.true else None
+        names = loaded.mission.mission, loaded.mission.description, robot.name
+        ways_m = None if isnan(odometer) else odometer, moved
+        counts, faults, at_once = story.counts, story.faults, story.at_once
+        return RunFacts(*names, self._about.where, ending, *ways_m, counts, faults, at_once)
+
+    def _doubts(self, seen: Poses | None) -> tuple[str, ...]:
+        doubts = [self._doubt] if self._doubt else []
+        if self._state is None:
+            doubts.append(
+                "Of the run itself nothing is in the recording, so there is nothing to show: it "
+                "ends before the engine was started."
+            )
+        elif self._about.nominal:
+            doubts.append("Nothing moved: commands ended by their nominal time.")
+        elif seen is None and self._following.poses.times_s:
+            doubts.append(
+                "The position of the robot was unknown: it is drawn where its joints and its "
+                "odometer take it to be. Slip is not in that."
+            )
+        return tuple(doubts)
+
 
 _BACKENDS = {
     "physics": "in MuJoCo's physics",

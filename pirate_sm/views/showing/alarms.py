@@ -11,8 +11,7 @@ from rich.text import Text
 
 from pirate_sm.core.events import BuiltInFault
 from pirate_sm.views.showing.effect_lines import UNCONFIRMED, EffectLine, away
-from pirate_sm.views.showing.run_history import ENDED, NumberedLine
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.snapshot import ENDED, NumberedLine, Snapshot
 from pirate_sm.views.showing.text_styles import line
 
 _CASCADE_S = 10.0

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from pirate_sm.cli.keyboard import SharedKeys
+from pirate_sm.cli.people import SharedKeys
 
 
 class Keyboard:

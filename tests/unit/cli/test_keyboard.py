@@ -5,7 +5,7 @@ from math import inf
 
 import pytest
 
-from pirate_sm.cli.keyboard import AllKeys, Operator
+from pirate_sm.cli.people import AllKeys, Operator
 from pirate_sm.core.effects import Ask, TriggerFired, WaitArmed
 from pirate_sm.core.events import Answer, Event
 

@@ -10,7 +10,7 @@ import sys
 
 import pytest
 
-from pirate_sm.cli.stored_help import print_stored_help
+from pirate_sm.cli.start import print_stored_help
 
 from .conftest import ROOT
 
@@ -73,7 +73,7 @@ def test_a_command_imports_no_other_commands_options() -> None:
     _, modules = imported("pirate explain --help", COLUMNS="60")
 
     assert "pirate_sm.cli.options.checks" in modules
-    assert "pirate_sm.cli.options.links" not in modules
+    assert "pirate_sm.cli.options.devices" not in modules
 
 
 @pytest.mark.parametrize(

@@ -12,8 +12,8 @@ import pytest
 from benchmarks.resume_rides import World, _Grip, prepared_on, ride_on, world
 from pirate_sm.api.stepping import Session
 from pirate_sm.checking.gate import CheckError
+from pirate_sm.cli.commands.resume import take_over
 from pirate_sm.cli.options.running import ConsoleOptions, RunOptions
-from pirate_sm.cli.taking_over import take_over
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.events import OperatorCommand
 from pirate_sm.core.robot import states_of
@@ -60,7 +60,7 @@ def says(monkeypatch: pytest.MonkeyPatch) -> Says:
             answer = left.pop(0)
             return answer if isinstance(answer, str) else answer()
 
-        monkeypatch.setattr("pirate_sm.cli.taking_over.answered_line", answered)
+        monkeypatch.setattr("pirate_sm.cli.commands.resume.answered_line", answered)
         for stream in (sys.stdin, sys.stderr):
             monkeypatch.setattr(stream, "isatty", lambda: True)
 

@@ -1,12 +1,19 @@
-"""The content of a drawing, independent of its source and its output format."""
+"""The content of a drawing, whatever its source and format; robots' charts and pipes as graphs."""
 
 from __future__ import annotations
 
+import re
+from collections import deque
+from collections.abc import Iterator
 from dataclasses import dataclass
 from enum import StrEnum
+from math import degrees
 
 from pirate_sm.core.errors import PirateError
-from pirate_sm.views.drawing.text_wrapping import wrapped
+from pirate_sm.core.geometry import BRANCH, ON, port_of
+from pirate_sm.core.loading import ChartOutline, ChartTransition
+from pirate_sm.core.pipe import Elbow, Mitre, Pipe, PipeRun, Reducer, Segment, Straight
+from pirate_sm.views.drawing.words import wrapped
 
 
 class NodeKind(StrEnum):
@@ -136,3 +143,137 @@ class Graph:
 
 class GraphError(PirateError):
     """Is raised for an inconsistent graph, which is an internal error."""
+
+
+START = "(start)"
+LONGEST_GUARD = 24
+"""Guards up to this length are written out; longer ones become a note."""
+
+_IN = re.compile(r"In\(\s*(['\"])(.*?)\1\s*\)")
+
+
+def chart_graph(outline: ChartOutline, title: str) -> Graph:
+    """Return the graph of a chart; a state's id is ``Region.State``.
+
+    Guards are written without their ``In('…')``. Long ones are numbered, each different one once:
+    the label has the number, the graph's notes the text.
+    """
+    marks: dict[str, GraphNote] = {}
+    clusters = tuple(Cluster(region, region) for region in outline.regions)
+    nodes = tuple(
+        node for place in range(len(outline.regions)) for node in _state_nodes(outline, place)
+    )
+    starts = tuple(
+        Edge(f"{region}.{START}", f"{region}.{initial}", EdgeKind.START)
+        for region, initial in zip(outline.regions, outline.initial, strict=True)
+    )
+    edges = tuple(_transition(transition, marks) for transition in outline.transitions)
+    return Graph(title, clusters, nodes, starts + edges, notes=tuple(marks.values()))
+
+
+def _state_nodes(outline: ChartOutline, place: int) -> Iterator[Node]:
+    """Yield the region's states, the nearest to its initial one first."""
+    region = outline.regions[place]
+    yield Node(f"{region}.{START}", NodeKind.INITIAL, "start", cluster=region)
+    for state in _by_distance(outline, place):
+        yield Node(f"{region}.{state}", NodeKind.STATE, state, cluster=region)
+
+
+def _by_distance(outline: ChartOutline, place: int) -> list[str]:
+    region, first = outline.regions[place], outline.initial[place]
+    following: dict[str, list[str]] = {}
+    for transition in outline.transitions:
+        if transition.region == region:
+            following.setdefault(transition.source, []).append(transition.target)
+    distance = {f"{region}.{first}": 0}
+    queue = deque(distance)
+    while queue:
+        state = queue.popleft()
+        for target in following.get(state, ()):
+            if target not in distance:
+                distance[target] = distance[state] + 1
+                queue.append(target)
+    states = outline.states[place]
+    return sorted(states, key=lambda state: distance.get(f"{region}.{state}", len(states)))
+
+
+def _transition(transition: ChartTransition, marks: dict[str, GraphNote]) -> Edge:
+    guard = " ".join(_IN.sub(r"\2", transition.guard).split())
+    label, tooltip = transition.event, ""
+    if guard:
+        tooltip = f"{transition.event} [{guard}]"
+        short = guard
+        if len(guard) > LONGEST_GUARD:
+            short = marks.setdefault(guard, GraphNote(f"guard {len(marks) + 1}", guard)).mark
+        label = f"{transition.event} [{short}]"
+    return Edge(transition.source, transition.target, EdgeKind.TRIGGER, label, tooltip)
+
+
+_PIPE = "pipe"
+_PORTS = {ON: "straight on", BRANCH: "branch"}
+
+
+def pipe_graph(pipe: Pipe, title: str) -> Graph:
+    """Return the graph of a pipe without faults; a node's id is the name of its junction or end."""
+    runs = {name: each.run for name, each in pipe.written.items()}
+    edges = tuple(_run(name, run, pipe.diameter) for name, run in runs.items())
+    ways = tuple(
+        GraphNote(f"route {name}", ", ".join(way)) for name, way in pipe.ways.items() if pipe.runs
+    )
+    nodes = tuple(_pipe_nodes(pipe, runs))
+    return Graph(title, (Cluster(_PIPE),), nodes, edges, pipe.description, ways)
+
+
+def _pipe_nodes(pipe: Pipe, runs: dict[str, PipeRun]) -> Iterator[Node]:
+    """Yield the junctions and ends in the order in which runs name them."""
+    names = [port_of(at)[0] for run in runs.values() for at in (run.from_port, run.to)]
+    closed = pipe.network().closed
+    for name in dict.fromkeys(names):
+        if name in pipe.tees:
+            line = f"tee, branch at {_deg(pipe.tees[name])}"
+            yield Node(name, NodeKind.STATE, name, (line,), cluster=_PIPE)
+        elif names.count(name) > 1:
+            yield Node(name, NodeKind.STATE, name, cluster=_PIPE)
+        else:
+            kind = NodeKind.STATE if name in closed else NodeKind.ANYWHERE
+            end = "closed end" if name in closed else "open end"
+            yield Node(name, kind, name, (end,), cluster=_PIPE)
+
+
+def _run(name: str, run: PipeRun, diameter_m: float) -> Edge:
+    (source, out), (target, into) = port_of(run.from_port), port_of(run.to)
+    ports = [
+        f"{_PORTS[port]} of {junction}"
+        for junction, port in ((source, out), (target, into))
+        if port
+    ]
+    inside = ", ".join(map(_words, run.segments))
+    fittings = ", ".join(_words(each) for each in run.segments if not isinstance(each, Straight))
+    head = ", ".join([name, *ports, _mm(run.diameter or diameter_m)])
+    label = f"{head}: {fittings}" if fittings else head
+    return Edge(source, target, EdgeKind.GO, label, f"{head}; {inside}")
+
+
+def _words(segment: Segment) -> str:
+    """Return a segment in a few words."""
+    match segment:
+        case Straight(straight=length_m):
+            return f"straight {_mm(length_m)}"
+        case Mitre(mitre=angle_rad, roll=roll_rad):
+            return f"mitre {_deg(angle_rad)}{_rolled(roll_rad)}"
+        case Elbow(elbow=angle_rad, roll=roll_rad):
+            return f"elbow {_deg(angle_rad)}{_rolled(roll_rad)}"
+        case Reducer(to=to_m):
+            return f"reducer to {_mm(to_m)}"
+
+
+def _rolled(roll_rad: float) -> str:
+    return f" rolled {_deg(roll_rad)}" if roll_rad else ""
+
+
+def _mm(length_m: float) -> str:
+    return f"{length_m:.4g} m" if length_m >= 1.0 else f"{length_m * 1e3:.4g} mm"
+
+
+def _deg(angle_rad: float) -> str:
+    return f"{degrees(angle_rad):.4g}°"

@@ -8,7 +8,6 @@ from xml.sax.saxutils import escape, quoteattr
 
 from pirate_sm.core.palette import DAY, NIGHT, Palette
 from pirate_sm.views.drawing.graph.graph import EdgeKind, Graph, NodeKind
-from pirate_sm.views.drawing.layout.plan import EdgeRoute, Point
 from pirate_sm.views.drawing.svg.arrangement import (
     ADVANCE,
     LABEL_FONT,
@@ -25,7 +24,8 @@ from pirate_sm.views.drawing.svg.arrangement import (
     ClusterFrame,
     arranged,
 )
-from pirate_sm.views.drawing.text_wrapping import cells, printable
+from pirate_sm.views.drawing.svg.ranks import EdgeRoute, Point
+from pirate_sm.views.drawing.words import cells, printable
 
 FONT = 'ui-monospace, "DejaVu Sans Mono", Menlo, Consolas, "Liberation Mono", monospace'
 

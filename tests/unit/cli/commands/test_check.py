@@ -17,7 +17,7 @@ from checking.small_missions import MISSION
 
 from pirate_sm.cli.commands import check
 from pirate_sm.cli.options.checks import CheckOptions
-from pirate_sm.cli.output.progress import Show
+from pirate_sm.cli.output.terminal import Show
 from pirate_sm.core.loading import load_robot
 
 from ..conftest import ROOT

@@ -7,7 +7,7 @@ from math import inf
 import pytest
 
 from pirate_sm.cli.commands.run import ON_A_TERMINAL
-from pirate_sm.cli.options.values import read_duration, read_length, read_settings, read_speed
+from pirate_sm.cli.options.declaring import read_duration, read_length, read_settings, read_speed
 from pirate_sm.core.errors import UsageError
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 
-from pirate_sm.cli.output.encoding import degrade, shows_signs
+from pirate_sm.cli.output.terminal import degrade, shows_signs
 
 from ..conftest import NEWT, ROOT
 

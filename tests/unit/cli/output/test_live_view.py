@@ -9,8 +9,8 @@ import pytest
 from representative import thorough_but
 from rich.console import Console
 
+from pirate_sm.cli.output.event_lines import ObservedRun
 from pirate_sm.cli.output.live_view import LiveView
-from pirate_sm.cli.output.observed_run import ObservedRun
 from pirate_sm.core.effects import Effect
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice

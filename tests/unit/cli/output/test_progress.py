@@ -6,7 +6,7 @@ from io import StringIO
 
 import pytest
 
-from pirate_sm.cli.output.progress import progress
+from pirate_sm.cli.output.terminal import progress
 
 
 class Screen(StringIO):

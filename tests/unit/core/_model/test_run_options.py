@@ -10,9 +10,10 @@ import pytest
 from typer.main import get_command
 
 import pirate_sm
-from pirate_sm.cli.completion import candidates, named_files
+from pirate_sm.cli.completion import candidates
+from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.entry import _single
-from pirate_sm.cli.options.of_runs import values_of
+from pirate_sm.cli.options.common import values_of
 from pirate_sm.core._model.run_options import JITTER, OPTIONS, GivenOptions, Options, written
 from pirate_sm.core.errors import UsageError
 from pirate_sm.core.units import LENGTH

@@ -11,7 +11,7 @@ from statistics import median
 import pytest
 
 from pirate_sm.cli.commands.doctor import _look_around
-from pirate_sm.cli.options.links import DoctorOptions
+from pirate_sm.cli.options.devices import DoctorOptions
 from pirate_sm.core.errors import BackendError
 from pirate_sm.core.loading import with_zeros
 from pirate_sm.robot.diagnosis.facts import ExpectedRobot, Facts

@@ -17,7 +17,7 @@ from pirate_sm.core.robot import RobotSpec, at_rest_in
 from pirate_sm.running.wiring import Order, load
 from pirate_sm.views.console.availability import HandBackSituation, look_at_entries
 from pirate_sm.views.console.check_process import CheckProcess, ask_here
-from pirate_sm.views.console.hand_back_plan import look_for_ways
+from pirate_sm.views.console.hand_back import look_for_ways
 
 
 @pytest.fixture(scope="module")

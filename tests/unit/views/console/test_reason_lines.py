@@ -6,7 +6,7 @@ from typing import cast
 import pytest
 
 from pirate_sm.core.robot import RobotSpec
-from pirate_sm.views.console.reason_lines import Request, obstacles
+from pirate_sm.views.console.availability import Request, obstacles
 
 ROBOT = cast("RobotSpec", SimpleNamespace(regions=("GripState", "LightState")))
 ALREADY = "unneeded: it is so already"

@@ -3,7 +3,7 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.running.wiring import Order, load
-from pirate_sm.views.console.hand_back_plan import waits_before
+from pirate_sm.views.console.hand_back import waits_before
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from itertools import pairwise
 
-from pirate_sm.views.drawing.layout.plan import EdgeRoute, Point, Size
+from pirate_sm.views.drawing.svg.ranks import EdgeRoute, Point, Size
 
 Rectangle = tuple[float, float, float, float]
 SLACK = 0.01

@@ -15,9 +15,8 @@ from hypothesis import strategies as st
 from pirate_sm.core.documents import parse_document
 from pirate_sm.core.loading import ChartOutline, LoadedRobot, load_robot
 from pirate_sm.core.robot import ChartTable
-from pirate_sm.views.interchange.chart_text import chart_text
-from pirate_sm.views.interchange.scxml_chart_reader import read_chart
-from pirate_sm.views.interchange.scxml_writer import chart_scxml
+from pirate_sm.views.interchange.scxml import chart_scxml
+from pirate_sm.views.interchange.scxml_chart_reader import chart_text, read_chart
 
 from .charts import COMMANDS, ROBOTS, Reread, charts, outline_of, outlined, table_of
 

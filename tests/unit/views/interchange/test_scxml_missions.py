@@ -14,7 +14,7 @@ from pirate_sm.core.mission import Mission
 from pirate_sm.views.drawing.graph.graph import EdgeKind
 from pirate_sm.views.drawing.graph.mission_graph import ANY_PHASE as ANYWHERE
 from pirate_sm.views.drawing.graph.mission_graph import mission_graph
-from pirate_sm.views.interchange.scxml_writer import ANY_PHASE, END, PHASE, mission_scxml
+from pirate_sm.views.interchange.scxml import ANY_PHASE, END, PHASE, mission_scxml
 
 from .charts import ROOT
 

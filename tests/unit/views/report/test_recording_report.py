@@ -9,10 +9,10 @@ import pytest
 from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.read.repair import repair
 from pirate_sm.running.wiring import Order
+from pirate_sm.views.report.charts import MOST_POINTS, value_at
 from pirate_sm.views.report.contents import Chart, Report
 from pirate_sm.views.report.recording_report import report_of
-from pirate_sm.views.report.report_json import report_json
-from pirate_sm.views.report.sampling import MOST_POINTS, value_at
+from pirate_sm.views.report.report_page import report_json
 from tests.unit.running.recording.recording_runs import record, spoilt_in
 
 Reports = Callable[[str], Report]

@@ -18,8 +18,7 @@ from pirate_sm.views.report.contents import (
     Series,
     TimelineMark,
 )
-from pirate_sm.views.report.report_json import report_json
-from pirate_sm.views.report.report_page import html
+from pirate_sm.views.report.report_page import html, report_json
 
 EVIL = "</script><img src=x onerror=alert(1)> & ' \" \u2028 $title"
 

@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from pirate_sm.views.report import sampling
+from pirate_sm.views.report import charts
+from pirate_sm.views.report.charts import Curve, Samples, thinned, value_at
 from pirate_sm.views.report.contents import Series
-from pirate_sm.views.report.sampling import Curve, Samples, thinned, value_at
 
 NUMBERS = st.floats(-1e6, 1e6) | st.just(nan)
 
@@ -44,7 +44,7 @@ def test_a_curve_of_any_length_looks_the_same_and_takes_no_more_room(
     values: list[float], apart_s: float
 ):
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sampling, "_MOST_KEPT", 64)
+        patch.setattr(charts, "_MOST_KEPT", 64)
         curve, most = Curve(), 0
         for number, value in enumerate(values):
             curve.add(number * apart_s, value)
@@ -65,7 +65,7 @@ def test_a_curve_of_any_length_looks_the_same_and_takes_no_more_room(
 
 def test_a_long_curve_is_as_fine_all_along():
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(sampling, "_MOST_KEPT", 400)
+        patch.setattr(charts, "_MOST_KEPT", 400)
         curve = Curve()
         for number in range(20_000):
             curve.add(0.5 * number, number % 7)

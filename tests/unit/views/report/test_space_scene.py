@@ -10,12 +10,10 @@ from math import dist
 import pytest
 
 from pirate_sm.running.recording.read.reader import read_recording
-from pirate_sm.views.report.contents import Report
+from pirate_sm.views.report.contents import Report, SpaceScene
 from pirate_sm.views.report.film_strip import strip
 from pirate_sm.views.report.recording_report import report_of
-from pirate_sm.views.report.report_json import report_json
-from pirate_sm.views.report.report_page import html, plot_script, three_script
-from pirate_sm.views.report.space_contents import SpaceScene
+from pirate_sm.views.report.report_page import html, plot_script, report_json, three_script
 
 from .conftest import ROOT, recorded
 

@@ -7,9 +7,7 @@ import pytest
 from pirate_sm.core import effects as fx
 from pirate_sm.core import events as ev
 from pirate_sm.core.spelling import listed
-from pirate_sm.views.report.phrases import seconds
-from pirate_sm.views.report.story import Story
-from pirate_sm.views.report.summary import RunEnding, RunFacts, summary
+from pirate_sm.views.report.story import RunEnding, RunFacts, Story, seconds, summary
 
 
 def story(*moments: tuple[float, object, list[fx.Effect]]) -> list[str]:

@@ -8,8 +8,7 @@ import pytest
 from pirate_sm.core.effects import CommandStatus, Ended, Fault, Log
 from pirate_sm.robot.backends.serial.link.health import LinkHealth
 from pirate_sm.views.showing import alarms, panels
-from pirate_sm.views.showing.run_history import Memory
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.snapshot import Memory, Snapshot
 
 from .test_panels import PATROL, after, beginning
 

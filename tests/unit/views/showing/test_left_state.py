@@ -4,13 +4,12 @@ import io
 
 import pytest
 
-from pirate_sm.cli.output.event_lines import EventLines
-from pirate_sm.cli.output.observed_run import ObservedRun
+from pirate_sm.cli.output.event_lines import EventLines, ObservedRun
 from pirate_sm.core.engine import NOTHING, Evidence
 from pirate_sm.core.robot import DENIED, Mark
 from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.wiring import Order, prepare
-from pirate_sm.views.showing.left_state import left_state
+from pirate_sm.views.showing.effect_lines import left_state
 
 
 @pytest.fixture(scope="module")

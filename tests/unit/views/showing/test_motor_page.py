@@ -8,9 +8,8 @@ from math import nan
 import pytest
 
 from pirate_sm.robot.backends.serial.link.health import LinkHealth
-from pirate_sm.views.showing.live_snapshots import TREND_LENGTH, sent_name
-from pirate_sm.views.showing.motor_page import heading, motors
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.body_panel import motors, motors_heading
+from pirate_sm.views.showing.snapshot import TREND_LENGTH, Snapshot, sent_name
 
 from .test_panels import beginning
 
@@ -51,7 +50,7 @@ def test_an_angle_that_is_kept_and_not_measured_yet_has_no_number(snapshot: Snap
 def test_it_fits(snapshot: Snapshot, width: int, height: int) -> None:
     lines = motors(snapshot, width, height)
 
-    assert all(len(each) <= max(width, 40) for each in (heading(width), *lines))
+    assert all(len(each) <= max(width, 40) for each in (motors_heading(width), *lines))
     assert len(lines) <= max(height, len(snapshot.scene.anatomy.motors))
 
 

@@ -10,10 +10,15 @@ from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.views.console.availability import controls
 from pirate_sm.views.showing import alarms, panels
 from pirate_sm.views.showing.effect_lines import EffectLine
-from pirate_sm.views.showing.live_snapshots import Trends, scene_of, snapshot_of
-from pirate_sm.views.showing.progress_lines import waiting
-from pirate_sm.views.showing.run_history import Memory, NumberedLine
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.panels import waiting
+from pirate_sm.views.showing.snapshot import (
+    Memory,
+    NumberedLine,
+    Snapshot,
+    Trends,
+    scene_of,
+    snapshot_of,
+)
 
 ROOT = Path(__file__).parents[4]
 PATROL = str(ROOT / "tests" / "robots" / "newt" / "patrol.yaml")

@@ -14,10 +14,8 @@ from pirate_sm.core.robot import DENIED, STOPPED, Mark
 from pirate_sm.robot.backends.serial.link.health import LinkHealth
 from pirate_sm.views.console.availability import UNHEARD, command_reason, controls, drive_doubt
 from pirate_sm.views.showing import body_panel, panels
-from pirate_sm.views.showing.live_snapshots import Trends
-from pirate_sm.views.showing.picture import draw
-from pirate_sm.views.showing.pose import pose_of
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.picture import draw, pose_of
+from pirate_sm.views.showing.snapshot import Snapshot, Trends
 from pirate_sm.views.showing.text_styles import MUTED, STALE, ago
 
 from .test_panels import after, beginning

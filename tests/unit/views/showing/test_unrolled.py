@@ -17,11 +17,8 @@ from pirate_sm.core.geometry import drawn_walls
 from pirate_sm.core.simulation import Truth
 from pirate_sm.running.wiring import Order, prepare
 from pirate_sm.views.showing import panels
-from pirate_sm.views.showing.live_snapshots import Trends, scene_of, snapshot_of
-from pirate_sm.views.showing.picture import ON_A_TERMINAL, draw
-from pirate_sm.views.showing.pose import Dial, RobotPose, arrow, pose_of
-from pirate_sm.views.showing.run_history import Memory
-from pirate_sm.views.showing.snapshot import Snapshot
+from pirate_sm.views.showing.picture import ON_A_TERMINAL, Dial, RobotPose, arrow, draw, pose_of
+from pirate_sm.views.showing.snapshot import Memory, Snapshot, Trends, scene_of, snapshot_of
 
 ROOT = Path(__file__).parents[4]
 HOUSE = str(ROOT / "tests" / "pipes" / "house.yaml")

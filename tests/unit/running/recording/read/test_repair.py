@@ -32,9 +32,8 @@ from pirate_sm.running.recording.write.recorder import PIECE_S, Recorder
 from pirate_sm.running.recording.write.recording_file import DiskFile, RecordingFile
 from pirate_sm.running.wiring import Order
 from pirate_sm.running.wiring.resume_offer import end_of_run
-from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.views.showing.panels import phases, states
-from pirate_sm.views.showing.progress_lines import idle
+from pirate_sm.views.console.recording_viewer import recorded_snapshots
+from pirate_sm.views.showing.panels import idle, phases, states
 from tests.unit.running.recording.recording_runs import read_end, record, spoilt_in
 
 

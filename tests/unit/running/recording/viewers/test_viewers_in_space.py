@@ -19,8 +19,8 @@ from pirate_sm.running.recording.read.reader import read_recording
 from pirate_sm.running.recording.viewers.foxglove_scene import Cylinder, Mesh, walls_to_draw
 from pirate_sm.running.recording.viewers.transforms import Quaternion, about, of_axes
 from pirate_sm.running.wiring import Order
-from pirate_sm.views.console.recorded_snapshots import recorded_snapshots
-from pirate_sm.views.showing.pose import pose_of
+from pirate_sm.views.console.recording_viewer import recorded_snapshots
+from pirate_sm.views.showing.picture import pose_of
 
 HOUSE = str(ROOT / "tests" / "pipes" / "house.yaml")
 Floats = npt.NDArray[np.float64]

@@ -6,8 +6,7 @@ from pathlib import Path
 import pytest
 
 from pirate_sm.core.loading import ChartOutline, ChartTransition
-from pirate_sm.views.drawing.graph.chart_graph import LONGEST_GUARD, chart_graph
-from pirate_sm.views.drawing.graph.graph import EdgeKind, NodeKind
+from pirate_sm.views.drawing.graph.graph import LONGEST_GUARD, EdgeKind, NodeKind, chart_graph
 
 from ..conftest import CHARTS, name, read_chart
 

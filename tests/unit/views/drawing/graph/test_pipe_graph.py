@@ -5,10 +5,9 @@ from __future__ import annotations
 import pytest
 
 from pirate_sm.core.pipe import Pipe
-from pirate_sm.views.drawing.graph.pipe_graph import pipe_graph
+from pirate_sm.views.drawing.graph.graph import pipe_graph
 from pirate_sm.views.drawing.svg.svg_writer import svg
-from pirate_sm.views.drawing.text_formats.dot import dot
-from pirate_sm.views.drawing.text_formats.mermaid import mermaid
+from pirate_sm.views.drawing.text_formats import dot, mermaid
 
 HOUSE = {
     "section": "round",

@@ -6,11 +6,16 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from pirate_sm.views.drawing.layout.coordinates import Segment, Vertex, abscissae
-from pirate_sm.views.drawing.layout.layered import layered
-from pirate_sm.views.drawing.layout.plan import NOTHING, GraphLayout, LayoutLink, Size
-from pirate_sm.views.drawing.layout.rank_order import ordered
-from pirate_sm.views.drawing.layout.ranks import ranks, turned
+from pirate_sm.views.drawing.svg.layered import Segment, Vertex, abscissae, layered
+from pirate_sm.views.drawing.svg.ranks import (
+    NOTHING,
+    GraphLayout,
+    LayoutLink,
+    Size,
+    ordered,
+    ranks,
+    turned,
+)
 
 from ..geometry import along, inside, overlap, rectangle
 

@@ -9,9 +9,15 @@ import pytest
 
 from pirate_sm.core.loading import load_robot
 from pirate_sm.core.spelling import listed
-from pirate_sm.views.drawing.robot.criterion_text import done_when
-from pirate_sm.views.drawing.robot.robot_page import robot_page
-from pirate_sm.views.drawing.robot.written_page import Heading, PageTable, Paragraph, html, markdown
+from pirate_sm.views.drawing.robot_page import (
+    Heading,
+    PageTable,
+    Paragraph,
+    html,
+    markdown,
+    robot_page,
+)
+from pirate_sm.views.drawing.words import done_when
 
 ROOT = Path(__file__).resolve().parents[5]
 FOLDERS = [ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt"]

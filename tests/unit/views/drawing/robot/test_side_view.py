@@ -14,8 +14,8 @@ from pirate_sm.checking.robot.check_robot import robot_findings
 from pirate_sm.cli.commands.new import write_robot
 from pirate_sm.cli.options.files import NewRobotOptions
 from pirate_sm.core.loading import LoadedRobot, load_robot
-from pirate_sm.views.drawing.robot.side_view import SideView, side_text, side_view
-from pirate_sm.views.drawing.robot.side_view_svg import side_svg
+from pirate_sm.views.drawing.side_view import SideView, side_text, side_view
+from pirate_sm.views.drawing.side_view_svg import side_svg
 
 ROOT = Path(__file__).resolve().parents[5]
 PIRATE, NEWT = ROOT / "hardware_profiles" / "pirate_ii", ROOT / "tests" / "robots" / "newt"

@@ -11,7 +11,7 @@ import pytest
 
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.graph.highlight import highlight
-from pirate_sm.views.drawing.text_formats.dot import dot
+from pirate_sm.views.drawing.text_formats import dot
 
 from ..conftest import DRAWN, ROOT, drawing, name
 

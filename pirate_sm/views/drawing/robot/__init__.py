@@ -1,1 +1,0 @@
-"""A robot as a page of tables and drawings."""

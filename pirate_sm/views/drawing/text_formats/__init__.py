@@ -1,1 +1,0 @@
-"""Graphs as text in other languages: Mermaid and DOT."""

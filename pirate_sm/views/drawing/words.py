@@ -1,0 +1,293 @@
+"""Words in drawings: steps, triggers and criteria in short, and the width and wrapping of text."""
+
+from __future__ import annotations
+
+import unicodedata
+from collections.abc import Iterable, Iterator, Sequence
+from math import degrees
+from typing import assert_never
+
+from pirate_sm.core import mission as model
+from pirate_sm.core.mission import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
+from pirate_sm.core.profile import Profile
+from pirate_sm.core.profile import criteria as kinds
+from pirate_sm.core.quantities import Parameter
+from pirate_sm.core.spelling import listed
+from pirate_sm.core.units import ANGLE, Quantity, format_quantity
+
+INDENT = 2
+
+
+def cells(text: str) -> int:
+    """Return the columns of the text: East Asian wide characters two, combining marks none."""
+    return len(text) if text.isascii() else sum(_cells_of(character) for character in text)
+
+
+def _cells_of(character: str) -> int:
+    if unicodedata.combining(character):
+        return 0
+    return 2 if unicodedata.east_asian_width(character) in "WF" else 1
+
+
+def printable(text: str) -> str:
+    """Return the text with a replacement for each unprintable character."""
+    return text if text.isprintable() else "".join(map(_printable, text))
+
+
+def _printable(character: str) -> str:
+    hidden = unicodedata.category(character) in {"Cc", "Cs", "Cn"} and character not in "\t\n\r"
+    return "\N{REPLACEMENT CHARACTER}" if hidden else character
+
+
+def wrapped(text: str, width: int, hang: int = 0) -> tuple[str, ...]:
+    """Return the text in lines of at most ``width`` columns, broken at blanks if possible.
+
+    Later lines have the first one's indentation and ``hang`` blanks more.
+    """
+    indent = " " * (len(text) - len(text.lstrip(" ")))
+    lines: list[str] = []
+    line = ""
+    for word in _short_words(text.split(), max(8, width - len(indent) - hang)):
+        start = indent + (" " * hang if lines else "")
+        candidate = f"{line} {word}" if line else f"{start}{word}"
+        if line and cells(candidate) > width:
+            lines.append(line)
+            candidate = f"{indent}{' ' * hang}{word}"
+        line = candidate
+    return (*lines, line) if line else ()
+
+
+def balanced(text: str, width: int) -> tuple[str, ...]:
+    """Return the text in few lines of similar length; the first is the shortest.
+
+    A word longer than ``width`` widens the lines, by up to a half.
+    """
+    longest = max(map(cells, text.split()), default=0)
+    width = max(width, min(longest, width * 3 // 2))
+    fewest = len(wrapped(text, width))
+    while fewest > 1 and width > longest and len(wrapped(text, width - 1)) == fewest:
+        width -= 1
+    lines: list[str] = []
+    for word in reversed(list(_short_words(text.split(), width))):
+        if lines and cells(lines[0]) + 1 + cells(word) <= width:
+            lines[0] = f"{word} {lines[0]}"
+        else:
+            lines.insert(0, word)
+    return tuple(lines)
+
+
+def _short_words(words: list[str], width: int) -> Iterator[str]:
+    """Yield the words; longer ones in pieces."""
+    for word in words:
+        rest = word
+        while cells(rest) > width:
+            yield rest[:width] if rest.isascii() else rest[: width // 2]
+            rest = rest[width:] if rest.isascii() else rest[width // 2 :]
+        yield rest
+
+
+def amount(value: float | int | Parameter, unit: str = "") -> str:
+    """Return the quantity as written in a mission: ``200 ms``, ``3``, ``$give_up``."""
+    if isinstance(value, Parameter):
+        return f"${value.name}"
+    if unit == "s" and 0 < value < 1:
+        return f"{value * 1000:g} ms"
+    if unit == "s" and value >= 60 and value % 60 == 0:
+        return f"{value / 60:g} min"
+    return f"{value:g} {unit}".strip()
+
+
+def step_lines(steps: Iterable[model.Step], indent: str = "") -> tuple[str, ...]:
+    """Return one line for each step, with inner steps indented below it."""
+    lines: list[str] = []
+    deeper = indent + " " * INDENT
+    for step in steps:
+        inside = indent
+        if step.condition is not None and not isinstance(step, model.CommandStep):
+            lines.append(f"{indent}if {step.condition}:")
+            inside = deeper
+        lines += _lines(step, inside)
+    return tuple(lines)
+
+
+def _lines(step: model.Step, indent: str) -> Iterator[str]:
+    deeper = indent + " " * INDENT
+    match step:
+        case model.RepeatStep():
+            yield f"{indent}{amount(step.repeat.times)} times:{_leads(step)}"
+            yield from step_lines(step.repeat.do, deeper)
+        case model.ChooseStep():
+            yield from _choice_lines(step, indent, deeper)
+        case model.CommandStep():
+            yield f"{indent}{_command(step)}"
+        case model.CallStep():
+            given = ", ".join(f"{name} = {value}" for name, value in step.arguments.items())
+            yield f"{indent}call {step.call}{f' ({given})' if given else ''}{_leads(step)}"
+        case model.AskStep():
+            yield f"{indent}ask “{step.ask}” ({', '.join(step.choices)}){_leads(step)}"
+        case model.WaitStep():
+            limit = f", ≤ {amount(step.within.time, 's')}" if step.within is not None else ""
+            triggers = " or ".join(map(trigger_text, step.wait))
+            yield f"{indent}wait for {triggers}{limit}{_leads(step)}"
+        case model.ControlStep():
+            yield f"{indent}control {step.control}{_leads(step)}"
+        case model.LogStep():
+            yield f"{indent}log “{step.log}”"
+
+
+def _choice_lines(step: model.ChooseStep, indent: str, deeper: str) -> Iterator[str]:
+    for number, choice in enumerate(step.choose):
+        word = "else if" if number else "if"
+        yield f"{indent}{word} {choice.condition}:{'' if number else _leads(step)}"
+        yield from step_lines(choice.do, deeper)
+    if step.otherwise:
+        yield f"{indent}else:"
+        yield from step_lines(step.otherwise, deeper)
+
+
+def _command(step: model.CommandStep) -> str:
+    extra = []
+    if step.condition is not None:
+        extra.append(f"if {step.condition}")
+    if step.unneeded == "skip":
+        extra.append("if needed")
+    if step.timeout is not None:
+        extra.append(f"≤ {amount(step.timeout, 's')}")
+    if step.retry:
+        extra.append(f"retry {amount(step.retry)}")
+    return f"{step.command}{''.join(f', {each}' for each in extra)}{_leads(step)}"
+
+
+def _leads(step: model.Step) -> str:
+    """Return where a failure of the step leads, if that differs from the mission's default."""
+    if step.on_failure is None:
+        return ""
+    return ", or go on" if step.on_failure == model.CONTINUE else f", or {step.on_failure}"
+
+
+def short(step: model.Step) -> str:
+    """Return the name of a step in messages about its failure."""
+    match step:
+        case model.CommandStep():
+            return step.command
+        case model.CallStep():
+            return f"call {step.call}"
+        case model.AskStep():
+            return f"“{step.ask}”"
+        case model.RepeatStep():
+            return "repeat"
+        case model.ChooseStep():
+            return "choose"
+        case model.WaitStep():
+            return "wait"
+        case model.ControlStep():
+            return f"control {step.control}"
+        case model.LogStep():
+            return "log"
+
+
+def trigger_text(trigger: Trigger) -> str:
+    """Return the condition of the trigger, after its name if it has one."""
+    match trigger:
+        case ConditionTrigger():
+            held = trigger.held if isinstance(trigger.held, Parameter) or trigger.held else None
+            text = trigger.when + (f" for {amount(held, 's')}" if held is not None else "")
+        case TimeTrigger():
+            text = f"after {amount(trigger.after, 's')}"
+        case OperatorTrigger():
+            text = f"operator: {trigger.operator}"
+    return f"{trigger.name}: {text}" if trigger.name else text
+
+
+def done_when(profile: Profile, criterion: kinds.Criterion) -> str:
+    """Return how a command with this criterion is found to be done, in words."""
+    match criterion:
+        case kinds.Accepted():
+            return "its setpoints are accepted: no sensor shows more"
+        case kinds.Stalled():
+            return (
+                f"{_joints(criterion.joints)} still, slower than {_rate(criterion.still)}, and "
+                f"{_bearing(criterion)} more than {_load(criterion)}{_lasting(criterion.for_s)}"
+                f"{_settled(criterion)}"
+            )
+        case kinds.Reached():
+            return f"every joint has come to its angle{_or_stopped(criterion)}"
+        case kinds.Turning():
+            fast = f"{(criterion.share or 0.0) * 100:g} % of its motor's speed without load"
+            fast = fast if criterion.above is None else f"{criterion.above:g} rad/s"
+            return f"a driven wheel turns the way it is driven, faster than {fast}"
+        case kinds.Stopped():
+            return (
+                f"no wheel that can be heard turns faster than {criterion.below:g} rad/s"
+                f"{_lasting(criterion.for_s)}"
+            )
+        case kinds.Aligned():
+            rolls = {slot.name: slot.roll or slot.name for slot in profile.slots}
+            names = listed(rolls[name] for name in criterion.slots)
+            return f"{names} is within {angle(criterion.within)} of its setpoint"
+        case kinds.Below():
+            return (
+                f"{listed(criterion.signals)} are within {_quantity(criterion.limit)} of zero"
+                f"{_lasting(criterion.for_s)}"
+            )
+    assert_never(criterion)
+
+
+def angle(value_rad: float) -> str:
+    """Return an angle in degrees."""
+    return f"{round(degrees(value_rad), 3):g}°"
+
+
+def seconds(value_s: float) -> str:
+    """Return a time in seconds."""
+    return f"{value_s:g} s"
+
+
+def _joints(names: Sequence[str]) -> str:
+    return f"{listed(names)} stand{'s' if len(names) == 1 else ''}"
+
+
+def _bearing(criterion: kinds.Stalled) -> str:
+    if criterion.loaded == criterion.joints:
+        return "bears" if len(criterion.joints) == 1 else "each bear"
+    return f"{listed(criterion.loaded)} {'bears' if len(criterion.loaded) == 1 else 'each bear'}"
+
+
+def _load(criterion: kinds.Stalled) -> str:
+    if criterion.share is None:
+        return f"{criterion.torque:g} Nm"
+    return f"{criterion.share * 100:g} % of what its motor gives at its duty"
+
+
+def _settled(criterion: kinds.Stalled | kinds.Reached) -> str:
+    if criterion.settled is None or criterion.at_least is None:
+        return ""
+    holds = " and what holds the robot there" if isinstance(criterion, kinds.Stalled) else ""
+    return f", or more than {criterion.at_least:g} Nm{holds}{_lasting(criterion.settled)}"
+
+
+def _or_stopped(criterion: kinds.Reached) -> str:
+    if criterion.or_still is None:
+        return _lasting(criterion.for_s)
+    turned = f", once one of them has turned by {degrees(criterion.moved):.3g}°"
+    moved = turned if criterion.moved else ""
+    return (
+        f", or is stopped by the wall: pushed with {criterion.loaded * 100:g} % of its stall torque"
+        f" and slower than {_rate(criterion.or_still)}{_lasting(criterion.for_s)}"
+        f"{_settled(criterion)}"
+        f"{moved}"
+    )
+
+
+def _lasting(for_s: float) -> str:
+    return f", for {seconds(for_s)}" if for_s else ""
+
+
+def _rate(value: float) -> str:
+    return f"{angle(value)}/s"
+
+
+def _quantity(quantity: Quantity) -> str:
+    if quantity.dimension == ANGLE:
+        return angle(quantity.value)
+    return format_quantity(quantity.value, quantity.dimension)
