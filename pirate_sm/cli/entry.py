@@ -20,41 +20,41 @@ from typer.core import TyperCommand, TyperGroup
 from pirate_sm.cli import ctrl_c
 from pirate_sm.cli.completion import ASKING
 from pirate_sm.cli.options.common import VERSION
-from pirate_sm.cli.options.declaring import made, parameters_of
+from pirate_sm.cli.options.declaring import made, parameters_of, plain_refusal
 from pirate_sm.cli.output.terminal import degrade
 
 COMMANDS = {
     "run": ("running:RunOptions", "run:run_mission"),
     "demo": ("running:DemoOptions", "demo:play_demo"),
     "list": ("files:ListOptions", "list:list_things"),
-    "schema": ("files:SchemaOptions", "schema:print_schema"),
+    "schema": ("files:SchemaOptions", "list:print_schema"),
     "check": ("checks:CheckOptions", "check:run_check"),
     "explain": ("checks:ExplainOptions", "explain:explain_code"),
-    "diff": ("checks:DiffOptions", "diff:run_diff"),
+    "diff": ("checks:DiffOptions", "explain:run_diff"),
     "graph": ("files:GraphOptions", "graph:draw_graph"),
-    "import": ("files:ImportOptions", "import_chart:import_chart"),
-    "plan": ("files:PlanOptions", "plan:print_plan"),
-    "robot": ("files:RobotOptions", "robot_page:write_page"),
-    "campaign": ("campaigns:CampaignOptions", "campaign:run_campaign"),
+    "import": ("files:ImportOptions", "graph:import_chart"),
+    "plan": ("files:PlanOptions", "explain:print_plan"),
+    "robot": ("files:RobotOptions", "graph:write_page"),
+    "campaign": ("estimates:CampaignOptions", "campaign:run_campaign"),
     "console": ("running:ConsoleOptions", "console:open_console"),
-    "panel": ("links:PanelOptions", "panel:show_panel"),
-    "doctor": ("links:DoctorOptions", "doctor:run_doctor"),
-    "calibrate": ("links:CalibrateOptions", "calibrate:run_calibrate"),
-    "bay": ("links:BayOptions", "bay:run_bay"),
-    "replay": ("recordings:ReplayOptions", "replay:run_replay"),
-    "compare": ("recordings:CompareOptions", "compare:run_compare"),
-    "export": ("recordings:ExportOptions", "export:run_export"),
-    "map": ("recordings:MapOptions", "map:write_map"),
-    "fit": ("estimates:FitOptions", "fit:run_fit"),
-    "experiment": ("estimates:ExperimentOptions", "experiment:run_experiment"),
-    "report": ("recordings:ReportOptions", "report:write_reports"),
-    "repair": ("recordings:RepairOptions", "repair:run_repair"),
-    "camera print": ("cameras:PrintOptions", "camera:print_sheets"),
-    "camera calibrate": ("cameras:CalibrateCameraOptions", "camera:calibrate_camera"),
-    "camera survey": ("cameras:SurveyOptions", "camera:survey_camera"),
-    "camera look": ("cameras:LookOptions", "camera:look"),
-    "config": ("files:ConfigOptions", "config:show_settings"),
-    "completion": ("files:CompletionOptions", "completion:print_script"),
+    "panel": ("devices:PanelOptions", "devices:show_panel"),
+    "doctor": ("devices:DoctorOptions", "doctor:run_doctor"),
+    "calibrate": ("devices:CalibrateOptions", "doctor:run_calibrate"),
+    "bay": ("devices:BayOptions", "devices:run_bay"),
+    "replay": ("files:ReplayOptions", "replay:run_replay"),
+    "compare": ("files:CompareOptions", "replay:run_compare"),
+    "export": ("files:ExportOptions", "export:run_export"),
+    "map": ("files:MapOptions", "export:write_map"),
+    "fit": ("estimates:FitOptions", "estimates:run_fit"),
+    "experiment": ("estimates:ExperimentOptions", "estimates:run_experiment"),
+    "report": ("files:ReportOptions", "report:write_reports"),
+    "repair": ("files:RepairOptions", "export:run_repair"),
+    "camera print": ("devices:PrintOptions", "camera:print_sheets"),
+    "camera calibrate": ("devices:CalibrateCameraOptions", "camera:calibrate_camera"),
+    "camera survey": ("devices:SurveyOptions", "camera:survey_camera"),
+    "camera look": ("devices:LookOptions", "camera:look"),
+    "config": ("files:ConfigOptions", "list:show_settings"),
+    "completion": ("files:CompletionOptions", "list:print_script"),
     "new mission": ("files:NewMissionOptions", "new:write_mission"),
     "new pipe": ("files:NewPipeOptions", "new:write_pipe"),
     "new campaign": ("files:NewCampaignOptions", "new:write_campaign"),
@@ -137,8 +137,6 @@ class _Command(TyperCommand):
                     raise typer.BadParameter(f"did you mean: --set {name}={value}?")
             return super().make_context(info_name, args, *given, **more)
         except typer.BadParameter as error:
-            from pirate_sm.cli.options.declaring import plain_refusal
-
             error.message = plain_refusal(error.message)
             raise
 

@@ -16,8 +16,13 @@ from __future__ import annotations
 
 import pytest
 
-pytest.register_assert_rewrite("pirate_sm.testing.contracts", "pirate_sm.testing.contracts")
+pytest.register_assert_rewrite("pirate_sm.testing.contracts")
 
-from pirate_sm.testing.contracts import BackendContract, Candidate, DetectorContract, Subject  # noqa: E402 - rewritten first  # noqa: E402
+from pirate_sm.testing.contracts import (  # noqa: E402 - rewritten first
+    BackendContract,
+    Candidate,
+    DetectorContract,
+    Subject,
+)
 
 __all__ = ["BackendContract", "Candidate", "DetectorContract", "Subject"]

@@ -126,9 +126,8 @@ def _scxml(options: GraphOptions) -> str:
 
 
 def _counterexample(options: GraphOptions, script: Path) -> list[Stop]:
-    from pirate_sm.cli.commands.rehearsal import (
-        phases_of_course,  # the runtime is not needed for a plain drawing
-    )
+    # The runtime is not needed for a plain drawing.
+    from pirate_sm.cli.commands.rehearsal import phases_of_course
 
     settings = read_settings(options.settings)
     return phases_of_course(_found(options.file), script, settings)

@@ -6,7 +6,6 @@ from dataclasses import dataclass
 from typing import Literal
 
 from pirate_sm.cli.completion import candidates
-from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
 
@@ -25,7 +24,7 @@ class CheckOptions:
 
     paths: list[str] | None = argument(
         "[PATH]...",
-        named_files.checkable,
+        candidates.checkable,
         "Files and folders; robots, missions, pipes and panels are known by their "
         "content. Without any: the folders sequences, hardware_profiles and panels and the "
         "files next to them; if there is no folder sequences, all that the working "
@@ -47,7 +46,7 @@ class CheckOptions:
         "--set",
     )
     counterexamples: str | None = option(
-        "DIR", named_files.folders, "Write how a finding comes about, as files to run."
+        "DIR", candidates.folders, "Write how a finding comes about, as files to run."
     )
     fix: bool = flag(
         "Change the checked files where only one thing can have been meant, and check again.",
@@ -85,8 +84,8 @@ class DiffOptions:
     Exit codes: 0 both can do the same, 1 they differ, 2 one of them cannot be used.
     """
 
-    old: str = argument("OLD", named_files.missions, "A mission: its name or its file.")
-    new: str = argument("NEW", named_files.missions, "The mission to hold against it.")
+    old: str = argument("OLD", candidates.missions, "A mission: its name or its file.")
+    new: str = argument("NEW", candidates.missions, "The mission to hold against it.")
     format: Literal["text", "json"] = typed(
         "What is written to standard output.", "--format", default="text"
     )

@@ -18,7 +18,6 @@ import typer
 
 from pirate_sm import __version__
 from pirate_sm.cli.completion import candidates
-from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options.declaring import (
     argument,
     declared,
@@ -67,8 +66,8 @@ VERSION = typer.Option(
 version = partial(declared, VERSION, False)
 debug = partial(flag, "Show tracebacks.", "--debug")
 
-a_robot = partial(option, "NAME", named_files.robots)
-a_pipe = partial(option, "NAME", named_files.pipes)
+a_robot = partial(option, "NAME", candidates.robots)
+a_pipe = partial(option, "NAME", candidates.pipes)
 robot_of_missions = partial(a_robot, "Robot to use instead of the missions'.", "--robot")
 pipe_of_missions = partial(a_pipe, "Pipe to use instead of the missions'.", "--pipe")
 one_robot = partial(a_robot, "Robot (default: the first bundled one).", "--robot")
@@ -76,8 +75,8 @@ a_speed = partial(option, "max|realtime|FACTOR", candidates.words("max", "realti
 at = partial(option, "PHASE", candidates.phases, "With --resume: continue with this phase.", "--at")
 port = partial(option, "PORT", candidates.ports, "/dev/ttyACM0, or a pyserial URL.")
 
-recording = partial(argument, "RUN.mcap", named_files.recordings, "A recording.")
-output = partial(option, "OUT", named_files.files, "Write to this file.", "--output", "-o")
+recording = partial(argument, "RUN.mcap", candidates.recordings, "A recording.")
+output = partial(option, "OUT", candidates.files, "Write to this file.", "--output", "-o")
 overwrite = partial(flag, "Replace files that this program did not write.", "--overwrite")
 
 
@@ -131,8 +130,7 @@ def _declaration(option: RunOption) -> Any:
     if option.type is bool and option.on_command_line:
         names = f"{names}/{names.replace('--', '--no-', 1)}"
     if option.completes:
-        module = candidates if hasattr(candidates, option.completes) else named_files
-        offered = getattr(module, option.completes)
+        offered = getattr(candidates, option.completes)
     return typer.Option(
         names,
         metavar=option.form or None,

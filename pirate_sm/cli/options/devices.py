@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import Literal
 
 from pirate_sm.cli.completion import candidates
-from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import of_run
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
@@ -65,7 +64,7 @@ class PanelOptions:
 
     name: str | None = argument(
         "[NAME[:DEVICE]|DEVICE]",
-        named_files.panels,
+        candidates.panels,
         "A panel's name, or a file; a MIDI device alone shows bare numbers.",
         default=None,
     )
@@ -80,13 +79,13 @@ class BayOptions:
     """
 
     mission: str | None = option(
-        "NAME", named_files.missions, "Robot, pipe and start are those of this mission."
+        "NAME", candidates.missions, "Robot, pipe and start are those of this mission."
     )
     robot: str | None = common.one_robot()
     pipe: str | None = common.a_pipe("Pipe it is in (default: the first bundled one).")
     seed: int = of_run("seed")
-    link: Path | None = option("PATH", named_files.files, "Make a symbolic link to the port here.")
-    log: Path | None = option("FILE", named_files.files, "JSON Lines of arrays and restarts.")
+    link: Path | None = option("PATH", candidates.files, "Make a symbolic link to the port here.")
+    log: Path | None = option("FILE", candidates.files, "JSON Lines of arrays and restarts.")
     overwrite: bool = common.overwrite()
     loss: str | None = option("SHARE", None, "Frames lost each way, such as 20%.")
     loss_in: str | None = option("SHARE", None, "Instead of --loss: towards the bay.")
@@ -123,11 +122,11 @@ class BayOptions:
     debug: bool = common.debug()
 
 
-camera_file = partial(argument, "CAMERA", named_files.cameras, "Name or path of a camera's file.")
+camera_file = partial(argument, "CAMERA", candidates.cameras, "Name or path of a camera's file.")
 inside = partial(option, "NxM", None, "Corners inside of the chessboard.", "--board", default="9x6")
 square_sides = partial(option, "LENGTH", None, "Sides of its squares.", default="25 mm")
 pictures = partial(
-    option, "FILES", named_files.files, "Images instead of the camera, such as 'seen/*.png'."
+    option, "FILES", candidates.files, "Images instead of the camera, such as 'seen/*.png'."
 )
 writes = partial(flag, "Write it into the camera's file.", "--write/--no-write", default=True)
 
@@ -141,7 +140,7 @@ class PrintOptions:
 
     camera: str = camera_file()
     output: Path = option(
-        "FOLDER", named_files.files, "Where they are written.", "--output", "-o", default=Path()
+        "FOLDER", candidates.files, "Where they are written.", "--output", "-o", default=Path()
     )
     board: str = inside()
     square: str = square_sides()
@@ -196,7 +195,7 @@ class LookOptions:
     robot: str | None = common.one_robot()
     pipe: str = common.a_pipe("In which a synthetic camera sees the robot.", default="mitre_90")
     output: Path | None = option(
-        "OUT", named_files.files, "Write the picture: .png or .jpg.", "--output", "-o"
+        "OUT", candidates.files, "Write the picture: .png or .jpg.", "--output", "-o"
     )
     overwrite: bool = common.overwrite()
     debug: bool = common.debug()

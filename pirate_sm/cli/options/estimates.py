@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Literal
 
 from pirate_sm.cli.completion import candidates
-from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import of_run
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
@@ -26,7 +25,7 @@ class FitOptions:
 
     runs: list[str] = argument(
         "RUN...",
-        named_files.recordings_or_tables,
+        candidates.recordings_or_tables,
         "Recordings (.mcap) or tables of signals (.csv).",
     )
     robot: bool = flag("Estimate the robot's motors and friction instead.", "--robot")
@@ -51,13 +50,13 @@ class FitOptions:
     )
     write: Path | None = option(
         "FILE",
-        named_files.files,
+        candidates.files,
         "Write friction into this pipe file; with --robot: numbers for --twin.",
     )
     output: Path | None = option(
-        "OUT.html", named_files.files, "A page with plots.", "--output", "-o"
+        "OUT.html", candidates.files, "A page with plots.", "--output", "-o"
     )
-    csv: Path | None = option("OUT.csv", named_files.files, "A table of what was found.")
+    csv: Path | None = option("OUT.csv", candidates.files, "A table of what was found.")
     overwrite: bool = common.overwrite()
     debug: bool = common.debug()
 
@@ -79,9 +78,9 @@ class ExperimentOptions:
     noise: str | None = option("LEVEL", None, "Only this level of noise, such as clean.")
     seeds: int = typed("Runs of everything random; medians are shown.", min=1, default=3)
     output: Path | None = option(
-        "OUT.html", named_files.files, "A page with figures.", "--output", "-o"
+        "OUT.html", candidates.files, "A page with figures.", "--output", "-o"
     )
-    csv: Path | None = option("OUT.csv", named_files.files, "A table of every row.")
+    csv: Path | None = option("OUT.csv", candidates.files, "A table of every row.")
     overwrite: bool = common.overwrite()
     debug: bool = common.debug()
 
@@ -104,7 +103,7 @@ class CampaignOptions:
     """
 
     campaign: str = argument(
-        "FILE|MISSION", named_files.campaigns, "A campaign file, or a mission: name or file."
+        "FILE|MISSION", candidates.campaigns, "A campaign file, or a mission: name or file."
     )
     seeds: int | None = typed(
         "Seeds 0 to N-1, instead of the file's.", min=1, max=_MOST_SEEDS, metavar="N"
@@ -118,7 +117,7 @@ class CampaignOptions:
     scheduler: str | None = option("ADDRESS", None, "An existing Dask cluster: tcp://host:8786.")
     resume: bool = flag("Keep existing results and run what is missing.", "--resume")
     output: Path | None = option(
-        "FOLDER", named_files.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
+        "FOLDER", candidates.folders, "For the results; runs/NAME.campaign.", "--output", "-o"
     )
     record: Literal["first", "all", "none"] = typed(
         "Which failed runs are repeated with a recording: first of each cause.",

@@ -7,7 +7,6 @@ from pathlib import Path
 from typing import Literal
 
 from pirate_sm.cli.completion import candidates
-from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import of_run
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
@@ -69,7 +68,7 @@ class GraphOptions:
     """
 
     file: str = argument(
-        "FILE", named_files.drawable, "A mission, a robot, a chart or a pipe: name or path."
+        "FILE", candidates.drawable, "A mission, a robot, a chart or a pipe: name or path."
     )
     format: Literal["mermaid", "dot", "svg", "scxml"] | None = typed(
         "As the name of the output ends, else mermaid.", "--format"
@@ -80,7 +79,7 @@ class GraphOptions:
         "A,B,C", candidates.phases_in_order, "Phases or states to mark, in order.", "--highlight"
     )
     counterexample: Path | None = option(
-        "SCRIPT", named_files.scripts, "Mark the path of this event sequence."
+        "SCRIPT", candidates.scripts, "Mark the path of this event sequence."
     )
     calls: bool = flag("Draw the missions that it calls, too.", "--calls")
     settings: list[str] | None = of_run("settings")
@@ -97,7 +96,7 @@ class ImportOptions:
     Exit codes: 0 written, 2 invalid files or arguments.
     """
 
-    file: Path = argument("FILE.scxml", named_files.charts_in_scxml, "A statechart in SCXML 1.0.")
+    file: Path = argument("FILE.scxml", candidates.charts_in_scxml, "A statechart in SCXML 1.0.")
     output: Path | None = common.output()
     overwrite: bool = common.overwrite()
     debug: bool = common.debug()
@@ -113,7 +112,7 @@ class PlanOptions:
     arguments.
     """
 
-    robot: str = argument("ROBOT", named_files.robots, "A shipped robot, or its folder.")
+    robot: str = argument("ROBOT", candidates.robots, "A shipped robot, or its folder.")
     to: list[str] | None = option(
         "REGION=STATE,…",
         candidates.states_of_several,
@@ -145,7 +144,7 @@ class RobotOptions:
 
     name: str | None = argument(
         "ROBOT",
-        named_files.robots,
+        candidates.robots,
         "Robot or its folder (default: the first bundled one).",
         default=None,
     )
@@ -190,7 +189,7 @@ class NewCampaignOptions:
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
     mission: str = option(
         "MISSION",
-        named_files.missions,
+        candidates.missions,
         "Which mission it runs: name or file.",
         default="mitre_bend",
     )
@@ -202,7 +201,7 @@ class NewRobotOptions:
     """Write a small robot that runs, or a copy of another one."""
 
     name: str = argument(None, None, "Its name; the folder is NAME.")
-    like: str | None = option("ROBOT", named_files.robots, "A copy of this robot, to be changed.")
+    like: str | None = option("ROBOT", candidates.robots, "A copy of this robot, to be changed.")
     debug: bool = common.debug()
 
 
@@ -212,7 +211,7 @@ class NewCameraOptions:
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
     like: str = option(
-        "CAMERA", named_files.cameras, "Of which camera: name or file.", default="setup_3"
+        "CAMERA", candidates.cameras, "Of which camera: name or file.", default="setup_3"
     )
     debug: bool = common.debug()
 
@@ -223,7 +222,7 @@ class NewPanelOptions:
 
     name: str = argument(None, None, "Its name; the file is NAME.yaml.")
     like: str = option(
-        "PANEL", named_files.panels, "Of which panel: name or file.", default="nanokontrol2"
+        "PANEL", candidates.panels, "Of which panel: name or file.", default="nanokontrol2"
     )
     debug: bool = common.debug()
 
@@ -271,7 +270,7 @@ class ReplayOptions:
 
     recording: str = common.recording()
     mission: str | None = option(
-        "MISSION", named_files.missions, "Mission to use instead of the recording's."
+        "MISSION", candidates.missions, "Mission to use instead of the recording's."
     )
     robot: str | None = common.a_robot("With --mission: the robot.")
     pipe: str | None = common.a_pipe("With --mission: the pipe.")
@@ -293,9 +292,9 @@ class CompareOptions:
     """
 
     first: str = argument(
-        "A", named_files.recordings, "A recording, or the folder of a campaign's results."
+        "A", candidates.recordings, "A recording, or the folder of a campaign's results."
     )
-    second: str = argument("B", named_files.recordings, "Another one.")
+    second: str = argument("B", candidates.recordings, "Another one.")
     debug: bool = common.debug()
 
 
@@ -304,20 +303,20 @@ class ExportOptions:
     """Write a recording for other programs."""
 
     recording: str = common.recording()
-    csv: str | None = option("DIR", named_files.folders, "One table for each topic, SI units.")
-    parquet: str | None = option("DIR", named_files.folders, "The same tables as Parquet files.")
+    csv: str | None = option("DIR", candidates.folders, "One table for each topic, SI units.")
+    parquet: str | None = option("DIR", candidates.folders, "The same tables as Parquet files.")
     viewers: str | None = option(
-        "OUT.mcap", named_files.files, "The recording with all that viewers can show."
+        "OUT.mcap", candidates.files, "The recording with all that viewers can show."
     )
     ros2: str | None = option(
-        "DIR", named_files.folders, "A bag of ROS 2: joints, frames, log, URDF."
+        "DIR", candidates.folders, "A bag of ROS 2: joints, frames, log, URDF."
     )
-    urdf: str | None = option("FILE", named_files.files, "The robot, from its profile.")
+    urdf: str | None = option("FILE", candidates.files, "The robot, from its profile.")
     lichtblick: str | None = option(
-        "FILE", named_files.files, "A layout for Lichtblick and Foxglove, for this robot."
+        "FILE", candidates.files, "A layout for Lichtblick and Foxglove, for this robot."
     )
     plotjuggler: str | None = option(
-        "FILE", named_files.files, "A layout for PlotJuggler, for this robot."
+        "FILE", candidates.files, "A layout for PlotJuggler, for this robot."
     )
     overwrite: bool = common.overwrite()
     debug: bool = common.debug()
@@ -359,11 +358,11 @@ class ReportOptions:
 
     recordings: list[str] = argument(
         "RUN.mcap|FOLDER",
-        named_files.recordings,
+        candidates.recordings,
         "A recording, several, a folder of them, or the folder of a campaign's results.",
     )
     output: Path | None = option(
-        "OUT.html", named_files.files, "RUN.html; of many, index.html.", "--output", "-o"
+        "OUT.html", candidates.files, "RUN.html; of many, index.html.", "--output", "-o"
     )
     debug: bool = common.debug()
 
@@ -378,6 +377,6 @@ class RepairOptions:
 
     recording: str = common.recording()
     output: Path | None = option(
-        "OUT.mcap", named_files.files, "RUN.repaired.mcap otherwise.", "--output", "-o"
+        "OUT.mcap", candidates.files, "RUN.repaired.mcap otherwise.", "--output", "-o"
     )
     debug: bool = common.debug()

@@ -8,7 +8,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from pirate_sm.cli.completion import candidates
-from pirate_sm.cli.completion import candidates as named_files
 from pirate_sm.cli.options import common
 from pirate_sm.cli.options.common import ahead_of, of_all_runs, read_choices, read_fire, values_of
 from pirate_sm.cli.options.declaring import argument, flag, option, typed
@@ -57,10 +56,10 @@ class RunOptions(_RobotRunOptions):
 
     written: Mapping[str, Any] = of_all_runs(jitter=True)
     mission: str | None = argument(
-        "[MISSION]", named_files.missions, "A shipped mission's name, or a file.", default=None
+        "[MISSION]", candidates.missions, "A shipped mission's name, or a file.", default=None
     )
     resume: str | None = ahead_of(
-        "jitter", option("RUN.mcap", named_files.recordings, "Resume an interrupted run.")
+        "jitter", option("RUN.mcap", candidates.recordings, "Resume an interrupted run.")
     )
     at: str | None = ahead_of("jitter", common.at())
     look: bool = ahead_of(
@@ -92,10 +91,10 @@ class RunOptions(_RobotRunOptions):
         "In a trace: the trigger that a wait takes. Repeatable, in order.",
     )
     script: str | None = option(
-        "FILE", named_files.scripts, "In a trace: a YAML list of {phase, trigger, after}."
+        "FILE", candidates.scripts, "In a trace: a YAML list of {phase, trigger, after}."
     )
     record: str | None = option(
-        "FILE.mcap", named_files.files, "Where the run is recorded, instead of runs/."
+        "FILE.mcap", candidates.files, "Where the run is recorded, instead of runs/."
     )
     yes: bool = flag("Give the first answer to every question.", "--yes", "-y")
     plain: bool = flag("Lines instead of the live view.", "--plain")
@@ -133,11 +132,11 @@ class ConsoleOptions(_RobotRunOptions):
 
     mission: str | None = argument(
         "[MISSION|RUN.mcap]",
-        named_files.missions_or_recordings,
+        candidates.missions_or_recordings,
         "A shipped mission's name, or a file; a recording to look through.",
         default=None,
     )
-    resume: str | None = option("RUN.mcap", named_files.recordings, "Take over an interrupted run.")
+    resume: str | None = option("RUN.mcap", candidates.recordings, "Take over an interrupted run.")
     at: str | None = common.at()
     speed: str = common.a_speed("Mission time over wall time.", default="realtime")
     theme: Theme = typed("Its colours. NO_COLOR in the environment: none.", default=USUAL_THEME)
@@ -154,13 +153,13 @@ class DemoOptions:
     """
 
     scene: str | None = argument(
-        "[SCENE]", named_files.scenes, "A scene's name, or a file of your own.", default=None
+        "[SCENE]", candidates.scenes, "A scene's name, or a file of your own.", default=None
     )
     all: bool = flag("All scenes at full speed, with a page that lists them.", "--all")
     speed: str | None = common.a_speed("Mission time over wall time; else the scene's own.")
     output: Path = option(
         "DIR",
-        named_files.folders,
+        candidates.folders,
         "Where the reports are written.",
         "--output",
         "-o",

@@ -12,7 +12,7 @@ from pirate_sm.cli.errors import say
 from pirate_sm.cli.output.terminal import columns_of, wrapped
 from pirate_sm.core import effects as fx
 from pirate_sm.core.effects import Effect, Ended, Setpoints, Unmet
-from pirate_sm.core.engine import Evidence
+from pirate_sm.core.engine import EngineState, Evidence
 from pirate_sm.core.events import ALPHABET_VERSION
 from pirate_sm.core.options import USUAL
 from pirate_sm.core.simulation import SIMULATORS, Truth
@@ -23,7 +23,6 @@ from pirate_sm.running.wiring import Order, Prepared
 from pirate_sm.views.showing.effect_lines import UNCONFIRMED, Teller, away, left_state, summary
 
 if TYPE_CHECKING:
-    from pirate_sm.core.engine import EngineState
     from pirate_sm.robot.backends.serial.link.health import LinkHealth
     from pirate_sm.running.runtime.loop import MissionRun
 

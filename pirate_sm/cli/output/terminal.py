@@ -10,12 +10,9 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
 from time import monotonic
-from typing import TYPE_CHECKING, Protocol, TextIO
+from typing import Protocol, TextIO
 
 from pirate_sm.core.errors import UsageError
-
-if TYPE_CHECKING:
-    from typing import TextIO
 
 
 def is_terminal(stream: object) -> bool:

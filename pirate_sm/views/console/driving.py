@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Container, Iterator, Sequence
 from math import degrees, inf, isnan, nan
 from threading import Lock
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from rich.text import Text
 
@@ -18,11 +18,8 @@ from pirate_sm.views.console.availability import arrows_for, ways
 from pirate_sm.views.showing.snapshot import Snapshot
 from pirate_sm.views.showing.text_styles import MUTED, line
 
-if TYPE_CHECKING:
-    from pirate_sm.core.engine import EngineState
-
-
 LOOK_EVERY_S = 0.02
+"""The longest delay of a stop after a key, and of a command after the one before."""
 
 FIRST_REPEAT_S = 0.8
 """Keyboards repeat a key that is held for the first time after 0.25 s to 0.75 s."""
@@ -255,9 +252,6 @@ def on_stops(snapshot: Snapshot, known: Container[str] = ()) -> Iterator[tuple[s
             yield motor.name, f"{degrees(angle_rad):.0f}°"
 
 
-_NEXT_COMMAND_S = 0.02
-"""The longest delay between the end of a command and the next one."""
-
 BY_OPERATOR = "the operator has stopped it"
 RUN_OVER = "the run has ended"
 
@@ -353,7 +347,7 @@ class Giver:
         robot = state.robot
         under_way = robot.motion is not None and not state.mission.suspended
         self._busy = under_way or robot.awaited is not None
-        self._due_s = now_s + _NEXT_COMMAND_S
+        self._due_s = now_s + LOOK_EVERY_S
         return ()
 
     def speak(self, now_s: float) -> Sequence[Event]:

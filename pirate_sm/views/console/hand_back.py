@@ -17,7 +17,6 @@ from pirate_sm.core.loading import LoadedMission
 from pirate_sm.core.program import Program, Wait, reached
 from pirate_sm.core.robot import Plan, RobotSpec, RobotState, RulePlaces, state_change
 from pirate_sm.views.console import availability
-from pirate_sm.views.console.availability import HandBackSituation
 from pirate_sm.views.console.check_process import CheckCall
 from pirate_sm.views.console.confirmed_actions import ConfirmedActions
 from pirate_sm.views.console.dialogs import Pick, PickLine
@@ -38,14 +37,14 @@ class Ways(NamedTuple):
         plans: Plans by phase.
     """
 
-    situation: HandBackSituation
+    situation: availability.HandBackSituation
     begun_in: Beginnings
     plans: Mapping[str, Plan]
 
 
 def look_for_ways(
     loaded: LoadedMission,
-    situation: HandBackSituation,
+    situation: availability.HandBackSituation,
     body: RobotState,
     places: RulePlaces | None,
     blocked: tuple[str, ...],

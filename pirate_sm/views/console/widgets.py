@@ -24,7 +24,6 @@ from pirate_sm.core.palette import THEMES, Palette, Theme
 from pirate_sm.core.visible import visible
 from pirate_sm.views.console.availability import sign_of
 from pirate_sm.views.showing import alarms, body_panel, panels, picture
-from pirate_sm.views.showing import body_panel as motor_page
 from pirate_sm.views.showing import text_styles as styled
 from pirate_sm.views.showing.snapshot import Snapshot
 from pirate_sm.views.showing.text_styles import (
@@ -384,8 +383,8 @@ class RobotApp(App[None]):
             body.border_title = body_panel.heading(body.content_size.width)
             body.show(body_panel.body(snapshot, body.content_size.width))
         if motors.size:
-            motors.border_title = motor_page.motors_heading(motors.content_size.width)
-            motors.show(motor_page.motors(snapshot, *motors.content_size))
+            motors.border_title = body_panel.motors_heading(motors.content_size.width)
+            motors.show(body_panel.motors(snapshot, *motors.content_size))
         if phases.size:
             width, rows = phases.content_size
             phases.border_title = snapshot.scene.mission or "Phases"

@@ -1,1 +1,1 @@
-"""Missions and charts as pictures: one neutral graph, written as Mermaid, DOT or SVG."""
+"""Missions, charts and pipes as one neutral graph, in Mermaid, DOT or SVG; robots as pages."""

@@ -1,1 +1,1 @@
-"""A graph as one SVG without scripts, fonts or other external resources."""
+"""Graphs, laid out, and plots as SVG without scripts, fonts or other external resources."""

@@ -382,8 +382,7 @@ def operator(monkeypatch: pytest.MonkeyPatch) -> Callable[..., Operator]:
         backend = dialog.prepared.backend
         assert isinstance(backend, SerialBackend)
         someone = Operator(backend, answers, thinks_s)
-        for module in ("commands.resume", "taking_over"):
-            monkeypatch.setattr(f"pirate_sm.cli.{module}.answered_line", someone)
+        monkeypatch.setattr("pirate_sm.cli.commands.resume.answered_line", someone)
         for stream in (sys.stdin, sys.stderr):
             monkeypatch.setattr(stream, "isatty", lambda: True)
         return someone
