@@ -39,6 +39,9 @@ from pirate_sm.running.wiring.run_recorder import RunRecorder, requested_recordi
 from pirate_sm.views.report import GENERATOR
 from pirate_sm.views.report.poses import EVERY_S, Poses
 
+# --- results ------------------------------------------------------------------------------------
+
+
 Columns: TypeAlias = dict[str, list[Any]]
 """A table: values by the name of their column, which says the unit. Unknown numbers are NaN.
 
@@ -253,6 +256,9 @@ def read(recording: str | PathLike[str]) -> Run:
             sha256=found.sha256,
             origin_s=found.origin_s,
         )
+
+
+# --- notes of a run -----------------------------------------------------------------------------
 
 
 T = TypeVar("T")

@@ -30,6 +30,9 @@ if TYPE_CHECKING:
     from pirate_sm.robot.detectors.simple_detectors import Keys, WordKeys
 
 
+# --- the keyboard -------------------------------------------------------------------------------
+
+
 _LOOK_EVERY_S = 0.05
 
 
@@ -195,6 +198,9 @@ class Operator:
         if key.isdecimal() and 1 <= int(key) <= len(self.choices):
             return self.choices[int(key) - 1]
         return None
+
+
+# --- companions ---------------------------------------------------------------------------------
 
 
 class People(NamedTuple):

@@ -34,6 +34,9 @@ if TYPE_CHECKING:
     from pirate_sm.running.wiring import Prepared
 
 
+# --- a new file ---------------------------------------------------------------------------------
+
+
 class RecordingPlace(NamedTuple):
     """Where a run is recorded.
 
@@ -95,6 +98,9 @@ def _make_folder(folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except FileExistsError as error:
         raise NotADirectoryError(error.errno, "its folder is a file") from None
+
+
+# --- recording ----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

@@ -17,6 +17,9 @@ from collections.abc import Callable, Sequence
 
 from pirate_sm.cli import ctrl_c
 
+# --- stored help --------------------------------------------------------------------------------
+
+
 HELP_FOLDER = os.path.join(os.path.dirname(__file__), "help")  # noqa: PTH118, PTH120 - pathlib is slow
 
 WIDEST_HELP = 80
@@ -65,6 +68,9 @@ def _fits() -> bool:
         return False
     except OSError:  # no terminal
         return True
+
+
+# --- start and end ------------------------------------------------------------------------------
 
 
 def main() -> None:

@@ -24,6 +24,9 @@ from pirate_sm.running.runtime.loop import MissionRun
 from pirate_sm.running.runtime.scripted_events import FirstChoice, TriggerScript
 from pirate_sm.running.wiring import Order, Prepared, prepare
 
+# --- backends -----------------------------------------------------------------------------------
+
+
 MOST_CALLS = 10_000
 
 Values = tuple[float, ...]
@@ -252,6 +255,9 @@ def statuses_of(reported: Sequence[tuple[float, Event]]) -> list[tuple[int, str]
     return [
         (each.setpoint_id, each.status) for _, each in reported if isinstance(each, SubmitResult)
     ]
+
+
+# --- detectors ----------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True)

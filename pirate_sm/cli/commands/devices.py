@@ -42,6 +42,9 @@ if TYPE_CHECKING:
     from pirate_sm.simulation.bay.switches import Switches, Topic
 
 
+# --- pirate bay ---------------------------------------------------------------------------------
+
+
 class _Setting(NamedTuple):
     """A robot in a pipe."""
 
@@ -159,6 +162,9 @@ def _setting_of(name: str, options: BayOptions) -> _Setting:
 def _pipe(name: str | None) -> Pipe:
     file = library.find_pipe(name, Path.cwd()) if name else library.pipes()[0]
     return load_pipe(file)[0]
+
+
+# --- pirate panel -------------------------------------------------------------------------------
 
 
 def show_panel(options: PanelOptions) -> int:

@@ -40,6 +40,8 @@ from pirate_sm.robot.diagnosis.listening import Listening
 from pirate_sm.robot.diagnosis.moving import DUTY, TURN_FOR_S, Moving
 from pirate_sm.running.runtime.ending import CaughtSignals, StopRequests
 
+# --- a robot and a port -------------------------------------------------------------------------
+
 
 def find_loaded(name: str | None) -> LoadedRobot:
     """Return the robot with this name or path; by default the first shipped one.
@@ -83,6 +85,9 @@ def connection(
     rate = baud or subject.plan.serial.baud
     port = guarded_port(subject.plan, url, baud, STAY_S if stay_s is None else stay_s)
     return Listening(subject, port, rate, stopper(requests))
+
+
+# --- pirate doctor ------------------------------------------------------------------------------
 
 
 GO, NO_GO = 0, 1
@@ -186,6 +191,9 @@ def _show(facts: Facts, options: DoctorOptions) -> None:
         sys.stdout.write(plain_text(facts))
     else:
         LiveTables.show(facts)
+
+
+# --- pirate calibrate ---------------------------------------------------------------------------
 
 
 KEPT, REFUSED = 0, 1

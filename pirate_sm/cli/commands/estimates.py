@@ -25,6 +25,9 @@ if TYPE_CHECKING:
     from pirate_sm.simulation.arrays import Floats
 
 
+# --- pirate fit ---------------------------------------------------------------------------------
+
+
 NOTHING = 1
 
 _ROBOT_HEADER = ("motor", "number", "unit", "value", "low", "high", "reason")
@@ -240,6 +243,9 @@ def estimate_text(estimate: Estimate, unit: str = "") -> str:
     if isnan(estimate.low):
         return f"{estimate.value:.3f}{unit}"
     return f"{estimate.value:.3f}{unit} [{estimate.low:.3f}, {estimate.high:.3f}]"
+
+
+# --- pirate experiment --------------------------------------------------------------------------
 
 
 NOT_REPRODUCED = 1

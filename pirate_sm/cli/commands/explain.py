@@ -33,6 +33,8 @@ from pirate_sm.core.spelling import meant
 from pirate_sm.core.visible import visible
 from pirate_sm.views.drawing.robot_page import control_text
 
+# --- pirate explain -----------------------------------------------------------------------------
+
 
 def explain_code(options: ExplainOptions) -> int:
     """Print the text on a code or a control, or the titles of all codes; return the exit code.
@@ -63,6 +65,9 @@ def _profiles(robot: str | None) -> list[Profile]:
     """Return the profile of a robot, or of every shipped one."""
     folders = library.robots() if robot is None else [library.find_robot(robot, Path.cwd())]
     return [load_robot(folder).profile for folder in folders]
+
+
+# --- pirate diff --------------------------------------------------------------------------------
 
 
 SAME, DIFFERENT = 0, 1
@@ -133,6 +138,9 @@ def _diff_json(difference: MissionDifference, old: str, new: str) -> str:
         "changes": [asdict(each) for each in difference.changes],
     }
     return json.dumps(whole, indent=1)
+
+
+# --- pirate plan --------------------------------------------------------------------------------
 
 
 FOUND, NONE = 0, 1

@@ -29,6 +29,9 @@ from pirate_sm.running.recording.viewers import layouts
 from pirate_sm.running.recording.viewers.complete_recording import write_complete
 from pirate_sm.running.recording.viewers.urdf import urdf
 
+# --- pirate export ------------------------------------------------------------------------------
+
+
 Writer: TypeAlias = Callable[[Recording, LoadedMission, Path], None]
 """Writes a recording to a place that is new."""
 
@@ -177,6 +180,9 @@ def _texts(loaded: LoadedMission, options: ExportOptions) -> Iterator[tuple[str,
         yield options.plotjuggler, layouts.plotjuggler_layout(loaded)
 
 
+# --- pirate map ---------------------------------------------------------------------------------
+
+
 def write_map(options: MapOptions) -> int:
     """Write the map to the file, or to standard output; return the exit code.
 
@@ -201,6 +207,9 @@ def write_map(options: MapOptions) -> int:
     for note in made.notes:
         print(f"the map is incomplete: {note}", file=sys.stderr)
     return 1 if made.notes else 0
+
+
+# --- pirate repair ------------------------------------------------------------------------------
 
 
 def run_repair(options: RepairOptions) -> int:

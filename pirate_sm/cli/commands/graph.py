@@ -43,6 +43,9 @@ from pirate_sm.views.drawing.text_formats import dot, mermaid
 from pirate_sm.views.interchange.scxml import chart_scxml, mission_scxml
 from pirate_sm.views.interchange.scxml_chart_reader import chart_text, read_chart
 
+# --- pirate graph -------------------------------------------------------------------------------
+
+
 WRITERS: dict[str, Callable[[Graph], str]] = {"mermaid": mermaid, "dot": dot, "svg": svg}
 _PIPES_HAVE = ("segments", "runs")
 _SCXML = "scxml"
@@ -207,6 +210,9 @@ def _chart(document: Document, name: str) -> _Chart:
     return _Chart(outline, name, document.data.get("description", ""))
 
 
+# --- pirate import ------------------------------------------------------------------------------
+
+
 def import_chart(options: ImportOptions) -> int:
     """Write the chart to the file, or to standard output; return the exit code.
 
@@ -231,6 +237,9 @@ def import_chart(options: ImportOptions) -> int:
         f"commands and {len(table.configurations)} configurations"
     )
     return 0
+
+
+# --- pirate robot -------------------------------------------------------------------------------
 
 
 def write_page(options: RobotOptions) -> int:

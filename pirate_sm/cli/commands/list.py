@@ -26,6 +26,9 @@ from pirate_sm.core.registry import Registry
 from pirate_sm.core.units import describe
 from pirate_sm.core.visible import visible
 
+# --- pirate list --------------------------------------------------------------------------------
+
+
 Row = Sequence[str]
 
 
@@ -151,6 +154,9 @@ _LISTS: dict[str, Callable[[Iterable[Path]], None]] = {
 }
 
 
+# --- pirate config ------------------------------------------------------------------------------
+
+
 SETTINGS_FORMAT = 1
 """Changes when a reader of the JSON would have to."""
 
@@ -199,6 +205,9 @@ def _setting_source(value: SettingValue) -> str:
     return f"{value.source} (not used: it {value.refused})" if value.refused else value.source
 
 
+# --- pirate schema ------------------------------------------------------------------------------
+
+
 def print_schema(options: SchemaOptions) -> int:
     """Print the JSON Schema of a kind of file; return the exit code.
 
@@ -215,6 +224,9 @@ def print_schema(options: SchemaOptions) -> int:
         raise UsageError(f"the schema of a {kind} is the same for all robots: leave out --robot")
     print(text, end="")
     return 0
+
+
+# --- pirate completion --------------------------------------------------------------------------
 
 
 def print_script(options: CompletionOptions) -> int:

@@ -25,6 +25,9 @@ from pirate_sm.running.wiring.backends import read_script
 from pirate_sm.views.drawing.graph.highlight import RunPath
 from pirate_sm.views.drawing.graph.highlight import Stop as Reached
 
+# --- rehearsals ---------------------------------------------------------------------------------
+
+
 LONGEST_S = 3600.0
 """A mission that has not ended by then is stopped."""
 
@@ -152,6 +155,9 @@ class _Patience:
         reason = f"it had not ended after {LONGEST_S:g} s"
         self._requests.ask(Stop(reason, 1))
         return ()
+
+
+# --- counterexamples ----------------------------------------------------------------------------
 
 
 def phases_of_course(mission: Path, script: Path, settings: dict[str, str]) -> list[Reached]:

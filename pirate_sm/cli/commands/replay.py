@@ -29,6 +29,8 @@ from pirate_sm.running.recording.read.reader import Recording, read_recording
 from pirate_sm.running.recording.recorded_mission import as_recorded, recorded_fit, recorded_mission
 from pirate_sm.running.recording.replay import Difference, Replayed, replay
 
+# --- opened recordings --------------------------------------------------------------------------
+
 
 @contextmanager
 def opened_recording(path: str) -> Iterator[Recording]:
@@ -54,6 +56,9 @@ def title(recording: Recording) -> str:
 def print_visible(text: str) -> None:
     """Print a text with all invisible characters written out."""
     print(visible(text))
+
+
+# --- pirate replay ------------------------------------------------------------------------------
 
 
 SAME, DIFFERENT = 0, 1
@@ -265,6 +270,9 @@ def _value(value: Any) -> str:
     if isinstance(value, tuple):
         return f"({', '.join(map(_value, value))})"
     return "none" if value is None else str(value)
+
+
+# --- pirate compare -----------------------------------------------------------------------------
 
 
 UNREADABLE = 2

@@ -49,6 +49,9 @@ from pirate_sm.running.wiring.resumed_run import (
     with_resumption,
 )
 
+# --- what is known ------------------------------------------------------------------------------
+
+
 _NEXT = 3
 
 
@@ -139,6 +142,9 @@ def _duration(seconds: float) -> str:
     if seconds < 120:
         return f"{seconds:.1f} s"
     return f"{seconds / 60:.0f} min" if seconds < 7200 else f"{seconds / 3600:.1f} h"
+
+
+# --- where the mission does not begin -----------------------------------------------------------
 
 
 _ADOPT_QUESTION = "[1] adopt it so (or another number), [l]ook again, or leave [enter]? "
@@ -246,6 +252,9 @@ def _print_stands(prepared: Prepared, stands: Stands, json: bool) -> None:
     for line in lines:
         print(visible(line), file=sys.stderr if json else sys.stdout)
     sys.stdout.flush()
+
+
+# --- --resume -----------------------------------------------------------------------------------
 
 
 CAN, CANNOT, LEFT = 0, 1, 2

@@ -37,6 +37,8 @@ from pirate_sm.running.runtime.scripted_events import Firing, FirstChoice, LoopW
 from pirate_sm.running.wiring import Prepared, answers, prepare
 from pirate_sm.running.wiring.run_recorder import Kept
 
+# --- a run that is shown ------------------------------------------------------------------------
+
 
 class Output(Observer, Protocol):
     """One of the ways to show a run."""
@@ -247,6 +249,9 @@ def watch_pipe(out: TextIO) -> PipeWatch | None:
     except (OSError, ValueError):  # not a file
         return None
     return PipeWatch(out) if stat.S_ISFIFO(mode) or stat.S_ISSOCK(mode) else None
+
+
+# --- pirate run ---------------------------------------------------------------------------------
 
 
 ON_A_TERMINAL = 4.0

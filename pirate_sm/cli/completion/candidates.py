@@ -23,6 +23,9 @@ from pirate_sm.core.files import PROFILE_FILE, library
 from pirate_sm.core.on_disk import is_file, is_folder, opened
 from pirate_sm.core.options import KEYS, keys_of
 
+# --- reading for a shell ------------------------------------------------------------------------
+
+
 Candidate: TypeAlias = tuple[str, str]
 """A value, and a line about it."""
 
@@ -93,6 +96,9 @@ def items(found: Any, key: str) -> list[Any]:
 def line(found: Any) -> str:
     """Return a text or a number as text; of anything else an empty one."""
     return str(found) if isinstance(found, str | int | float) else ""
+
+
+# --- names and files ----------------------------------------------------------------------------
 
 
 MOST_FILES = 1000
@@ -206,6 +212,9 @@ def _is(path: Path, kinds: Collection[str]) -> bool:
     from pirate_sm.core.documents import kind_of
 
     return path.suffix in library.SUFFIXES and kind_of(path) in kinds
+
+
+# --- values in files ----------------------------------------------------------------------------
 
 
 LONGEST_LINE = 100_000

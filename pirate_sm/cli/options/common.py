@@ -41,6 +41,9 @@ if TYPE_CHECKING:
     Choices = TypeVar("Choices", bound=Frozen)
 
 
+# --- shared options -----------------------------------------------------------------------------
+
+
 def _print_version(wanted: bool) -> None:
     if wanted:
         from typing import get_args
@@ -78,6 +81,9 @@ port = partial(option, "PORT", candidates.ports, "/dev/ttyACM0, or a pyserial UR
 recording = partial(argument, "RUN.mcap", candidates.recordings, "A recording.")
 output = partial(option, "OUT", candidates.files, "Write to this file.", "--output", "-o")
 overwrite = partial(flag, "Replace files that this program did not write.", "--overwrite")
+
+
+# --- options of runs ----------------------------------------------------------------------------
 
 
 _PLACES = {each.word: place for place, each in enumerate(OPTIONS.values())}

@@ -15,6 +15,9 @@ from pirate_sm.core.errors import UsageError
 from pirate_sm.core.spelling import meant
 from pirate_sm.core.units import LENGTH, SPEED, TIME, Dimension, QuantityError, read_quantity
 
+# --- declarations -------------------------------------------------------------------------------
+
+
 Completion: TypeAlias = Callable[..., Any] | None
 """Answers a shell that completes the value; None where there is nothing to choose from."""
 
@@ -88,6 +91,9 @@ def made(options: type[Any], given: Mapping[str, Any]) -> Any:
     rest = {name: value for name, value in given.items() if name not in own}
     several = (each.name for each in fields(options) if "several" in each.metadata)
     return options(**own, **dict.fromkeys(several, rest))
+
+
+# --- values as text -----------------------------------------------------------------------------
 
 
 _CHOICE = re.compile(r"(?:Value error, )?'(.*)' is not one of ('.*')\.", re.DOTALL)

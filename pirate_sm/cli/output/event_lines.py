@@ -27,6 +27,9 @@ if TYPE_CHECKING:
     from pirate_sm.running.runtime.loop import MissionRun
 
 
+# --- the run that is shown ----------------------------------------------------------------------
+
+
 class ObservedRun:
     """The present state of a run; ``run`` is set once it exists."""
 
@@ -94,6 +97,9 @@ class ObservedRun:
         """
         truth = self.truth()
         return truth.distance_m - (self._driven_from_m or 0.0) if truth else None
+
+
+# --- for people ---------------------------------------------------------------------------------
 
 
 _INDENT = 22
@@ -182,6 +188,9 @@ def how_it_runs(order: Order) -> str:
     how = ways.get(order.backend, "ideal")
     defects = f", defects: {', '.join(order.defects)}" if order.defects else ""
     return f"{order.backend} ({how}{defects})"
+
+
+# --- for programs -------------------------------------------------------------------------------
 
 
 FORMAT = 1

@@ -14,6 +14,8 @@ from typing import Protocol, TextIO
 
 from pirate_sm.core.errors import UsageError
 
+# --- the terminal -------------------------------------------------------------------------------
+
 
 def is_terminal(stream: object) -> bool:
     """Return whether the stream is a terminal that can do more than lines."""
@@ -107,6 +109,9 @@ def _width(text: str) -> int:
     return len(_COLOUR.sub("", text))
 
 
+# --- progress -----------------------------------------------------------------------------------
+
+
 _FIRST_S = 0.5
 """Shorter tasks show nothing."""
 
@@ -189,6 +194,9 @@ class _Line:
         with suppress(OSError, ValueError):
             self._out.write(text)
             self._out.flush()
+
+
+# --- signs that an encoding lacks ---------------------------------------------------------------
 
 
 _ALIKE = {

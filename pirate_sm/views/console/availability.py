@@ -35,6 +35,9 @@ from pirate_sm.views.showing.effect_lines import shortened
 from pirate_sm.views.showing.snapshot import Snapshot
 from pirate_sm.views.showing.text_styles import MUTED, STRONG, line
 
+# --- keys ---------------------------------------------------------------------------------------
+
+
 LEAVE, MISSIONS = "q", "m"
 YES, NO = "y", "n"
 CONTROLS: Mapping[str, str] = {
@@ -107,6 +110,9 @@ def ways(robot: RobotSpec) -> dict[str, int]:
                 if travel:
                     found.setdefault(command.name, travel)
     return found
+
+
+# --- requests -----------------------------------------------------------------------------------
 
 
 OVER = "the session is over: q leaves"
@@ -319,6 +325,9 @@ def why_not_mission(snapshot: Snapshot, loaded: LoadedMission) -> str:
     if held and loaded.robot.polarity != scene.robot.polarity:
         return f"it wants {loaded.robot.polarity} polarity, and the robot holds on in the other"
     return ""
+
+
+# --- reasons, as they are shown -----------------------------------------------------------------
 
 
 _SIGNS = {"unneeded": "=", "impossible": "✕"}

@@ -22,6 +22,9 @@ if TYPE_CHECKING:
 else:
     _Base = object
 
+# --- confirmations ------------------------------------------------------------------------------
+
+
 _R = TypeVar("_R")
 
 
@@ -93,6 +96,9 @@ class ConfirmedActions(_Base):
 
     def _refuse(self, what: str, reason: str) -> None:
         self.notify(f"{what}: {reason}", severity="warning", timeout=4, markup=False)
+
+
+# --- alarms -------------------------------------------------------------------------------------
 
 
 _HEADING = "Alarms, the newest first; 1st: of its cascade"

@@ -39,6 +39,9 @@ from pirate_sm.views.console.widgets import content_line
 from pirate_sm.views.showing.snapshot import Snapshot
 from pirate_sm.views.showing.text_styles import BAD, GOOD, MUTED, STRONG, WARN
 
+# --- dialogs ------------------------------------------------------------------------------------
+
+
 _WIDEST = 100
 """The largest width of a list, as in the stylesheet."""
 
@@ -273,6 +276,9 @@ class Help(HelpDialog):
     BINDINGS: ClassVar[list[BindingType]] = [_STOP]
 
 
+# --- the help page ------------------------------------------------------------------------------
+
+
 _KEYS, _WIDE = 16, 50
 """Columns of the keys and of their meaning; both fit into a terminal of 80 columns."""
 
@@ -385,6 +391,9 @@ def row(key: str, text: str, style: str = STRONG) -> Content:
     first, *more = wrap(text, _WIDE) or [""]
     head = content_line((f"{key:>{_KEYS}}  ", style), first)
     return Content("\n").join([head, *(content_line(" " * (_KEYS + 2) + each) for each in more)])
+
+
+# --- the checklist ------------------------------------------------------------------------------
 
 
 _NOT_TRIED = "not tried, since that moves the robot: drive by hand (↑ ↓) and look at Motors"

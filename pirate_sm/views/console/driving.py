@@ -18,6 +18,9 @@ from pirate_sm.views.console.availability import arrows_for, ways
 from pirate_sm.views.showing.snapshot import Snapshot
 from pirate_sm.views.showing.text_styles import MUTED, line
 
+# --- by hand ------------------------------------------------------------------------------------
+
+
 LOOK_EVERY_S = 0.02
 """The longest delay of a stop after a key, and of a command after the one before."""
 
@@ -250,6 +253,9 @@ def on_stops(snapshot: Snapshot, known: Container[str] = ()) -> Iterator[tuple[s
         share = _OFF_STOP if motor.name in known else _AT_STOP
         if motor.limit and abs(angle_rad) >= share * motor.limit:
             yield motor.name, f"{degrees(angle_rad):.0f}°"
+
+
+# --- series of commands -------------------------------------------------------------------------
 
 
 BY_OPERATOR = "the operator has stopped it"

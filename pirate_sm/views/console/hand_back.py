@@ -24,6 +24,9 @@ from pirate_sm.views.console.driving import CommandSeries
 from pirate_sm.views.showing.snapshot import MissionScene, Snapshot
 from pirate_sm.views.showing.text_styles import STRONG, Part, line
 
+# --- the commands before it ---------------------------------------------------------------------
+
+
 SEEKING = "looking for commands that lead there …"
 """Shown in the list for a blocked phase until its restoring commands are known."""
 
@@ -172,6 +175,9 @@ def waits_before(program: Program, phase: str) -> tuple[Wait, ...]:
         for at, each in enumerate(program.instructions)
         if isinstance(each, Wait) and goal not in reached(program, without=at)
     )
+
+
+# --- the list of phases -------------------------------------------------------------------------
 
 
 FAULT = "an internal error"

@@ -48,6 +48,9 @@ from pirate_sm.views.console.missions import MissionActions
 from pirate_sm.views.console.terminal_driver import STOP_KEY
 from pirate_sm.views.showing.panels import choices
 
+# --- keys, rows and the palette -----------------------------------------------------------------
+
+
 _ASKED = {
     "entries": "where the mission can start is",
     "ways": "commands that restore a phase are",
@@ -296,6 +299,9 @@ class OperatorActions(HandBackActions, MissionActions, AlarmActions):
         yield SystemCommand("Missions", "Choose a mission", self.action_missions)
         for word in snapshot.scene.robot.detector_words:
             yield SystemCommand(f"Detector: {word}", "Say it", partial(self.action_word, word))
+
+
+# --- a control panel ----------------------------------------------------------------------------
 
 
 class PanelActions(OperatorActions):

@@ -39,6 +39,9 @@ from pirate_sm.views.showing.robot_anatomy import anatomy_of
 from pirate_sm.views.showing.snapshot import Memory, MissionScene, Snapshot, Trends
 from pirate_sm.views.showing.text_styles import ACCENT, FLAG, STRONG, Part, line
 
+# --- snapshots ----------------------------------------------------------------------------------
+
+
 MOST_FRAMES = 4000
 """The most snapshots between two checkpoints. If checkpoints are far apart, or in old recordings
 without them, so are the snapshots."""
@@ -209,6 +212,9 @@ class _RecordedPlaces:
         truth = Truth(self._newest, self._body.wheel_radius, self._walls, 0.0)
         space = self._space
         return truth if space is None else replace(truth, z_m=space.z_m, rolls_rad=space.rolls_rad)
+
+
+# --- the viewer ---------------------------------------------------------------------------------
 
 
 FRAMES_PER_S = 20

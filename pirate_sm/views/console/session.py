@@ -36,6 +36,9 @@ from pirate_sm.views.showing.snapshot import (
     snapshot_of,
 )
 
+# --- between the threads ------------------------------------------------------------------------
+
+
 QUIET = frozenset({"another mission was chosen", "the console was left"})
 """Ends that the operator has requested by other means than a stop; they need no banner."""
 
@@ -145,6 +148,9 @@ class RunBridge:
         state = self._run.state if self._run is not None else None
         what = self._scene, self._prepared, state, now_s, self._memory.story, self._trends
         return snapshot_of(*what, over=self._over, before_m=self._before_m)
+
+
+# --- leaving ------------------------------------------------------------------------------------
 
 
 LEAVE_WITHIN_S = 1.7
@@ -275,6 +281,9 @@ def ender() -> Callable[[int], None]:
         os._exit(code)
 
     return end
+
+
+# --- the session --------------------------------------------------------------------------------
 
 
 BY_OPERATOR = Stop("stopped by the operator", 0)

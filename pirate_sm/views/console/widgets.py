@@ -38,6 +38,8 @@ from pirate_sm.views.showing.text_styles import (
     line,
 )
 
+# --- themes -------------------------------------------------------------------------------------
+
 
 def wear(app: App[Any], name: Theme) -> None:
     """Give the app all themes, and choose one."""
@@ -124,6 +126,9 @@ def themed(text: Text) -> Content:
 def content_line(*parts: Part) -> Content:
     """Return one line of these parts."""
     return themed(styled.line(*parts))
+
+
+# --- widgets ------------------------------------------------------------------------------------
 
 
 _W = TypeVar("_W", bound=Widget)

@@ -32,6 +32,8 @@ from pirate_sm.views.drawing.svg.svg_writer import svg
 from pirate_sm.views.drawing.text_formats import mermaid
 from pirate_sm.views.drawing.words import angle, done_when, printable, seconds
 
+# --- pages --------------------------------------------------------------------------------------
+
 
 class Heading(NamedTuple):
     """A heading; the page's own has level 1."""
@@ -159,6 +161,9 @@ def _marked(text: str) -> str:
     """Return the text on one line, with all characters of Markdown's markup escaped."""
     line = printable(" ".join(text.split()))
     return "".join(f"\\{each}" if each in "\\|<*`[]" else each for each in line)
+
+
+# --- robots -------------------------------------------------------------------------------------
 
 
 NOTHING = "–"
@@ -431,6 +436,9 @@ def _thing(slot: Slot) -> str:
 def _things(profile: Profile, names: Sequence[str]) -> str:
     slots = {slot.name: slot for slot in profile.slots}
     return listed(_thing(slots[name]) for name in names)
+
+
+# --- controls -----------------------------------------------------------------------------------
 
 
 def control_text(profile: Profile, name: str) -> str:

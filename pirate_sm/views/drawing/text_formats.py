@@ -9,6 +9,9 @@ from pirate_sm.core.palette import DAY, EITHER
 from pirate_sm.views.drawing.graph.graph import Cluster, Edge, EdgeKind, Graph, Node, NodeKind
 from pirate_sm.views.drawing.words import INDENT, balanced, printable, wrapped
 
+# --- Graphviz -----------------------------------------------------------------------------------
+
+
 _DOT_NODE_COLUMNS, _DOT_LABEL_COLUMNS, _DOT_NOTE_COLUMNS = 46, 28, 120
 
 
@@ -108,6 +111,9 @@ def _inside(text: str) -> str:
     blanks = len(text) - len(text.lstrip(" "))
     flat = "\N{NO-BREAK SPACE}" * blanks + " ".join(printable(text).split())
     return flat.replace("\\", "\\\\").replace('"', '\\"').replace("&", "&amp;")
+
+
+# --- Mermaid ------------------------------------------------------------------------------------
 
 
 def plain_names(ids: Iterable[str], prefix: str) -> dict[str, str]:

@@ -15,6 +15,9 @@ from pirate_sm.core.quantities import Parameter
 from pirate_sm.core.spelling import listed
 from pirate_sm.core.units import ANGLE, Quantity, format_quantity
 
+# --- width and wrapping -------------------------------------------------------------------------
+
+
 INDENT = 2
 
 
@@ -84,6 +87,9 @@ def _short_words(words: list[str], width: int) -> Iterator[str]:
             yield rest[:width] if rest.isascii() else rest[: width // 2]
             rest = rest[width:] if rest.isascii() else rest[width // 2 :]
         yield rest
+
+
+# --- steps and triggers -------------------------------------------------------------------------
 
 
 def amount(value: float | int | Parameter, unit: str = "") -> str:
@@ -197,6 +203,9 @@ def trigger_text(trigger: Trigger) -> str:
         case OperatorTrigger():
             text = f"operator: {trigger.operator}"
     return f"{trigger.name}: {text}" if trigger.name else text
+
+
+# --- criteria -----------------------------------------------------------------------------------
 
 
 def done_when(profile: Profile, criterion: kinds.Criterion) -> str:

@@ -27,6 +27,9 @@ from pirate_sm.core.loading import TIME_LIMIT, ChartOutline, StateNode, trigger_
 from pirate_sm.core.mission import ConditionTrigger, OperatorTrigger, TimeTrigger, Trigger
 from pirate_sm.views.drawing.words import amount, short, step_lines
 
+# --- elements that are read ---------------------------------------------------------------------
+
+
 DEEPEST_NESTING: Final = 32
 MOST_ELEMENTS: Final = 20_000
 
@@ -180,6 +183,9 @@ class _Builder:
         raise _RefusedError(message, line, column)
 
 
+# --- guards -------------------------------------------------------------------------------------
+
+
 DEEPEST_GUARD: Final = 50
 """Deepest nesting of a condition that is read [decided]."""
 
@@ -306,6 +312,9 @@ class _Parser:
         if not self._takes(token):
             what = f"'{self._tokens[-1]}'" if self._tokens else "the end"
             raise ConditionError(f"'{token}' was expected instead of {what}")
+
+
+# --- writing ------------------------------------------------------------------------------------
 
 
 PHASE, END, ANY_PHASE = "phase.", "end.", "any_phase"

@@ -19,6 +19,9 @@ from pirate_sm.core.robot import RobotSpec
 from pirate_sm.running.recording.columns import current_signals
 from pirate_sm.views.report.contents import Chart, Series
 
+# --- values over time ---------------------------------------------------------------------------
+
+
 MOST_POINTS = 4_000
 """A screen has fewer columns; each board has about this many frames in ten minutes."""
 
@@ -178,6 +181,9 @@ def over(series: Series, change: Callable[[float, float], float], name: str) -> 
     """Return the curve with each value replaced by a function of its time and value."""
     pairs = zip(series.times_s, series.values, strict=True)
     return Series(name, series.times_s, [change(at_s, value) for at_s, value in pairs])
+
+
+# --- plots --------------------------------------------------------------------------------------
 
 
 _DEGREES = degrees(1.0)

@@ -13,6 +13,8 @@ from typing import Literal, NamedTuple
 from pirate_sm.core.effects import MarkKind, SpanKind
 from pirate_sm.core.geometry import Outline, Place, Rings, Vector
 
+# --- pictures in space --------------------------------------------------------------------------
+
 
 class FlatView(NamedTuple):
     """The robot in its pipe as it is seen along one axis.
@@ -93,6 +95,9 @@ class SpaceScene:
             )
             for name, (one, other), outlines in self.sides
         )
+
+
+# --- the report ---------------------------------------------------------------------------------
 
 
 class Span(NamedTuple):

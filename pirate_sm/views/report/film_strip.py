@@ -18,6 +18,9 @@ from pirate_sm.running.recording.viewers.viewer_messages import PICTURES
 from pirate_sm.views.report.contents import FlatView, Lane, Photo, Report, RobotScene
 from pirate_sm.views.report.timeline import COMMANDS, DETECTOR, PHASE
 
+# --- the robot in its pipe ----------------------------------------------------------------------
+
+
 MOST_PICTURES = 60
 """The most pictures; beyond them commands are left out first, then the shortest phases."""
 
@@ -211,6 +214,9 @@ def _box(points: Sequence[Place]) -> tuple[float, float, float, float]:
 
 def _path(points: Sequence[Place]) -> str:
     return "M" + "L".join(f"{x * _MM:.0f} {-y * _MM:.0f}" for x, y in points)
+
+
+# --- what the camera saw ------------------------------------------------------------------------
 
 
 _NEAR_S = 0.6

@@ -21,6 +21,9 @@ from pirate_sm.views.drawing.svg.plot import Plot, plot_svg
 from pirate_sm.views.report.report_page import SIGNS, page_style
 from pirate_sm.views.report.story import seconds
 
+# --- runs ---------------------------------------------------------------------------------------
+
+
 Outcome: TypeAlias = Literal[
     "succeeded", "failed", "interrupted", "fault", "unfinished", "unreadable"
 ]
@@ -102,6 +105,9 @@ def _conditions(header: RunHeader) -> tuple[str, ...]:
     return (*header.coarser, *header.options.get("defects", ()), *parameters)
 
 
+# --- the page of many runs ----------------------------------------------------------------------
+
+
 _SIGNS = {**SIGNS, "unreadable": ("?", "Unreadable")}
 _COLUMNS = (
     *("Outcome", "Mission", "Robot", "Backend", "Seed"),
@@ -173,6 +179,9 @@ def _began(began: str) -> str:
     except ValueError:  # the header may contain anything
         return escape(began)
     return f'<span title="{escape(began)}">{read}</span>'
+
+
+# --- pages of plots -----------------------------------------------------------------------------
 
 
 _STYLE = """

@@ -42,6 +42,9 @@ from pirate_sm.views.report.contents import (
     WayPoint,
 )
 
+# --- in space -----------------------------------------------------------------------------------
+
+
 _WAY_M = 0.05
 """The most between two points of the centre line."""
 
@@ -123,6 +126,9 @@ def joint_name(joint: RouteJoint) -> str:
     if joint.junction:
         return joint.junction
     return f"{joint.kind} {degrees(joint.turn_rad):z.0f}°" if joint.turn_rad else joint.kind
+
+
+# --- in a plane ---------------------------------------------------------------------------------
 
 
 MOST_POSES = 6_000

@@ -33,6 +33,9 @@ from pirate_sm.views.report.poses import Holding, Poses, ReckonedPath, scene_of,
 from pirate_sm.views.report.story import RunEnding, RunFacts, Story, summary
 from pirate_sm.views.report.timeline import Timeline
 
+# --- contents of a run --------------------------------------------------------------------------
+
+
 _MOST_CAUSES = 3
 """The most failures that are shown: the last ones."""
 
@@ -213,6 +216,9 @@ class _Run:
                 "odometer take it to be. Slip is not in that."
             )
         return tuple(doubts)
+
+
+# --- of a recording -----------------------------------------------------------------------------
 
 
 _BACKENDS = {

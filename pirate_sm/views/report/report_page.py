@@ -26,6 +26,9 @@ from pirate_sm.views.report.contents import (
 )
 from pirate_sm.views.report.film_strip import seen_words, strip
 
+# --- JSON for its scripts -----------------------------------------------------------------------
+
+
 _DIRECTION = 1e4
 """Directions are written in parts of ten thousand."""
 
@@ -193,6 +196,9 @@ def _light(light: Light, clocks: _Clocks) -> Json:
     return {"name": light.name, "at": light.at, "level": _series(light.level, 3, clocks)}
 
 
+# --- the style of every page --------------------------------------------------------------------
+
+
 def page_style() -> str:
     """Return the stylesheet, in the light, dark or contrast that the reader's system asks for.
 
@@ -217,6 +223,9 @@ def _root(palette: Palette) -> str:
 
 def _for(medium: str, palette: Palette) -> str:
     return f"@media {medium} {{ {_root(palette)} }}"
+
+
+# --- the page -----------------------------------------------------------------------------------
 
 
 PAGE = files("pirate_sm.views.report") / "page"

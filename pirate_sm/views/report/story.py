@@ -11,6 +11,8 @@ from pirate_sm.core.spelling import listed
 from pirate_sm.views.report.contents import Sentence
 from pirate_sm.views.report.timeline import operator_action
 
+# --- phrases ------------------------------------------------------------------------------------
+
 
 def seconds(duration_s: float) -> str:
     """Return a duration in words: ``0.52 s``, ``12.3 s``, ``4 min 05 s``."""
@@ -33,6 +35,9 @@ def sentence(text: str) -> str:
 def full_stop(text: str) -> str:
     """Return the text with a full stop, unless it ends a sentence already."""
     return text if text.endswith((".", "!", "?", "…")) else f"{text}."
+
+
+# --- the summary --------------------------------------------------------------------------------
 
 
 class RunEnding(NamedTuple):
@@ -118,6 +123,9 @@ def _lower(text: str) -> str:
     """Return the text as it stands inside a sentence; an acronym keeps its capitals."""
     plain = text.rstrip(".")
     return plain if plain[1:2].isupper() else plain[:1].lower() + plain[1:]
+
+
+# --- the story ----------------------------------------------------------------------------------
 
 
 _WORTH_TELLING_S = 0.2

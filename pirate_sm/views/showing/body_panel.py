@@ -24,6 +24,9 @@ from pirate_sm.views.showing.text_styles import (
     line,
 )
 
+# --- joints and wheels --------------------------------------------------------------------------
+
+
 _BARS = " ▁▂▃▄▅▆▇█"
 _NEAR, _HIGH = 0.8, 0.95
 """Shares of a limit from which on a value is marked."""
@@ -206,6 +209,9 @@ def _in_cells(cells: Sequence[tuple[str, str]], width: int) -> list[Text]:
     for each in lines:
         each.rstrip()
     return lines
+
+
+# --- motors -------------------------------------------------------------------------------------
 
 
 _TEXT = 40

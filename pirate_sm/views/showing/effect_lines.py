@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from pirate_sm.robot.backends.serial.link.health import LinkHealth
 
 
+# --- effects ------------------------------------------------------------------------------------
+
+
 class EffectLine(NamedTuple):
     """One line: what it is about in a word, and what there is to say."""
 
@@ -168,6 +171,9 @@ def shortened(names: Sequence[str]) -> list[str]:
     endings = zip(*map(reversed, names), strict=False)
     shared = sum(1 for _ in takewhile(lambda letters: len(set(letters)) == 1, endings))
     return [name[: len(name) - shared] or name for name in names]
+
+
+# --- the robot that is left ---------------------------------------------------------------------
 
 
 def left_state(

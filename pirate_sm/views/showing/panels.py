@@ -33,6 +33,8 @@ from pirate_sm.views.showing.text_styles import (
     line,
 )
 
+# --- what is under way --------------------------------------------------------------------------
+
 
 def moving(snapshot: Snapshot, width: int) -> list[Text]:
     """Return the command under way and its time; nothing while there is none."""
@@ -89,6 +91,9 @@ def bar(spent_s: float, limit_s: float, width: int) -> Text:
     room = max(width - len(text) - 2, 4)
     full = round(room * min(1.0, max(0.0, spent_s / limit_s))) if limit_s else room
     return line("  ", ("━" * full, ACCENT), ("─" * (room - full), MUTED), text)
+
+
+# --- panels -------------------------------------------------------------------------------------
 
 
 TOPICS = {"fault": BAD, "error": BAD, "warning": WARN, "detected": GOOD, "ended": STRONG}

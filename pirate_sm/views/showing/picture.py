@@ -33,6 +33,9 @@ from pirate_sm.views.showing.robot_anatomy import Anatomy
 from pirate_sm.views.showing.snapshot import MissionScene, Snapshot
 from pirate_sm.views.showing.text_styles import ago
 
+# --- where the parts are ------------------------------------------------------------------------
+
+
 SIDES = "AB~"
 """The walls; the last one is beside the plane in which the part of a wheel lies."""
 
@@ -258,6 +261,9 @@ def _told(route: Route, joint: RouteJoint) -> str:
         return joint.kind
     towards = arrow(clock_rad(route, joint.arc_m - joint.before_m, joint.towards_rad))
     return f"{joint.kind} {towards}" if joint.turn_rad else f"{joint.kind} {towards} past"
+
+
+# --- the picture --------------------------------------------------------------------------------
 
 
 WALL, TOUCH, BODY, HELD = "wall", "touch", "body", "held"

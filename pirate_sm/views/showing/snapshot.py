@@ -23,6 +23,9 @@ if TYPE_CHECKING:
     from pirate_sm.robot.backends.serial.link.health import LinkHealth
 
 
+# --- what has happened so far -------------------------------------------------------------------
+
+
 _KEPT = 300
 
 ENDED = "ended"
@@ -194,6 +197,9 @@ class Memory:
             self._note(spent_s={**spent_s, name: spent_s.get(name, 0.0) + now_s - since_s})
 
 
+# --- one moment ---------------------------------------------------------------------------------
+
+
 @dataclass(frozen=True)
 class MissionScene:
     """What stays the same while one mission is at hand.
@@ -356,6 +362,9 @@ class Snapshot:
         """Return what the odometer has counted in this run; NaN where unknown."""
         place = self.scene.robot.odometry
         return nan if self.state is None or place < 0 else self.state.sensing.numbers[place]
+
+
+# --- moments of a run that goes on --------------------------------------------------------------
 
 
 TREND_EVERY_S = 0.5

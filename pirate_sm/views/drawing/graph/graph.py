@@ -15,6 +15,8 @@ from pirate_sm.core.loading import ChartOutline, ChartTransition
 from pirate_sm.core.pipe import Elbow, Mitre, Pipe, PipeRun, Reducer, Segment, Straight
 from pirate_sm.views.drawing.words import wrapped
 
+# --- graphs -------------------------------------------------------------------------------------
+
 
 class NodeKind(StrEnum):
     """The meaning of a node."""
@@ -145,6 +147,9 @@ class GraphError(PirateError):
     """Is raised for an inconsistent graph, which is an internal error."""
 
 
+# --- charts -------------------------------------------------------------------------------------
+
+
 START = "(start)"
 LONGEST_GUARD = 24
 """Guards up to this length are written out; longer ones become a note."""
@@ -207,6 +212,9 @@ def _transition(transition: ChartTransition, marks: dict[str, GraphNote]) -> Edg
             short = marks.setdefault(guard, GraphNote(f"guard {len(marks) + 1}", guard)).mark
         label = f"{transition.event} [{short}]"
     return Edge(transition.source, transition.target, EdgeKind.TRIGGER, label, tooltip)
+
+
+# --- pipes --------------------------------------------------------------------------------------
 
 
 _PIPE = "pipe"

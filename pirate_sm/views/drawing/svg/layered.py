@@ -24,6 +24,9 @@ from pirate_sm.views.drawing.svg.ranks import (
     turned,
 )
 
+# --- x coordinates ------------------------------------------------------------------------------
+
+
 ROUNDS = 40
 STRAIGHTENINGS = 12
 SNAP = 14.0
@@ -169,6 +172,9 @@ class _Rows:
                 self.x[right] - self.vertices[right].left - self.gap - self.vertices[vertex].right
             )
         return low, max(low, high)
+
+
+# --- stages -------------------------------------------------------------------------------------
 
 
 GAP = 22.0

@@ -9,6 +9,9 @@ from bisect import bisect_right, insort
 from collections.abc import Sequence
 from dataclasses import dataclass
 
+# --- input and result ---------------------------------------------------------------------------
+
+
 Point = tuple[float, float]
 
 
@@ -66,6 +69,9 @@ class GraphLayout:
     size: Size
     corners: tuple[Point, ...]
     routes: tuple[EdgeRoute, ...]
+
+
+# --- ranks --------------------------------------------------------------------------------------
 
 
 def turned(count: int, links: Sequence[LayoutLink]) -> tuple[bool, ...]:
@@ -142,6 +148,9 @@ def _sorted(count: int, pairs: Sequence[tuple[int, int, int, int]]) -> list[int]
             if not missing[lower]:
                 order.append(lower)
     return order
+
+
+# --- the order on each rank ---------------------------------------------------------------------
 
 
 SWEEPS = 24
